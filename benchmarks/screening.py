@@ -14,6 +14,7 @@ os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 import platform
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -111,7 +112,7 @@ def rows(name: str) -> Iterator[str]:
     alone = least_ms(lambda: [single_figures(design) for design in variations(name, 5)], 5) / 5.0
     for count in COUNTS:
         designs = variations(name, count)
-        together = least_ms(lambda designs=designs: screened(designs), 5 if count < 1000 else 2) / count  # type: ignore[misc]
+        together = least_ms(partial(screened, designs), 5 if count < 1000 else 2) / count
         sure: dict[int, object] = {}
         computed_together(designs[:100], screen.COUNTS, sure.update)
         assert len(sure) == len(designs[:100])

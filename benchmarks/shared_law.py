@@ -14,36 +14,41 @@ from ncgear.optimum.makeable.search import kept, searched
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Task
 
+HAIR = 1e-7
+"""Room of each held coefficient, so that the angle of the turn, an equation, closes by the finer places too."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HeldProgramme(Programme):
-    """A programme of two pairs in which the coefficients of i12 are held as they are, shape (2 harmonics,)."""
+    """A programme of two pairs in which the coefficients of i12 are held as they are, shape (knots,)."""
 
     held: Array
 
     def coefficient_bounds(self, size: int) -> tuple[Array, Array]:
         lowest, highest = super().coefficient_bounds(size)
-        lowest[: self.held.size] = highest[: self.held.size] = self.held
+        lowest[: self.held.size], highest[: self.held.size] = self.held - HAIR, self.held + HAIR
         return lowest, highest
 
 
-def shared_law(task: Task, wishes: Wishes, cosine: Array, sine: Array) -> MakeableLaw:
+def shared_law(task: Task, wishes: Wishes, ratio: Array) -> MakeableLaw:
     """A law as it stands, shared over two pairs so that the larger pressure angle is least.
 
-    Coefficients of ln i12 have shape (wishes.harmonics,). Only those wishes count that concern each pair. Raises
-    NoSuchMechanism where no share keeps them.
+    Ratios i12 at even driven angles have shape (n,), which gives the second pair n knots. Only those wishes count that
+    concern each pair. Raises NoSuchMechanism where no share keeps them.
     """
-    search = searched(task, replace(wishes, limits=replace(wishes.limits, working_rad=None)))
+    search = searched(task, replace(wishes, motion=(), knots=ratio.size))
     named = [(level.of_pairs, level.wish == "pressure_angle_deg") for level in search.programme.levels]
     of_pairs, angle = np.array(named).T
-    whole = np.concatenate([cosine, sine])
+    programme = search.programme
+    start = np.concatenate([programme.knots.coefficients(np.log(ratio)) * share for share in (1.0, 0.5)])
+    whole = programme.inside(start)[: ratio.size]
     split = replace(
         search,
-        programme=HeldProgramme(**vars(search.programme), held=whole),
+        programme=HeldProgramme(**vars(programme), held=whole),
         caps=np.where(of_pairs, search.caps, np.inf),
         weights=angle.astype(float),
     )
-    found = kept(split, np.concatenate([whole, whole / 2.0]))
+    found = kept(split, start)
     if found is None:
         raise NoSuchMechanism("no share of the law keeps the limits of both pairs", key="optimize.limits")
     return law_of(split, found)

@@ -18,6 +18,7 @@ from ncgear.dynamics.pair_places import PairPlaces
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.periodic_table import PeriodicTable
 
 Array = np.ndarray
@@ -97,7 +98,7 @@ def even_load(inertia_kg_mm2: float, torque_n_mm: float) -> CrankLoad:
 
 def slider_load(force_n: tuple[float, ...] = (500.0,), masses: RodMasses = MASSES) -> CrankLoad:
     """A small crank-slider against a polynomial resistance."""
-    return crank_load(LINKAGE, masses, PolynomialResistance(force_n))
+    return crank_load(LINKAGE, masses, SliderLoad(PolynomialResistance(force_n)))
 
 
 def mechanism(found: Meshing, load: CrankLoad, drive: DriveLine | None = None) -> ToothedMachine:

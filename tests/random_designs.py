@@ -290,7 +290,7 @@ def designs(draw: Draw, teeth: tuple[int, int] = (6, 60)) -> Data:
         group(
             resistance=at_times(resistances, 2),
             comparison=at_times(group(published=st.lists(published, min_size=1, max_size=2)), 8),
-            optimize=at_times(group(harmonics=st.integers(2, 60), limits=group(peak_power_w=number(1.0, 9e3))), 8),
+            optimize=at_times(group(knots=st.integers(12, 720), limits=group(peak_power_w=number(1.0, 9e3))), 8),
             output=at_times(group(chord_tolerance_mm=st.sampled_from([0.002, 0.01, 0.05, 0.2])), 2),
         )
     )

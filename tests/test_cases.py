@@ -22,7 +22,7 @@ PAGE = (ROOT / "docs" / "hard-cases.md").read_text(encoding="utf-8")
 ALL = {case.name: case for case in cases()}
 MADE = [name for name in ALL if name not in REFUSED]
 
-SLOW = {LawName.THREE_SEGMENT_STROKE, LawName.HARMONIC_RATIO, LawName.TABLE}
+SLOW = {LawName.THREE_SEGMENT_STROKE, LawName.HARMONIC_RATIO, LawName.SPLINE_RATIO, LawName.TABLE}
 """Laws whose reference takes seconds, and which the cases judge as well."""
 
 

@@ -15,6 +15,7 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import CrankPace
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance, TableResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.jet import Jet
 
 WEIGHT = replace(MASSES, gravity_m_s2=(1.3, -9.81))
@@ -29,18 +30,18 @@ def test_torque_of_any_motion_is_that_of_the_joint_forces(linkage: CrankSlider) 
     resisting = np.where(angle < linkage.working_angle_rad, RESISTANCE.force_n(slide), 0.0)
     pace = CrankPace(speed, acceleration)
     expected = linkage.joint_forces(Jet.variable(angle, 2), WEIGHT, pace, resisting).torque_n_mm
-    found = crank_load(linkage, WEIGHT, RESISTANCE).torque_n_mm(angle, speed, acceleration)
+    found = crank_load(linkage, WEIGHT, SliderLoad(RESISTANCE)).torque_n_mm(angle, speed, acceleration)
     assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()
 
 
 def test_a_narrow_peak_of_the_resistance_is_in_the_table() -> None:
     """A thousandth of an even interval wide; a smooth resistance has no narrow stretch."""
     peak = TableResistance((0.0, 33.1, 33.1001, 33.1002, 120.0), (50.0, 50.0, 5e4, 50.0, 50.0))
-    load = crank_load(LINKAGE, MASSES, peak)
+    load = crank_load(LINKAGE, MASSES, SliderLoad(peak))
     (start, end, way), *others = load.narrow_rad
     assert not others
     angle = np.linspace(start, end, 1000)
-    inside = np.linspace(*crank_angles_rad(LINKAGE, np.array([33.1, 33.1002])), 400)
+    inside = np.linspace(*crank_angles_rad(LINKAGE, np.array([33.1, 33.1002]), returning=False), 400)
     assert start < inside[0] < inside[-1] < end
     assert way < (inside[-1] - inside[0])
     for places in (angle, inside):
@@ -48,13 +49,13 @@ def test_a_narrow_peak_of_the_resistance_is_in_the_table() -> None:
         expected = peak.force_n(slide.value) * slide.derivative(1)
         still = np.zeros_like(places)
         np.testing.assert_allclose(load.torque_n_mm(places, still, still), expected, atol=1e-4 * expected.max())
-    assert crank_load(LINKAGE, MASSES, RESISTANCE).narrow_rad.shape == (0, 3)
+    assert crank_load(LINKAGE, MASSES, SliderLoad(RESISTANCE)).narrow_rad.shape == (0, 3)
 
 
 def test_a_resistance_that_begins_with_a_kink_takes_no_more_knots() -> None:
     """The baler's, negative below 33.7 mm: its table is the one of evenly spaced knots."""
     baler = PolynomialResistance((-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7))
-    assert crank_load(CrankSlider(380.0, 960.0), MASSES, baler).table.breaks.size == INTERVALS + 1
+    assert crank_load(CrankSlider(380.0, 960.0), MASSES, SliderLoad(baler)).table.breaks.size == INTERVALS + 1
 
 
 def test_acceleration_undoes_torque() -> None:
@@ -65,7 +66,7 @@ def test_acceleration_undoes_torque() -> None:
 
 
 def test_a_turn_costs_the_work_of_the_resistance_and_no_work_of_the_weights() -> None:
-    load = crank_load(LINKAGE, WEIGHT, RESISTANCE)
+    load = crank_load(LINKAGE, WEIGHT, SliderLoad(RESISTANCE))
     ends = load.energy_n_mm(np.array([0.0, 2.0 * pi, 8.0 * pi]), np.full(3, 3.0))
     work = float(RESISTANCE.work_n_mm(np.array([LINKAGE.stroke_mm]), LINKAGE.stroke_mm)[0])
     np.testing.assert_allclose(np.diff(ends), [work, 3.0 * work], rtol=1e-13)

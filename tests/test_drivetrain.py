@@ -609,5 +609,5 @@ def test_the_keys_know_the_steels() -> None:
 
 
 def test_the_design_has_the_law_of_the_one_without() -> None:
-    ours, other = (drive(name).design.motion for name in (DESIGN, "baler-half"))
+    ours, other = (drive(name).design.motion for name in (DESIGN, "baler-half-dynamics"))
     assert ours == other

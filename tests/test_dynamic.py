@@ -44,6 +44,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Mesh
@@ -320,7 +321,7 @@ def test_dead_centres_end_legs() -> None:
 def test_pushing_flanks_bear_nothing_where_they_are_told_apart() -> None:
     """Zero in every interval of lost contact; and whatever they bear is outside of these."""
     out = run(mechanism(meshing("sine", 31, backlash_mm=0.2), slider_load((0.0,))), "sine", 0.6)
-    machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((0.0,)), SPEED), MASSES, PLACE)
+    machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, SliderLoad(), SPEED), MASSES, PLACE)
     shown = history(out, machine, even_times_s(out))
     lost = pushing_parted_s(out)
     assert len(lost) >= 1
@@ -332,7 +333,7 @@ def test_pushing_flanks_bear_nothing_where_they_are_told_apart() -> None:
 
 @pytest.mark.slow
 def test_a_history_is_the_motion_beside_its_law() -> None:
-    machine = Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED)
+    machine = Machine(LAWS["sine"](), LINKAGE, SliderLoad(PolynomialResistance((500.0,))), SPEED)
     out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.5)
     shown = history(out, RigidMachine(machine, MASSES, PLACE), even_times_s(out, 2000))
     np.testing.assert_allclose(shown.law.velocity_mm_s, machine.motion(shown.phi1_rad).velocity_mm_s, atol=1e-9)
@@ -349,7 +350,9 @@ def test_a_history_is_the_motion_beside_its_law() -> None:
 @pytest.mark.slow
 def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None:
     """The torque asked of the crank shaft is what the teeth bring, though the motion came from Lagrange's equation."""
-    machine = RigidMachine(Machine(LAWS["sine"](), LINKAGE, PolynomialResistance((500.0,)), SPEED), MASSES, PLACE)
+    machine = RigidMachine(
+        Machine(LAWS["sine"](), LINKAGE, SliderLoad(PolynomialResistance((500.0,))), SPEED), MASSES, PLACE
+    )
     out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.15)
     shown = history(out, machine, even_times_s(out))
     brought = out.machine.answer(out.at(shown.time_s)).teeth.driven_n_mm.sum(axis=-1)

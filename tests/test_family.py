@@ -11,10 +11,9 @@ import pytest
 from scipy.optimize import brentq
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.kinematics.check import work_per_stroke_j
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import shares
 from ncgear.optimum.family import (
@@ -228,7 +227,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
 @pytest.mark.tiers(thorough=["in line"], rest="slow")
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
-    family = Family(linkage, PolynomialResistance(), OMEGA, True)
+    family = Family(linkage, SliderLoad(), OMEGA, True)
     optimum = best_of_family(family, Peak.ACCELERATION, 1.0, starts=6)
     assert optimum.peak(Peak.POWER) == 0.0
     without = best_of_family(family, Peak.ACCELERATION, inf, starts=6)
@@ -238,7 +237,7 @@ def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
 @pytest.mark.slow
 def test_a_cap_out_of_reach_is_refused_with_what_is_in_reach() -> None:
     """The work of a stroke in a whole cycle is a power no law goes below."""
-    mean_w = work_per_stroke_j(PRESS, 760.0)
+    mean_w = PRESS.cycle_work_n_mm(760.0) / 1000.0
     with pytest.raises(NoSuchMechanism, match=r"power of \d+ or less; the least found is (\d+)") as caught:
         best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, True), Peak.ACCELERATION, float(round(mean_w)), starts=4)
     assert float(caught.value.problem.split()[-1]) > mean_w

@@ -16,7 +16,8 @@ from scipy.special import iv
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.ratio.laws.harmonic import HarmonicLaw, closed_harmonics, harmonic_law
+from ncgear.ratio.laws.harmonic import closed_harmonics, harmonic_law
+from ncgear.ratio.laws.over_driven_angle import LogRatioLaw
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 
@@ -28,7 +29,7 @@ def law(cosine: list[float], sine: list[float], lobes: Lobes | None = None) -> T
     return harmonic_law(np.array(cosine), np.array(sine), lobes or Lobes())
 
 
-def log_constant(made: HarmonicLaw) -> float:
+def log_constant(made: LogRatioLaw) -> float:
     """c0 of ln i12, which closes the cycle."""
     return log(made.lobes.driven / made.lobes.driving) - log(made.integral.mean)
 

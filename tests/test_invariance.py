@@ -36,7 +36,7 @@ def dimensionless(drive: Drive) -> dict[str, float]:
     low, high = drive.transmission.ratio_range
     omega, check = drive.machine.speed_rad_s, drive.check
     speed = omega * drive.linkage.crank_mm
-    force = float(drive.machine.resistance.force_n(np.array([drive.linkage.stroke_mm]))[0]) or 1.0
+    force = float(drive.machine.load.working.force_n(np.array([drive.linkage.stroke_mm]))[0]) or 1.0
     return {
         "ratio min": low.value,
         "ratio max": high.value,

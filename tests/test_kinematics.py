@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, legendre
 
-from drives import drive
-from ncgear.kinematics.check import KinematicCheck, kinematic_check, peak_driving_power_w, work_per_stroke_j
+from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.resistance import PolynomialResistance, Resistance
+from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet
@@ -30,17 +30,15 @@ from test_laws import LAWS, law
 BALER_LAW = "stroke, e = 0"
 
 
-def machine(name: str, rpm: float, linkage: CrankSlider = BALER_LINKAGE, resistance: Resistance = PRESS) -> Machine:
+def machine(name: str, rpm: float, linkage: CrankSlider = BALER_LINKAGE, load: SliderLoad = PRESS) -> Machine:
     """A law of the list on a linkage."""
-    return Machine(law(name), linkage, resistance, rpm * RPM)
+    return Machine(law(name), linkage, load, rpm * RPM)
 
 
 @cache
-def check(
-    name: str, rpm: float, linkage: CrankSlider = BALER_LINKAGE, resistance: Resistance = PRESS
-) -> KinematicCheck:
+def check(name: str, rpm: float, linkage: CrankSlider = BALER_LINKAGE, load: SliderLoad = PRESS) -> KinematicCheck:
     """Its figures."""
-    return kinematic_check(machine(name, rpm, linkage, resistance))
+    return kinematic_check(machine(name, rpm, linkage, load))
 
 
 def test_uniform_crank_at_sixty() -> None:
@@ -195,8 +193,8 @@ def test_velocity_and_acceleration_are_derivatives_of_the_displacement(name: str
 def quadrature_of_power(of: Machine) -> float:
     """Mean power from Gauss-Legendre quadrature of the sampled power, piece by piece."""
     unit, weights = legendre.leggauss(24)
-    assert isinstance(of.resistance, PolynomialResistance)
-    zero = np.array([cross for cross in real_zeros(of.resistance) if 0.0 < cross < of.linkage.stroke_mm])
+    assert isinstance(of.load.working, PolynomialResistance)
+    zero = np.array([cross for cross in real_zeros(of.load.working) if 0.0 < cross < of.linkage.stroke_mm])
     candidates = np.array([*joints_of(of), of.extended_rad, *crossings(of, zero)])
     edges = np.unique(candidates[candidates <= of.extended_rad])
     total = 0.0
@@ -231,10 +229,10 @@ def crossings(of: Machine, displacements: Array) -> list[float]:
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", ["uniform", BALER_LAW, "ellipse 1:2", "displacement table"])
 def test_mean_power_is_the_work_in_the_cycle_time(name: str, linkage: str, keep: bool) -> None:
-    resistance = PolynomialResistance(FIT, keep_negative=keep)
-    of = machine(name, 30.0, LINKAGES[linkage], resistance)
+    load = SliderLoad(PolynomialResistance(FIT, keep_negative=keep))
+    of = machine(name, 30.0, LINKAGES[linkage], load)
     # Work does not depend on the law; quadrature of smooth parts is exact to rounding of some thousand products
-    mean = check(name, 30.0, LINKAGES[linkage], resistance).mean_power_w
+    mean = check(name, 30.0, LINKAGES[linkage], load).mean_power_w
     assert quadrature_of_power(of) == pytest.approx(mean, rel=1e-10)
 
 
@@ -242,13 +240,15 @@ def test_work_with_negative_resistance_kept_or_taken_as_zero() -> None:
     """The fit crosses zero near 34 mm: kept, its antiderivative over the stroke; clamped, without the negative part."""
     fit = Polynomial(FIT)
     whole = float(fit.integ()(760.0)) / 1000.0
-    crossing = min(zero for zero in real_zeros(PRESS) if zero > 0.0)
+    crossing = min(zero for zero in real_zeros(PRESS.working) if zero > 0.0)
     assert sum(c * crossing**k for k, c in enumerate(FIT)) == pytest.approx(0.0, abs=1e-10)
     assert 33.0 < crossing < 34.0  # by hand: F(33) = -2.7 N, F(34) = 1.3 N
     negative = float(fit.integ()(crossing)) / 1000.0
     assert negative < 0.0
-    assert work_per_stroke_j(PolynomialResistance(FIT, keep_negative=True), 760.0) == pytest.approx(whole, rel=1e-14)
-    clamped = work_per_stroke_j(PRESS, 760.0)
+    assert SliderLoad(PolynomialResistance(FIT, keep_negative=True)).cycle_work_n_mm(760.0) / 1e3 == pytest.approx(
+        whole, rel=1e-14
+    )
+    clamped = PRESS.cycle_work_n_mm(760.0) / 1e3
     assert clamped >= whole - negative - 1e-9
     samples = np.linspace(0.0, 760.0, 400001)
     trapezoid = float(np.trapezoid(np.maximum(fit(samples), 0.0), samples)) / 1000.0
@@ -260,11 +260,13 @@ def test_work_with_negative_resistance_kept_or_taken_as_zero() -> None:
     ("coefficients", "keep", "work"), [((400.0,), False, 24.0), ((-400.0,), False, 0.0), ((-400.0,), True, -24.0)]
 )
 def test_work_of_constant_resistance(coefficients: tuple[float, ...], keep: bool, work: float) -> None:
-    assert work_per_stroke_j(PolynomialResistance(coefficients, keep), 60.0) == pytest.approx(work, rel=1e-15)
+    assert SliderLoad(PolynomialResistance(coefficients, keep)).cycle_work_n_mm(60.0) == pytest.approx(
+        1e3 * work, rel=1e-15
+    )
 
 
 def test_no_resistance_needs_no_power() -> None:
-    found = check("uniform", 60.0, BALER_LINKAGE, PolynomialResistance())
+    found = check("uniform", 60.0, BALER_LINKAGE, SliderLoad())
     assert found.peak_power_w.value == found.mean_power_w == 0.0
 
 
@@ -306,7 +308,7 @@ def test_one_lobe_on_two_makes_one_stroke_in_two_turns() -> None:
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("linkage", LINKAGES)
 def test_working_stroke_is_where_the_slider_advances(name: str, linkage: str) -> None:
-    of = machine(name, 30.0, LINKAGES[linkage], PolynomialResistance((100.0,)))
+    of = machine(name, 30.0, LINKAGES[linkage], SliderLoad(PolynomialResistance((100.0,))))
     phi1 = np.linspace(0.0, of.transmission.cycle_rad, 1999)[1:-1]
     motion = of.motion(phi1)
     clear = np.abs(phi1 - of.extended_rad) > 1e-9
@@ -347,7 +349,7 @@ def test_a_peak_that_is_a_thousandth_of_the_cycle_wide_is_found() -> None:
 @pytest.mark.parametrize("astray", [0.0, 1e-15])
 def test_a_stroke_begins_at_its_dead_centre(name: str, astray: float) -> None:
     """Though the law's angle is a rounding error before it; the force is in the tables' first and last row."""
-    of = machine(name, 30.0, resistance=PolynomialResistance((400.0,)))
+    of = machine(name, 30.0, load=SliderLoad(PolynomialResistance((400.0,))))
     ends = np.array([0.0, of.linkage.working_angle_rad, 2.0 * pi])
     assert of.working(ends - astray).tolist() == [True, False, True]
     assert of.motion(np.array([0.0, of.transmission.cycle_rad])).force_n.tolist() == [400.0, 400.0]
@@ -362,25 +364,5 @@ def test_a_law_that_begins_a_rounding_error_early_meets_its_force() -> None:
     )
     pump = replace(exact, pieces=early)
     assert pump.driven_angle(np.zeros(1)).value[0] < 0.0
-    of = Machine(pump, CrankSlider(30.0, 120.0), PolynomialResistance((400.0,)), 1.0)
+    of = Machine(pump, CrankSlider(30.0, 120.0), SliderLoad(PolynomialResistance((400.0,))), 1.0)
     assert of.motion(np.zeros(1)).force_n[0] == 400.0
-
-
-@pytest.mark.parametrize(
-    ("name", "mass_kg", "power_w"),
-    [
-        ("baler-66", 50.0, 7165.0),
-        ("baler-66", 150.0, 21339.0),
-        ("baler-half", 150.0, 9319.0),
-        ("baler-smooth", 50.0, 18222.0),
-        ("baler-smooth", 150.0, 17229.0),
-    ],
-)
-def test_the_power_with_a_mass_on_the_slider(name: str, mass_kg: float, power_w: float) -> None:
-    """Figures computed by another program, with all digits that it printed."""
-    assert peak_driving_power_w(drive(name).machine, mass_kg).value == pytest.approx(power_w, abs=0.51)
-
-
-def test_the_power_without_a_mass_is_that_of_the_check() -> None:
-    found = drive("baler")
-    assert peak_driving_power_w(found.machine, 0.0).value == pytest.approx(found.check.peak_power_w.value, rel=1e-12)

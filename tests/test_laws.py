@@ -22,6 +22,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
 from ncgear.ratio.laws.harmonic import harmonic_law
+from ncgear.ratio.laws.spline import spline_ratio_law
 from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 from ncgear.ratio.laws.three_segment import stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
@@ -95,6 +96,13 @@ def ratio_table(count: int, lobes: Lobes | None = None) -> Transmission:
     return ratio_table_law(phi1, 1.0 + 0.3 * np.cos(lobes.driving * phi1), lobes, scale_to_close=True)
 
 
+def spline_of(count: int, lobes: Lobes | None = None) -> Transmission:
+    """A spline through points of a wave at uneven driven angles."""
+    angles = 2.0 * pi / count * (np.arange(count) + 0.4 * np.sin(np.arange(count)))
+    ratio = np.exp(0.15 * np.cos(angles) + 0.05 * np.sin(2.0 * angles))
+    return spline_ratio_law(angles, ratio, lobes or Lobes())
+
+
 LAWS: dict[str, Callable[[], Transmission]] = {
     "uniform": lambda: uniform_law(Lobes()),
     "uniform 2:1": lambda: uniform_law(Lobes(2, 1)),
@@ -115,6 +123,11 @@ LAWS: dict[str, Callable[[], Transmission]] = {
     "harmonics": lambda: harmonic_law(np.array([-0.4, 0.2, 0.0, 0.05]), np.array([0.3, -0.1]), Lobes()),
     "harmonics 2:3": lambda: harmonic_law(np.array([0.1, 0.02]), np.array([0.05]), Lobes(2, 3)),
     "strong harmonic": lambda: harmonic_law(np.array([1.0]), np.array([0.0, 0.3]), Lobes()),
+    "spline": lambda: spline_of(24),
+    "spline 2:3": lambda: spline_of(17, Lobes(2, 3)),
+    "steep spline": lambda: spline_ratio_law(
+        np.array([0.0, 1.0, 1.7, 2.9, 4.0, 5.1]), np.exp([0.0, 0.8, -0.5, 1.0, 0.1, -0.3]), Lobes()
+    ),
     "displacement table": lambda: displacement_table(12),
     "displacement table 2:1": doubled_table,
     "ratio table": lambda: ratio_table(30),

@@ -10,33 +10,52 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
+from ncgear.kinematics.wishes import WorkingStroke
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
+from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, TableResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.limit import Weights, least_acceleration, least_power, least_weighted_sum
+from ncgear.optimum.certified.limit import Motion
+from ncgear.optimum.makeable.demanded import certified_limit
 from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
-from ncgear.optimum.makeable.reached import grid, lengths, ratios, stations
-from ncgear.optimum.makeable.search import random_starts, rough_start, scales, searched
+from ncgear.optimum.makeable.places import cell_ends, places
+from ncgear.optimum.makeable.reached import Judged
+from ncgear.optimum.makeable.reached import ratios as ratios_at
+from ncgear.optimum.makeable.search import scales
+from ncgear.optimum.makeable.spline import even_knots
 from ncgear.optimum.makeable.wishes import Goal, Wishes, levels
-from ncgear.optimum.task import Figures, Limits, Task, figures
-from ncgear.ratio.laws.harmonic import harmonic_law
+from ncgear.optimum.task import Figures, Limits, Prices, Task, figures
+from ncgear.ratio.laws.spline import spline_ratio_law
 from ncgear.ratio.transmission import Lobes
 from published import AT_SIXTY, BALER_LINKAGE, FIT, OFFSET, PRESS, RPM, USUAL
 
-HALF = Wishes(replace(USUAL, peak_power_w=9375.0), harmonics=8)
+HALF = Wishes(replace(USUAL, peak_power_w=9375.0), knots=36)
 ROUNDING = 1.0 + 1e-7
 
 
 @cache
 def law(wishes: Wishes, task: Task = AT_SIXTY) -> MakeableLaw:
-    return makeable_law(task, wishes, [start(wishes, task)])
+    return makeable_law(task, wishes, wavy(1))
 
 
-def start(wishes: Wishes, task: Task = AT_SIXTY) -> Array:
-    allowed = wishes.limits.peak_acceleration_mm_s2
-    return rough_start(task, wishes, allowed or least_acceleration(task, wishes.limits).attained)
+def even(task: Task) -> Motion:
+    """The crank turns evenly: a start that knows nothing of the machine."""
+    return Motion(np.array([0.0, pi]), np.full(2, 2.0 * pi / task.cycle_rad))
+
+
+def wavy(seed: int) -> Motion:
+    """A motion at random, its ratio between 0.4 and 2.5."""
+    angle = np.linspace(0.0, 2.0 * pi, 12, endpoint=False)
+    return Motion(angle, np.exp(np.random.default_rng(seed).uniform(-0.9, 0.9, angle.size)))
+
+
+@cache
+def limit(wishes: Wishes, task: Task = AT_SIXTY) -> float:
+    """The certified limit of the goal, in its unit."""
+    bound = certified_limit(task, wishes)
+    assert bound is not None
+    return bound.value
 
 
 @cache
@@ -47,7 +66,8 @@ def judged(wishes: Wishes, task: Task = AT_SIXTY) -> Figures:
 
 def machine(wishes: Wishes, task: Task = AT_SIXTY) -> Machine:
     found = law(wishes, task)
-    return Machine(harmonic_law(found.cosine, found.sine, task.lobes), task.linkage, task.resistance, task.speed_rad_s)
+    whole = found.train(task.lobes).whole
+    return Machine(whole, task.linkage, task.load, task.speed_rad_s)
 
 
 def peak_jerk(wishes: Wishes) -> float:
@@ -56,9 +76,10 @@ def peak_jerk(wishes: Wishes) -> float:
     return float(np.abs(displacement.derivative(3)).max()) * AT_SIXTY.speed_rad_s**3
 
 
-def peak_moving_power(wishes: Wishes, mass_kg: float) -> float:
-    motion = machine(wishes).motion(np.linspace(0.0, 2.0 * pi, 40_001))
-    inertia = mass_kg * motion.acceleration_mm_s2 * motion.velocity_mm_s * 1e-6
+def peak_moving_power(wishes: Wishes, task: Task) -> float:
+    """With the slider's mass alone, of dense samples."""
+    motion = machine(wishes, task).motion(np.linspace(0.0, 2.0 * pi, 40_001))
+    inertia = task.moving.slider_kg * motion.acceleration_mm_s2 * motion.velocity_mm_s * 1e-6
     return float((motion.power_w + inertia).max())
 
 
@@ -75,21 +96,27 @@ KEPT: dict[str, Wishes] = {
     "curvature of dents": replace(HALF, curvature_turns=4.0 * pi, convex=False),
     "jerk": replace(HALF, limits=replace(USUAL, peak_power_w=14_000.0), peak_jerk_mm_s3=170_000.0),
     "driven speed": replace(HALF, limits=replace(USUAL, peak_power_w=10_000.0), driven_speed_rad_s=80.0 * RPM),
-    "working stroke": replace(HALF, limits=replace(USUAL, peak_power_w=12_000.0, working_rad=3.5)),
-    "mass": replace(HALF, limits=replace(USUAL, peak_power_w=12_000.0, mass_kg=60.0)),
-    "not convex": replace(HALF, convex=False, limits=replace(USUAL, peak_power_w=6_300.0), harmonics=12),
+    "working stroke": replace(
+        HALF,
+        limits=replace(USUAL, peak_power_w=12_000.0),
+        motion=(WorkingStroke(key="wishes.working_stroke", angle_rad=3.5),),
+    ),
+    "mass": replace(HALF, limits=replace(USUAL, peak_power_w=12_000.0)),
+    "not convex": replace(HALF, convex=False, limits=replace(USUAL, peak_power_w=6_300.0)),
 }
+HEAVY = replace(AT_SIXTY, masses=BALER_LINKAGE.MASSES(slider_kg=60.0))
 
 
-@pytest.mark.tiers(thorough=["not convex"], rest="slow")
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in ("mass", "not convex") else pytest.mark.slow) for name in KEPT]
-)
+def task_of(name: str) -> Task:
+    return HEAVY if name == "mass" else AT_SIXTY
+
+
+@pytest.mark.tiers(quick=["power", "not convex"], rest="thorough")
+@pytest.mark.parametrize("name", KEPT)
 def test_every_limit_is_kept_by_exact_figures(name: str) -> None:
-    wishes = KEPT[name]
-    found, limits = judged(wishes), wishes.limits
-    if limits.peak_power_w and not limits.mass_kg:
-        assert found.peak_power_w <= limits.peak_power_w * ROUNDING
+    wishes, task = KEPT[name], task_of(name)
+    found, limits = judged(wishes, task), wishes.limits
+    assert found.peak_power_w <= (limits.peak_power_w or np.inf) * ROUNDING
     assert found.peak_acceleration_mm_s2 <= (limits.peak_acceleration_mm_s2 or np.inf) * ROUNDING
     assert limits.ratio_min <= found.ratio_min * ROUNDING
     assert found.ratio_max <= limits.ratio_max * ROUNDING
@@ -97,14 +124,16 @@ def test_every_limit_is_kept_by_exact_figures(name: str) -> None:
     assert found.convex or not wishes.convex
     assert found.curvature_turns <= (wishes.curvature_turns or np.inf) * ROUNDING
     assert AT_SIXTY.speed_rad_s / found.ratio_min <= (wishes.driven_speed_rad_s or np.inf) * ROUNDING
-    assert peak_jerk(wishes) <= (wishes.peak_jerk_mm_s3 or np.inf) * ROUNDING
-    if limits.working_rad:
-        assert found.working_rad == pytest.approx(limits.working_rad, abs=1e-7)
-    if limits.mass_kg and limits.peak_power_w:
-        assert peak_moving_power(wishes, limits.mass_kg) <= limits.peak_power_w * ROUNDING
+    if wishes.peak_jerk_mm_s3:
+        assert peak_jerk(wishes) <= wishes.peak_jerk_mm_s3 * ROUNDING
+    for wish in wishes.motion:
+        assert isinstance(wish, WorkingStroke)
+        assert found.working_rad == pytest.approx(wish.angle_rad, abs=1e-7)
+    if task.masses is not None:
+        assert peak_moving_power(wishes, task) <= (limits.peak_power_w or np.inf) * ROUNDING
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_each_of_those_limits_binds() -> None:
     """Control of the test above: without its limit the same law would break it."""
     free = judged(HALF)
@@ -114,136 +143,157 @@ def test_each_of_those_limits_binds() -> None:
     assert AT_SIXTY.speed_rad_s / free.ratio_min > 80.0 * RPM
     assert abs(free.working_rad - 3.5) > 0.1
     assert peak_jerk(replace(HALF, limits=replace(USUAL, peak_power_w=14_000.0))) > 170_000.0
-    assert judged(KEPT["mass"]).peak_power_w > 12_000.0  # the mass, slowed down, presses along
+    slowed = replace(HEAVY, masses=None)  # the mass, slowed down, presses along
+    assert figures(slowed, law(KEPT["mass"], HEAVY).train(slowed.lobes)).peak_power_w > 12_000.0
     assert not judged(KEPT["not convex"]).convex
 
 
-@pytest.mark.tiers(thorough=["not convex", "ratio range", "power"], rest="slow")
+@pytest.mark.tiers(thorough=["pressure angle", "curvature of dents", "jerk", "mass", "not convex"], rest="slow")
 @pytest.mark.parametrize("name", KEPT)
 def test_no_law_is_under_the_certified_limit(name: str) -> None:
-    wishes = KEPT[name]
-    if wishes.goal is Goal.POWER:
-        bound, value = least_power(AT_SIXTY, wishes.limits), judged(wishes).peak_power_w
-    else:
-        bound, value = least_acceleration(AT_SIXTY, wishes.limits), judged(wishes).peak_acceleration_mm_s2
-    assert bound.value < value < 1.7 * bound.value
+    wishes, task = KEPT[name], task_of(name)
+    assert limit(wishes, task) < wishes.prices.of(judged(wishes, task)) < 1.7 * limit(wishes, task)
 
 
-def gain_nearby(wishes: Wishes, found: MakeableLaw) -> float:
-    """Relative gain to first order within all limits, no coefficient moved by over a thousandth: a linear programme."""
-    on = grid(stations(BALER_LINKAGE, PRESS, 720), wishes.harmonics)
-    wanted, slider = levels(wishes, scales(AT_SIXTY, on.stations)), on.stations.slider
+SMALL = 4e-3
+"""Largest change of ln i12 at a knot."""
 
-    def terms(coefficients: Array) -> Array:
-        """All sides of all levels at all places, one after the other."""
-        at = ratios(on, coefficients, AT_SIXTY.cycle_rad)
-        return np.concatenate([term for level in wanted for term in level.terms(at, slider, lengths(at))])
 
-    best = np.concatenate([found.cosine, found.sine])
-    values, moves = terms(best), 1e-6 * np.eye(best.size)
-    slopes = np.column_stack([(terms(best + move) - terms(best - move)) / 2e-6 for move in moves])
-    at = ratios(on, best, AT_SIXTY.cycle_rad)
-    owner = np.concatenate(
-        [np.full(len(level.terms(at, slider, [1.0])) * on.stations.count, k) for k, level in enumerate(wanted)]
-    )
+def gain_nearby(wishes: Wishes, found: MakeableLaw, task: Task = AT_SIXTY) -> float:
+    """Relative gain to first order within all limits, no ln i12 at a knot moved by over SMALL: a linear programme."""
+    knots = even_knots(wishes.knots)
+    on = places(task, cell_ends(task, knots.angle_rad, []), 20)
+    rows, wanted = knots.rows(on.angle_rad), levels(wishes, scales(task))
+
+    def terms(logarithm: Array) -> list[list[Array]]:
+        """All sides of all levels at all places."""
+        at = ratios_at(on, rows, knots.coefficients(logarithm), [task.cycle_rad])
+        judged = Judged(wanted, on, at)
+        return [[term + np.zeros(on.count) for term in level.terms(at, on.slider, judged.lengths)] for level in wanted]
+
+    def flat(logarithm: Array) -> Array:
+        return np.concatenate([term for terms_of in terms(logarithm) for term in terms_of])
+
+    best = np.log(found.ratio)
+    values, moves = flat(best), 1e-6 * np.eye(best.size)
+    slopes = np.column_stack([(flat(best + move) - flat(best - move)) / 2e-6 for move in moves])
+    owner = np.concatenate([np.full(on.count * len(sides), k) for k, sides in enumerate(terms(best))])
     (goal,) = (k for k, level in enumerate(wanted) if level.weight)
-    limits = np.array([np.inf if level.limit is None else level.limit for level in wanted])[owner]
+    limits = np.array([level.cap for level in wanted])[owner]
     capped, sought = np.isfinite(limits), owner == goal
-    rows = np.vstack(
-        [
-            np.hstack([slopes[capped], np.zeros((capped.sum(), 1))]),
-            np.hstack([slopes[sought], -np.ones((sought.sum(), 1))]),
-        ]
-    )
+    rows_of_limits = np.hstack([slopes[capped], np.zeros((capped.sum(), 1))])
+    rows_of_goal = np.hstack([slopes[sought], -np.ones((sought.sum(), 1))])
     room = np.concatenate([np.maximum(limits[capped] - values[capped], 0.0), -values[sought]])
     cost = np.append(np.zeros(best.size), 1.0)
-    answer = linprog(cost, rows, room, bounds=[(-1e-3, 1e-3)] * best.size + [(None, None)])
+    bounds = [(-SMALL, SMALL)] * best.size + [(None, None)]
+    answer = linprog(cost, np.vstack([rows_of_limits, rows_of_goal]), room, bounds=bounds)
     assert answer.success
     return 1.0 - float(answer.fun) / float(values[sought].max())
 
 
-@pytest.mark.tiers(thorough=["power", "jerk"], rest="slow")
-@pytest.mark.parametrize("name", ["power", "pressure angle", "curvature of dents", "mass", "jerk"])
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["power", "pressure angle", "curvature of dents", "jerk"])
 def test_no_small_change_improves_it(name: str) -> None:
     """But for what it costs to hold the limits between the places of the programme."""
-    assert -1e-9 < gain_nearby(KEPT[name], law(KEPT[name])) < 2e-3
+    wishes = replace(KEPT[name], knots=72)
+    assert -1e-9 < gain_nearby(wishes, law(wishes)) < 2e-3
 
 
 @pytest.mark.thorough
 def test_a_law_for_tighter_limits_is_improved_by_small_changes() -> None:
     """Negative control of the test above: a power of 4 % less is given back."""
-    tighter = replace(HALF, limits=replace(USUAL, peak_power_w=9_000.0))
-    assert gain_nearby(HALF, law(tighter)) > 6e-3
+    wishes = replace(HALF, knots=72)
+    tighter = replace(wishes, limits=replace(USUAL, peak_power_w=9_000.0))
+    assert gain_nearby(wishes, law(tighter)) > 4e-3
 
 
-@pytest.mark.slow
-def test_the_same_from_several_starts() -> None:
-    best = judged(HALF).peak_acceleration_mm_s2
-    for one in [np.zeros(16), *random_starts(8, 3, 1)]:
-        found = makeable_law(AT_SIXTY, HALF, [one])
-        again = figures(AT_SIXTY, found.train(AT_SIXTY.lobes)).peak_acceleration_mm_s2
-        assert again == pytest.approx(best, rel=1e-5)
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(3))
+def test_the_same_from_any_start(seed: int) -> None:
+    """The programme is not convex; starts at random end where the even one does."""
+    found = makeable_law(AT_SIXTY, HALF, wavy(seed))
+    again = figures(AT_SIXTY, found.train(AT_SIXTY.lobes)).peak_acceleration_mm_s2
+    assert again == pytest.approx(judged(HALF).peak_acceleration_mm_s2, rel=1e-5)
 
 
-@pytest.mark.slow
-def test_the_best_of_several_starts_is_taken() -> None:
-    both = makeable_law(AT_SIXTY, HALF, [np.zeros(16), start(HALF)])
-    each = [makeable_law(AT_SIXTY, HALF, [one]).goal for one in (np.zeros(16), start(HALF))]
-    assert both.goal == min(each)
-
-
-@pytest.mark.slow
-def test_more_harmonics_are_never_worse() -> None:
-    found = [judged(replace(HALF, harmonics=count)).peak_acceleration_mm_s2 for count in (4, 6, 8, 12)]
+@pytest.mark.thorough
+def test_knots_between_the_others_are_never_worse() -> None:
+    """Twice the knots hold every spline of the others."""
+    found = [judged(replace(HALF, knots=count)).peak_acceleration_mm_s2 for count in (12, 24, 48, 96)]
     assert found == sorted(found, reverse=True)
     assert found[-1] < 0.99 * found[0]
 
 
+@pytest.mark.tiers(quick=["24"], thorough=["12", "36", "48"], rest="slow")
+@pytest.mark.parametrize("count", [12, 24, 36, 48, 360, 720])
+def test_few_knots_and_many_keep_power_and_curves_exactly(count: int) -> None:
+    """Between few knots a judge with steps in proportion to them would overlook dents and peaks of a millionth."""
+    for power_w in (6300.0, 9375.0):
+        found = judged(replace(HALF, limits=replace(USUAL, peak_power_w=power_w), knots=count))
+        assert found.convex
+        assert found.peak_power_w <= power_w
+
+
+def test_a_judge_with_steps_in_proportion_to_few_knots_overlooks_dents(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Negative control of the test above."""
+    monkeypatch.setattr("ncgear.optimum.makeable.search._judging", lambda task, ends, _: places(task, ends, 16))
+    monkeypatch.setattr("ncgear.optimum.makeable.search.ROOM", 0.0)
+    overlooked = []
+    for count in (24, 36, 48):
+        found = makeable_law(AT_SIXTY, replace(HALF, knots=count), even(AT_SIXTY))
+        exact = figures(AT_SIXTY, found.train(AT_SIXTY.lobes))
+        overlooked.append(not exact.convex or exact.peak_power_w > 9375.0)
+    assert any(overlooked)
+
+
 @pytest.mark.thorough
 def test_the_same_input_gives_the_same_bits() -> None:
-    first, again = (makeable_law(AT_SIXTY, HALF, random_starts(8, 1, 3)) for _ in range(2))
-    assert np.array_equal(first.cosine, again.cosine)
-    assert np.array_equal(first.sine, again.sine)
-    other = random_starts(8, 1, 4)[0]
-    assert not np.array_equal(random_starts(8, 1, 3)[0], other)
+    first, again = (makeable_law(AT_SIXTY, HALF, wavy(3)) for _ in range(2))
+    assert np.array_equal(first.ratio, again.ratio)
+    other = makeable_law(AT_SIXTY, replace(HALF, limits=replace(USUAL, peak_power_w=9374.0)), wavy(3))
+    assert not np.array_equal(first.ratio, other.ratio)
 
 
-def test_coefficients_are_what_a_file_holds() -> None:
+def test_ratios_are_what_a_file_holds() -> None:
     """Ten decimals: the law that was judged is the law that is written."""
     found = law(HALF)
-    assert [float(f"{value:.10f}") for value in found.cosine] == found.cosine.tolist()
+    assert [float(f"{value:.10f}") for value in found.ratio] == found.ratio.tolist()
+    written = spline_ratio_law(found.driven_angle_rad, found.ratio, AT_SIXTY.lobes)
+    angle = np.linspace(0.0, 2.0 * pi, 500, endpoint=False)
+    closed, own = written.driven_angle(angle, 1), machine(HALF).transmission.driven_angle(angle, 1)
+    assert np.array_equal(closed.derivative(1), own.derivative(1))
 
 
 @pytest.mark.thorough
 def test_power_and_acceleration_are_each_other_s_inverse() -> None:
     """One frontier: the least power at the least acceleration under a cap is that cap.
 
-    But for what is taken off caps for the rises between places, two hundred-thousandths here.
+    But for what is kept back for the rises between places.
     """
     acceleration = judged(HALF).peak_acceleration_mm_s2
     dual = replace(HALF, goal=Goal.POWER, limits=replace(USUAL, peak_acceleration_mm_s2=acceleration))
     assert judged(dual).peak_power_w == pytest.approx(9375.0, rel=3e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_weighted_sum_touches_the_frontier_from_no_side() -> None:
-    weights = Weights(1.0 / 20_000.0, 1.0 / 9_000.0)
-    wishes = replace(HALF, goal=Goal.WEIGHTED, weights=weights, limits=USUAL)
+    prices = Prices(1.0 / 20_000.0, 1.0 / 9_000.0)
+    wishes = replace(HALF, goal=Goal.WEIGHTED, weights=prices, limits=USUAL)
     found = judged(wishes)
-    value = weights.of(found.peak_acceleration_mm_s2, found.peak_power_w)
-    assert value > least_weighted_sum(AT_SIXTY, USUAL, weights).value
+    value = prices.of(found)
+    assert value > limit(wishes)
     # On the frontier at its own power, and no other point of it has a lesser sum.
     on_it = judged(replace(HALF, limits=replace(USUAL, peak_power_w=round(found.peak_power_w, 3))))
     assert on_it.peak_acceleration_mm_s2 == pytest.approx(found.peak_acceleration_mm_s2, rel=1e-4)
     for cap in (0.9, 0.97, 1.03, 1.1):
         other = judged(replace(HALF, limits=replace(USUAL, peak_power_w=round(cap * found.peak_power_w, 3))))
-        assert weights.of(other.peak_acceleration_mm_s2, other.peak_power_w) >= value * (1.0 - 1e-5)
+        assert prices.of(other) >= value * (1.0 - 1e-5)
 
 
 @pytest.mark.thorough
 def test_weights_scale_away() -> None:
-    wishes = replace(HALF, goal=Goal.WEIGHTED, weights=Weights(1.0 / 20_000.0, 1.0 / 9_000.0), limits=USUAL)
-    twice = replace(wishes, weights=Weights(2.0 / 20_000.0, 2.0 / 9_000.0))
+    wishes = replace(HALF, goal=Goal.WEIGHTED, weights=Prices(1.0 / 20_000.0, 1.0 / 9_000.0), limits=USUAL)
+    twice = replace(wishes, weights=Prices(2.0 / 20_000.0, 2.0 / 9_000.0))
     assert judged(twice).peak_power_w == pytest.approx(judged(wishes).peak_power_w, rel=1e-4)
 
 
@@ -252,36 +302,36 @@ MACHINES: dict[str, Task] = {
     "offset the other way": Task(CrankSlider(380.0, 960.0, -300.0), PRESS, 5.0),
     "rod 1.2 cranks": Task(CrankSlider(380.0, 456.0), PRESS, 5.0),
     "rod 50 cranks": Task(CrankSlider(380.0, 19_000.0), PRESS, 5.0),
-    "no resistance": Task(BALER_LINKAGE, PolynomialResistance(), 5.0),
-    "table": Task(BALER_LINKAGE, TableResistance((0.0, 200.0, 210.0, 600.0, 760.0), (0.0, 50.0, 3e3, 3e3, 2e4)), 5.0),
-    "expression": Task(BALER_LINKAGE, FormulaResistance("300 + 20000*exp(-(x - 500)**2/2000)"), 5.0),
-    "kept negative": Task(BALER_LINKAGE, PolynomialResistance(FIT, keep_negative=True), 5.0),
+    "no resistance": Task(BALER_LINKAGE, SliderLoad(), 5.0),
+    "table": Task(
+        BALER_LINKAGE, SliderLoad(TableResistance((0.0, 200.0, 210.0, 600.0, 760.0), (0.0, 50.0, 3e3, 3e3, 2e4))), 5.0
+    ),
+    "expression": Task(BALER_LINKAGE, SliderLoad(FormulaResistance("300 + 20000*exp(-(x - 500)**2/2000)")), 5.0),
+    "kept negative": Task(BALER_LINKAGE, SliderLoad(PolynomialResistance(FIT, keep_negative=True)), 5.0),
     "driving gear of two lobes": Task(BALER_LINKAGE, PRESS, 2.5, Lobes(2)),
-    "tiny": Task(CrankSlider(0.38, 0.96), PolynomialResistance((1.0,)), 5.0),
-    "huge and slow": Task(CrankSlider(38_000.0, 96_000.0), PolynomialResistance((1e6,)), 0.05),
+    "tiny": Task(CrankSlider(0.38, 0.96), SliderLoad(PolynomialResistance((1.0,))), 5.0),
+    "huge and slow": Task(CrankSlider(38_000.0, 96_000.0), SliderLoad(PolynomialResistance((1e6,))), 0.05),
 }
 
 
-@pytest.mark.tiers(thorough=["table"], rest="slow")
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in ("offset", "table") else pytest.mark.slow) for name in MACHINES]
-)
+@pytest.mark.tiers(slow=["driving gear of two lobes", "rod 1.2 cranks"], rest="thorough")
+@pytest.mark.parametrize("name", MACHINES)
 def test_other_machines(name: str) -> None:
     """Under four fifths of the power that the fastest even motion takes; 1e-5 for peaks at a table's corners."""
     task = MACHINES[name]
     turns = 2.0 * pi / task.cycle_rad
     ratios = Limits(0.2 / turns, 5.0 / turns)
-    wishes = Wishes(ratios, harmonics=8)
+    wishes = Wishes(ratios, knots=36)
     free = judged(wishes, task)
-    bound = least_acceleration(task, ratios)
-    assert bound.value < free.peak_acceleration_mm_s2 < 1.6 * bound.value
+    least = limit(wishes, task)
+    assert least < free.peak_acceleration_mm_s2 < 1.6 * least
     if not free.peak_power_w:
         return
     capped = replace(wishes, limits=replace(ratios, peak_power_w=0.8 * free.peak_power_w))
     found = judged(capped, task)
     assert found.peak_power_w <= 0.8 * free.peak_power_w * (1.0 + 1e-6)
     assert found.convex
-    assert least_acceleration(task, capped.limits).value < found.peak_acceleration_mm_s2
+    assert limit(capped, task) < found.peak_acceleration_mm_s2
     assert found.peak_acceleration_mm_s2 >= free.peak_acceleration_mm_s2 * (1.0 - 1e-6)
 
 
@@ -290,9 +340,10 @@ def test_other_machines(name: str) -> None:
 def test_least_power_of_other_machines(name: str) -> None:
     """Nothing to press: any law is best, and one is found."""
     task = MACHINES[name]
-    found = judged(Wishes(replace(USUAL, peak_acceleration_mm_s2=3e4), goal=Goal.POWER, harmonics=6), task)
+    wishes = Wishes(replace(USUAL, peak_acceleration_mm_s2=3e4), goal=Goal.POWER, knots=24)
+    found = judged(wishes, task)
     assert found.peak_acceleration_mm_s2 <= 3e4
-    assert found.peak_power_w >= least_power(task, replace(USUAL, peak_acceleration_mm_s2=3e4)).value
+    assert found.peak_power_w >= limit(wishes, task)
 
 
 @pytest.mark.thorough
@@ -302,45 +353,80 @@ def test_speed_scales_away() -> None:
     wishes = replace(HALF, limits=replace(HALF.limits, peak_power_w=3.0 * 9375.0))
     slow, found = judged(HALF), judged(wishes, fast)
     assert found.peak_acceleration_mm_s2 == pytest.approx(9.0 * slow.peak_acceleration_mm_s2, rel=1e-6)
-    assert law(wishes, fast).cosine == pytest.approx(law(HALF).cosine, abs=1e-6)
+    assert law(wishes, fast).ratio == pytest.approx(law(HALF).ratio, abs=1e-6)
 
 
 def test_size_scales_away() -> None:
     """Twice the machine against the same force at the same places: twice the acceleration at twice the power."""
-    force: Resistance = PolynomialResistance(tuple(c / 2.0**k for k, c in enumerate(FIT)))
+    force = SliderLoad(PolynomialResistance(tuple(c / 2.0**k for k, c in enumerate(FIT))))
     task = Task(CrankSlider(760.0, 1920.0), force, AT_SIXTY.speed_rad_s)
     wishes = replace(HALF, limits=replace(HALF.limits, peak_power_w=2.0 * 9375.0))
     found = judged(wishes, task)
     assert found.peak_acceleration_mm_s2 == pytest.approx(2.0 * judged(HALF).peak_acceleration_mm_s2, rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_lobes_of_the_driving_gear_are_a_matter_of_speed() -> None:
     """Two lobes at half the speed: the same motion of the slider, at half the ratio."""
     two = Task(BALER_LINKAGE, PRESS, 30.0 * RPM, Lobes(2))
-    wishes = Wishes(Limits(0.1, 2.5, peak_power_w=9375.0), convex=False, harmonics=8)
+    wishes = Wishes(Limits(0.1, 2.5, peak_power_w=9375.0), convex=False, knots=36)
     one = replace(HALF, convex=False)
     assert judged(wishes, two).peak_acceleration_mm_s2 == pytest.approx(judged(one).peak_acceleration_mm_s2, rel=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_next_to_no_mass_is_none() -> None:
-    light = replace(HALF, limits=replace(HALF.limits, mass_kg=1e-6))
-    assert judged(light).peak_acceleration_mm_s2 == pytest.approx(judged(HALF).peak_acceleration_mm_s2, rel=1e-5)
+    light = replace(AT_SIXTY, masses=BALER_LINKAGE.MASSES(slider_kg=1e-6))
+    assert judged(HALF, light).peak_acceleration_mm_s2 == pytest.approx(judged(HALF).peak_acceleration_mm_s2, rel=1e-5)
 
 
-@pytest.mark.tiers(thorough=["0.02*"], rest="quick")
-@pytest.mark.parametrize(("width_mm", "refused"), [(0.02, True), (1.5, False)])
-def test_a_peak_of_the_resistance_that_no_place_of_the_search_shows_is_refused(width_mm: float, refused: bool) -> None:
-    """Its power would not be limited; without a wish for power it does no harm."""
-    narrow = FormulaResistance(f"300+900*exp(-((x-47.123)/{width_mm})**2)")
-    task = Task(CrankSlider(50.0, 170.0), narrow, 2.0 * pi)
-    limited = Wishes(Limits(0.2, 5.0, peak_power_w=300.0), harmonics=4)
-    searched(task, replace(limited, limits=Limits(0.2, 5.0)))
-    if not refused:
-        searched(task, limited)
-        return
-    for wishes in (limited, Wishes(Limits(0.2, 5.0), Goal.POWER, harmonics=4)):
-        with pytest.raises(NoSuchMechanism, match=r"the peak of 1200 N at 47\.123 mm is too narrow") as told:
-            searched(task, wishes)
-        assert told.value.key == "resistance"
+OF_HARMONICS = {
+    "baler-66": (6_300.0, None, 33_990.3),
+    "baler-half": (9_375.0, 40.0, 19_143.0),
+    "baler-smooth": (18_750.0, 20.0, 12_605.0),
+}
+"""Power in W, tangent angle in degrees without the rack's, and what 36 harmonics came down to under them, in mm/s2."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OF_HARMONICS)
+@pytest.mark.parametrize("start", ["even", "wavy"])
+def test_never_worse_than_the_laws_of_36_harmonics(name: str, start: str) -> None:
+    power_w, angle_deg, before = OF_HARMONICS[name]
+    angle = None if angle_deg is None else radians(angle_deg)
+    wishes = Wishes(replace(USUAL, peak_power_w=power_w, pressure_angle_rad=angle))
+    found = makeable_law(AT_SIXTY, wishes, even(AT_SIXTY) if start == "even" else wavy(1))
+    exact = figures(AT_SIXTY, found.train(AT_SIXTY.lobes))
+    assert exact.peak_acceleration_mm_s2 < before
+    assert exact.peak_power_w <= power_w
+    assert exact.tangent_rad <= (angle or np.inf)
+    assert exact.convex
+
+
+STEP = Task(
+    CrankSlider(105.0, 300.0),
+    SliderLoad(TableResistance((0.0, 50.0, 50.001, 210.0), (0.0, 0.0, 4e3, 4e3))),
+    60.0 * RPM,
+)
+PEAK = Task(
+    CrankSlider(105.0, 300.0), SliderLoad(FormulaResistance("1000 + 3000*exp(-((x - 100)/1.5)**2)")), 60.0 * RPM
+)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("task", "power_w"), [(STEP, 3_000.0), (STEP, 2_000.0), (PEAK, 3_000.0)])
+def test_a_step_and_a_narrow_peak_of_the_force_have_laws_near_their_limit(task: Task, power_w: float) -> None:
+    """A step of 4000 N within a thousandth of a millimetre, and a peak 3 mm wide."""
+    wishes = Wishes(replace(USUAL, peak_power_w=power_w))
+    exact = figures(task, makeable_law(task, wishes, even(task)).train(task.lobes))
+    assert exact.peak_power_w <= power_w
+    assert exact.convex
+    assert 1.0 < exact.peak_acceleration_mm_s2 / limit(wishes, task) < 1.02
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("power_w", [2_000.0, 2_500.0])
+def test_the_power_at_a_narrow_peak_of_the_force_is_kept_exactly(power_w: float) -> None:
+    """The judge has places enough for the peak; with sixteen steps between knots, 2e-6 of the power was overlooked."""
+    wishes = Wishes(replace(USUAL, peak_power_w=power_w), convex=False)
+    assert figures(PEAK, makeable_law(PEAK, wishes, even(PEAK)).train(PEAK.lobes)).peak_power_w <= power_w

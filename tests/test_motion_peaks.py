@@ -31,6 +31,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.forces import CrankPace
 from ncgear.mechanisms.resistance import PolynomialResistance, Resistance, TableResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Mesh
@@ -42,7 +43,7 @@ CENTER_MM = {"uniform": 48.0, "sine": 62.0}
 
 def rigid(name: str, resistance: Resistance, speed_rad_s: float = SPEED) -> RigidMachine:
     place = MeshPlace(CENTER_MM[name], radians(20.0), Mesh.EXTERNAL, pi)
-    return RigidMachine(Machine(LAWS[name](), LINKAGE, resistance, speed_rad_s), MASSES, place)
+    return RigidMachine(Machine(LAWS[name](), LINKAGE, SliderLoad(resistance), speed_rad_s), MASSES, place)
 
 
 def on_its_way(found: ToothedMachine, phi1_rad: float, speed_rad_s: float) -> Array:
@@ -147,7 +148,7 @@ def test_a_narrow_peak_of_the_resistance_is_met(width_mm: float) -> None:
     resistance = TableResistance(
         (0.0, 58.0 - width_mm, 58.0, 58.0 + width_mm, 120.0), (200.0, 200.0, 7e3, 200.0, 200.0)
     )
-    load = crank_load(LINKAGE, MASSES, resistance)
+    load = crank_load(LINKAGE, MASSES, SliderLoad(resistance))
     found = mechanism(meshing("uniform", 24), load)
     out = course(found, on_its_way(found, 1.5, SPEED), 0.05)
     peak = motion_peaks(out, rigid("uniform", resistance)).forces_n["wrist"]
@@ -166,7 +167,7 @@ def test_a_narrow_peak_of_the_resistance_is_met(width_mm: float) -> None:
 def test_a_solver_that_steps_over_a_narrow_peak_is_told_by_the_energy() -> None:
     """Negative control of the stops about it."""
     resistance = TableResistance((0.0, 57.99, 58.0, 58.01, 120.0), (200.0, 200.0, 2e4, 200.0, 200.0))
-    load = crank_load(LINKAGE, MASSES, resistance)
+    load = crank_load(LINKAGE, MASSES, SliderLoad(resistance))
     assert load.narrow_rad.shape == (1, 3)
     found = mechanism(meshing("uniform", 24), replace(load, narrow_rad=np.empty((0, 3))))
     with pytest.raises(NoSuchMechanism, match="energy misses"):

@@ -22,6 +22,7 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from oracles import rack_cut
 from pairs import baler_law, rack, sine_law
 from plane import steps, turns
+from test_laws import spline_of
 
 TOLERANCE = 0.005
 DENSE = 400
@@ -38,6 +39,7 @@ LAWS: dict[str, Callable[[], Transmission]] = {
     "1:2": lambda: elliptical_law(0.2, 0.3, Lobes(1, 2)),
     "3:1": lambda: elliptical_law(0.3, 0.0, Lobes(3, 1)),
     "baler": baler_law,
+    "spline": lambda: spline_of(60),
     "undercut": lambda: uniform_law(Lobes()),
     "undercut ellipse": lambda: elliptical_law(0.7, 0.0, Lobes()),
     "pinion": lambda: sine_law(0.2),
@@ -72,6 +74,7 @@ CASES = [
     ("sine", 25),
     ("3:1", 48),
     ("baler", 25),
+    ("spline", 25),
     ("pinion", 40),
     *(
         pytest.param(name, teeth, marks=pytest.mark.slow)
@@ -129,7 +132,7 @@ def distances(points: Array, gear: ToothedGear) -> Array:
     return rack_cut.deviation_of_points(flat, Polygon(gear.outline_mm)).reshape(points.shape[:-1])
 
 
-@pytest.mark.tiers(thorough=["sine-25", "baler-25"], rest="slow")
+@pytest.mark.tiers(thorough=["sine-25", "baler-25", "spline-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):

@@ -298,7 +298,7 @@ masses:
   slider_kg: 3
   rod: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
   crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
-optimize: {harmonics: 3}
+optimize: {knots: 12}
 """
 
 

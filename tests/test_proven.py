@@ -19,7 +19,8 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance
+from ncgear.mechanisms.resistance import FormulaResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
@@ -200,7 +201,7 @@ def test_a_ratio_with_a_dent_is_integrated(at: float, width: float) -> None:
 @pytest.mark.parametrize(("at", "width"), DENTS)
 def test_the_peak_of_acceleration_is_in_the_dent(at: float, width: float) -> None:
     law = ratio_expression_law(dented(at, width), Lobes(), scale_to_close=True)
-    check = kinematic_check(Machine(law, PUMP, PolynomialResistance(), EACH_TURN))
+    check = kinematic_check(Machine(law, PUMP, SliderLoad(), EACH_TURN))
     u = np.linspace(-5.0, 5.0, 40001)
     bell = np.exp(-(u**2))
     ratio, bend = 1.0 - 0.4 * bell, 0.8 * u * bell / width
@@ -342,7 +343,7 @@ def test_a_narrow_peak_of_resistance_counts(at: float, width: float) -> None:
     work = float(force.work_n_mm(np.array([stroke]), stroke)[0])
     exact = 150.0 * stroke + 900.0 * width * sqrt(pi) / 2.0 * (erf((stroke - at) / width) + erf(at / width))
     assert work == pytest.approx(exact, rel=1e-13)
-    machine = Machine(uniform_law(Lobes()), PUMP, force, EACH_TURN)
+    machine = Machine(uniform_law(Lobes()), PUMP, SliderLoad(force), EACH_TURN)
     crank = PUMP.crank_angle(at + width * np.linspace(-1.0, 1.0, 20001), np.zeros(20001, dtype=bool))
     assert kinematic_check(machine).peak_power_w.value == pytest.approx(machine.motion(crank).power_w.max(), rel=1e-7)
 

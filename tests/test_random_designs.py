@@ -142,7 +142,7 @@ def judge_checks(folder: Path, count: int, number: int) -> Counter[str]:
 
 @pytest.mark.thorough
 def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
-    found = judge_checks(tmp_path, 28, 10**6)
+    found = judge_checks(tmp_path, 36, 10**6)
     assert min(found["made"], found["refused 2"], found["refused 3"]) >= 3, found
 
 

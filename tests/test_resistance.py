@@ -15,9 +15,10 @@ from scipy.optimize import minimize_scalar
 from ncgear.design.keys.machine import NEAREST_MM
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
-from ncgear.kinematics.check import kinematic_check, work_per_stroke_j
+from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.uniform import uniform_law
@@ -62,7 +63,7 @@ def test_work_is_the_integral_of_the_force(name: str, keep: bool) -> None:
         parts = [quad(lambda x: float(resistance.force_n(np.array([x]))[0]), *pair)[0] for pair in pairs(inner)]
         work = float(resistance.work_n_mm(np.array([end]), STROKE)[0])
         assert work == pytest.approx(sum(parts), rel=1e-9, abs=1e-6)
-    assert work_per_stroke_j(resistance, STROKE) == pytest.approx(work / 1000.0, rel=1e-15)
+    assert SliderLoad(resistance).cycle_work_n_mm(STROKE) == pytest.approx(work, rel=1e-15)
 
 
 def kept(resistance: Resistance, keep: bool) -> Resistance:
@@ -103,7 +104,10 @@ def test_the_same_curve_in_two_forms() -> None:
     assert other.zeros_mm(STROKE) == pytest.approx(one.zeros_mm(STROKE), rel=1e-12)
     assert other.turns_mm(STROKE) == pytest.approx(one.turns_mm(STROKE), rel=1e-10)
     assert other.negative_stretches_mm(STROKE)[0] == pytest.approx(one.negative_stretches_mm(STROKE)[0], rel=1e-12)
-    figures = [kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, form, 2.0 * pi)) for form in (one, other)]
+    figures = [
+        kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, SliderLoad(form), 2.0 * pi))
+        for form in (one, other)
+    ]
     assert figures[1].peak_power_w.value == pytest.approx(figures[0].peak_power_w.value, rel=1e-13)
     assert figures[1].mean_power_w == pytest.approx(figures[0].mean_power_w, rel=1e-12)
 
@@ -128,7 +132,7 @@ def test_a_straight_table_is_the_straight_line() -> None:
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", ["table", "waves", "table with gaps"])
 def test_peak_of_power_against_dense_samples(name: str) -> None:
-    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, FORMS[name], 2.0 * pi)
+    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, SliderLoad(FORMS[name]), 2.0 * pi)
     dense = machine.motion(np.linspace(0.0, 2.0 * pi, 400001)).power_w.max()
     # Samples miss a smooth peak by the square of their step; a peak of a hundredth of a turn is the sharpest here.
     assert dense <= kinematic_check(machine).peak_power_w.value <= dense * (1.0 + 1e-6)
@@ -137,7 +141,7 @@ def test_peak_of_power_against_dense_samples(name: str) -> None:
 def test_narrow_peaks_between_the_samples_are_found() -> None:
     """A force that is there for 0.1 mm only, a hundredth of the spacing at which extremes are looked for."""
     table = TableResistance((0.0, 400.0, 400.05, 400.1, 760.0), (0.0, 0.0, 1e4, 0.0, 0.0))
-    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, table, 2.0 * pi)
+    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, SliderLoad(table), 2.0 * pi)
     at = float(BALER_LINKAGE.crank_angle(np.array([400.05]), np.array([False]))[0])
     exact = 1e4 * float(machine.displacement(np.array([at]), 1).derivative(1)[0]) * 2.0 * pi / 1000.0
     assert kinematic_check(machine).peak_power_w.value == pytest.approx(exact, rel=1e-6)
@@ -148,7 +152,7 @@ def test_narrow_peaks_between_the_samples_are_found() -> None:
 def test_narrow_peaks_of_an_expression_are_found(at_mm: float, width_mm: float) -> None:
     """Peak power and work of a bell of any width, against the closed form and scipy's search on the bell alone."""
     resistance = FormulaResistance(f"150 + 4e3*exp(-((x - {at_mm})/{width_mm})**2)")
-    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, resistance, 2.0 * pi)
+    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, SliderLoad(resistance), 2.0 * pi)
     middle, side = (
         float(BALER_LINKAGE.crank_angle(np.array([x]), np.array([False]))[0]) for x in (at_mm, at_mm + 3.0 * width_mm)
     )
@@ -187,7 +191,7 @@ UNIFORM = HEAD + "motion: {law: uniform_crank}\n"
 def resistance_in(folder: Path, text: str) -> Resistance:
     path = folder / "d.yaml"
     path.write_text(f"{UNIFORM}resistance: {text}\n", encoding="utf-8")
-    return Drive(load(path).design).machine.resistance
+    return Drive(load(path).design).machine.load.working
 
 
 def test_forms_in_a_design_file(tmp_path: Path) -> None:
@@ -311,6 +315,6 @@ def test_turns_between_powers_over_one_are_found() -> None:
 
 @pytest.mark.parametrize("text", ["2*x**1.5", "max(0, x - 130.5)**1.5", "(760 - x)**1.2"])
 def test_peak_of_power_of_powers_over_one(text: str) -> None:
-    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, FormulaResistance(text), 2.0 * pi)
+    machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, SliderLoad(FormulaResistance(text)), 2.0 * pi)
     dense = machine.motion(np.linspace(0.0, 2.0 * pi, 40_001)).power_w.max()
     assert dense <= kinematic_check(machine).peak_power_w.value <= dense * (1.0 + 1e-6)

@@ -28,7 +28,7 @@ from ncgear.teeth.form import Backlash, BasicRack, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.teeth.tool import Tool
 from oracles import laws, rigid_body
-from oracles.reversing import Freedom, Outlines, Positions, golden, of_harmonics, of_ratio
+from oracles.reversing import Freedom, Outlines, Positions, golden, of_harmonics, of_ratio, of_spline
 from pairs import pitch_pair, rack, sine_law
 
 Array = np.ndarray
@@ -83,9 +83,12 @@ def baler_positions() -> Positions:
     return Positions(phi1, phi2, slope, bend)
 
 
-def harmonic_positions(name: str) -> Positions:
-    motion = loaded(name).data["motion"]
-    return of_harmonics(motion["cosine"], motion["sine"], golden(POSITIONS, 2.0 * pi))
+def optimised_positions(name: str) -> Positions:
+    """Those of a law by splines or by harmonics."""
+    motion, places = loaded(name).data["motion"], golden(POSITIONS, 2.0 * pi)
+    if motion["law"] == "spline_ratio":
+        return of_spline(motion["ratio"], places)
+    return of_harmonics(motion["cosine"], motion["sine"], places)
 
 
 def elliptical_positions(e: float, phase: float) -> Positions:
@@ -124,7 +127,7 @@ def worked(name: str, at: Callable[[], Positions], backlash_mm: float = 0.05) ->
 
 CASES: dict[str, Callable[[], Case]] = {
     "baler": lambda: worked("baler", baler_positions),
-    "baler-66": lambda: worked("baler-66", lambda: harmonic_positions("baler-66")),
+    "baler-66": lambda: worked("baler-66", lambda: optimised_positions("baler-66")),
     "ellipse": lambda: worked("ellipse", lambda: elliptical_positions(0.35, radians(200.0)), 0.06),
     "helical-ellipse": lambda: worked("helical-ellipse", lambda: elliptical_positions(0.3, pi)),
     "internal-1-2": lambda: worked("internal-1-2", lambda: ring_positions(0.4)),

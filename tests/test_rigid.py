@@ -21,7 +21,8 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import CrankPace
 from ncgear.mechanisms.masses import RodMasses
-from ncgear.mechanisms.resistance import PolynomialResistance, Resistance, TableResistance
+from ncgear.mechanisms.resistance import PolynomialResistance, TableResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Mesh
@@ -157,7 +158,7 @@ def swing(name: str) -> Fluctuation:
 def test_work_of_the_driving_torque_is_that_of_the_resistance(name: str) -> None:
     """Over a cycle masses and weights give back what they took: 1e-12 of the work."""
     linkage = machine(name, 50.0).linkage
-    work = float(PRESS.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)[0])
+    work = float(PRESS.working.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)[0])
     assert swing(name).work_n_mm == pytest.approx(work, rel=1e-12)
 
 
@@ -175,7 +176,7 @@ def test_work_up_to_any_angle_is_the_energy_gained(name: str) -> None:
     position = made.linkage.displacement(driven).value
     forth = made.working(driven.value)
     stroke = np.full(phi1.shape, made.linkage.stroke_mm)
-    pressed = made.resistance.work_n_mm(np.where(forth, position, stroke), made.linkage.stroke_mm)
+    pressed = made.load.working.work_n_mm(np.where(forth, position, stroke), made.linkage.stroke_mm)
     energy = kinetic - weight_work(rod.at(430.0).x.value, rod.at(430.0).y.value, HEAVY.rod_kg)
     energy -= weight_work(crank.x.value, crank.y.value, HEAVY.crank_kg)
     energy -= weight_work(rod.wrist.x.value, rod.wrist.y.value, HEAVY.slider_kg)
@@ -243,15 +244,17 @@ def test_reduced_inertia_by_differences_of_places() -> None:
 # --- closed forms and scaling --------------------------------------------------------------------------------------
 
 
-def even(masses: RodMasses, resistance: Resistance, rpm: float = 60.0) -> RigidMachine:
+def even(masses: RodMasses, load: SliderLoad, rpm: float = 60.0) -> RigidMachine:
     """A uniform crank in line."""
     linkage = BALER_LINKAGE
-    return RigidMachine(Machine(uniform_law(Lobes()), linkage, resistance, rpm * RPM), masses, OUTSIDE)
+    return RigidMachine(Machine(uniform_law(Lobes()), linkage, load, rpm * RPM), masses, OUTSIDE)
 
 
 def test_uniform_crank_without_a_rods_mass() -> None:
     """With s = sin q, c = cos q, L = sqrt(l^2 - r^2 s^2): x' = r s (1 + r c / L), torque = (R + m x'' w^2) x'."""
-    loads = even(RodMasses(slider_kg=100.0), PolynomialResistance((400.0,))).at(q := np.linspace(0.05, 6.2, 60))
+    loads = even(RodMasses(slider_kg=100.0), SliderLoad(PolynomialResistance((400.0,)))).at(
+        q := np.linspace(0.05, 6.2, 60)
+    )
     r, rod, w = 380.0, 960.0, 2.0 * pi
     s, c = np.sin(q), np.cos(q)
     along = np.sqrt(rod**2 - (r * s) ** 2)
@@ -273,7 +276,7 @@ def test_circular_gears_press_by_the_torque_over_the_base_radius() -> None:
 
 def test_standing_weights_are_borne() -> None:
     """Nearly at rest and unpressed, guide and crank bearing together bear all weights but the mesh force's part."""
-    loads = even(HEAVY, PolynomialResistance(), rpm=1e-6).at(np.linspace(0.0, 6.2, 30))
+    loads = even(HEAVY, SliderLoad(), rpm=1e-6).at(np.linspace(0.0, 6.2, 30))
     down = HEAVY.slider_kg + HEAVY.rod_kg + HEAVY.crank_kg
     upward = loads.guide.value + loads.crank_bearing.y.value + loads.mesh_force.force.y.value
     assert upward == pytest.approx(down * 9.0, rel=1e-12)
@@ -282,18 +285,18 @@ def test_standing_weights_are_borne() -> None:
 
 @pytest.mark.parametrize("name", ["stroke, e = 0", "displacement table"])
 def test_forces_of_inertia_go_with_mass_and_speed_squared(name: str) -> None:
-    free = PolynomialResistance()
+    free = SliderLoad()
     weightless = replace(HEAVY, gravity_m_s2=(0.0, 0.0))
     names = [name for name, value in vars(weightless).items() if name.endswith(("_kg", "inertia_kg_mm2"))]
     double = replace(weightless, **{name: 2.0 * getattr(weightless, name) for name in names})
     angle = np.array([1.7])
-    slow = values(RigidMachine(machine(name, 20.0, resistance=free), weightless, OUTSIDE).at(angle))
-    fast = values(RigidMachine(machine(name, 60.0, resistance=free), double, OUTSIDE).at(angle))
+    slow = values(RigidMachine(machine(name, 20.0, load=free), weightless, OUTSIDE).at(angle))
+    fast = values(RigidMachine(machine(name, 60.0, load=free), double, OUTSIDE).at(angle))
     assert fast == pytest.approx({name: 18.0 * value for name, value in slow.items()}, rel=1e-12, abs=1e-9)
 
 
 def test_no_mass_and_no_resistance_ask_for_nothing() -> None:
-    level = rigid_level(even(RodMasses(), PolynomialResistance()))
+    level = rigid_level(even(RodMasses(), SliderLoad()))
     assert level.peaks.most_torque_n_mm.value == level.peaks.crank_bearing_n.value == 0.0
     assert level.fluctuation.swing_n_mm == 0.0
 
@@ -325,7 +328,7 @@ def test_peaks_are_those_of_dense_samples(name: str) -> None:
 def test_a_narrow_peak_of_a_table_is_neither_passed_over_nor_missed_in_the_work() -> None:
     """Half a millimetre of a stroke of 760 mm: 5000 N over a plain 100 N, on a slider alone."""
     spike = TableResistance((0.0, 400.0, 400.25, 400.5, 760.0), (100.0, 100.0, 5000.0, 100.0, 100.0))
-    rigid = RigidMachine(machine("stroke, e = 0", 20.0, resistance=spike), RodMasses(slider_kg=1.0), OUTSIDE)
+    rigid = RigidMachine(machine("stroke, e = 0", 20.0, load=SliderLoad(spike)), RodMasses(slider_kg=1.0), OUTSIDE)
     level = rigid_level(rigid)
     made = rigid.machine
     at = brentq(lambda phi1: made.displacement(np.array([phi1]), 0).value[0] - 400.25, 0.1, 3.0, xtol=1e-15)
@@ -352,7 +355,7 @@ def test_flanks_change_where_the_torque_changes_its_sign(name: str, rpm: float) 
 
 
 def test_flanks_never_change_under_a_load_without_inertia() -> None:
-    assert fluctuation(even(RodMasses(), PolynomialResistance((400.0,)))).flank_changes_rad.size == 0
+    assert fluctuation(even(RodMasses(), SliderLoad(PolynomialResistance((400.0,))))).flank_changes_rad.size == 0
 
 
 def test_flywheel_keeps_the_speed_as_even_as_asked() -> None:

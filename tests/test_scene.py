@@ -241,4 +241,4 @@ def test_slider_and_material_fill_the_chamber() -> None:
 
 def test_a_force_that_is_zero_everywhere_gives_no_material() -> None:
     drive = drive_of_text(ASKEW.replace('expression_n: "500*(x - 20)"', "polynomial_n: [0]"))
-    assert chamber_of(drive.linkage, drive.machine.resistance).begins_mm is None
+    assert chamber_of(drive.linkage, drive.machine.load.working).begins_mm is None

@@ -109,8 +109,8 @@ def difference(name: str, values: Array, figures: list[dict[str, float]]) -> flo
 
 
 @pytest.mark.judges("screening")
-@pytest.mark.tiers(quick=["baler-66"], rest="thorough")
-@pytest.mark.parametrize("name", ["baler", "baler-66", "baler-smooth"])
+@pytest.mark.tiers(quick=["baler-drivetrain"], rest="thorough")
+@pytest.mark.parametrize("name", ["baler", "baler-drivetrain"])
 def test_shipped_designs_are_screened_together(name: str) -> None:
     designs = [loaded(name).design] * 2
     found = screened(designs)
@@ -212,7 +212,7 @@ def test_hundreds_of_random_strokes_agree_with_single_designs(seed: int) -> None
 
 
 def test_too_few_points_send_every_design_the_single_way() -> None:
-    designs = [loaded(name).design for name in ("baler", "baler-66")]
+    designs = [loaded(name).design for name in ("baler", "baler-drivetrain")]
     assert not together(designs, counts=(9,)).any()
 
 
@@ -286,7 +286,9 @@ def test_several_lobes_of_the_driving_gear() -> None:
 
 
 @pytest.mark.tiers(thorough=["internal-1-2"], rest="quick")
-@pytest.mark.parametrize("name", ["ellipse", "feeder-table", "internal-1-2", "baler-66-two-stage", "uniform-crank"])
+@pytest.mark.parametrize(
+    "name", ["ellipse", "feeder-table", "internal-1-2", "baler-66", "baler-66-two-stage", "uniform-crank"]
+)
 def test_laws_without_a_batch_are_computed_by_themselves(name: str) -> None:
     designs = [loaded(name).design]
     found = screened(designs)
@@ -310,7 +312,7 @@ def test_no_designs_give_an_empty_table() -> None:
     assert found.verdicts == ()
 
 
-@pytest.mark.parametrize("name", ["baler-66", "baler"])
+@pytest.mark.parametrize("name", ["baler-drivetrain", "baler"])
 def test_the_closing_residual_is_taken_at_other_points_than_the_law(name: str) -> None:
     """Where the points of a piece are too few, a law closes at its own points and not at others."""
     design = loaded(name).design
@@ -319,5 +321,5 @@ def test_the_closing_residual_is_taken_at_other_points_than_the_law(name: str) -
     few, enough = (sampled(kind, [design], count) for count in (7, 129))
     assert abs(float(enough.closing_error_rad[0])) < 1e-12
     assert abs(float(few.closing_error_rad[0])) > 1e-8
-    if name == "baler-66":
+    if name == "baler-drivetrain":
         assert abs(float(integrated(few.samples.turning)[0]) - 2.0 * np.pi) < 1e-12

@@ -54,6 +54,7 @@ LAWS = {
     "three_segment_stroke": STROKE,
     "ratio_expression": '{law: ratio_expression, ratio: "1 + 0.3*cos(phi)", scale_to_close: true}',
     "harmonic_ratio": "{law: harmonic_ratio, cosine: [0.2, 0.1], sine: [0.05]}",
+    "spline_ratio": "{law: spline_ratio, ratio: [1.2, 1.1, 0.9, 0.8, 0.9, 1.1]}",
     "ellipse": "{law: ellipse, eccentricity: 0.3}",
     "table": "{law: table, phi1_deg: [0, 90, 180, 270, 360], displacement_mm: [0, 300, 760, 350, 0]}",
     "uniform_crank": "{law: uniform_crank}",
@@ -379,13 +380,14 @@ def test_a_sweep_is_as_each_design_by_itself(run: Run, law: str) -> None:
 def test_the_optimum_is_bounded_by_full_push_and_full_pull(run: Run) -> None:
     """Half the way at +a, the other half at -a: H = a (T/2)^2 / 4, so that no law has less than 16 H / T^2."""
     pytest.importorskip("casadi")
-    asked = "optimize: {goal: least_acceleration, harmonics: 6, limits: {ratio_min: 0.05, ratio_max: 20}}"
+    asked = "optimize: {goal: least_acceleration, knots: 36, limits: {ratio_min: 0.05, ratio_max: 20}}"
     Path("d.yaml").write_text(text("uniform_crank", asked), encoding="utf-8")
     status, _, err = run("optimize", "d.yaml", "--out", "o")
     assert (status, err) == (0, "")
     certificate = json.loads(Path("o/certificate.json").read_text(encoding="utf-8"))
     least = 16.0 * 760.0 / (60.0 / RPM) ** 2
-    assert certificate["goal"]["limit"] == pytest.approx(least, rel=1e-3)
+    # Convex curves take a little more than full push and full pull
+    assert least * (1.0 - 1e-3) <= certificate["goal"]["limit"] <= 1.01 * least
     written = Drive(load(Path("o/yoke-optimized.yaml")).design)
     assert isinstance(written.linkage, ScotchYoke)
-    assert least * (1.0 - 1e-6) <= written.check.peak_acceleration_cycle_mm_s2.value <= 1.1 * least
+    assert certificate["goal"]["limit"] <= written.check.peak_acceleration_cycle_mm_s2.value <= 1.1 * least

@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from ncgear.optimum.certified.limit import CELLS, Bound, least_acceleration
+from ncgear.optimum.certified.limit import PLACES_ROUGH, Bound, least_acceleration
+from ncgear.optimum.makeable.demanded import demands_of
+from ncgear.optimum.makeable.wishes import Wishes
 from oracles import convex_limit
 from speed_against_error import certified_limit, makeable_laws
 from speed_against_error.baler import COEFFICIENTS_N, TASK
-from speed_against_error.certified_limit import BY_ANGLE, BY_WAY, by_angle, exact_mm_s2, least_acceleration_mm_s2
-from speed_against_error.makeable_laws import HARMONICS, REFERENCE, extrapolated, fitted_order, least_mm_s2
+from speed_against_error.certified_limit import BY_ANGLE, GRIDS, by_angle, exact_mm_s2, least_acceleration_mm_s2
+from speed_against_error.makeable_laws import KNOTS, REFERENCE, extrapolated, fitted_order, least_mm_s2
 from speed_against_error.run import STUDIES
 from speed_against_error.study import Point, order, points
 
@@ -33,8 +35,8 @@ def found(key: str, method: str, *levels: int) -> tuple[Point, ...]:
 
 
 @cache
-def enclosed(cells: int) -> Bound:
-    return by_angle(cells)
+def limit(places: int) -> Bound:
+    return by_angle(places)
 
 
 # --- the certified limit -----------------------------------------------------------------------------------------
@@ -45,7 +47,7 @@ def test_the_closed_form_is_the_convex_programmes_optimum(power_w: float) -> Non
     """Its grid of 320 has chords where motions peak, which is of second order."""
     angle = np.linspace(0.0, 2.0 * pi, PLACES)
     position = convex_limit.displacement(380.0, 960.0, angle)
-    force = np.where(angle <= pi, TASK.resistance.force_n(position), 0.0)
+    force = np.where(angle <= pi, TASK.load.working.force_n(position), 0.0)
     convex = convex_limit.least_acceleration(380.0, 960.0, force, power_w, 2.0 * pi, (0.2, 5.0))
     exact = least_acceleration_mm_s2(COEFFICIENTS_N, 760.0, power_w, 1.0, (1e4, 5e4))
     assert exact == pytest.approx(convex, rel=3e-3)
@@ -77,27 +79,33 @@ def test_a_resistance_of_another_kind_is_refused() -> None:
         least_acceleration_mm_s2((100.0, 0.0), 760.0, 6300.0, 1.0, (1e4, 5e4))
 
 
-@pytest.mark.parametrize("cells", [200, 400, CELLS, 6400])
-def test_enclosures_hold_the_closed_form(cells: int) -> None:
-    assert enclosed(cells).value < exact_mm_s2() < enclosed(cells).attained
+@pytest.mark.thorough
+@pytest.mark.parametrize("places", GRIDS)
+def test_limits_are_below_the_closed_form_on_any_grid(places: int) -> None:
+    """On the finest as well, where the multipliers are so rough that they prove little."""
+    assert limit(places).value < exact_mm_s2()
 
 
-def test_enclosures_narrow_by_the_square_of_the_cells() -> None:
-    measured = found("limit", BY_ANGLE, 200, 400, CELLS, 6400)
-    assert order(measured, 0.0) == pytest.approx(2.0, abs=0.06)
-    assert measured[2].error < certified_limit.ENOUGH < measured[1].error
+def test_what_limits_miss_falls_with_the_places() -> None:
+    """Nothing is known of how a motion bends between two places, so the rate is one."""
+    measured = found("limit", BY_ANGLE, *GRIDS[:4])
+    assert order(measured, 0.0) == pytest.approx(1.0, abs=0.1)
+    assert measured[3].level == PLACES_ROUGH
+    assert measured[3].error < certified_limit.ENOUGH < measured[2].error
 
 
-def test_cells_even_in_the_way_are_worse_until_they_resolve_the_dead_centres() -> None:
-    by_angle, by_way = (found("limit", method, 200, 400) for method in (BY_ANGLE, BY_WAY))
-    assert all(other.error > 4.0 * own.error for own, other in zip(by_angle, by_way, strict=True))
+@pytest.mark.thorough
+@pytest.mark.xfail(strict=True, reason="on 3840 places the multipliers are rough: the limit is 28 % low")
+def test_the_finest_grid_is_the_best() -> None:
+    assert limit(GRIDS[-1]).value > limit(GRIDS[-2]).value
 
 
-@pytest.mark.parametrize("share", [1e-3, -1e-3])
-def test_an_enclosure_that_does_not_hold_the_limit_is_told(share: float) -> None:
-    moved = Bound(enclosed(6400).value * (1.0 + share), enclosed(6400).attained * (1.0 + share), 6400)
-    assert certified_limit.limit_error(moved) > 0.9e-3
-    assert not moved.value < exact_mm_s2() < moved.attained
+@pytest.mark.parametrize("share", [1e-2, -1e-2])
+def test_a_limit_that_is_a_hundredth_off_is_told(share: float) -> None:
+    """The limit itself misses less than half of that."""
+    moved = replace(limit(PLACES_ROUGH), value=limit(PLACES_ROUGH).value * (1.0 + share))
+    assert certified_limit.limit_error(moved) > certified_limit.ENOUGH
+    assert (moved.value < exact_mm_s2()) == (share < 0.0)
 
 
 # --- makeable laws -----------------------------------------------------------------------------------------------
@@ -111,33 +119,29 @@ def test_a_limit_is_extrapolated_whatever_the_rate(power: float) -> None:
 
 @pytest.mark.slow
 def test_laws_stay_over_the_certified_limit() -> None:
-    """All that makeable laws are asked beyond it is that pitch curves be convex, which costs a twelfth."""
-    bound = least_acceleration(TASK, makeable_laws.LIMITS)
-    assert bound.attained < least_mm_s2() < 1.1 * bound.value
+    """And come within a hundredth of it."""
+    bound = least_acceleration(TASK, demands_of(TASK, Wishes(makeable_laws.LIMITS)))
+    assert bound.value < least_mm_s2() < 1.01 * bound.value
 
 
 @pytest.mark.slow
-def test_two_forms_come_down_to_the_same_at_the_rate_of_smeared_corners() -> None:
-    """Harmonics of 12, 24 and 48, extrapolated by themselves, end where splines do; coarse laws fall more slowly."""
-    assert fitted_order() == pytest.approx(makeable_laws.ORDER, abs=0.1)
-    harmonics = found("makeable", makeable_laws.AT_PLACES, 8, 12, 24, 48)
-    least = least_mm_s2()
-    own = extrapolated([least * (1.0 + point.error) for point in harmonics[1:]])
-    assert own == pytest.approx(least, rel=2e-3)
-    finished = found("makeable", makeable_laws.FINISHED, 8, 12, HARMONICS)
-    splines = found("makeable", makeable_laws.SPLINES, 8, 12, HARMONICS)
-    for measured in (harmonics, finished, splines):
-        assert makeable_laws.ORDER - 0.5 < order(measured, 0.0) < makeable_laws.ORDER + 0.1
+def test_laws_come_down_at_the_rate_of_smeared_corners() -> None:
+    """To where quintic splines did, of another program, as their coefficients were extrapolated: 18 944 mm/s2."""
+    assert makeable_laws.ORDER - 0.1 < fitted_order() < makeable_laws.ORDER + 0.5
+    assert least_mm_s2() == pytest.approx(18_944.0, rel=1e-3)
+    finished = found("makeable", makeable_laws.FINISHED, 36, 60, 96, KNOTS)
+    at_places = found("makeable", makeable_laws.AT_PLACES, 36, 60, 96, KNOTS)
+    for measured in (finished, at_places):
+        assert makeable_laws.ORDER - 0.5 < order(measured, 0.0) < makeable_laws.ORDER + 0.5
     assert finished[-1].error < makeable_laws.ENOUGH < finished[1].error
 
 
 @pytest.mark.slow
 def test_what_is_left_between_places_falls_with_their_square() -> None:
-    """With the highest harmonic alone (2 pi / n)^2 / 8 of it would be; laws have some hundredths of that."""
-    measured = found("makeable-places", makeable_laws.PROGRAMME, 4, 6, 10, 16)
-    highest = [(2.0 * pi / point.level) ** 2 / 8.0 for point in measured]
-    assert all(5e-3 < point.error / whole < 0.03 for point, whole in zip(measured, highest, strict=True))
-    assert measured[2].error < makeable_laws.ENOUGH_BETWEEN < measured[1].error
+    measured = found("makeable-places", makeable_laws.PROGRAMME, 2, 4, 8)
+    assert measured[1].error < measured[0].error / 3.0
+    assert measured[2].error < measured[1].error
+    assert measured[0].error < makeable_laws.ENOUGH_BETWEEN
 
 
 def test_a_law_that_is_a_hundredth_too_good_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,8 @@ import pytest
 from mpmath import mp, mpf
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.ratio.laws.harmonic import StagedLaw, harmonic_law, staged_law
+from ncgear.ratio.laws.harmonic import harmonic_law, staged_law
+from ncgear.ratio.laws.over_driven_angle import StagedLaw
 from ncgear.ratio.transmission import Lobes
 
 DIGITS = 30

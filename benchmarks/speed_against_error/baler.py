@@ -18,6 +18,7 @@ from mpmath import mp
 
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.return_stroke import ReturnLaw
@@ -32,7 +33,7 @@ LINKAGE = CrankSlider(380.0, 960.0)
 COEFFICIENTS_N = (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)
 """The resistance as a polynomial of the displacement in mm."""
 
-TASK = Task(LINKAGE, PolynomialResistance(COEFFICIENTS_N), 2.0 * pi)
+TASK = Task(LINKAGE, SliderLoad(PolynomialResistance(COEFFICIENTS_N)), 2.0 * pi)
 """What studies of best laws ask for: this linkage and resistance at 60 r/min."""
 
 DIGITS = 50

@@ -1,81 +1,77 @@
-"""The studies of makeable laws: how many harmonics they need, and at how many places they are held to their limits.
+"""The studies of makeable laws: how many knots they need, and at how many places they are held to their limits.
 
 Both take the baler at 60 r/min with half of its published power and convex pitch curves, as designs/baler-half.yaml.
-The best motion has corners.  A series of n harmonics smears a corner over a share 1/n of the turn, which costs a share
-of the time of the order 1/n^2.
+The best motion has corners.  A spline of n knots smears a corner over a share 1/n of the turn, which costs a share of
+the time of the order 1/n^2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from math import log2, pi
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ncgear.numerics.arrays import Array
+from ncgear.optimum.certified.limit import Motion
+from ncgear.optimum.makeable.places import cell_ends, places
 from ncgear.optimum.makeable.programme import programme
-from ncgear.optimum.makeable.reached import Basis, Grid, Stations, grid, lengths, ratios, reached, stations
-from ncgear.optimum.makeable.search import PLACES_PER_HARMONIC, kept, scales, searched
-from ncgear.optimum.makeable.wishes import Wishes, levels
+from ncgear.optimum.makeable.reached import Judged, ratios
+from ncgear.optimum.makeable.search import STEPS, Search, kept, scales, searched
+from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Limits, figures
-from ncgear.ratio.laws.harmonic import harmonic_law
+from ncgear.ratio.laws.spline import spline_ratio_law
 from ncgear.ratio.transmission import single
 from speed_against_error.baler import TASK
 from speed_against_error.study import Method, Study
 
 POWER_W = 9375.0
 LIMITS = Limits(0.2, 5.0, POWER_W)
-HARMONICS = Wishes(LIMITS).harmonics
+KNOTS = Wishes(LIMITS).knots
 """The default of design files."""
 
-Form = Callable[[Stations, int], Grid]
-"""A way to write ln i12 with 2 n coefficients."""
+EVEN = Motion(np.array([0.0, pi]), np.ones(2))
+"""A crank that turns evenly."""
 
 
-# --- harmonics -------------------------------------------------------------------------------------------------------
+# --- knots -----------------------------------------------------------------------------------------------------------
 
-COUNTS = (8, 12, 16, HARMONICS, 36)
-MORE = (*COUNTS, 48)
-"""For the quicker method."""
+COUNTS = (36, 60, 96, KNOTS, 360)
 
 ORDER = 2.0
 
-REFERENCE = (25, 50, 100)
-"""Pairs of coefficients of the reference's splines, each number twice the one before."""
+REFERENCE = (180, 360, 720)
+"""Knots of the reference's splines, each number twice the one before."""
 
-ENOUGH = 0.02
+ENOUGH = 2e-3
 """As a share of the goal: the machine's resistance is not known better."""
 
-FINISHED, AT_PLACES, SPLINES = "harmonics", "harmonics, limits at the places only", "quintic splines"
+FINISHED, AT_PLACES = "cubic splines", "cubic splines, limits at the places only"
 
 
 def makeable_study() -> Study:
-    """By how much the baler's least acceleration exceeds its limit for any number of harmonics."""
+    """By how much the baler's least acceleration exceeds its limit for any number of knots."""
     return Study(
         key="makeable",
         title="Makeable law",
         unit="share",
-        reference="Aitken's extrapolation, which fits limit and rate, of quintic splines with "
-        f"{', '.join(str(2 * count) for count in REFERENCE)} coefficients",
+        reference="Aitken's extrapolation, which fits limit and rate, of cubic splines with "
+        f"{', '.join(map(str, REFERENCE))} knots and limits at their places",
         methods=(
-            Method(FINISHED, "harmonics", COUNTS, lambda count: _kept_mm_s2(grid, count), ORDER),
-            Method(SPLINES, "pairs of coefficients", COUNTS, lambda count: _kept_mm_s2(_splines, count), ORDER),
-            Method(AT_PLACES, "harmonics", MORE, lambda count: _at_places_mm_s2(grid, count), ORDER),
+            Method(FINISHED, "knots", COUNTS, _kept_mm_s2, ORDER),
+            Method(AT_PLACES, "knots", COUNTS, _at_places_mm_s2, ORDER),
         ),
         error=lambda found: abs(found / least_mm_s2() - 1.0),
-        chosen=(FINISHED, HARMONICS),
+        chosen=(FINISHED, KNOTS),
         enough=ENOUGH,
-        because="more harmonics gain a hundredth at most and take longer by their square. The programme of a spline is "
-        "quicker, its matrices being sparse, and comes as far; but a law of harmonics is one piece, without knots that "
-        "pitch curves and teeth would show in their higher derivatives, and a second is little",
+        because="twice the knots gain a thousandth and take twice as long",
     )
 
 
 def least_mm_s2() -> float:
-    """The acceleration that any number of coefficients comes down to."""
+    """The acceleration that any number of knots comes down to."""
     return extrapolated(_reference_mm_s2())
 
 
@@ -87,7 +83,7 @@ def fitted_order() -> float:
 
 @cache
 def _reference_mm_s2() -> tuple[float, ...]:
-    return tuple(_at_places_mm_s2(_splines, count) for count in REFERENCE)
+    return tuple(_at_places_mm_s2(count) for count in REFERENCE)
 
 
 def extrapolated(values: Sequence[float]) -> float:
@@ -96,87 +92,69 @@ def extrapolated(values: Sequence[float]) -> float:
     return third - (second - third) ** 2 / (first - 2.0 * second + third)
 
 
-def _kept_mm_s2(form: Form, count: int) -> float:
-    """The peak acceleration of a law of 2 ``count`` coefficients as ncgear makes it, with limits held everywhere.
+def _kept_mm_s2(count: int) -> float:
+    """The peak acceleration of a law of so many knots as ncgear makes it, with limits held everywhere.
 
     Raises ArithmeticError if there is none.
     """
-    search = searched(TASK, Wishes(LIMITS, harmonics=count), form)
-    found = kept(search, np.zeros(2 * count))
+    search = searched(TASK, Wishes(LIMITS, knots=count))
+    found = kept(search, search.begun(EVEN))
     if found is None:
-        raise ArithmeticError(f"no law of {2 * count} coefficients was found")
-    return float(found.reached[0]) * scales(TASK, search.finer.stations).acceleration_mm_s2
+        raise ArithmeticError(f"no law of {count} knots was found")
+    return float(found.reached[0]) * scales(TASK).acceleration_mm_s2
 
 
-def _at_places_mm_s2(form: Form, count: int) -> float:
+def _at_places_mm_s2(count: int) -> float:
     """The least peak acceleration of a law whose limits hold at the programme's places."""
-    return best_at_places(form, count, PLACES_PER_HARMONIC).level_mm_s2
+    return best_at_places(count, STEPS).level_mm_s2
 
 
 @dataclass(frozen=True, eq=False)
 class LawAtPlaces:
-    """A law whose limits hold at even places only: coefficients, the largest acceleration at the places, its level.
+    """A law whose limits hold at places only: ratios at the knots, the largest acceleration at the places, its level.
 
     The level also counts the peaks between the places, as parabolas through the places estimate them.
     """
 
-    coefficients: Array
+    ratio: Array
     at_places_mm_s2: float
     level_mm_s2: float
 
 
-def best_at_places(form: Form, count: int, places_per_count: int) -> LawAtPlaces:
-    """The best law at even places, ``places_per_count`` for each harmonic or for each two coefficients of a spline.
+def best_at_places(count: int, steps: int) -> LawAtPlaces:
+    """The best law of so many knots whose limits hold at so many steps between two knots, an even number.
 
     Raises ArithmeticError if the optimiser finds none.
     """
-    at = stations(TASK.linkage, TASK.resistance, places_per_count * count)
-    on, units = form(at, count), scales(TASK, at)
-    wanted = levels(Wishes(LIMITS), units)
-    caps = np.array([np.inf if level.limit is None else level.limit for level in wanted])
-    weights = np.array([level.weight for level in wanted])
-    found = programme(wanted, on, TASK.cycle_rad, None, 1).solved(caps, weights, np.zeros(2 * count))
+    search = _in_steps(searched(TASK, Wishes(LIMITS, knots=count)), steps)
+    found = search.programme.solved(search.caps, search.weights, search.begun(EVEN))
     if found is None:
-        raise ArithmeticError(f"no law of {2 * count} coefficients was found")
-    there = ratios(on, found.coefficients, TASK.cycle_rad)
-    largest = max(float(np.max(term)) for term in wanted[0].terms(there, on.stations.slider, lengths(there)))
-    unit, level = units.acceleration_mm_s2, float(reached(wanted, on, there)[0])
-    return LawAtPlaces(found.coefficients, unit * largest, unit * level)
+        raise ArithmeticError(f"no law of {count} knots was found")
+    at, basis = search.programme.rows.at, search.programme.basis
+    judged = Judged(search.programme.levels, at, ratios(at, basis, found.coefficients, [TASK.cycle_rad]))
+    unit = scales(TASK).acceleration_mm_s2
+    largest = max(float(np.max(term)) for term in judged.terms[0])
+    return LawAtPlaces(search.rounded(found.coefficients)[0], unit * largest, unit * float(judged.reached[0]))
 
 
-SPLINE_DEGREE = 5
-"""Curvature needs the second derivative, which is smooth at this degree."""
-
-
-def _splines(at: Stations, count: int) -> Grid:
-    """Periodic quintic splines, a form that ncgear does not use.
-
-    The splines have 2 ``count`` + 1 even knots around the turn.  One of them is left out: all together sum up to one,
-    and the programme of a makeable law has a constant of its own.
-    """
-    knot_count = 2 * count + 1
-    step = 2.0 * pi / knot_count
-    knots = step * np.arange(-SPLINE_DEGREE, knot_count + SPLINE_DEGREE + 1)
-    rows = np.zeros((3, at.phi2_rad.size, knot_count))
-    for number in range(knot_count + SPLINE_DEGREE):
-        bump = BSpline.basis_element(knots[number : number + SPLINE_DEGREE + 2], extrapolate=False)
-        for order in range(3):
-            curve = bump.derivative(order) if order else bump
-            rows[order, :, number % knot_count] += np.nan_to_num(curve(at.phi2_rad))
-    return Grid(at, Basis(*rows[:, :, :-1]))
+def _in_steps(search: Search, steps: int) -> Search:
+    """The search with another number of steps of the programme's places between two knots."""
+    old = search.programme
+    at = places(TASK, cell_ends(TASK, old.knots.angle_rad, []), steps)
+    return replace(search, programme=programme(old.levels, old.knots, at, old.cycles_rad))
 
 
 # --- places ----------------------------------------------------------------------------------------------------------
 
-PLACES = (4, 6, 10, 16)
+PLACES = (2, 4, 8)
 ENOUGH_BETWEEN = 5e-4
-"""As a share of a limit: two or three more rounds of ten steps each then keep it everywhere."""
+"""As a share of a limit: one or two more rounds of a few steps each then keep it everywhere."""
 
 PROGRAMME = "even places, one round"
 
 
 def places_study() -> Study:
-    """By how much the baler's law of 24 harmonics exceeds, between its places, the limits that it keeps at them.
+    """By how much the baler's law exceeds, between its places, the limits that it keeps at them.
 
     The programme misses a peak between two places by at most the square of their distance, and by less if the peak
     happens to lie near one of them.  The error therefore falls with the square, but not evenly, and no rate is fitted.
@@ -186,20 +164,18 @@ def places_study() -> Study:
         title="Makeable law between its places",
         unit="share",
         reference="the exact peaks of acceleration and power of the law that was found, located on its closed form",
-        methods=(
-            Method(PROGRAMME, "places per harmonic", PLACES, lambda count: best_at_places(grid, HARMONICS, count)),
-        ),
+        methods=(Method(PROGRAMME, "steps between two knots", PLACES, lambda steps: best_at_places(KNOTS, steps)),),
         error=_excess,
-        chosen=(PROGRAMME, PLACES_PER_HARMONIC),
+        chosen=(PROGRAMME, STEPS),
         enough=ENOUGH_BETWEEN,
-        because="what is left between them is so little that tightening the limits by it takes two or three short "
-        "rounds more; the time grows with the places",
+        because="what is left between them is so little that keeping terms back by it takes one or two short rounds "
+        "more; the time grows with the places",
     )
 
 
 def _excess(law: LawAtPlaces) -> float:
     """The larger share by which an exact peak, of acceleration or power, exceeds the limit held at the places."""
-    cosine, sine = law.coefficients.reshape(2, -1)
-    exact = figures(TASK, single(harmonic_law(cosine, sine, TASK.lobes)))
+    angle = 2.0 * pi * np.arange(law.ratio.size) / law.ratio.size
+    exact = figures(TASK, single(spline_ratio_law(angle, law.ratio, TASK.lobes)))
     over = exact.peak_acceleration_mm_s2 / law.at_places_mm_s2, exact.peak_power_w / POWER_W
     return abs(max(over) - 1.0)

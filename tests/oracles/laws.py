@@ -7,15 +7,16 @@ return by partial fractions, ratios by quadrature, tables by collocation of B-sp
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 from mpmath import mp
-from mpmath.calculus.quadrature import GaussLegendre
 
+from oracles.log_ratios import Harmonics, LogRatio, Splined, spline
+from oracles.quadrature import integral
 from oracles.stroke import Linkage, Stroke, StrokeParameters, exact, polynomial, solve
 
 Real = Any  # mpf
@@ -23,8 +24,6 @@ Motion = tuple[Real, Real, Real]
 """phi2, dphi2/dphi1, d2phi2/dphi1^2."""
 
 DIGITS = 40
-HALVINGS = 40
-NODES = 1024
 
 
 @dataclass(frozen=True)
@@ -73,33 +72,6 @@ class Law:
         with mp.workdps(DIGITS):
             stretches = zip(self.pieces, self.joints[:-1], self.joints[1:], strict=True)
             return sum(integral(piece.rolled, start, end) for piece, start, end in stretches)
-
-
-def integral(function: Callable[[Real], Real], start: Real, end: Real) -> Real:
-    """Quadrature on stretches that are halved until each is good to 22 digits of what it may be."""
-    return _quadrature(function, start, end, HALVINGS)
-
-
-def _quadrature(function: Callable[[Real], Real], low: Real, high: Real, halvings: int) -> Real:
-    coarse, fine = (_gauss(function, low, high, degree) for degree in (3, 4))
-    if abs(fine - coarse) <= mp.mpf(10) ** -22 * (1 + abs(fine)):
-        return fine
-    if not halvings:
-        raise ArithmeticError("the quadrature does not converge")
-    middle = (low + high) / 2
-    return _quadrature(function, low, middle, halvings - 1) + _quadrature(function, middle, high, halvings - 1)
-
-
-def _gauss(function: Callable[[Real], Real], low: Real, high: Real, degree: int) -> Real:
-    """The rule of 3 * 2^(degree - 1) nodes."""
-    middle, half = (low + high) / 2, (high - low) / 2
-    return half * mp.fsum(weight * function(middle + half * x) for x, weight in _rule(degree, mp.prec))
-
-
-@cache
-def _rule(degree: int, bits: int) -> list[tuple[Real, Real]]:
-    nodes: list[tuple[Real, Real]] = GaussLegendre(mp).get_nodes(-1, 1, degree, bits)
-    return nodes
 
 
 def bends(linkage: Linkage, driven: Real) -> tuple[Real, Real]:
@@ -316,7 +288,7 @@ def _table_law(asked: Asked) -> Law:
     angles, slopes = _table(asked.motion, "ratio", lambda value: 1 / mp.mpf(value))
     period = 2 * mp.pi / asked.lobes[0]
     knots = [mp.mpf(0), *(at for at in angles if 0 < at < period), period]
-    return _ratio_law(_spline(angles, slopes), knots, asked.linkage, asked.lobes)
+    return _ratio_law(spline(angles, slopes), knots, asked.linkage, asked.lobes)
 
 
 def _table(motion: dict[str, Any], column: str, of: Callable[[Any], Real]) -> tuple[list[Real], list[Real]]:
@@ -333,103 +305,18 @@ def _displacement_table(motion: dict[str, Any], linkage: Linkage) -> Law:
         else (crank_angle if k < top else returning_angle)(linkage, x)
         for k, x in enumerate(displacements)
     ]  # fmt: skip
-    excess = _spline(angles, [crank - at for crank, at in zip(cranks, angles, strict=True)])
+    excess = spline(angles, [crank - at for crank, at in zip(cranks, angles, strict=True)])
 
     start = excess(mp.mpf(0))
     piece = Piece(lambda phi1: phi1 + excess(phi1) - start, lambda phi1: (1 + excess(phi1, 1), excess(phi1, 2)))
     return Law(linkage, (*angles, 2 * mp.pi), (piece,) * len(angles))
 
 
-def _spline(angles: list[Real], values: list[Real], degree: int = 5) -> Callable[..., Real]:
-    """The periodic spline through points, its knots at the points, by collocation of B-splines."""
-    count, turn = len(angles), 2 * mp.pi
-    knots = [angles[k % count] + turn * (k // count) for k in range(-degree, count + degree + 1)]
-
-    def row(at: Real, order: int) -> list[Real]:
-        local = at - turn * mp.floor((at - angles[0]) / turn)
-        cell = max(k for k in range(degree, degree + count) if knots[k] <= local)
-        total = [mp.mpf(0)] * count
-        for k in range(cell - degree, cell + 1):
-            total[k % count] += _basis(knots, k, degree, local, order, cell)
-        return total
-
-    weights = mp.lu_solve(mp.matrix([row(at, 0) for at in angles]), mp.matrix(values))
-    return lambda at, order=0: mp.fdot(row(at, order), weights)
-
-
-def _basis(knots: list[Real], k: int, degree: int, at: Real, order: int, cell: int) -> Real:
-    """Derivative of an order of B-spline k at a place in a cell, by the recurrences of Cox and de Boor."""
-    if not degree:
-        return mp.mpf(k == cell)
-    left, right = knots[k + degree] - knots[k], knots[k + degree + 1] - knots[k + 1]
-    fewer = order - 1 if order else 0
-    first, second = (_basis(knots, j, degree - 1, at, fewer, cell) for j in (k, k + 1))
-    if order:
-        return degree * (first / left - second / right)
-    return (at - knots[k]) / left * first + (knots[k + degree + 1] - at) / right * second
-
-
 @dataclass(frozen=True)
-class Harmonics:
-    """ln i12 as a series of t = n2 phi2, x = n1 phi1: dt/dx = mean(exp(series)) / exp(series)."""
-
-    cosine: tuple[float, ...]
-    sine: tuple[float, ...]
-
-    def series(self, t: Real) -> Real:
-        """The series without its constant."""
-        waves = [a * mp.cos(k * t) for k, a in enumerate(self.cosine, 1)]
-        return mp.fsum(waves + [b * mp.sin(k * t) for k, b in enumerate(self.sine, 1)])
-
-    @cached_property
-    def spectrum(self) -> tuple[tuple[Real, ...], tuple[Real, ...]]:
-        """Cosine and sine coefficients of exp(series), by the trapezium rule, whose error is the coefficients beyond.
-
-        The 256 that are kept fall below 1e-40 where the series' coefficients add up to ten.
-        """
-        points = [2 * mp.pi * k / NODES for k in range(NODES)]
-        values = [mp.exp(self.series(t)) for t in points]
-        waves = [[mp.expj(wave * t) for t in points] for wave in range(NODES // 4)]
-        sums = [2 * mp.fdot(values, wave) / NODES for wave in waves]
-        return tuple(mp.re(each) for each in sums), tuple(mp.im(each) for each in sums)
-
-    def turned(self, t: Real) -> Real:
-        """x at t, times the mean: the antiderivative of exp(series), term by term."""
-        cosine, sine = self.spectrum
-        waves = [(mp.expj(wave * t), wave) for wave in range(1, len(cosine))]
-        terms = [(cosine[k] * mp.im(turn) + sine[k] * (1 - mp.re(turn))) / k for turn, k in waves]
-        return cosine[0] / 2 * t + mp.fsum(terms)
-
-    @property
-    def mean(self) -> Real:
-        """Mean of exp(series)."""
-        return self.spectrum[0][0] / 2
-
-    def speed(self, t: Real) -> tuple[Real, Real]:
-        """dt/dx and its derivative by x."""
-        speed = self.mean * mp.exp(-self.series(t))
-        return speed, -mp.diff(self.series, t) * speed**2
-
-    def inverse(self, x: Real) -> Real:
-        """t at x, by Newton's method from a bracket."""
-        wanted, (low, high) = x * self.mean, (mp.mpf(0), 2 * mp.pi)
-        for _ in range(12):
-            middle = (low + high) / 2
-            low, high = (middle, high) if self.turned(middle) < wanted else (low, middle)
-        t = (low + high) / 2
-        for _ in range(8):
-            step = (self.turned(t) - wanted) / mp.exp(self.series(t))
-            t -= step
-            if abs(step) < mp.mpf(10) ** (6 - mp.dps):
-                return t
-        raise ArithmeticError("the harmonic law's inverse was not found")
-
-
-@dataclass(frozen=True)
-class HarmonicLaw(Law):
+class OverDriven(Law):
     """A law whose pitch curve is measured over the driven angle, which needs no inverse."""
 
-    harmonics: Harmonics = Harmonics((), ())
+    log_ratio: LogRatio = field(kw_only=True)
 
     @cached_property
     def period_length(self) -> Real:
@@ -437,30 +324,45 @@ class HarmonicLaw(Law):
         n1, n2 = self.lobes
 
         def rolled(t: Real) -> Real:
-            speed, bend = self.harmonics.speed(t)
+            speed, bend = self.log_ratio.speed(t)
             slope, bend = speed * n1 / n2, bend * n1**2 / mp.mpf(n2)
             return mp.sqrt((slope / (1 + slope)) ** 2 + (bend / (1 + slope) ** 2) ** 2) / (speed * n1)
 
         with mp.workdps(DIGITS):
-            return integral(rolled, mp.mpf(0), 2 * mp.pi)
+            return sum(integral(rolled, start, end) for start, end in pairwise(self.log_ratio.knots))
 
 
-def _harmonic_law(motion: dict[str, Any], linkage: Linkage, lobes: tuple[int, int]) -> Law:
-    harmonics = Harmonics(tuple(motion.get("cosine", ())), tuple(motion.get("sine", ())))
-    n1, n2 = lobes
+def _over_driven(asked: Asked, log_ratio: LogRatio) -> Law:
+    """The law of ln i12 over t = n2 phi2, analytic between its knots."""
+    n1, n2 = asked.lobes
 
     def slopes(phi1: Real) -> tuple[Real, Real]:
-        speed, bend = harmonics.speed(harmonics.inverse(phi1 * n1))
+        speed, bend = log_ratio.speed(log_ratio.inverse(phi1 * n1))
         return speed * n1 / n2, bend * n1**2 / mp.mpf(n2)
 
-    piece = Piece(lambda phi1: harmonics.inverse(phi1 * n1) / n2, slopes)
-    return HarmonicLaw(linkage, (mp.mpf(0), 2 * mp.pi / n1), (piece,), lobes, harmonics)
+    piece = Piece(lambda phi1: log_ratio.inverse(phi1 * n1) / n2, slopes)
+    inner = [log_ratio.turned(t) / log_ratio.mean / n1 for t in log_ratio.knots[1:-1]]
+    joints = mp.mpf(0), *inner, 2 * mp.pi / n1
+    return OverDriven(asked.linkage, joints, (piece,) * (len(joints) - 1), asked.lobes, log_ratio=log_ratio)
+
+
+def _harmonic_law(asked: Asked) -> Law:
+    return _over_driven(asked, Harmonics(tuple(asked.motion.get("cosine", ())), tuple(asked.motion.get("sine", ()))))
+
+
+def _spline_ratio_law(asked: Asked) -> Law:
+    values = [mp.log(mp.mpf(ratio)) for ratio in asked.motion["ratio"]]
+    units = {"driven_angle_rad": mp.mpf(1), "driven_angle_deg": mp.pi / 180, "driven_angle_pi": mp.pi}
+    even = [2 * mp.pi * k / len(values) for k in range(len(values))]
+    given = [[mp.mpf(at) * unit for at in asked.motion[key]] for key, unit in units.items() if key in asked.motion]
+    return _over_driven(asked, Splined.through(given[0] if given else even, values))
 
 
 REFERENCES: dict[str, Callable[[Asked], Law]] = {
     "three_segment_stroke": lambda asked: _stroke_law(asked.motion, asked.linkage, asked.closing),
     "ratio_expression": lambda asked: _by_slope(asked, _formula_slope(asked.motion)),
-    "harmonic_ratio": lambda asked: _harmonic_law(asked.motion, asked.linkage, asked.lobes),
+    "harmonic_ratio": _harmonic_law,
+    "spline_ratio": _spline_ratio_law,
     "ellipse": lambda asked: _by_slope(asked, _elliptical(asked.motion, asked.lobes)),
     "table": _table_law,
     "uniform_crank": lambda asked: _by_slope(asked, lambda phi: mp.mpf(1)),

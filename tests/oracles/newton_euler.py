@@ -21,7 +21,10 @@ DIGITS = 40
 
 @dataclass(frozen=True)
 class Scene:
-    """A machine: driven angle by the driving angle, linkage, masses, gears; all plain numbers."""
+    """A machine: driven angle by the driving angle, linkage, masses, gears; all plain numbers.
+
+    ``resistance`` and ``returning`` are the forces against the slider on its way out and back, by its displacement.
+    """
 
     driven_angle: Angle
     speed_rad_s: float
@@ -41,6 +44,7 @@ class Scene:
     rack_angle: float
     internal: bool
     driving_axis: float
+    returning: Callable[[Real], Real] = lambda x: mp.mpf(0)
 
 
 def places(scene: Scene, phi1: Real) -> dict[str, Any]:
@@ -105,7 +109,8 @@ def _equations(scene: Scene, phi1: Real, working: bool, pushing: bool, names: li
     point, axis, direction = action(scene, phi1, pushing=pushing)
     gravity = mp.mpc(*scene.gravity)
     retracted = mp.sqrt(mp.mpf(scene.rod - scene.crank) ** 2 - mp.mpf(scene.offset) ** 2)
-    press = scene.resistance(at["wrist"].real - retracted) if working else mp.mpf(0)
+    x = at["wrist"].real - retracted
+    press = scene.resistance(x) if working else -scene.returning(x)
     rows: list[dict[str, Any]] = []
     right: list[Any] = []
 

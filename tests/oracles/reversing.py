@@ -13,6 +13,7 @@ from math import pi, sqrt
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 from scipy.spatial import KDTree
 
 from oracles.meshing import width
@@ -77,6 +78,21 @@ def of_harmonics(cosine: Sequence[float], sine: Sequence[float], phi2: FloatArra
     turned, whole = _integrated(lambda t: np.exp(series(t)), places)
     slope = whole / (2.0 * pi) * np.exp(-series(phi2))
     return Positions(turned[1:-1] * (2.0 * pi / whole), phi2, slope, -bend * slope**2)
+
+
+def of_spline(ratio: Sequence[float], phi2: FloatArray) -> Positions:
+    """Positions at given driven angles of a law of one lobe: ln(dphi1/dphi2) is SciPy's periodic cubic spline.
+
+    It goes through the logarithms of ratios at even driven angles, but for the constant that closes the cycle.
+    """
+    knots = np.linspace(0.0, 2.0 * pi, len(ratio) + 1)
+    series = CubicSpline(knots, np.log(np.append(ratio, ratio[0])), bc_type="periodic")
+    places = np.union1d(knots, phi2)
+    turned, whole = _integrated(lambda t: np.exp(series(t)), places)
+    slope = whole / (2.0 * pi) * np.exp(-series(phi2))
+    return Positions(
+        turned[np.searchsorted(places, phi2)] * (2.0 * pi / whole), phi2, slope, -series(phi2, 1) * slope**2
+    )
 
 
 def _integrated(function: Function, at: FloatArray) -> tuple[FloatArray, float]:

@@ -27,7 +27,7 @@ from ncgear.balance.shaking import TRACK_POINTS, Shaking, Track, shaking
 from ncgear.balance.waveform import Waveform, waveforms
 from ncgear.errors import WrongInput
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.extrema import Extremum
@@ -258,7 +258,7 @@ def dynamic_counterweights(chassis: Chassis, mechanism: DrivenCrank) -> DynamicC
     """
     gravity = abs(complex(*mechanism.masses.gravity_m_s2)) or STANDARD_GRAVITY_M_S2
     along = shaking(mechanism).along
-    machine = Machine(mechanism.transmission, mechanism.linkage, PolynomialResistance(), mechanism.speed_rad_s)
+    machine = Machine(mechanism.transmission, mechanism.linkage, SliderLoad(), mechanism.speed_rad_s)
     at_ends = along(np.array([machine.extended_rad, 0.0]))
     largest = max(along.extremes, key=lambda extremum: abs(extremum.value))
     extended, retracted, worst = (

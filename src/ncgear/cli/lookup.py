@@ -17,7 +17,7 @@ def explain(
         str | None,
         typer.Argument(
             metavar="[KEY]",
-            help="A key, its last part or an idea: gears.rack.profile, profile, v2, dwell. Left out: all keys.",
+            help="A key, its last part or an idea: gears.rack.profile, profile, v2, standstill. Left out: all keys.",
             autocompletion=keys_to_complete,
         ),
     ] = None,

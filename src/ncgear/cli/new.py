@@ -11,6 +11,7 @@ import typer
 
 from ncgear.cli.progress import steps_shown
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
+from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.naming import NAME_RULE, is_name
 from ncgear.design.reading.text import plain_value, whole
 from ncgear.errors import DesignError, WrongInput
@@ -23,6 +24,9 @@ def new(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")] = None,
     law: Annotated[
         LawName | None, typer.Option(help="The motion law to begin with.", show_default=DEFAULT_LAW.value)
+    ] = None,
+    machine: Annotated[
+        MachineName | None, typer.Option(help="Begin with a whole machine: its sizes, loads, masses, gears and wishes.")
     ] = None,
     stroke_mm: Annotated[float | None, typer.Option(help="Stroke of the slider; twice the crank.")] = None,
     crank_mm: Annotated[float | None, typer.Option(help="Length of the crank.")] = None,
@@ -49,6 +53,11 @@ def new(
         "face_width_mm": face_width_mm,
     }
     given = _sound({answer: value for answer, value in sizes.items() if value is not None})
+    if machine is not None:
+        if given or law is not None:
+            raise WrongInput("a machine has its own law and sizes; change them in its file", key="--machine")
+        _create(_free(name), machine_template(name or "", machine))
+        return
     person_can_answer = sys.stdin.isatty() and sys.stderr.isatty()
     if person_can_answer and not yes:
         _ask_and_write(name, law, given)
@@ -102,7 +111,11 @@ def _taken(path: Path) -> WrongInput:
 
 def _write(path: Path, law: LawName, sizes: dict[str, float]) -> None:
     """Write a design that can be built; raises WrongInput or NoSuchMechanism where it cannot."""
-    text = _buildable(path.stem, law, sizes)
+    _create(path, _buildable(path.stem, law, sizes))
+
+
+def _create(path: Path, text: str) -> None:
+    """Write a new file and say its name."""
     try:
         # Mode x: a file that is already there is refused even if it appears at this very moment.
         with path.open("x", encoding="utf-8") as file:

@@ -8,9 +8,14 @@ from ncgear.design.reading.text import plain_value
 
 def template(name: str, law: LawName = DEFAULT_LAW) -> str:
     """A complete design file called ``name``, with a comment on every value."""
+    return "\n".join((f"{head(name)}{_LINKAGE}", design_law(law).template, _GEARS, _MACHINE))
+
+
+def head(name: str) -> str:
+    """The first lines of a design file called ``name``."""
     # Names such as 12 or true must not be read as a number or a truth value, and a name of dashes not as a list.
     quoted = name if name[0].isalpha() and isinstance(plain_value(name), str) else f'"{name}"'
-    return "\n".join((_HEAD.format(name=name, quoted=quoted), design_law(law).template, _GEARS, _MACHINE))
+    return _HEAD.format(name=name, quoted=quoted)
 
 
 _HEAD = """\
@@ -19,6 +24,9 @@ _HEAD = """\
 #   ncgear build {name}.yaml    gears, into export/{name}
 
 name: {quoted}               # letters, digits, - and _; also names the output folder
+"""
+
+_LINKAGE = """\
 description: ""            # free text
 
 linkage:                   # the crank-slider that the driven gear turns

@@ -1,17 +1,19 @@
-"""What a mechanism asks of its crank shaft in any motion: inertia that changes with the angle, resistance and weight.
+"""What a mechanism asks of its crank shaft in any motion: inertia that changes with the angle, the load, weight.
 
 With q the crank's angle and primes by it, the kinetic energy is M(q) q.^2 / 2 with the reduced inertia
 
     M = J_crank + sum over the other bodies of m (x_G'^2 + y_G'^2) + J beta'^2
 
-With U the work against the resistance plus the potential of the weights, Lagrange's equation of one degree of freedom
+With U the work against the load plus the potential of the weights, Lagrange's equation of one degree of freedom
 (Eksergian's equation of motion; e.g. B. Paul, "Kinematics and Dynamics of Planar Machinery", Prentice-Hall 1979,
 chapter 9) is
 
     M(q) q.. + M'(q) q.^2 / 2 + U'(q) = moment of the teeth
 
-The resistance acts in the working stroke and depends on the place alone, as in the check of power: a slider that moves
-back a little within the stroke is pushed back with the force it had there.
+The load of the slider depends on the crank's angle alone, which says the stroke and the place in it, as in the check of
+power.  A slider that moves back a little within a stroke is pushed back with the force it had there.  This holds for
+its friction too, which then gives the work back: a slider that stands still, or trembles about its law, meets no force
+that jumps, and over whole turns the work is that of friction.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism, MovingMass
-from ncgear.mechanisms.resistance import Resistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
@@ -69,7 +71,7 @@ class CrankLoad:
     """M in N mm s^2 and U in N mm as one table over the crank's angle; U rises by the work of each turn.
 
     ``dead_centres_rad`` are the crank angles at which the working stroke begins and ends.  ``narrow_rad`` (shape (k,
-    3)) are the start and the end of each stretch in which the resistance changes within an interval or two, and the
+    3)) are the start and the end of each stretch in which the load changes within an interval or two, and the
     least distance of knots there: who follows a motion must not step over it.
     """
 
@@ -99,20 +101,20 @@ class CrankLoad:
         return torque
 
     def energy_n_mm(self, angle_rad: Array, speed_rad_s: Array) -> Array:
-        """Kinetic energy plus the work put into resistance and weights since the angle 0; shapes broadcast."""
+        """Kinetic energy plus the work put into load and weights since the angle 0; shapes broadcast."""
         values, _ = self.table.at(angle_rad)
         energy: Array = 0.5 * values[..., 0] * speed_rad_s**2 + values[..., 1]
         return energy
 
 
-def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> CrankLoad:
+def crank_load(linkage: Mechanism, masses: Masses, load: SliderLoad) -> CrankLoad:
     """The load of a mechanism; raises WrongInput where nothing has inertia, as at a dead centre without a gear."""
-    working = linkage.working_angle_rad
-    parts = [_working_knots(linkage, resistance), _knots(working, 2.0 * pi)]
-    narrow = _narrow_rad(linkage, resistance, parts[0])
-    whole = resistance.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)
-    back = np.broadcast_to(whole, parts[1].shape), np.zeros_like(parts[1])
-    work = [_working(linkage, resistance, parts[0]), back]
+    strokes = [_Stroke(linkage, load, returning) for returning in (False, True)]
+    parts = [stroke.knots_rad() for stroke in strokes]
+    narrow = np.concatenate([stroke.narrow_rad(knots) for stroke, knots in zip(strokes, parts, strict=True)])
+    work = [stroke.work(knots) for stroke, knots in zip(strokes, parts, strict=True)]
+    out = load.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm, returning=False)
+    work[1] = out + work[1][0], work[1][1]
     knots = np.concatenate([parts[0], parts[1][1:]])
     angle = Jet.variable(knots, 2)
     moving = linkage.moving_masses(angle, masses)
@@ -129,7 +131,8 @@ def crank_load(linkage: Mechanism, masses: Masses, resistance: Resistance) -> Cr
     values = np.column_stack([N_PER_KG_MM_S2 * inertia, work_value + weight.value])
     slopes = np.column_stack([N_PER_KG_MM_S2 * change, work_slope + weight.derivative(1)])
     table = cubics(np.diff(knots), (values[:-1], slopes[:-1]), (values[1:], slopes[1:]))
-    return CrankLoad(PeriodicTable(knots, table, np.array([0.0, float(work_value[-1])])), (0.0, working), narrow)
+    whole = PeriodicTable(knots, table, np.array([0.0, float(work_value[-1])]))
+    return CrankLoad(whole, (0.0, linkage.working_angle_rad), narrow)
 
 
 def _knots(low: float, high: float) -> Array:
@@ -157,44 +160,63 @@ SHARES = np.array([[0.25], [0.6]])
 where a table that is met at both ends may agree with a curve that it misses."""
 
 
-def _working_knots(linkage: Mechanism, resistance: Resistance) -> Array:
-    """Crank angles of the working stroke, closer together where the resistance changes fast.
+@dataclass(frozen=True, eq=False)
+class _Stroke:
+    """One stroke of a mechanism with the load that its slider has there."""
 
-    The table is tried where the resistance turns or begins as well, so that no narrow peak is between two knots.
-    """
-    stroke = linkage.stroke_mm
-    turns = crank_angles_rad(linkage, np.union1d(resistance.turns_mm(stroke), resistance.zeros_mm(stroke)))
-    knots = _knots(0.0, linkage.working_angle_rad)
-    while knots.size < MOST_KNOTS:
-        width = np.diff(knots)
-        tried = np.union1d((knots[:-1] + width * SHARES).ravel(), turns)
-        missed = np.unique(_missed_at(linkage, resistance, knots, tried, MISSED))
-        missed = missed[width[missed] > CLOSEST_RAD]
+    linkage: Mechanism
+    load: SliderLoad
+    returning: bool
+
+    @property
+    def ends_rad(self) -> tuple[float, float]:
+        """Crank angles of the dead centres at which the stroke begins and ends."""
+        working = self.linkage.working_angle_rad
+        return (working, 2.0 * pi) if self.returning else (0.0, working)
+
+    def work(self, angle: Array) -> tuple[Array, Array]:
+        """Work against the load since the stroke began, and its slope by the crank's angle."""
+        slide, stroke = self.linkage.displacement(Jet.variable(angle, 1)), self.linkage.stroke_mm
+        place = np.clip(slide.value, 0.0, stroke)
+        force = self.load.backwards_n(place, self.returning)
+        return self.load.work_n_mm(place, stroke, self.returning), force * slide.derivative(1)
+
+    def knots_rad(self) -> Array:
+        """Crank angles of the stroke, closer together where the load changes fast.
+
+        The table is tried where the resistance turns or begins as well, so that no narrow peak is between two knots.
+        """
+        corners = self.load.corners_mm(self.linkage.stroke_mm, self.returning)
+        turns = crank_angles_rad(self.linkage, corners, self.returning)
+        knots = _knots(*self.ends_rad)
+        while knots.size < MOST_KNOTS:
+            width = np.diff(knots)
+            tried = np.union1d((knots[:-1] + width * SHARES).ravel(), turns)
+            missed = np.unique(self._missed_at(knots, tried, MISSED))
+            missed = missed[width[missed] > CLOSEST_RAD]
+            if not missed.size:
+                break
+            within = turns[np.isin(np.searchsorted(knots, turns, side="right") - 1, missed)]
+            knots = np.unique(np.concatenate([knots, knots[missed] + width[missed] / 2.0, within]))
+        return knots
+
+    def narrow_rad(self, knots: Array) -> Array:
+        """Start, end and least distance of knots of the stretches that evenly spaced knots would miss, shape (k, 3)."""
+        even = _knots(*self.ends_rad)
+        tried = np.union1d(knots[:-1], knots[:-1] + np.diff(knots) * SHARES)
+        missed = np.unique(self._missed_at(even, tried, NARROW))
         if not missed.size:
-            break
-        within = turns[np.isin(np.searchsorted(knots, turns, side="right") - 1, missed)]
-        knots = np.unique(np.concatenate([knots, knots[missed] + width[missed] / 2.0, within]))
-    return knots
+            return NO_STRETCHES
+        runs = np.split(missed, np.nonzero(np.diff(missed) > 1)[0] + 1)
+        return np.array([_stretch(knots, float(even[run[0]]), float(even[run[-1] + 1])) for run in runs])
 
-
-def _missed_at(linkage: Mechanism, resistance: Resistance, knots: Array, tried: Array, share: float) -> IndexArray:
-    """The intervals of tried places at which a table would miss more than a share of the largest moment."""
-    work, moment = _working(linkage, resistance, knots)
-    table = PeriodicTable(knots, cubics(np.diff(knots), (work[:-1], moment[:-1]), (work[1:], moment[1:])))
-    exact = _working(linkage, resistance, tried)[1]
-    missed = np.abs(table.at(tried)[1] - exact) > share * max(np.abs(exact).max(), np.abs(moment).max())
-    return table.place(tried[missed])[1]
-
-
-def _narrow_rad(linkage: Mechanism, resistance: Resistance, knots: Array) -> Array:
-    """Start, end and least distance of knots of the stretches that evenly spaced knots would miss, shape (k, 3)."""
-    even = _knots(0.0, linkage.working_angle_rad)
-    tried = np.union1d(knots[:-1], knots[:-1] + np.diff(knots) * SHARES)
-    missed = np.unique(_missed_at(linkage, resistance, even, tried, NARROW))
-    if not missed.size:
-        return NO_STRETCHES
-    runs = np.split(missed, np.nonzero(np.diff(missed) > 1)[0] + 1)
-    return np.array([_stretch(knots, float(even[run[0]]), float(even[run[-1] + 1])) for run in runs])
+    def _missed_at(self, knots: Array, tried: Array, share: float) -> IndexArray:
+        """The intervals of tried places at which a table would miss more than a share of the largest moment."""
+        work, moment = self.work(knots)
+        table = PeriodicTable(knots, cubics(np.diff(knots), (work[:-1], moment[:-1]), (work[1:], moment[1:])))
+        exact = self.work(tried)[1]
+        missed = np.abs(table.at(tried)[1] - exact) > share * max(np.abs(exact).max(), np.abs(moment).max())
+        return table.place(tried[missed])[1]
 
 
 def _stretch(knots: Array, low: float, high: float) -> tuple[float, float, float]:
@@ -203,19 +225,13 @@ def _stretch(knots: Array, low: float, high: float) -> tuple[float, float, float
     return low, high, max(least, LEAST_WAY * (high - low))
 
 
-def crank_angles_rad(linkage: Mechanism, places_mm: Array) -> Array:
-    """Crank angles of the working stroke at which the slider is at places within its stroke, shape (n,)."""
+def crank_angles_rad(linkage: Mechanism, places_mm: Array, returning: bool) -> Array:
+    """Crank angles of one stroke at which the slider is at places within its stroke, shape (n,)."""
     if not places_mm.size:
         return places_mm
-    ends = np.zeros(places_mm.shape), np.full(places_mm.shape, linkage.working_angle_rad)
+    start, end = (linkage.working_angle_rad, 2.0 * pi) if returning else (0.0, linkage.working_angle_rad)
+    ends = np.full(places_mm.shape, start), np.full(places_mm.shape, end)
     return zeros_between(lambda angle: linkage.displacement(Jet.variable(angle, 0)).value - places_mm, *ends)
-
-
-def _working(linkage: Mechanism, resistance: Resistance, angle: Array) -> tuple[Array, Array]:
-    """Work against the resistance from the retracted end, and its slope by the crank's angle."""
-    slide = linkage.displacement(Jet.variable(angle, 1))
-    place = np.minimum(slide.value, linkage.stroke_mm)
-    return resistance.work_n_mm(place, linkage.stroke_mm), resistance.force_n(place) * slide.derivative(1)
 
 
 def _potential(moving: Sequence[MovingMass], masses: Masses) -> Jet:

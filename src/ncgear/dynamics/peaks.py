@@ -89,10 +89,13 @@ def _sizes(shown: History) -> dict[str, Array]:
 
 
 def _turns_s(course: Course, machine: Machine) -> Array:
-    """Times at which the slider passes a place of its working stroke where the resistance turns."""
+    """Times at which the slider passes a place of either stroke where the resistance turns."""
     stroke = machine.linkage.stroke_mm
-    crank_rad = crank_angles_rad(machine.linkage, machine.resistance.turns_mm(stroke))
-    return np.concatenate([np.empty(0), *(_passings_s(course, angle) for angle in crank_rad)])
+    crank_rad = [
+        crank_angles_rad(machine.linkage, machine.load.turns_mm(stroke, returning), returning)
+        for returning in (False, True)
+    ]
+    return np.concatenate([np.empty(0), *(_passings_s(course, angle) for angle in np.concatenate(crank_rad))])
 
 
 def _passings_s(course: Course, crank_rad: float) -> Array:

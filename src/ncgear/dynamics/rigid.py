@@ -88,31 +88,28 @@ class RigidMachine:
     def at(self, phi1: Array) -> Loads:
         """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law."""
         driven = self.machine.transmission.driven_angle(phi1, 2)
-        return self.loads(driven, self._resistance_n(driven.truncated(0), self.machine.working(driven.value)))
+        return self.loads(driven, self._resistance_n(driven.truncated(0), ~self.machine.working(driven.value)))
 
     def joints(self, crank_angle_rad: Array, pace: CrankPace) -> JointForces:
         """Forces in the joints for any motion of the crank, at crank angles in rad, shape (n,)."""
         angle = Jet.variable(crank_angle_rad, 2)
-        resistance = self._resistance_n(angle.truncated(0), self.machine.working(crank_angle_rad))
+        resistance = self._resistance_n(angle.truncated(0), ~self.machine.working(crank_angle_rad))
         return self.machine.linkage.joint_forces(angle, self.masses, pace, resistance.value)
 
     def on(self, stretch: Stretch, phi1: Array) -> Loads:
         """The loads with their slopes at driving angles on a stretch, shape (n,); one-sided at its ends."""
         driven = stretch.driven_angle(phi1, 3)
-        return self.loads(driven, self._resistance_n(driven.truncated(1), np.full(phi1.shape, stretch.working)))
+        return self.loads(driven, self._resistance_n(driven.truncated(1), np.full(phi1.shape, not stretch.working)))
 
     def breaks(self, stretch: Stretch) -> Array:
         """Driving angles of a stretch, ends included, between which loads are smooth and the resistance is monotone."""
-        resistance, stroke = self.machine.resistance, self.machine.linkage.stroke_mm
-        places = np.union1d(resistance.turns_mm(stroke), resistance.zeros_mm(stroke))
-        passed = angles_at(stretch, places) if stretch.working else np.empty(0)
+        corners = self.machine.load.corners_mm(self.machine.linkage.stroke_mm, not stretch.working)
+        passed = angles_at(stretch, corners)
         return np.unique([stretch.start_rad, *stretch.knots_rad, *passed, stretch.end_rad])
 
-    def _resistance_n(self, driven_angle: Jet, working: Mask) -> Jet:
-        resistance = self.machine.resistance
-        force = resistance.fitted_n(self.machine.linkage.displacement(driven_angle))
-        pressing = working & (resistance.keep_negative | (force.value > 0.0))
-        return Jet(np.where(pressing, force.coefficients, 0.0))
+    def _resistance_n(self, driven_angle: Jet, returning: Mask) -> Jet:
+        """The load of the slider along -x, with derivatives."""
+        return self.machine.load.backwards_jet_n(self.machine.linkage.displacement(driven_angle), returning)
 
 
 IDLE = 1e-9
@@ -236,16 +233,21 @@ class LoadPeaks:
     mesh: MeshPeak | None
 
 
+def broken_cycle(rigid: RigidMachine) -> list[Broken]:
+    """The stretches of one cycle."""
+    return [(stretch, rigid.breaks(stretch)) for stretch in stretches(rigid.machine)]
+
+
 def load_peaks(rigid: RigidMachine) -> LoadPeaks:
     """Peaks over one cycle."""
-    cycle = [(stretch, rigid.breaks(stretch)) for stretch in stretches(rigid.machine)]
-    least, most = _range(rigid, cycle, lambda loads: loads.driving_torque)
+    cycle = broken_cycle(rigid)
+    least, most = range_over(rigid, cycle, lambda loads: loads.driving_torque)
     return LoadPeaks(
         most_torque_n_mm=most,
         least_torque_n_mm=least,
-        joints_n={name: _largest(rigid, cycle, _joint(name)) for name in rigid.machine.linkage.JOINTS},
-        crank_bearing_n=_largest(rigid, cycle, lambda loads: loads.crank_bearing),
-        guide_n=_largest(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
+        joints_n={name: largest_over(rigid, cycle, _joint(name)) for name in rigid.machine.linkage.JOINTS},
+        crank_bearing_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing),
+        guide_n=largest_over(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
         mesh=None if rigid.place is None else _mesh_peak(rigid, cycle),
     )
 
@@ -255,20 +257,22 @@ def _joint(name: str) -> Callable[[Loads], Vector]:
 
 
 def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken]) -> MeshPeak:
-    found = [(part, _range(rigid, [part], lambda loads: loads.mesh_force.size_n)[1]) for part in cycle]
+    found = [(part, range_over(rigid, [part], lambda loads: loads.mesh_force.size_n)[1]) for part in cycle]
     (stretch, _), highest = max(found, key=lambda item: item[1].value)
     angle = rigid.on(stretch, np.array([highest.at])).mesh_force.pressure_angle_rad
     return MeshPeak(highest, float(angle.value[0]))
 
 
-def _largest(rigid: RigidMachine, cycle: Sequence[Broken], vector: Callable[[Loads], Vector]) -> Extremum:
-    """Largest length of a vector."""
-    highest = _range(rigid, cycle, lambda loads: vector(loads).dot(vector(loads)))[1]
+def largest_over(rigid: RigidMachine, cycle: Sequence[Broken], vector: Callable[[Loads], Vector]) -> Extremum:
+    """Largest length of a vector over the stretches, with the driving angle in rad."""
+    highest = range_over(rigid, cycle, lambda loads: vector(loads).dot(vector(loads)))[1]
     return Extremum(sqrt(highest.value), highest.at)
 
 
-def _range(rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loads], Jet]) -> tuple[Extremum, Extremum]:
-    """Smallest and largest value over the stretches."""
+def range_over(
+    rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loads], Jet]
+) -> tuple[Extremum, Extremum]:
+    """Smallest and largest value over the stretches, with their driving angles in rad."""
     ranges = [
         extremes(partial(_along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
         for stretch, breaks in cycle

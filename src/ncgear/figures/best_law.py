@@ -17,6 +17,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from ncgear import __version__
+from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.rewritten import LINE_WIDTH
@@ -31,12 +32,23 @@ from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
 
-UNITS = {Goal.ACCELERATION: "mm/s2", Goal.POWER: "W", Goal.WEIGHTED: "1"}
+UNITS = {
+    Goal.ACCELERATION: "mm/s2",
+    Goal.POWER: "W",
+    Goal.BRAKING_POWER: "W",
+    Goal.RMS_TORQUE: "N m",
+    Goal.FLYWHEEL: "kg mm2",
+    Goal.BEARING_FORCE: "N",
+    Goal.SHAKING_FORCE: "N",
+    Goal.WEIGHTED: "1",
+}
 
 ARGUMENT = (
-    "Acceleration, power and ratio limits bind the speed of the slider and its rate at each place only, so there is a "
-    "fastest motion under them, and its time is bounded from below on the grid; no law, smooth or not, has less than "
-    "the limit. That pitch curves are convex, and limits on jerk, curvature and driven speed, are not part of it."
+    "Between places of the crank every motion keeps relations that are convex in the squared ratio of speeds, for "
+    "acceleration, power, time, the driven curve, the pressure angle and wishes of the motion; the driving curve's is "
+    "made so by excluding ranges one after the other. The multipliers of a conic programme prove the least value, with "
+    "all rounding errors charged. With masses the power of the motor is limited by the work of each cell, which is a "
+    "relaxation. What the limit does not know stands under not_covered_by_limit."
 )
 
 SUFFIX = "-optimized"
@@ -53,9 +65,9 @@ def optimized_design(text: str, best: BestLaw) -> str:
     document = yaml.load(text)
     document["name"] = optimized_name(best)
     law, second = best.law, best.law.second
-    motion: dict[str, Any] = {"law": "harmonic_ratio", "cosine": _row(law.cosine), "sine": _row(law.sine)}
+    motion: dict[str, Any] = {"law": "spline_ratio", "ratio": _row(law.ratio)}
     if second is not None:
-        motion["second_stage"] = CommentedMap({"cosine": _row(second.cosine), "sine": _row(second.sine)})
+        motion["second_stage"] = CommentedMap({"ratio": _row(second)})
     document["motion"] = CommentedMap(motion)
     _bring_points(document, best.design)
     written = StringIO()
@@ -78,14 +90,15 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "goal": {
             "least": best.wishes.goal.value,
             "unit": UNITS[best.wishes.goal],
-            "limit": bound.value,
-            "attained_by_rough_motion": bound.attained,
-            "grid_cells": bound.cells,
+            "limit": None if bound is None else bound.value,
+            "places": None if bound is None else bound.places,
+            "not_covered_by_limit": best.not_covered,
             "law": best.goal,
-            "gap": best.goal / bound.value - 1.0 if bound.value > 0.0 else None,
+            "gap": best.goal / bound.value - 1.0 if bound is not None and bound.value > 0.0 else None,
             "argument": ARGUMENT,
         },
-        "slider_kg": best.wishes.limits.mass_kg,
+        "masses": None if best.task.masses is None else asdict(best.task.masses),
+        "speed_fluctuation": best.task.speed_fluctuation,
         "not_kept": best.design.motion.prescribed,
         "wishes": best.design.optimize.model_dump(mode="json") if best.design.optimize else {},
         "frontier": [
@@ -100,16 +113,23 @@ def certificate(best: BestLaw) -> dict[str, Any]:
 
 
 def figures_summary(found: Figures) -> dict[str, Any]:
-    """Figures as plain values, angles in degrees beside radians."""
-    return {**asdict(found), "working_deg": degrees(found.working_rad), "tangent_deg": degrees(found.tangent_rad)}
+    """Figures as plain values, angles in degrees beside radians; those that are not known are left out."""
+    known = {name: value for name, value in asdict(found).items() if value is not None}
+    return {**known, "working_deg": degrees(found.working_rad), "tangent_deg": degrees(found.tangent_rad)}
 
 
 def _bring_points(document: CommentedMap, design: Design) -> None:
-    table = design.resistance.table if design.resistance else None
-    if table is None or table.file is None:
+    if design.resistance is None:
         return
-    columns = {"displacement_mm": _row(table.displacement_mm or ()), "force_n": _row(table.force_n or ())}
-    document["resistance"]["table"] = CommentedMap(columns)
+    strokes = (
+        (document["resistance"], design.resistance),
+        (document["resistance"].get("returning"), design.resistance.returning),
+    )
+    for keys, given in strokes:
+        table = None if given is None else given.table
+        if table is not None and table.file is not None:
+            columns = {"displacement_mm": _row(table.displacement_mm or ()), "force_n": _row(table.force_n or ())}
+            keys["table"] = CommentedMap(columns)
 
 
 def _row(values: Array | Sequence[float]) -> CommentedSeq:
@@ -131,10 +151,13 @@ def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = 
 
 def _notes(best: BestLaw, found: str) -> list[str]:
     """What the figures count besides the resistance, and what of the given motion the laws ``found`` do not keep."""
-    mass, lost = best.wishes.limits.mass_kg, best.design.motion.prescribed
+    lost = best.design.motion.prescribed
     notes = []
-    if mass:
-        notes.append(f"Powers include the slider's {mass:g} kg (masses.slider_kg), in the return as well.")
+    if best.design.masses is not None:
+        notes.append(
+            "Powers, torques and forces include all masses, in the return as well; the slider has "
+            f"{best.design.masses.slider_kg:g} kg."
+        )
     if lost:
         notes.append(f"{found} not keep {lost} of the design as given.")
     return ["", *notes] if notes else []
@@ -143,12 +166,29 @@ def _notes(best: BestLaw, found: str) -> list[str]:
 def _limit(best: BestLaw) -> list[str]:
     goal, bound, unit = best.wishes.goal, best.bound, UNITS[best.wishes.goal]
     words = goal.value.replace("_", " ")
+    heading = f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min"
+    law = f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}"
+    if bound is None:
+        return [heading, "  limit      none is certified of this goal", law]
     gap = f", {fixed(100.0 * (best.goal / bound.value - 1.0), 1)} % above the limit" if bound.value > 0.0 else ""
     return [
-        f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min",
+        heading,
         f"  limit      {finite(bound.value, 'the limit'):,.6g} {unit}: no law has less (certified)",
-        f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}{gap}",
+        f"{law}{gap}",
+        *_about_limit(best),
     ]
+
+
+def _about_limit(best: BestLaw) -> list[str]:
+    """What the limit does not know, so that the true one may be higher."""
+    unknown = [*best.not_covered]
+    if best.task.masses is not None:
+        unknown.append("the exact power that masses take between the places of its grid")
+    return (
+        [f"  The limit does not know {listed(unknown, 'nor')}: the least of all laws may lie higher."]
+        if unknown
+        else []
+    )
 
 
 def _table(best: BestLaw) -> list[str]:
@@ -158,7 +198,26 @@ def _table(best: BestLaw) -> list[str]:
     rows["uniform crank"] = best.uniform_figures
     rack_rad = best.wishes.limits.rack_angle_rad
     cells = [[name, *_law_cells(found, rack_rad)] for name, found in rows.items()]
-    return ["At equal driving speed, whole cycle", *aligned([["", *LAW_HEADS], *cells], left=1)]
+    lines = ["At equal driving speed, whole cycle", *aligned([["", *LAW_HEADS], *cells], left=1)]
+    if best.task.masses is None:
+        return lines
+    felt = [name for name in LOAD_HEADS if getattr(best.figures, name) is not None]
+    loads = [[name, *(shown(getattr(found, one)) for one in felt)] for name, found in rows.items()]
+    heads = [LOAD_HEADS[name] for name in felt]
+    fluctuation = best.task.speed_fluctuation
+    even = f"The flywheel is that of the driving shaft for a speed fluctuation of {fluctuation:g} at even motor torque."
+
+    return [*lines, "", "What the machine feels", *aligned([["", *heads], *loads], left=1), even]
+
+
+LOAD_HEADS = {
+    "braking_power_w": "braking power, W",
+    "rms_torque_n_m": "r.m.s. torque, N m",
+    "flywheel_kg_mm2": "flywheel, kg mm2",
+    "bearing_force_n": "crank bearings, N",
+    "shaking_force_n": "shaking force, N",
+    "tooth_force_n": "teeth, N",
+}
 
 
 def _law_cells(found: Figures, rack_rad: float) -> list[str]:
@@ -218,7 +277,7 @@ def frontier_csv(found: Frontier) -> str:
     for point, family in _points(found):
         law = point.law
         figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
-        rows.append([point.cap_w, point.bound.value, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
+        rows.append([point.cap_w, point.limit_mm_s2, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
     return rows_text(FRONTIER_COLUMNS, rows)
 
 
@@ -233,15 +292,14 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
     content = {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
-        "slider_kg": best.wishes.limits.mass_kg,
+        "masses": None if best.task.masses is None else asdict(best.task.masses),
         "argument_of_limit": ARGUMENT,
         "points": [
             {
                 "power_cap_w": point.cap_w,
-                "limit_acceleration_mm_s2": point.bound.value,
-                "limit_attained_by_rough_motion_mm_s2": point.bound.attained,
+                "limit_acceleration_mm_s2": point.limit_mm_s2,
                 "law": figures_summary(point.law),
-                "gap": point.law.peak_acceleration_mm_s2 / point.bound.value - 1.0,
+                "gap": point.law.peak_acceleration_mm_s2 / point.limit_mm_s2 - 1.0,
                 "family_power_w": family.peak_power_w,
                 "family_acceleration_mm_s2": family.peak_acceleration_mm_s2,
                 "family_motion": family.motion,
@@ -260,7 +318,7 @@ def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: S
     """A table of the points, the mechanisms, the files written, and those kept."""
     rows = []
     for point, family in _points(found):
-        law, limit = point.law.peak_acceleration_mm_s2, point.bound.value
+        law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
         gap = fixed(100.0 * (law / limit - 1.0), 1)
         rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])
     others = [
@@ -275,7 +333,7 @@ def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: S
         "At the same speed",
         *aligned(others, left=1, least=(0, 11, 15)),
         *_notes(best, "The best laws do"),
-        *([FAMILY_WITHOUT_MASS] if best.wishes.limits.mass_kg else []),
+        *([FAMILY_WITHOUT_MASS] if best.task.masses is not None else []),
         "",
         *written_lines(paths, kept),
     ]

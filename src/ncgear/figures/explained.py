@@ -20,10 +20,9 @@ MOST_EXPLAINED = 4
 
 
 IDEAS = {
-    "dwell": "A dwell, in which the slider stands still while the driving gear turns, needs an infinite ratio, and no "
-    "gears have one. Two things come near: a stretch of constant speed (law three_segment_stroke, from theta2 to "
-    "theta3), and a slow stretch, where the ratio is large (law table or ratio_expression); gears follow ratios up to "
-    "5 or so well.",
+    "standstill": "An exact dwell, in which the slider stands still while the driving gear turns, needs an infinite "
+    "ratio, and no gears have one. A near-dwell about an end (wishes.dwell) comes near, where the ratio is large. "
+    "Gears follow ratios up to 5 or so well.",
     "closure": "The cycle closes where the driven gear has turned by whole lobes when the driving gear has; otherwise "
     "the gears would not fit at the next turn. For ratio_expression and table, scale_to_close: true multiplies the "
     "ratio by the constant that closes it; three_segment_stroke closes it with its return.",

@@ -11,6 +11,7 @@ from typing import Any
 from ncgear.figures.numbers import fixed, shown, to_digits, told
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import Column, aligned
+from ncgear.figures.wished import wish_line
 from ncgear.numerics.units import label_and_unit
 from ncgear.project.drive import Drive
 
@@ -52,7 +53,7 @@ TITLES = {
 }
 """Headings of sections; the heading of any other section is its key."""
 
-ELSEWHERE = ("comparison", "warnings", "remarks", "timing_s")
+ELSEWHERE = ("motion", "wishes", "comparison", "warnings", "remarks", "timing_s")
 """Keys of a summary that are not written as sections."""
 
 SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank"}
@@ -90,6 +91,7 @@ def summary_text(summary: Mapping[str, Any]) -> str:
     """A summary for reading: its sections, the comparison, the warnings, the remarks."""
     blocks = [
         *_sections(summary),
+        motion_lines(summary),
         *comparison_lines(summary.get("comparison") or []),
         _marked("warning: ", summary.get("warnings") or []),
         _marked("remark: ", summary.get("remarks") or []),
@@ -160,6 +162,18 @@ def _marked(start: str, sentences: Sequence[str]) -> list[str]:
         for sentence in sentences
         for line in wrap(sentence, WIDTH, initial_indent=start, subsequent_indent=" " * len(start))
     ]
+
+
+def motion_lines(summary: Mapping[str, Any]) -> list[str]:
+    """What the motion achieves, and then every wish; empty for a summary that says nothing of it."""
+    if "motion" not in summary:
+        return []
+    lines = [summary["motion"]["in_words"], *map(wish_line, summary["wishes"])]
+    return ["What the motion achieves", *(part for line in lines for part in _indented(line))]
+
+
+def _indented(line: str) -> list[str]:
+    return wrap(line, WIDTH, initial_indent=INDENT, subsequent_indent=2 * INDENT)
 
 
 def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:

@@ -18,7 +18,7 @@ PICTURE = "frontier.png"
 
 def frontier_files(found: Frontier, best: BestLaw) -> dict[str, bytes]:
     """CSV, JSON and picture."""
-    caps = [(point.cap_w, point.bound.value) for point in found.laws]
+    caps = [(point.cap_w, point.limit_mm_s2) for point in found.laws]
     limit = sorted([*caps, *(point for point in best.limit_points if caps[0][0] < point[0] < caps[-1][0])])
     laws = [(point.law.peak_power_w, point.law.peak_acceleration_mm_s2) for point in found.laws]
     family = [(one.cap_w, peak) for one in found.families if (peak := one.peak_acceleration_mm_s2) is not None]

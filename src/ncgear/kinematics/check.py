@@ -9,12 +9,11 @@ from math import degrees, fsum
 
 import numpy as np
 
-from ncgear.kinematics.motion import Machine, Stretch, angles_at, cut, stretches
-from ncgear.mechanisms.resistance import Resistance
+from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import NO_KNOTS, Extremum, extremes
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
+from ncgear.numerics.units import RAD_S_PER_RPM
 
 
 @dataclass(frozen=True)
@@ -50,20 +49,15 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in (working, returning)]
     acceleration = max(accelerations, key=lambda extremum: extremum.value)
     speed = _peak(cycle, Jet.differentiated)
-    work_j = work_per_stroke_j(machine.resistance, machine.linkage.stroke_mm)
+    work_j = machine.load.cycle_work_n_mm(machine.linkage.stroke_mm) / 1000.0
     return KinematicCheck(
         speed_rpm=omega / RAD_S_PER_RPM,
-        peak_power_w=_scaled(_peak_power(machine, working), omega / 1000.0),
+        peak_power_w=_scaled(_peak_power(machine, cycle), omega / 1000.0),
         mean_power_w=work_j * omega / machine.transmission.cycle_rad,
         peak_speed_mm_s=_scaled(speed, omega),
         peak_acceleration_working_mm_s2=_scaled(accelerations[0], omega**2),
         peak_acceleration_cycle_mm_s2=_scaled(acceleration, omega**2),
     )
-
-
-def work_per_stroke_j(resistance: Resistance, stroke_mm: float) -> float:
-    """Work of the resistance over one working stroke in J, whatever the law."""
-    return float(resistance.work_n_mm(np.array([stroke_mm]), stroke_mm)[0]) / 1000.0
 
 
 def stroke_error_mm(machine: Machine) -> float:
@@ -89,39 +83,22 @@ def _extremes(
     return extremes(of_angle, stretch.start_rad, stretch.end_rad, knots)
 
 
-def _peak_power(machine: Machine, working: Sequence[Stretch]) -> Extremum:
-    """Largest force times dx/dphi1, in N mm per rad; never below zero."""
-    knots = machine.resistance.knots_mm(machine.linkage.stroke_mm)
+def _peak_power(machine: Machine, cycle: Sequence[Stretch]) -> Extremum:
+    """Largest force against the motion times |dx/dphi1|, in N mm per rad; never below zero."""
+    load, stroke_mm = machine.load, machine.linkage.stroke_mm
+    found = [Extremum(0.0, cycle[0].start_rad)]
+    for stretch in cycle:
+        returning = not stretch.working
+        knots = load.knots_mm(stroke_mm, returning)
+        for curve in load.smooth_curves_n(returning):
+            found.append(_extremes(stretch, partial(_power, curve, returning), 2, knots)[1])
+    return max(found, key=lambda extremum: extremum.value)
 
-    def power(position: Jet) -> Jet:
-        return machine.resistance.fitted_n(position.truncated(1)) * position.differentiated()
 
-    found = [_extremes(stretch, power, 2, knots)[1] for stretch in working]
-    return max((Extremum(0.0, working[0].start_rad), *found), key=lambda extremum: extremum.value)
-
-
-def peak_driving_power_w(machine: Machine, mass_kg: float) -> Extremum:
-    """Largest power in W that the resistance and a mass moving with the slider take; never below zero.
-
-    (F + m a) v over the whole cycle: the mass is speeded up in the return as well.
-    """
-    resistance, stroke_mm, omega = machine.resistance, machine.linkage.stroke_mm, machine.speed_rad_s
-    edges = np.union1d(resistance.turns_mm(stroke_mm), resistance.zeros_mm(stroke_mm))
-
-    def power(position: Jet, resisted: bool) -> Jet:
-        velocity = position.differentiated()
-        force = velocity.differentiated() * (mass_kg * omega**2 * N_PER_KG_MM_S2)
-        if resisted:
-            force = force + resistance.fitted_n(position.truncated(1))
-        return force * velocity.truncated(1)
-
-    def resisted(part: Stretch) -> bool:
-        middle = part.displacement(np.array([(part.start_rad + part.end_rad) / 2.0]), 0)
-        return part.working and bool(resistance.keep_negative or resistance.fitted_n(middle).value[0] > 0.0)
-
-    parts = [part for one in stretches(machine) for part in (cut(one, edges) if one.working else [one])]
-    found = [_extremes(part, partial(power, resisted=resisted(part)), 3)[1] for part in parts]
-    return _scaled(max((Extremum(0.0, 0.0), *found), key=lambda extremum: extremum.value), omega / 1000.0)
+def _power(force_n: Callable[[Jet], Jet], returning: bool, position: Jet) -> Jet:
+    """A force against the motion times the speed, from the displacement's jet."""
+    speed = position.differentiated()
+    return force_n(position.truncated(1)) * (-speed if returning else speed)
 
 
 def _at(peak: Extremum, unit: str) -> str:

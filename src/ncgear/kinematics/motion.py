@@ -1,10 +1,10 @@
 """What the slider does over a cycle: samples for tables and plots, and smooth stretches for exact derivatives.
 
-A machine is a mechanism that a law drives against a resistance at constant driving speed.  One cycle of it is cut into
-stretches on which the slider's motion is smooth: at the joints of the law, at the dead centres, and about sharp corners
-of the mechanism.  An example of a corner is a crank-slider whose rod is hardly longer than crank and offset: with
-rod/crank = 1.0001 the slider stands still for half a turn of the crank, and its acceleration there has a peak 0.014 rad
-of the crank wide, which samples over the whole stroke miss.
+A machine is a mechanism that a law drives against a load of its slider at constant driving speed.  One cycle of it is
+cut into stretches on which the slider's motion is smooth: at the joints of the law, at the dead centres, and about
+sharp corners of the mechanism.  An example of a corner is a crank-slider whose rod is hardly longer than crank and
+offset: with rod/crank = 1.0001 the slider stands still for half a turn of the crank, and its acceleration there has a
+peak 0.014 rad of the crank wide, which samples over the whole stroke miss.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from math import pi
 import numpy as np
 
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.mechanisms.resistance import Resistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import integrated_slope
@@ -29,7 +29,7 @@ from ncgear.ratio.transmission import CLOSED, Piece, Transmission
 
 @dataclass(frozen=True, eq=False)
 class SliderMotion:
-    """Samples over the driving angle, all of shape (n,); force and power act in the working stroke only."""
+    """Samples over the driving angle, all of shape (n,); the force is the one against the motion, on both strokes."""
 
     phi1_rad: Array
     phi2_rad: Array
@@ -47,11 +47,11 @@ class SliderMotion:
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A transmission that drives a mechanism against a resistance at constant driving speed."""
+    """A transmission that drives a mechanism against a load of its slider at constant driving speed."""
 
     transmission: Transmission
     linkage: Mechanism
-    resistance: Resistance
+    load: SliderLoad
     speed_rad_s: float
 
     def __repr__(self) -> str:
@@ -92,7 +92,8 @@ class Machine:
         driven = self.transmission.driven_angle(phi1, 2)
         displacement = self.linkage.displacement(driven)
         velocity = displacement.derivative(1) * self.speed_rad_s
-        force = np.where(self.working(driven.value), self.resistance.force_n(displacement.value), 0.0)
+        returning = ~self.working(driven.value)
+        force = self.load.against_n(displacement.value, returning)
         return SliderMotion(
             phi1_rad=phi1,
             phi2_rad=driven.value,
@@ -101,7 +102,7 @@ class Machine:
             velocity_mm_s=velocity,
             acceleration_mm_s2=displacement.derivative(2) * self.speed_rad_s**2,
             force_n=force,
-            power_w=force * velocity / 1000.0,
+            power_w=np.where(returning, 0.0 - force, force) * velocity / 1000.0,
         )
 
 
@@ -200,7 +201,7 @@ def _of_piece(machine: Machine, piece: Piece, turned: tuple[float, float], cuts:
 
 
 def cut(stretch: Stretch, displacements_mm: Array) -> list[Stretch]:
-    """A stretch of the working stroke cut where the slider passes displacements in mm, in rising order, shape (n,)."""
+    """A stretch cut where the slider passes displacements in mm, in rising order, shape (n,)."""
     edges = [stretch.start_rad, *angles_at(stretch, displacements_mm).tolist(), stretch.end_rad]
     return [replace(stretch, start_rad=low, end_rad=high) for low, high in pairwise(edges)]
 

@@ -8,7 +8,7 @@ mass, and the equations of the crank are here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -108,3 +108,27 @@ def crank_forces(crank: CrankBody, masses: Masses, pace: Pace, pin: Vector) -> t
     weight = place(pace, crank.center).cross(_weight(masses, masses.crank_kg))
     shaft = pace.second(crank.angle) * (N_PER_KG_MM_S2 * masses.crank_shaft_kg_mm2)
     return moving + pin, shaft + weight - place(pace, crank.pin).cross(pin)
+
+
+class Mass(Protocol):
+    """A mass in kg whose centre's coordinates in mm are jets."""
+
+    @property
+    def mass_kg(self) -> float:
+        """Its mass."""
+
+    @property
+    def center(self) -> Vector:
+        """Where its centre of mass is."""
+
+
+def shaking_force(moving: Sequence[Mass], crank: CrankBody, masses: Masses, pace: Pace) -> Vector:
+    """The force in N of moving masses on the frame, -d/dt sum m v: weights and resistance have no part in it.
+
+    ``moving`` are all masses but the crank's.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and
+    Mechanisms", 4th edition, 2011, chapter 17.
+    """
+    along, across = crank.center.x * masses.crank_kg, crank.center.y * masses.crank_kg
+    for one in moving:
+        along, across = along + one.center.x * one.mass_kg, across + one.center.y * one.mass_kg
+    return Vector(pace.second(along), pace.second(across)) * -N_PER_KG_MM_S2

@@ -1,4 +1,4 @@
-"""The force against the slider in its working stroke, as a polynomial, a table, or an expression in the displacement.
+"""The force against the slider in one of its strokes, as a polynomial, a table, or an expression in the displacement.
 
 Every form gives the curve of the force with its derivatives, its antiderivative, its zeros, and the places between
 which it is monotone; force and work follow from these.  The points of a table are joined by the monotone cubics of F.
@@ -70,6 +70,11 @@ class Resistance(ABC):
         middles = np.array([(low + high) / 2.0 for low, high in pairwise(edges)])
         negative = self.fitted_n(Jet(middles[None, :])).value < 0.0
         return [stretch for stretch, below in zip(pairwise(edges), negative, strict=True) if below]
+
+    def force_jet_n(self, displacement: Jet) -> Jet:
+        """Force in N with derivatives; one-sided where it has a corner, as where it sets in."""
+        force = self.fitted_n(displacement)
+        return Jet(np.where(self.keep_negative | (force.value > 0.0), force.coefficients, 0.0))
 
     def force_n(self, displacement_mm: Array) -> Array:
         """Force in N at displacements in mm, any shape."""
@@ -179,9 +184,6 @@ class TableResistance(Resistance):
         return within(np.array(self.displacement_mm), stroke_mm)
 
 
-KEY = "resistance.expression_n"
-
-
 MOST_TURNS = 500
 """Most ups and downs over a stroke that are followed; some searches take milliseconds for each."""
 
@@ -202,15 +204,17 @@ NO_JUMP = 1e-9
 class FormulaResistance(Resistance):
     """Force in N as an expression in ``x``; it may have corners, as ``max`` makes them, but no jumps.
 
-    Raises WrongInput for what is no expression, or no continuous function over the stroke, smooth but for corners.
+    Raises WrongInput for what is no expression, or no continuous function over the stroke, smooth but for corners;
+    ``key`` is the one of the design file that it names.
     """
 
     text: str
     keep_negative: bool = False
+    key: str = "resistance.expression_n"
 
     @cached_property
     def _formula(self) -> Formula:
-        return composed(self.text, KEY, "x")
+        return composed(self.text, self.key, "x")
 
     def fitted_n(self, displacement: Jet) -> Jet:
         """The expression itself, with derivatives."""
@@ -257,20 +261,22 @@ def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
         problem = (
             f"{text!r} is no smooth function near x = {fault.at:.6g} mm, or changes there faster than can be followed"
         )
-        raise WrongInput(f"{problem}; {right}", key=KEY) from fault
+        raise WrongInput(f"{problem}; {right}", key=resistance.key) from fault
     corners = np.array([start for start, _, _ in parts[1:]])
     whole = joined(forces)
     for corner, before, after in zip(corners, forces, forces[1:], strict=False):
         low, high = before.final, float(after(np.array([corner]))[0])
         if not abs(high - low) <= NO_JUMP * np.abs(whole.coefficients).max():
-            raise WrongInput(f"{text!r} jumps from {low:.6g} to {high:.6g} N at x = {corner:.6g} mm; {right}", key=KEY)
+            raise WrongInput(
+                f"{text!r} jumps from {low:.6g} to {high:.6g} N at x = {corner:.6g} mm; {right}", key=resistance.key
+            )
     steepest = max(slope.steepest for slope in slopes)
     turns = np.unique(np.concatenate([corners, *(slope.turns_mm(steepest) for slope in slopes)]))
     # Forms that meet at a turn may both have it.
     turns = turns[np.diff(turns, prepend=-np.inf) > SAME * stroke_mm]
     if turns.size > MOST_TURNS:
         problem = f"{text!r} turns up or down {turns.size} times over the stroke of {stroke_mm:g} mm"
-        raise WrongInput(f"{problem}; at most {MOST_TURNS} turns are followed", key=KEY)
+        raise WrongInput(f"{problem}; at most {MOST_TURNS} turns are followed", key=resistance.key)
     panels = np.unique(np.concatenate([slope.at_mm(slope.form.breaks) for slope in slopes]))
     return _Forms(whole, turns, within(panels, stroke_mm))
 

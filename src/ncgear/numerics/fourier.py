@@ -1,4 +1,4 @@
-"""Integrals of positive periodic functions over one turn, scaled to close, and their inverses, to rounding error.
+"""Integrals of smooth positive periodic functions over one turn, to rounding error.
 
 A smooth periodic function is resolved by its values at evenly spaced points: the coefficients of its Fourier series,
 which the fast transform gives, die away to rounding error.  Integral and derivatives follow coefficient by
@@ -9,69 +9,18 @@ Review 56 (2014), 385-458.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.turn_integral import DEGREE, TurnIntegral, closed
 
 RESOLVED = 4e-15
 """Share of the largest coefficient below which the upper quarter of them counts as rounding error."""
 
 MOST_NODES = 1 << 18
 """Most nodes; a function that needs more is noise.  A thousand harmonics with all their products need less."""
-
-DEGREE = 12
-"""Degree of the Taylor polynomials about the N nodes.  Half a node away they miss wave j by (pi j/N)^13 / 13! of its
-size: by 2e-10 for the shortest wave, which is itself rounding error, and by 1e-17 or less for waves up to N/8."""
-
-NEWTON_STEPS = 20
-"""Most steps to an inverse; convergence is quadratic."""
-
-
-@dataclass(frozen=True, eq=False)
-class TurnIntegral:
-    """F(t) = integral of f from 0 to t, divided by the mean of f, so that F(2 pi) = 2 pi.
-
-    ``values`` (shape (N + 1,)) are F at N + 1 evenly spaced ``nodes`` from 0 to 2 pi; ``coefficients`` (shape
-    (DEGREE + 1, N + 1)) are the coefficients of f / mean in powers of the distance from each node; ``bend`` is the
-    largest |f'/f| at a node.
-    """
-
-    mean: float
-    nodes: Array
-    values: Array
-    coefficients: Array
-    bend: float
-
-    def at(self, arguments: Array) -> Array:
-        """F at arguments in [0, 2 pi], shape (n,), with the same relative accuracy at 1e-9 as at 1."""
-        node = np.rint(arguments / self.nodes[1]).astype(int)
-        swing, _ = _integral_and_rate(self.coefficients[:, node], arguments - self.nodes[node])
-        there: Array = self.values[node] + swing
-        return there
-
-    def inverse(self, values: Array) -> Array:
-        """Arguments in [0, 2 pi] at which F has the values (shape (n,), within [0, 2 pi]).
-
-        Newton's method starts about the nearest node, so a value of 1e-9 has the same relative accuracy as one of 1.
-        """
-        start = np.interp(values, self.values, self.nodes)
-        node = np.rint(start / self.nodes[1]).astype(int)
-        base: Array = self.nodes[node]
-        return base + self._local_inverse(self.coefficients[:, node], values - self.values[node], start - base)
-
-    def _local_inverse(self, coefficients: Array, target: Array, distance: Array) -> Array:
-        """Distance from the node at which the integral from the node on is ``target``."""
-        for _ in range(NEWTON_STEPS):
-            integral, rate = _integral_and_rate(coefficients, distance)
-            step = (integral - target) / rate
-            distance = distance - step
-            # Newton's next step is the square of this one times half the bend of the function, or less.
-            if not step.size or np.max(np.abs(step)) ** 2 * self.bend <= 1e-16:
-                return distance
-        raise ArithmeticError("the integral of a periodic function could not be inverted")
 
 
 def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
@@ -92,6 +41,11 @@ def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
 
 
 def _integrated(samples: Array, spectrum: ComplexArray) -> TurnIntegral:
+    """Each of the N nodes is the one to count from up to half a node away.
+
+    There the Taylor polynomial misses wave j by (pi j/N)^13 / 13! of its size: by 2e-10 for the shortest wave, which is
+    itself rounding error, and by 1e-17 or less for waves up to N/8.
+    """
     count, mean = samples.size, float(spectrum[0].real) / samples.size
     waves = np.arange(spectrum.size)
     # The shortest wave is seen at its crests only, and has no derivative there.
@@ -101,21 +55,6 @@ def _integrated(samples: Array, spectrum: ComplexArray) -> TurnIntegral:
     rows = np.vstack([samples / mean, np.fft.irfft(powers * spectrum / mean, count)])
     swing = np.fft.irfft(np.divide(spectrum, turning * mean, out=np.zeros_like(spectrum), where=turning != 0.0), count)
     nodes = np.linspace(0.0, 2.0 * pi, count + 1)
-    values = nodes + _closed(swing - swing[0])
-    return TurnIntegral(mean, nodes, values, _closed(rows), float(np.max(np.abs(rows[1]) / rows[0])))
-
-
-def _closed(periodic: Array) -> Array:
-    """The values at the nodes, the first one repeated at the end."""
-    return np.concatenate([periodic, periodic[..., :1]], axis=-1)
-
-
-def _integral_and_rate(coefficients: Array, distance: Array) -> tuple[Array, Array]:
-    """The integral from the node to ``distance`` beyond it, and the function there."""
-    powers = np.ones_like(coefficients)
-    np.cumprod(np.broadcast_to(distance, (DEGREE, distance.size)), axis=0, out=powers[1:])
-    terms = coefficients * powers
-    return (terms * _INTEGRATING).sum(axis=0) * distance, terms.sum(axis=0)
-
-
-_INTEGRATING = 1.0 / np.arange(1.0, DEGREE + 2.0)[:, None]
+    values = nodes + closed(swing - swing[0])
+    starts = nodes - nodes[1] / 2.0
+    return TurnIntegral(mean, nodes, starts, values, closed(rows), float(np.max(np.abs(rows[1]) / rows[0])))

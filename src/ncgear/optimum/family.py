@@ -31,7 +31,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.mechanisms.resistance import Resistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.sampled_strokes import Points, return_samples, returns_with_skewness, working_motions
@@ -89,7 +89,7 @@ class Family:
     """The family on a mechanism at an operating speed; ``inverse`` is the return's basis, as in a design file."""
 
     linkage: Mechanism
-    resistance: Resistance
+    load: SliderLoad
     speed_rad_s: float
     inverse: bool = False
     lobes: Lobes = field(default_factory=Lobes)
@@ -136,7 +136,11 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
     closed = (back.slopes[0][:, 0].min(axis=1) > 0.0) & (miss <= CLOSED * (2.0 * pi - linkage.working_angle_rad))
     possible = (advancing & (strokes.pressing_mm_rad > 0.0) & closed)[:, None]
     acceleration = np.hstack([working, back.acceleration[:, 0]]) * omega**2
-    power = family.resistance.force_n(displacement) * velocity * (omega / 1000.0)
+    power = family.load.against_n(displacement, False) * velocity
+    if family.load.loads_return:
+        homeward = family.load.backwards_n(back.displacement[:, 0], True) * back.velocity[:, 0]
+        power = np.hstack([power, homeward])
+    power = power * (omega / 1000.0)
     return SampledLaws(np.where(possible, acceleration, inf), np.where(possible, power, inf))
 
 
@@ -228,7 +232,7 @@ class _Descent:
 
     def __init__(self, family: Family, least: Peak, cap: float, start: Array) -> None:
         self._family, self._least, self._cap = family, least, cap
-        # Without resistance there is no power to scale by.
+        # Without load there is no power to scale by.
         self._scale = float(np.abs(sampled_laws(family, start[None]).of(least)).max()) or 1.0
         self._at, self._values, self._slopes = np.full(start.size, np.nan), np.empty(0), np.empty((0, 0))
         self.start = np.append(start, 1.0)
@@ -296,7 +300,7 @@ def _made(family: Family, point: Array) -> FamilyOptimum:
     """The law of a point of the unit box as a design file makes it, and its exact peaks."""
     request = request_at(family, point)
     law = stroke_law(solved_stroke(request), family.linkage, family.lobes, inverse_basis=family.inverse)
-    machine = Machine(law.transmission, family.linkage, family.resistance, family.speed_rad_s)
+    machine = Machine(law.transmission, family.linkage, family.load, family.speed_rad_s)
     return FamilyOptimum(request, family.inverse, law, kinematic_check(machine))
 
 

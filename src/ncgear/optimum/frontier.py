@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
+from math import inf
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.limit import (
-    CELLS,
-    Bound,
-    certified,
-    least_acceleration,
-    least_power,
-    prepared,
-    resting_acceleration,
-    rough_acceleration,
-)
-from ncgear.optimum.certified.road import Peaks
-from ncgear.optimum.family import Family, FamilyOptimum, Peak, best_of_family
+from ncgear.optimum.certified.limit import Bound, least_acceleration, least_acceleration_roughly, least_power
+from ncgear.optimum.makeable.demanded import demands_of, start_motion
 from ncgear.optimum.makeable.wishes import Goal, Wishes
-from ncgear.optimum.task import Figures, Limits, Task, figures
+from ncgear.optimum.task import Figures, Task, figures
+
+if TYPE_CHECKING:
+    from ncgear.optimum.family import FamilyOptimum
 
 BEYOND = 1.02
 """The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
@@ -31,11 +24,15 @@ BEYOND = 1.02
 WITHIN_REACH = 1.1
 """The first cap of the limit's curve, over the least power: towards that power, accelerations grow without bound."""
 
-LIMIT_POINTS = 30
-"""Points of the limit's curve: enough for a smooth curve, and computed in half a second."""
+LIMIT_POINTS = 16
+"""Points of the limit's curve: enough for a smooth curve, and computed in a second or two."""
 
 FAMILY_STARTS = 8
 """Starts of the family's search at each cap: few are enough, because a law found at one cap counts at higher ones."""
+
+
+FAMILY_SEED = 0
+"""Seed of these starts, which are at random."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ class LawPoint:
     """The certified limit under a cap on the power, and the best makeable law with its exact figures."""
 
     cap_w: float
-    bound: Bound
+    limit_mm_s2: float
     law: Figures
 
 
@@ -70,39 +67,38 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
     return [float(cap) for cap in np.geomspace(BEYOND * least, BEYOND * max(most, least), count)]
 
 
-def limit_points(task: Task, limits: Limits, most_w: float) -> list[tuple[float, float]]:
+def limit_points(task: Task, wishes: Wishes, most_w: float) -> list[tuple[float, float]]:
     """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
 
-    The caps begin a tenth over the least power at any acceleration; there are none where nothing resists.  The grid has
-    1600 cells whatever the limits are: a coarser grid also gives a limit, only a lower one.
+    The caps begin a tenth over the least power at any acceleration; there are none where nothing resists.  The driving
+    curve is left free, so these limits are a little lower than that of a law's own power.
     """
-    free = replace(limits, peak_power_w=None, peak_acceleration_mm_s2=None)
-    least = WITHIN_REACH * least_power(task, free).value
-    if not 0.0 < least < most_w:
+    free = replace(demands_of(task, _free(wishes, Goal.ACCELERATION)), power_w=inf, acceleration_mm_s2=inf)
+    least_w = WITHIN_REACH * least_power(task, free, proven=False).value
+    if not 0.0 < least_w < most_w:
         return []
-    problem = prepared(task, free, CELLS)
-    points: list[tuple[float, float]] = []
-    guess = resting_acceleration(task)
-    for cap in np.geomspace(most_w, least, LIMIT_POINTS).tolist():
-        guess, _ = certified(problem, partial(Peaks, power_w=cap), guess)
-        points.append((cap, guess))
-    return points[::-1]
+    caps = np.geomspace(least_w, most_w, LIMIT_POINTS).tolist()
+    return [(cap, least_acceleration_roughly(task, replace(free, power_w=cap))) for cap in caps]
 
 
 def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
     """One point of the limit and of the makeable laws; raises NoSuchMechanism where no law is found."""
     free = _free(wishes, Goal.ACCELERATION)
     capped = replace(free, limits=replace(free.limits, peak_power_w=cap_w))
-    return LawPoint(cap_w, least_acceleration(task, capped.limits), _best_figures(task, capped))
+    bound = least_acceleration(task, demands_of(task, capped))
+    return LawPoint(cap_w, bound.value, _best_figures(task, capped, bound))
 
 
-def family_point(task: Task, cap_w: float, seed: int) -> FamilyPoint:
+def family_point(task: Task, cap_w: float) -> FamilyPoint:
     """One point of the published family, with the better of both bases of its return."""
+    # Its search comes from scipy.optimize, which loads slowly
+    from ncgear.optimum.family import Family, Peak, best_of_family
+
     found = []
     for inverse in (False, True):
-        family = Family(task.linkage, task.resistance, task.speed_rad_s, inverse, task.lobes)
+        family = Family(task.linkage, task.load, task.speed_rad_s, inverse, task.lobes)
         try:
-            found.append(best_of_family(family, Peak.ACCELERATION, cap_w, seed=seed, starts=FAMILY_STARTS))
+            found.append(best_of_family(family, Peak.ACCELERATION, cap_w, seed=FAMILY_SEED, starts=FAMILY_STARTS))
         except NoSuchMechanism:
             continue
     if not found:
@@ -126,13 +122,12 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
     }
 
 
-def _best_figures(task: Task, wishes: Wishes) -> Figures:
-    """Exact figures of the best makeable law from the fastest rough motion."""
+def _best_figures(task: Task, wishes: Wishes, bound: Bound | None = None) -> Figures:
+    """Exact figures of the best makeable law, from the motion of a limit."""
     from ncgear.optimum.makeable.law import makeable_law
-    from ncgear.optimum.makeable.search import rough_start
 
-    law = makeable_law(task, wishes, [rough_start(task, wishes, rough_acceleration(task, wishes.limits))])
-    return figures(task, law.train(task.lobes), wishes.limits.mass_kg)
+    law = makeable_law(task, wishes, start_motion(task, wishes, bound))
+    return figures(task, law.train(task.lobes))
 
 
 def _free(wishes: Wishes, goal: Goal) -> Wishes:

@@ -2,38 +2,68 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import degrees, inf, isfinite, pi, tan
+from dataclasses import asdict, dataclass, field, replace
+from math import degrees, inf, pi, tan
 
-import numpy as np
-
+from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
-from ncgear.kinematics.check import kinematic_check, peak_driving_power_w
+from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.mechanisms.resistance import Resistance
-from ncgear.pitch.pair import sized_pair
+from ncgear.mechanisms.slider_load import SliderLoad
+from ncgear.optimum.felt import felt, tooth_force_n
+from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.transmission import Lobes, Train
 
 
 @dataclass(frozen=True)
+class GearSize:
+    """The size of an external pair by two of three figures: teeth of the driving gear, module, centre distance.
+
+    ``rack_angle_rad`` is the pressure angle of its rack.
+    """
+
+    teeth: int | None
+    module_mm: float | None
+    center_distance_mm: float | None
+    rack_angle_rad: float
+
+
+FLUCTUATION = 0.05
+"""Coefficient of speed fluctuation where none is wanted; the default of the key in a design file."""
+
+
+@dataclass(frozen=True)
 class Task:
-    """One turn of the crank against a resistance in one period of a driving gear that turns evenly.
+    """One turn of the crank against a load of the slider in one period of a driving gear that turns evenly.
+
+    ``masses`` are those that move, of the mechanism's class ``MASSES``; None: the resistance alone is felt.  ``gears``
+    is the size of the pair that force between teeth needs, None: not known.  ``speed_fluctuation`` is the coefficient,
+    largest less smallest speed over the mean, for which a flywheel on the driving shaft is computed.
 
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
 
     linkage: Mechanism
-    resistance: Resistance
+    load: SliderLoad
     speed_rad_s: float
     lobes: Lobes = field(default_factory=Lobes)
+    masses: Masses | None = None
+    gears: GearSize | None = None
+    speed_fluctuation: float = FLUCTUATION
 
     def __post_init__(self) -> None:
         self.lobes.require_one_cycle()
         if not 0.0 < self.speed_rad_s < inf:
             problem = f"{self.speed_rad_s:g} rad/s is no driving speed; a positive one is needed"
             raise WrongInput(problem, key="operation.speed_rpm")
+
+    @property
+    def moving(self) -> Masses:
+        """The masses that move; all zero where there are none."""
+        return self.linkage.MASSES() if self.masses is None else self.masses
 
     @property
     def cycle_rad(self) -> float:
@@ -47,30 +77,45 @@ class Task:
 
     @property
     def work_n_mm(self) -> float:
-        """Work of the resistance over one working stroke; negative where a kept negative force drives the slider."""
-        stroke = self.linkage.stroke_mm
-        return float(self.resistance.work_n_mm(np.array([stroke]), stroke)[0])
+        """Work against the load over one cycle; negative where kept negative forces drive the slider."""
+        return self.load.cycle_work_n_mm(self.linkage.stroke_mm)
+
+
+LOAD_LIMITS = (
+    "braking_power_w",
+    "rms_torque_n_m",
+    "flywheel_kg_mm2",
+    "bearing_force_n",
+    "shaking_force_n",
+    "tooth_force_n",
+)
+"""What the machine feels besides its peak power, by its names in ``Limits``, in ``Figures`` and in design files."""
 
 
 @dataclass(frozen=True)
 class Limits:
     """Bounds on every position of the cycle; None for a quantity that is free.
 
-    ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2; ``working_rad`` is the driving angle of the working stroke;
+    ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2;
     ``pressure_angle_rad`` bounds the tangent angle of the pitch curves, |atan(r1'/r1)|, not counting the rack's own;
     ``rack_angle_rad`` is the rack's own, which the limit in a design file and messages include;
-    ``mass_kg`` moves with the slider and takes power.  Raises WrongInput for a value that bounds nothing, with its key
-    in the design file.
+    The limits from ``braking_power_w`` on
+    are of what ``ncgear.optimum.felt`` computes; the flywheel is the one for the task's speed fluctuation.  Raises
+    WrongInput for a value that bounds nothing, with its key in the design file.
     """
 
     ratio_min: float
     ratio_max: float
     peak_power_w: float | None = None
     peak_acceleration_mm_s2: float | None = None
-    working_rad: float | None = None
     pressure_angle_rad: float | None = None
     rack_angle_rad: float = 0.0
-    mass_kg: float = 0.0
+    braking_power_w: float | None = None
+    rms_torque_n_m: float | None = None
+    flywheel_kg_mm2: float | None = None
+    bearing_force_n: float | None = None
+    shaking_force_n: float | None = None
+    tooth_force_n: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.ratio_min < inf:
@@ -80,7 +125,7 @@ class Limits:
         positive = {
             "limits.peak_power_w": self.peak_power_w,
             "limits.peak_acceleration_mm_s2": self.peak_acceleration_mm_s2,
-            "limits.working_angle_rad": self.working_rad,
+            **{f"limits.{name}": getattr(self, name) for name in LOAD_LIMITS},
         }
         for key, value in positive.items():
             if value is not None and not 0.0 < value < inf:
@@ -89,8 +134,6 @@ class Limits:
         if tangent is not None and not 0.0 < tangent < pi / 2.0:
             said = "deg without the rack's own given; over 0 and under 90 is right"
             raise WrongInput(f"{degrees(tangent):g} {said}", key="optimize.limits.pressure_angle_deg")
-        if not (self.mass_kg >= 0.0 and isfinite(self.mass_kg)):
-            raise WrongInput(f"{self.mass_kg:g} given; 0 or a positive number is needed", key="masses.slider_kg")
 
     @property
     def steepness(self) -> float:
@@ -110,7 +153,9 @@ class Figures:
     """Peaks at the operating speed, ratio range, and the shape of the pitch curves.
 
     ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
-    cycle.  With several pairs the ratios are the whole train's, and ``convex`` means that all curves are.
+    cycle.  With several pairs the ratios are the whole train's, and ``convex`` means that all curves are.  The figures
+    from ``braking_power_w`` on are those of ``ncgear.optimum.felt``, None where no masses are given; ``tooth_force_n``
+    is None as well where the size of the gears is not known or there are several pairs.
     """
 
     peak_power_w: float
@@ -122,19 +167,57 @@ class Figures:
     tangent_rad: float
     convex: bool
     curvature_turns: float
+    braking_power_w: float | None = None
+    rms_torque_n_m: float | None = None
+    flywheel_kg_mm2: float | None = None
+    bearing_force_n: float | None = None
+    shaking_force_n: float | None = None
+    tooth_force_n: float | None = None
 
 
-def figures(task: Task, train: Train, mass_kg: float = 0.0) -> Figures:
+@dataclass(frozen=True)
+class Prices:
+    """What one unit of each figure costs in a goal; names and units are those of ``Figures``.
+
+    The r.m.s. torque has a price only alone: the search knows its square.  Raises WrongInput for an endless price.
+    """
+
+    peak_acceleration_mm_s2: float = 0.0
+    peak_power_w: float = 0.0
+    braking_power_w: float = 0.0
+    rms_torque_n_m: float = 0.0
+    flywheel_kg_mm2: float = 0.0
+    bearing_force_n: float = 0.0
+    shaking_force_n: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, price in vars(self).items():
+            if not 0.0 <= price < inf:
+                key = f"weights.{name.removeprefix('peak_')}"
+                raise _wrong(key, 1.0 / price, "a positive number is needed")
+
+    @property
+    def of_loads(self) -> bool:
+        """Whether any figure of ``ncgear.optimum.felt`` but the peak power has a price."""
+        return any(getattr(self, name, 0.0) for name in LOAD_LIMITS)
+
+    def of(self, found: Figures) -> float:
+        """The sum of all figures' costs; those without a price need not be known."""
+        prices = {name: price for name, price in vars(self).items() if price}
+        return float(sum(price * getattr(found, name) for name, price in prices.items()))
+
+
+def figures(task: Task, train: Train) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
 
-    The power is that of the resistance and of ``mass_kg``, which moves with the slider.
+    Power is that of the driving shaft: of the load alone, or with masses of these as well.
     """
-    machine = Machine(train.whole, task.linkage, task.resistance, task.speed_rad_s)
+    machine = Machine(train.whole, task.linkage, task.load, task.speed_rad_s)
     check = kinematic_check(machine)
     pairs = [sized_pair(one.transmission, TEETH * task.lobes.driving, 1.0, None) for one in train.pairs]
     lowest, highest = train.whole.ratio_range
-    return Figures(
-        peak_power_w=peak_driving_power_w(machine, mass_kg).value if mass_kg else check.peak_power_w.value,
+    of_motion = Figures(
+        peak_power_w=check.peak_power_w.value,
         peak_acceleration_mm_s2=check.peak_acceleration_cycle_mm_s2.value,
         peak_speed_mm_s=check.peak_speed_mm_s.value,
         ratio_min=lowest.value,
@@ -146,6 +229,23 @@ def figures(task: Task, train: Train, mass_kg: float = 0.0) -> Figures:
         * TEETH
         * pi,
     )
+    if task.masses is None:
+        return of_motion
+    loads = asdict(felt(machine, task.masses, task.speed_fluctuation))
+    tooth = _tooth_force_n(task, machine, pairs[0]) if len(pairs) == 1 else None
+    return replace(of_motion, **loads, tooth_force_n=tooth)
+
+
+def _tooth_force_n(task: Task, machine: Machine, pair: PitchPair) -> float | None:
+    """The largest force between the teeth at the gears' own size; None where that is not known."""
+    size = task.gears
+    if size is None:
+        return None
+    lobes, length = task.lobes, pair.arc.period * task.lobes.driving
+    own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
+    # The direction of the centre line turns the force and leaves its size
+    place = MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0)
+    return tooth_force_n(machine, task.moving, place)
 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:

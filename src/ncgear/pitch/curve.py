@@ -90,12 +90,21 @@ class PitchCurve:
     @property
     def joints_around_mm(self) -> Array:
         """``joints_mm`` of the first turn and those of the turns beside it, for curves that reach across the seam."""
-        return np.concatenate([self.joints_mm - self.length_mm, self.joints_mm, self.joints_mm + self.length_mm])
+        return self._around(self.joints_mm)
 
     @property
     def panels_mm(self) -> Array:
         """Arc lengths over one turn between which one polynomial follows the curve, both ends included."""
         return self._by_length.breaks * self.center_distance_mm
+
+    @property
+    def panels_around_mm(self) -> Array:
+        """Ends of panels in the first turn and in the turns beside it, for curves that reach across the seam."""
+        return self._around(self.panels_mm[:-1])
+
+    def _around(self, lengths_mm: Array) -> Array:
+        """Arc lengths within one turn, and the same places a turn before and a turn after."""
+        return np.concatenate([lengths_mm - self.length_mm, lengths_mm, lengths_mm + self.length_mm])
 
     def driving_angle(self, sigma_mm: Array) -> Array:
         """phi1 in rad at which the point at arc length sigma is the pitch point, any shape."""

@@ -6,10 +6,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import DesignError
 from ncgear.extras import require
-from ncgear.optimum.makeable.wishes import Goal, Wishes
+from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
 from ncgear.project.wishes import task_of, wishes_of
@@ -42,37 +41,27 @@ class BestLaw:
         return task_of(self.design)
 
     @cached_property
-    def bound(self) -> Bound:
-        """The limit that no law can go below: an acceleration in mm/s2, a power in W, or the weighted sum of both."""
-        from ncgear.optimum.certified import limit
+    def bound(self) -> Bound | None:
+        """The limit that no law can go below, in the unit of the goal; None for a goal that no limit is known of."""
+        from ncgear.optimum.makeable.demanded import certified_limit
 
-        task, wishes = self.task, self.wishes
-        match wishes.goal:
-            case Goal.ACCELERATION:
-                return limit.least_acceleration(task, wishes.limits)
-            case Goal.POWER:
-                return limit.least_power(task, wishes.limits)
-        assert wishes.weights is not None
-        return limit.least_weighted_sum(task, wishes.limits, wishes.weights)
+        return certified_limit(self.task, self.wishes)
+
+    @property
+    def not_covered(self) -> list[str]:
+        """The limits, in words, that restrict the law and that the bound does not know."""
+        from ncgear.optimum.makeable.demanded import not_covered
+
+        return not_covered(self.wishes)
 
     @cached_property
     def law(self) -> MakeableLaw:
         """The best makeable law; raises WrongInput where the optimiser is not installed."""
         require("casadi", "optimize", "ncgear optimize")
+        from ncgear.optimum.makeable.demanded import start_motion
         from ncgear.optimum.makeable.law import makeable_law
-        from ncgear.optimum.makeable.search import random_starts, rough_start
 
-        asked, wishes = self.design.optimize or Optimize(), self.wishes
-        random = random_starts(wishes.harmonics, asked.starts - 1, asked.seed)
-        return makeable_law(self.task, wishes, [rough_start(self.task, wishes, self._roughly), *random])
-
-    @cached_property
-    def _roughly(self) -> float:
-        """The peak of acceleration in mm/s2 to start from: the one that is allowed, or else what a rough motion has."""
-        from ncgear.optimum.certified import limit
-
-        allowed = self.wishes.limits.peak_acceleration_mm_s2
-        return allowed if allowed is not None else limit.rough_acceleration(self.task, self.wishes.limits)
+        return makeable_law(self.task, self.wishes, start_motion(self.task, self.wishes, self.bound))
 
     @cached_property
     def train(self) -> Train:
@@ -82,18 +71,18 @@ class BestLaw:
     @cached_property
     def figures(self) -> Figures:
         """Exact figures of the law."""
-        return figures(self.task, self.train, self._mass_kg)
+        return figures(self.task, self.train)
 
     @cached_property
     def uniform_figures(self) -> Figures:
         """Exact figures of a uniform crank on the same machine."""
-        return figures(self.task, single(uniform_law(self.task.lobes)), self._mass_kg)
+        return figures(self.task, single(uniform_law(self.task.lobes)))
 
     @cached_property
     def given_figures(self) -> Figures | None:
         """Exact figures of the design's own law at the same speed; None where that law cannot be made."""
         try:
-            return figures(self.task, law_of(self.design).train, self._mass_kg)
+            return figures(self.task, law_of(self.design).train)
         except DesignError:
             return None
 
@@ -106,21 +95,9 @@ class BestLaw:
         from ncgear.optimum.frontier import limit_points
 
         most = 1.2 * max(self.figures.peak_power_w, self.uniform_figures.peak_power_w)
-        return limit_points(self.task, self.wishes.limits, most)
-
-    @property
-    def _mass_kg(self) -> float:
-        """Mass of the slider, which takes part in every power."""
-        return self.wishes.limits.mass_kg
+        return limit_points(self.task, self.wishes, most)
 
     @property
     def goal(self) -> float:
         """The quantity that the design asks to be least, as the best law has it, in the unit of the bound."""
-        found, wishes = self.figures, self.wishes
-        match wishes.goal:
-            case Goal.ACCELERATION:
-                return found.peak_acceleration_mm_s2
-            case Goal.POWER:
-                return found.peak_power_w
-        assert wishes.weights is not None
-        return wishes.weights.of(found.peak_acceleration_mm_s2, found.peak_power_w)
+        return self.wishes.prices.of(self.figures)

@@ -258,7 +258,7 @@ class Drive(Geared):
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
         driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
         with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
-            load = crank_load(self.linkage, masses, self.machine.resistance)
+            load = crank_load(self.linkage, masses, self.machine.load)
             toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
             return course(toothed, state, given.turns, accuracy)

@@ -18,11 +18,9 @@ from typing import Any
 
 from ncgear import __version__
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
 from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
-from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.task import Figures
 from ncgear.project.wishes import task_of, wishes_of
@@ -160,11 +158,11 @@ def _one_thread_each() -> Iterator[None]:
 def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
     """One point, computed in its own process; where no law keeps the limits, the refusal."""
     task, wishes = task_of(design), wishes_of(design)
-    if kind == "family" and wishes.limits.mass_kg:
+    if kind == "family" and task.masses is not None:
         # The family's search knows the power of the resistance alone
         return asdict(FamilyPoint(cap_w, None, None))
     if kind == "family":
-        return asdict(family_point(task, cap_w, (design.optimize or Optimize()).seed))
+        return asdict(family_point(task, cap_w))
     try:
         return asdict(law_point(task, wishes, cap_w))
     except NoSuchMechanism as refusal:
@@ -173,7 +171,7 @@ def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
 
 def _assembled(caps: list[float], found: dict[tuple[str, float], dict[str, Any]]) -> Frontier:
     results = [found["law", cap] for cap in caps if "refused" not in found["law", cap]]
-    laws = [LawPoint(one["cap_w"], Bound(**one["bound"]), Figures(**one["law"])) for one in results]
+    laws = [LawPoint(one["cap_w"], one["limit_mm_s2"], Figures(**one["law"])) for one in results]
     if not laws:
         raise NoSuchMechanism(found["law", caps[0]]["refused"], key="optimize.limits")
     return Frontier(laws, _best_so_far([FamilyPoint(**found["family", cap]) for cap in caps]))

@@ -1,10 +1,12 @@
-"""From keys to values: the closed law of a design on its mechanism, the lobes of its gears, and the resistance."""
+"""From keys to values: the closed law of a design on its mechanism, the lobes of its gears, the load of its slider."""
 
 from __future__ import annotations
 
 from ncgear.design.keys.design import Design
+from ncgear.design.keys.machine import StrokeForce
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
+from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
 from ncgear.ratio.transmission import Law, Lobes
 
 
@@ -24,14 +26,25 @@ def lobes_of(design: Design) -> Lobes:
     return Lobes(design.gears.lobes.driving, design.gears.lobes.driven) if design.gears else Lobes()
 
 
-def resistance_of(design: Design) -> Resistance:
-    """The resistance; without force where the file has none."""
+def load_of(design: Design) -> SliderLoad:
+    """The load of the slider; without force where the file has none."""
     given = design.resistance
     if given is None:
-        return PolynomialResistance()
+        return SliderLoad()
+    return SliderLoad(
+        working=_resistance_of(given, "resistance"),
+        returning=_resistance_of(given.returning, "resistance.returning"),
+        friction_n=given.friction_n,
+    )
+
+
+def _resistance_of(given: StrokeForce | None, key: str) -> Resistance:
+    """The resistance of one stroke, whose keys are below ``key``."""
+    if given is None:
+        return NO_RESISTANCE
     keep = given.where_negative == "keep"
     if given.table is not None:
         return TableResistance(given.table.displacement_mm or (), given.table.force_n or (), keep)
     if given.expression_n is not None:
-        return FormulaResistance(given.expression_n, keep)
-    return PolynomialResistance(given.polynomial_n or (0.0,), keep)
+        return FormulaResistance(given.expression_n, keep, f"{key}.expression_n")
+    return PolynomialResistance(given.polynomial_n, keep) if given.polynomial_n else NO_RESISTANCE

@@ -9,11 +9,14 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.errors import Places, WrongInput
 from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
 from ncgear.kinematics.motion import Machine, SliderMotion, sample_angles
+from ncgear.kinematics.outcomes import Achieved, achieved
+from ncgear.kinematics.wishes import Wish
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.computed import computed
-from ncgear.project.law import law_of, resistance_of
+from ncgear.project.law import law_of, load_of
+from ncgear.project.motion_wishes import motion_wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.stopwatch import Stopwatch
@@ -78,7 +81,7 @@ class Moving:
     def machine(self) -> Machine:
         """The mechanism at the operating speed."""
         speed = self.design.operation.speed_rpm * RAD_S_PER_RPM
-        return Machine(self.transmission, self.linkage, resistance_of(self.design), speed)
+        return Machine(self.transmission, self.linkage, load_of(self.design), speed)
 
     def pair_speed_rad_s(self, angle_rad: Array) -> Array:
         """Speed of the pair's driving gear at its own angles in rad, shape (n,)."""
@@ -106,6 +109,18 @@ class Moving:
         """Exact peaks at the operating speed."""
         with self.stopwatch("check"):
             return kinematic_check(self.machine)
+
+    @computed
+    def motion_wishes(self) -> tuple[Wish, ...]:
+        """What the design wishes of the motion; raises WrongInput or NoSuchMechanism for what no motion can do."""
+        return motion_wishes_of(self.design, self.linkage, self.transmission.cycle_rad)
+
+    @computed
+    def achieved(self) -> Achieved:
+        """What the motion achieves, whatever is wished, and of every wish."""
+        wishes = self.motion_wishes
+        with self.stopwatch("wishes"):
+            return achieved(self.machine, wishes)
 
     @computed
     def stroke_residual_mm(self) -> float:

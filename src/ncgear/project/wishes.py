@@ -8,14 +8,17 @@ from typing import NamedTuple
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.masses import Flywheel
 from ncgear.design.keys.optimize import Limits, Optimize
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import WrongInput
+from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
-from ncgear.optimum.certified.limit import Weights
-from ncgear.optimum.makeable.wishes import CurvatureWish, Goal, TwoStages, Wishes
-from ncgear.project.law import lobes_of, resistance_of
+from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
+from ncgear.project.law import load_of, lobes_of
+from ncgear.project.motion_wishes import motion_wishes_of
+from ncgear.project.moving_masses import masses_of
 from ncgear.project.tooth_form import rack_of
 
 RACK_ANGLE_DEG = 20.0
@@ -23,9 +26,66 @@ RACK_ANGLE_DEG = 20.0
 
 
 def task_of(design: Design) -> task.Task:
-    """The machine: mechanism, resistance, speed and lobes."""
+    """The machine: mechanism, load, masses, speed and lobes."""
+    linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
     speed = design.operation.speed_rpm * RAD_S_PER_RPM
-    return task.Task(mechanism_of(design.linkage), resistance_of(design), speed, lobes_of(design))
+    return task.Task(
+        linkage,
+        load_of(design),
+        speed,
+        lobes_of(design),
+        masses=_masses_of(design),
+        gears=_size_of(design.gears, limits),
+        speed_fluctuation=(given.flywheel if given else Flywheel()).speed_fluctuation,
+    )
+
+
+def _masses_of(design: Design) -> Masses | None:
+    """All masses that move; zero ones where a figure is asked for that is not of the motion alone, else None.
+
+    Moments of inertia of gears that are not given are left out, since they would follow from the teeth.
+    """
+    linkage, asked = mechanism_of(design.linkage), design.optimize or Optimize()
+    if design.masses is not None:
+        return masses_of(design.masses, linkage)
+    limited = any(getattr(asked.limits, name) is not None for name in task.LOAD_LIMITS)
+    return linkage.MASSES() if limited or _prices(asked).of_loads else None
+
+
+def _size_of(gears: Gears | None, limits: Limits) -> task.GearSize | None:
+    """The size of an external pair; raises WrongInput where the force between its teeth is limited and not known."""
+    key = "optimize.limits.tooth_force_n"
+    if limits.tooth_force_n is not None:
+        if gears is None:
+            problem = "given, but a force between teeth needs the gears' size: give gears.teeth and gears.module_mm"
+            raise WrongInput(problem, key=key)
+        if gears.mesh == "internal":
+            raise WrongInput("given, but it is computed of external pairs only; leave it out of a ring", key=key)
+        if limits.stages > 1:
+            raise WrongInput("given, but it is computed of one pair only; leave it out of two stages", key=key)
+    if gears is None or gears.mesh == "internal":
+        return None
+    angle = radians(gears.rack.pressure_angle_deg)
+    return task.GearSize(gears.teeth, gears.module_mm, gears.center_distance_mm, angle)
+
+
+def _prices(asked: Optimize) -> task.Prices:
+    """What shall be least."""
+    goal, weights = Goal(asked.goal), asked.weights
+    if goal is not Goal.WEIGHTED or weights is None:
+        return ALONE[goal]
+
+    def price(counting_alike: float | None) -> float:
+        return 1.0 / counting_alike if counting_alike else 0.0
+
+    return task.Prices(
+        peak_acceleration_mm_s2=price(weights.acceleration_mm_s2),
+        peak_power_w=price(weights.power_w),
+        braking_power_w=price(weights.braking_power_w),
+        flywheel_kg_mm2=price(weights.flywheel_kg_mm2),
+        bearing_force_n=price(weights.bearing_force_n),
+        shaking_force_n=price(weights.shaking_force_n),
+    )
 
 
 def wishes_of(design: Design) -> Wishes:
@@ -41,28 +101,27 @@ def wishes_of(design: Design) -> Wishes:
     curvatures = [*_of_radius(limits, design.gears), *_of_undercut(limits, design.gears)]
     free = _Curvature(None, CurvatureWish.LEAST_RADIUS, 1.0)
     curvature = min(curvatures, default=free, key=lambda one: one.turns or 0.0)
-    weights = asked.weights
     return Wishes(
         limits=task.Limits(
             ratio_min=limits.ratio_min,
             ratio_max=limits.ratio_max,
             peak_power_w=limits.peak_power_w,
             peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2,
-            working_rad=limits.working_angle,
             pressure_angle_rad=None if shared else tangent_rad,
             rack_angle_rad=radians(_rack_angle_deg(design.gears)),
-            mass_kg=design.masses.slider_kg if design.masses else 0.0,
+            **{name: getattr(limits, name) for name in task.LOAD_LIMITS},
         ),
         goal=Goal(asked.goal),
-        weights=Weights(1.0 / weights.acceleration_mm_s2, 1.0 / weights.power_w) if weights else None,
+        weights=_prices(asked) if asked.weights else None,
         peak_jerk_mm_s3=limits.peak_jerk_mm_s3,
         driven_speed_rad_s=None if limits.driven_speed_rpm is None else limits.driven_speed_rpm * RAD_S_PER_RPM,
         convex=limits.convex,
         curvature_turns=curvature.turns,
         curvature_wish=curvature.wish,
         curvature_given=curvature.given,
-        harmonics=asked.harmonics,
+        knots=asked.knots,
         two_stages=TwoStages(tangent_rad) if shared else None,
+        motion=motion_wishes_of(design, mechanism_of(design.linkage), lobes_of(design).driving_period_rad),
     )
 
 

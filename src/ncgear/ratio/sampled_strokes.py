@@ -97,11 +97,13 @@ class Returns:
 class ReturnSamples:
     """n returns at p pieces of m points each; arrays have shape (n, p, m).
 
-    ``slopes`` are dphi2/dphi1 and its derivatives by phi1, as many as were asked for; ``velocity`` of the slider is in
-    mm/rad, ``acceleration`` in mm/rad^2.  ``end_driven_rad`` (shape (n,)) is where the return really ends.
+    ``slopes`` are dphi2/dphi1 and its derivatives by phi1, as many as were asked for; ``displacement`` of the
+    slider is in mm, ``velocity`` in mm/rad, ``acceleration`` in mm/rad^2.  ``end_driven_rad`` (shape (n,)) is where the
+    return really ends.
     """
 
     slopes: tuple[Array, ...]
+    displacement: Array
     velocity: Array
     acceleration: Array
     end_driven_rad: Array
@@ -194,8 +196,8 @@ def return_samples(returns: Returns, linkage: Mechanisms[Any], points: Points, o
     moved = slope.truncated(1).integrated(driven.ravel())
     motion = repeated(linkage, points.pieces * points.count).displacement(moved)
     slopes = tuple(slope.derivative(k).reshape(shape) for k in range(order + 1))
-    velocity, acceleration = (motion.derivative(k).reshape(shape) for k in (1, 2))
-    return ReturnSamples(slopes, velocity, acceleration, driven[:, -1, -1])
+    displacement, velocity, acceleration = (motion.derivative(k).reshape(shape) for k in range(3))
+    return ReturnSamples(slopes, displacement, velocity, acceleration, driven[:, -1, -1])
 
 
 def _cubic(strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], length: Array, *, inverse: bool) -> Array:

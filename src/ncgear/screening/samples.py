@@ -22,13 +22,13 @@ from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
 from ncgear.design.mechanisms import mechanisms_of
 from ncgear.mechanisms.mechanism import Mechanisms
-from ncgear.mechanisms.resistance import Resistance
+from ncgear.mechanisms.resistance import Resistance, TableResistance
 from ncgear.numerics.arrays import Array, Mask, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import extremes, integrated, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
-from ncgear.project.law import lobes_of, resistance_of
+from ncgear.project.law import load_of, lobes_of
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
 from ncgear.ratio.sampled_strokes import (
     Motion,
@@ -79,10 +79,12 @@ def kind_of(design: Design) -> Kind | None:
     law = _law(design)
     if law is None or (design.gears is not None and design.gears.mesh == "internal"):
         return None
-    if design.resistance is not None and design.resistance.table is not None:
-        # The bend of a table's force jumps at its points, which no series along a piece resolves.
+    load = load_of(design)
+    if load.loads_return or isinstance(load.working, TableResistance):
+        # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,
+        # which no series along a piece resolves.
         return None
-    return Kind(type(design.linkage), law, lobes_of(design), resistance_of(design))
+    return Kind(type(design.linkage), law, lobes_of(design), load.working)
 
 
 def _law(design: Design) -> tuple[Hashable, ...] | None:

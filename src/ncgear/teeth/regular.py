@@ -78,8 +78,8 @@ def _never_folds(flanks: Flanks) -> bool:
 
 
 def _joints(flanks: Flanks) -> Array:
-    """Arc lengths at which the curvature of what rolls may jump."""
-    return np.empty(0) if flanks.equivalent else flanks.curve.joints_around_mm
+    """Arc lengths between which one polynomial follows what rolls: its curvature and the slope of it may jump there."""
+    return np.empty(0) if flanks.equivalent else flanks.curve.panels_around_mm
 
 
 def _cuts(ends: Array, joints: Array) -> Array:

@@ -6,7 +6,8 @@ degrees or in multiples of pi; its key ends in the unit.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from math import pi, radians
 from typing import Annotated
 
@@ -64,6 +65,8 @@ def fault(key: str, problem: str) -> PydanticCustomError:
 
 UNITS = ("rad", "deg", "pi")
 
+FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
+
 
 def spellings(quantity: str) -> tuple[str, ...]:
     """The keys that can hold ``quantity``: theta1 -> theta1_rad, theta1_deg, theta1_pi."""
@@ -102,6 +105,15 @@ def allow_one(model: BaseModel, names: Iterable[str]) -> None:
     found = given(model, names)
     if len(found) > 1:
         raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
+
+
+def require_rising(key: str, values: Sequence[float], least: float) -> None:
+    """Refuse a list under ``key`` in which a value does not follow the one before by at least ``least``."""
+    for i, (before, after) in enumerate(pairwise(values), start=1):
+        if after <= before:
+            raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the angles must rise strictly")
+        if after - before < least:
+            raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {least:.2g} apart is right")
 
 
 def listed(names: Iterable[str], word: str = "or") -> str:

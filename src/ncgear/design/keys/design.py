@@ -16,6 +16,7 @@ from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, R
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.keys.strength import StrengthKeys
+from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, entry_of, kind_named
@@ -45,9 +46,13 @@ class Design(Model):
     motion: Motion
     gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
     resistance: Resistance | None = Field(default=None, description="the force against the slider; left out: none")
+    wishes: Wishes = Field(
+        default_factory=Wishes,
+        description="what the motion shall do: a check says whether it does, ncgear optimize looks for a law that does",
+    )
     masses: Masses | None = Field(
         default=None,
-        description="what moves, as masses: ncgear simulate needs it, ncgear optimize counts the slider's",
+        description="what moves, as masses: ncgear simulate needs it, ncgear optimize counts all of it",
     )
     simulation: Simulation = Field(
         default_factory=Simulation,

@@ -15,6 +15,7 @@ from ncgear.design.keys.base import (
     Numbers,
     Positive,
     Speed,
+    allow_one,
     fault,
     given,
     listed,
@@ -101,6 +102,9 @@ Displacements = Annotated[tuple[Displacement, ...], Strict(False), Points]
 Forces = Annotated[tuple[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)], ...], Strict(False), Points]
 
 
+FORMS = ("polynomial_n", "table", "expression_n")
+
+
 class ResistanceTable(Model):
     """Points of the force. Points from a CSV file stand in the same columns once the file is loaded."""
 
@@ -137,8 +141,8 @@ class ResistanceTable(Model):
         return self
 
 
-class Resistance(Model):
-    """The force against the slider over its working stroke; one of polynomial_n, table and expression_n."""
+class StrokeForce(Model):
+    """The force against the slider over one of its strokes; one of polynomial_n, table and expression_n."""
 
     polynomial_n: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = Field(
         default=None, description="coefficients of the force in N, in rising powers of the displacement in mm"
@@ -157,7 +161,26 @@ class Resistance(Model):
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:
-        require_one(self, ("polynomial_n", "table", "expression_n"))
+        require_one(self, FORMS)
+        return self
+
+
+class Resistance(StrokeForce):
+    """The force against the slider: over its working stroke, over its way back, and a friction on both."""
+
+    returning: StrokeForce | None = Field(
+        default=None,
+        description="force against the slider on its way back, over the displacement like the other; left out: none",
+    )
+    friction_n: float = Field(
+        default=0.0, ge=0.0, description="constant force in N against the slider's motion, on both strokes"
+    )
+
+    @model_validator(mode="after")
+    def _one_form(self) -> Self:
+        if self.returning is None and "friction_n" not in self.model_fields_set:
+            require_one(self, FORMS)
+        allow_one(self, FORMS)
         return self
 
 

@@ -93,9 +93,7 @@ class Gravity(Model):
 class SliderMass(Model):
     """The mass of the slider."""
 
-    slider_kg: Mass = Field(
-        description="mass of the slider in kg, with all that moves with it; ncgear optimize counts its power"
-    )
+    slider_kg: Mass = Field(description="mass of the slider in kg, with all that moves with it")
 
 
 class RodMass(Model):

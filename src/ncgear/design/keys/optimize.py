@@ -6,15 +6,39 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, Positive, Speed, allow_one, angle_rad, fault, given, spellings
+from ncgear.design.keys.base import Length, Model, Positive, Speed, fault, given, listed
 
-MOST_HARMONICS = 60
+FEWEST_KNOTS, MOST_KNOTS = 12, 720
 
 
 class Limits(Model):
     """What the law may nowhere exceed; left out: no limit."""
 
-    peak_power_w: Positive | None = Field(default=None, description="greatest power at the slider in W")
+    peak_power_w: Positive | None = Field(
+        default=None,
+        description="greatest power of the driving shaft in W, for the resistance and for all masses",
+    )
+    braking_power_w: Positive | None = Field(
+        default=None, description="greatest power in W that masses give back to the driving shaft"
+    )
+    rms_torque_n_m: Positive | None = Field(
+        default=None, description="greatest root of the mean square of the driving shaft's torque in N m"
+    )
+    flywheel_kg_mm2: Positive | None = Field(
+        default=None,
+        description="greatest inertia in kg mm2 that the driving shaft needs, its gear included, to keep the "
+        "fluctuation masses.flywheel.speed_fluctuation (left out: 0.05) while the motor's torque is even",
+    )
+    bearing_force_n: Positive | None = Field(
+        default=None, description="greatest force of the mechanism on the crank's bearings in N, the teeth's apart"
+    )
+    shaking_force_n: Positive | None = Field(
+        default=None, description="greatest force of the moving masses on the frame in N"
+    )
+    tooth_force_n: Positive | None = Field(
+        default=None,
+        description="greatest force between the teeth along their normal in N; needs gears of a given size",
+    )
     peak_acceleration_mm_s2: Positive | None = Field(
         default=None, description="greatest slider acceleration in mm/s2, over the whole cycle"
     )
@@ -42,56 +66,65 @@ class Limits(Model):
     free_of_undercut: bool = Field(
         default=False, description="true: gears.teeth teeth are free of undercut at their full height"
     )
-    working_angle_rad: Positive | None = Field(
-        default=None, description="driving angle in rad that the working stroke takes; left out: free"
-    )
-    working_angle_deg: Positive | None = Field(
-        default=None, description="driving angle in degrees that the working stroke takes; left out: free"
-    )
-    working_angle_pi: Positive | None = Field(
-        default=None, description="driving angle in multiples of pi that the working stroke takes; left out: free"
-    )
-
-    @property
-    def working_angle(self) -> float | None:
-        """Driving angle of the working stroke in rad; None where it is free."""
-        return angle_rad(self, "working_angle") if given(self, spellings("working_angle")) else None
-
-    @model_validator(mode="after")
-    def _one_working_angle(self) -> Self:
-        allow_one(self, spellings("working_angle"))
-        return self
 
 
 class Weights(Model):
-    """The peak acceleration and the peak power that count alike in a weighted goal."""
+    """The figures that count alike in a weighted goal; what is left out does not count."""
 
-    acceleration_mm_s2: Positive = Field(description="peak acceleration in mm/s2 that counts as one")
-    power_w: Positive = Field(description="peak power in W that counts as one")
+    acceleration_mm_s2: Positive | None = Field(default=None, description="peak acceleration in mm/s2 that counts as 1")
+    power_w: Positive | None = Field(default=None, description="peak power in W that counts as 1")
+    braking_power_w: Positive | None = Field(default=None, description="peak braking power in W that counts as 1")
+    flywheel_kg_mm2: Positive | None = Field(default=None, description="flywheel in kg mm2 that counts as 1")
+    bearing_force_n: Positive | None = Field(default=None, description="bearing force in N that counts as 1")
+    shaking_force_n: Positive | None = Field(default=None, description="shaking force in N that counts as 1")
+
+    @model_validator(mode="after")
+    def _two_or_more(self) -> Self:
+        names = tuple(type(self).model_fields)
+        if len(given(self, names)) < 2:
+            raise fault("", f"a weighted goal weighs two or more figures; give two of {listed(names)}")
+        return self
+
+
+GOALS = Literal[
+    "least_acceleration",
+    "least_power",
+    "least_braking_power",
+    "least_rms_torque",
+    "least_flywheel",
+    "least_bearing_force",
+    "least_shaking_force",
+    "weighted",
+]
 
 
 class Optimize(Model):
     """What `ncgear optimize` looks for."""
 
-    goal: Literal["least_acceleration", "least_power", "weighted"] = Field(
+    goal: GOALS = Field(
         default="least_acceleration",
-        description="what shall be least: the slider's peak acceleration, the peak power (and with it the driving "
-        "torque), or a weighted sum of both",
+        description="what shall be least: the slider's peak acceleration; the driving shaft's peak power (and with it "
+        "its peak torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the "
+        "crank's bearings or on the frame; or a weighted sum",
     )
     weights: Weights | None = Field(
-        default=None, description="the acceleration and the power that count alike; only for goal weighted"
+        default=None, description="the figures that count alike; only for goal weighted, two or more"
     )
     limits: Limits = Field(default_factory=Limits, description="what the law may nowhere exceed")
-    harmonics: int = Field(
-        default=24, ge=2, le=MOST_HARMONICS, description="harmonics of ln i12: more come closer to the limit"
+    knots: int = Field(
+        default=180,
+        ge=FEWEST_KNOTS,
+        le=MOST_KNOTS,
+        description="knots of the spline of ln i12 around the turn: more come closer to the limit",
     )
-    starts: int = Field(default=1, ge=1, le=20, description="starts of the search: the uniform crank, then at random")
-    seed: int = Field(default=0, ge=0, description="seed of the starts at random")
 
     @model_validator(mode="after")
     def _weights_of_the_weighted(self) -> Self:
         if self.goal == "weighted" and self.weights is None:
-            raise fault("weights", "missing; a weighted goal needs the acceleration and the power that count as one")
+            raise fault(
+                "weights",
+                "missing; a weighted goal needs the figures that count alike",
+            )
         if self.goal != "weighted" and self.weights is not None:
             raise fault("weights", f"given, but the goal is {self.goal}; leave weights out, or goal: weighted")
         return self

@@ -29,6 +29,7 @@ class LawName(StrEnum):
     THREE_SEGMENT_STROKE = "three_segment_stroke"
     RATIO_EXPRESSION = "ratio_expression"
     HARMONIC_RATIO = "harmonic_ratio"
+    SPLINE_RATIO = "spline_ratio"
     ELLIPSE = "ellipse"
     TABLE = "table"
     UNIFORM_CRANK = "uniform_crank"

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from math import pi
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Numbers, fault, given, in_rad, require_one, spellings
+from ncgear.design.keys.base import FULL_TURN, Numbers, fault, given, in_rad, require_one, require_rising, spellings
 from ncgear.design.laws.base import DesignLaw, LawKeys
 
 if TYPE_CHECKING:
@@ -22,8 +21,6 @@ digits to the splines through them."""
 
 ANGLE_COLUMNS = spellings("phi1")
 VALUE_COLUMNS = ("displacement_mm", "ratio")
-
-FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
 
 Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 
@@ -80,11 +77,7 @@ class TableLaw(LawKeys):
         for i, angle in enumerate(angles):
             if not 0.0 <= angle <= turn:
                 raise fault(f"{key}.{i}", f"{angle:g} is outside the cycle; 0 to {turn:g} is right")
-            if i and angle <= angles[i - 1]:
-                raise fault(f"{key}.{i}", f"{angle:g} follows {angles[i - 1]:g}; the angles must rise strictly")
-            if i and (angle - angles[i - 1]) / turn < NEAREST_TURNS:
-                least = f"at least {NEAREST_TURNS * turn:.2g} apart is right"
-                raise fault(f"{key}.{i}", f"{angle!r} follows {angles[i - 1]!r}; {least}")
+        require_rising(key, angles, NEAREST_TURNS * turn)
         return self
 
     @property

@@ -18,13 +18,16 @@ from ncgear.errors import WrongInput
 
 LARGEST_MB = 5
 
+FORCE_POINTS = CsvKind(
+    Columns((("displacement_mm",), ("force_n",)), MOST_RESISTANCE_POINTS), ("displacement_mm", "force_n")
+)
+
 FILES = {
     "motion": CsvKind(
         Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), (*ANGLE_COLUMNS, *VALUE_COLUMNS), law="table"
     ),
-    "resistance.table": CsvKind(
-        Columns((("displacement_mm",), ("force_n",)), MOST_RESISTANCE_POINTS), ("displacement_mm", "force_n")
-    ),
+    "resistance.table": FORCE_POINTS,
+    "resistance.returning.table": FORCE_POINTS,
 }
 """Groups of the design file that can name a file of points instead of columns."""
 

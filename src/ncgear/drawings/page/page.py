@@ -38,6 +38,7 @@ from ncgear.drawings.scene.standing import views
 from ncgear.figures.advice.collected import build_advice, check_advice
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
+from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 
 PACKAGE = "ncgear.drawings.page"
@@ -77,6 +78,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "has_gears": drive.design.gears is not None,
         "staged": drive.design.stages > 1,
         "speed": shown(drive.design.operation.speed_rpm),
+        "achieved": achieved_lines(drive.achieved, drive.linkage.stroke_mm),
         "comparison": comparison_tables(drive),
         "text": loaded.text,
         "file_name": loaded.path.name,

@@ -115,6 +115,6 @@ def scene_of(drive: Drive) -> Scene:
     Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made, or teeth do not mesh.
     """
     machine = drive.machine
-    resistance = None if drive.design.resistance is None else machine.resistance
+    resistance = None if drive.design.resistance is None else machine.load.working
     chamber = chamber_of(drive.linkage, resistance)
     return Scene(drive.design.name, machine, drive.law.train, scene_pairs(drive), chamber)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ncgear.figures.advice import law_advice, strength_advice
+from ncgear.figures.advice import law_advice, strength_advice, wish_advice
 from ncgear.figures.advice.values import Advice
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -11,7 +11,8 @@ from ncgear.project.drive import Drive
 def check_advice(drive: Drive) -> tuple[Advice, ...]:
     """The advices that need no pitch curve."""
     ranges = [law_advice.ratio_range(pair) for pair in drive.by_stage]
-    return _given(*ranges, law_advice.speeds(drive), law_advice.negative_resistance(drive))
+    negative = [law_advice.negative_resistance(drive, returning) for returning in (False, True)]
+    return _given(*ranges, law_advice.speeds(drive), *negative, wish_advice.missed_wishes(drive))
 
 
 def rough_advice(drive: Drive) -> tuple[Advice, ...]:

@@ -66,9 +66,10 @@ def speeds(drive: Drive) -> Advice | None:
     )
 
 
-def negative_resistance(drive: Drive) -> Advice | None:
-    """A resistance that would drive the slider in a part of the stroke."""
-    resistance = drive.machine.resistance
+def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
+    """A resistance that would drive the slider in a part of one stroke."""
+    resistance = drive.machine.load.on(returning)
+    key, way = ("resistance.returning", " on the way back") if returning else ("resistance", "")
     stretches = resistance.negative_stretches_mm(drive.linkage.stroke_mm)
     if not stretches:
         return None
@@ -78,11 +79,11 @@ def negative_resistance(drive: Drive) -> Advice | None:
     return Advice(
         Kind.NEGATIVE_RESISTANCE,
         (Where(),),
-        f"the resistance is negative for displacements of {named} mm",
+        f"the resistance{way} is negative for displacements of {named} mm",
         "it is kept, so that it drives the slider" if kept else "it is taken as zero there",
         (
             Remedy("give a resistance that is nowhere under zero, as a table or a formula"),
-            Remedy(other, (Change("resistance.where_negative", "zero" if kept else "keep"),)),
+            Remedy(other, (Change(f"{key}.where_negative", "zero" if kept else "keep"),)),
         ),
     )
 

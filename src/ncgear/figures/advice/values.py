@@ -18,6 +18,7 @@ class Kind(StrEnum):
     RATIO_RANGE = "ratio_range"
     SPEEDS = "speeds"
     NEGATIVE_RESISTANCE = "negative_resistance"
+    MISSED_WISH = "missed_wish"
     PRESSURE_ANGLE = "pressure_angle"
     RING = "ring"
     CONCAVE = "concave"

@@ -8,6 +8,7 @@ from typing import Any
 from ncgear.design.keys.machine import Published
 from ncgear.figures.advice.collected import check_advice, rough_advice
 from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.wished import motion_summary, wish_rows
 from ncgear.kinematics.check import KinematicCheck
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
@@ -27,6 +28,8 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         },
         "ratio": {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at},
         "check": _check(drive),
+        "motion": motion_summary(drive.achieved, drive.linkage.stroke_mm),
+        "wishes": wish_rows(drive.achieved),
         "comparison": comparison_rows(drive),
         "warnings": [advice.line for advice in (*check_advice(drive), *rough_advice(drive))],
     }

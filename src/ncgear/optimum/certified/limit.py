@@ -1,239 +1,306 @@
-"""The certified limit: the least acceleration, power and weighted sum of both that any law can have.
+"""The certified limit: the least acceleration, power, weighted sum and other figures that any law can have.
 
-Each is enclosed from two sides: no law, however rough, has less, and some motion that keeps all limits, though not a
-smooth one, has little more.  The fastest motion under given peaks is also where the search for a smooth law starts.
+A conic programme finds it (``motion``), and its multipliers prove it (``proof``).  The motion that comes near it keeps
+all limits at the places of the grid, and is where the search for a law starts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from heapq import heappop, heappush
-from math import inf, sqrt
+from math import ceil, inf, radians, sqrt
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.passes import Ceilings
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.optimum.certified.cycle import Cycle, cycle
+from ncgear.optimum.certified.demands import Demands, Rates
+from ncgear.optimum.certified.driving_curve import (
+    Solved,
+    Trials,
+    Tried,
+    cells_that_matter,
+    motion_along,
+    with_driving_curve,
+)
+from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
-from ncgear.optimum.certified.road import Peaks, Road
-from ncgear.optimum.task import Limits, Task
+from ncgear.optimum.task import Task
 
-CELLS = 1600
-"""Cells of a cycle: on the baler both sides of a bound are then less than 0.05 % apart."""
+PLACES_ROUGH = 960
+"""Places where pitch curves need not be convex: what is known between the places is then of first order only."""
 
-CELLS_LINKED = 6400
-"""Cells when a mass is moved or the pressure angle limited: one side of the enclosure is then of first order only."""
+PLACES_CURVED = 180
+"""Places where they must be; more are added where the driving curve matters."""
 
+FINE_RAD = radians(0.5)
+"""Step of the places where the driving curve matters."""
 
-@dataclass(frozen=True)
-class Bound:
-    """A least value, enclosed: no law has less than ``value``, and some motion, though a rough one, has ``attained``.
+CLOSE = 1.002
+"""A motion this close to the limit without the driving curve leaves nothing to gain that is worth the time."""
 
-    ``attained`` is infinite where no motion was found on this grid of ``cells`` cells.
-    """
-
-    value: float
-    attained: float
-    cells: int
-
-    @property
-    def gap(self) -> float:
-        """Relative width of the enclosure."""
-        return self.attained / self.value - 1.0 if self.value > 0.0 else inf if self.attained > 0.0 else 0.0
-
-
-def least_acceleration(task: Task, limits: Limits, cells: int | None = None) -> Bound:
-    """Least peak of the slider's acceleration in mm/s^2 over the whole cycle, power limited or not.
-
-    A limit on acceleration itself is not looked at.  Raises NoSuchMechanism where no acceleration is enough, with the
-    limit that binds and its nearest feasible value.
-    """
-    problem = prepared(task, limits, cells)
-    power = problem.given_peaks.power_w
-    return enclosed(problem, lambda value: Peaks(value, power), resting_acceleration(task))
-
-
-def rough_acceleration(task: Task, limits: Limits) -> float:
-    """The peak in mm/s^2 of some motion within the limits.
-
-    Raises NoSuchMechanism as ``least_acceleration`` does, and where limits are so narrow that the grid has no motion.
-    """
-    found = least_acceleration(task, limits).attained
-    if found == inf:
-        raise _too_narrow()
-    return found
-
-
-def _too_narrow() -> NoSuchMechanism:
-    return NoSuchMechanism(
-        "no motion within these limits was found, though none is certain to be too narrow; a wider range of the "
-        "ratio, a larger pressure angle or a longer working stroke is needed",
-        key="optimize.limits",
-    )
-
-
-def least_power(task: Task, limits: Limits, cells: int | None = None) -> Bound:
-    """Least peak power in W, acceleration limited or not; a limit on power itself is not looked at.
-
-    At constant driving speed the peak of the driving torque is this power over omega, with a moving mass or without.
-    Raises NoSuchMechanism as ``least_acceleration`` does.
-    """
-    problem = prepared(task, limits, cells)
-    acceleration = problem.given_peaks.acceleration_mm_s2
-    return enclosed(problem, lambda value: Peaks(acceleration, value), mean_power(problem))
-
-
-def prepared(task: Task, limits: Limits, cells: int | None) -> Problem:
-    """The problem on its grid; raises NoSuchMechanism where the ratios alone cannot close the cycle."""
-    refuse_ratios(task, limits)
-    linked = limits.mass_kg > 0.0 or limits.pressure_angle_rad is not None
-    return Problem(task, limits, cells or (CELLS_LINKED if linked else CELLS))
-
-
-def enclosed(problem: Problem, peaks: Callable[[float], Peaks], guess: float) -> Bound:
-    """The least value whose peaks close the cycle, from both sides."""
-    least, open_from = certified(problem, peaks, guess)
-    reached = turning_point(lambda value: problem.is_reached(peaks(value)), open_from)
-    return Bound(least, inf if reached is None else reached[1], problem.cells)
-
-
-def certified(problem: Problem, peaks: Callable[[float], Peaks], guess: float) -> tuple[float, float]:
-    """A value that is certainly too little for any law, and one just above it that may be enough."""
-    found = turning_point(lambda value: problem.is_open(peaks(value)), guess)
-    if found is None:
-        raise refusal(problem, peaks(inf))
-    return found
-
-
-def resting_acceleration(task: Task) -> float:
-    """Least acceleration in mm/s^2 for the stroke and back in the cycle's time if nothing else binds: 16 H / T^2.
-
-    Each stroke then takes 2 sqrt(H / A): evenly faster for half of it, evenly slower for the other.
-    """
-    return 16.0 * task.linkage.stroke_mm / task.cycle_s**2
-
-
-def mean_power(problem: Problem) -> float:
-    """Mean power in W over the cycle, which no peak is below; or the order of power that moves the mass, if more."""
-    task = problem.task
-    moving = problem.limits.mass_kg * task.linkage.stroke_mm**2 / task.cycle_s**2 / 1000.0
-    return max(task.work_n_mm, moving, 1e-9) / 1000.0 / task.cycle_s
-
+BISECTED = 1e-4
+"""Relative width to which limits are narrowed that no programme gives at once."""
 
 TOLERANCE = 5e-3
 """Relative width to which the least sum is enclosed."""
 
-NEAR = 1.002
-"""Acceleration, over its least bound, that counts as the least where power is free: a grid attains its bounds within
-this factor."""
+MOST_SPLITS = 60
 
-FINEST = 0.1
-"""Relative width, in tolerances, of an interval of powers that is not split further: the gap left is the grid's own."""
 
-MOST_SPLITS = 2000
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """s = dphi2/dphi1 at crank angles in rad from 0 on, shape (n,) each: between them it is not told."""
+
+    crank_angle_rad: Array
+    turning: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and comes near the value."""
+
+    value: float
+    places: int
+    motion: Motion | None
+
+    def times(self, price: float) -> Bound:
+        """The bound of a figure times a price."""
+        return replace(self, value=price * self.value)
+
+
+def problem_of(task: Task, asked: Demands, places: int | None = None) -> Problem:
+    """The problem on its grid; raises NoSuchMechanism where the ratios alone cannot close the cycle."""
+    refuse_ratios(task, asked)
+    count = places or (PLACES_CURVED if asked.convex else PLACES_ROUGH)
+    return Problem(task, asked, cycle(task, count, asked.places_rad))
+
+
+def least_acceleration(task: Task, asked: Demands, places: int | None = None, *, proven: bool = True) -> Bound:
+    """Least peak of the slider's acceleration in mm/s^2; a demand on acceleration itself is not looked at.
+
+    Where not ``proven``, only the motion is wanted: the value knows the driven curve and not the driving one.
+    Raises NoSuchMechanism where no acceleration is enough, with the limits that bind and their nearest values.
+    """
+    problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), places)
+    return _with_curves(
+        problem,
+        lambda made: (made.acceleration, lambda value: value * made.acceleration_unit_mm_s2),
+        lambda value: {"acceleration_mm_s2": value},
+        proven=proven,
+    )
+
+
+def least_acceleration_roughly(task: Task, asked: Demands) -> float:
+    """The least peak of acceleration in mm/s^2 as ``least_acceleration`` gives it, with the driving curve left free.
+
+    It is certain, a few percent lower at most on balers, and takes a tenth of the time.
+    """
+    problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), None)
+    made = problem.programme()
+    value = least(made.programme, made.acceleration).value
+    if value == inf:
+        raise refusal(problem)
+    return value * made.acceleration_unit_mm_s2
+
+
+def least_power(task: Task, asked: Demands, places: int | None = None, *, proven: bool = True) -> Bound:
+    """Least peak power of the motor in W; a demand on it is not looked at.
+
+    Where not ``proven``, the driving curve is left free.
+    With masses the limit is a relaxation, see ``motion``.  Raises NoSuchMechanism as ``least_acceleration`` does.
+    """
+    if task.masses is not None:
+        return least_of(task, asked, "power_w", places)
+    return _with_curves(
+        problem_of(task, replace(asked, power_w=inf), places),
+        lambda made: (made.power_squared, lambda value: sqrt(max(value, 0.0)) * made.power_unit_w),
+        lambda value: {"power_w": value},
+        proven=proven,
+    )
+
+
+def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -> Bound:
+    """Least value of one demand, by its name in ``Demands``, with which the others can be kept.
+
+    The driving curve is left free.  Raises NoSuchMechanism as ``least_acceleration`` does.
+    """
+    problem = problem_of(task, asked, places).under(**{name: inf})
+    if not problem.is_open:
+        raise refusal(problem)
+    found = turning_point(lambda value: problem.under(**{name: value}).is_open, _mean_power_w(task), BISECTED)
+    if found is None:
+        raise refusal(problem)
+    certain, enough = found
+    made = problem.under(**{name: enough}).programme()
+    near = least(made.programme, made.acceleration).near
+    return Bound(certain, problem.on.count, None if near is None else _motion(problem.on, _q(made.q, near)))
+
+
+def _mean_power_w(task: Task) -> float:
+    """Mean power over the cycle in W, or the order of what moves the masses, if more; as a first guess of any limit."""
+    moving = task.moving.slider_kg * task.linkage.stroke_mm**2 / task.cycle_s**3 / 1e6
+    return max(abs(task.work_n_mm) / 1000.0 / task.cycle_s, moving, 1e-3)
+
+
+Wanted = Callable[[MotionProgramme], tuple[Linear, Callable[[float], float]]]
+"""The goal in a programme, and how its value becomes the figure that is to be least."""
+
+
+def _with_curves(
+    problem: Problem, wanted: Wanted, capped: Callable[[float], dict[str, float]], *, proven: bool = True
+) -> Bound:
+    """The least value of a goal, with the driving curve convex where both curves must be."""
+    trials = _trials(problem, wanted, capped)
+    without = _solved(trials, problem)
+    if not problem.asked.convex:
+        return Bound(without.value, problem.on.count, _motion(problem.on, without.q))
+    found = motion_along(trials, without)
+    if found.value > CLOSE * without.value:
+        extra = _finer(problem.on, cells_that_matter(problem.on, without.q, found.q))
+        places = [*problem.asked.places_rad, *extra]
+        problem = replace(problem, on=cycle(problem.task, PLACES_CURVED, places))
+        trials = _trials(problem, wanted, capped)
+        without = _solved(trials, problem)
+        found = motion_along(trials, without)
+    value = without.value
+    if proven and found.value > CLOSE * value:
+        value = with_driving_curve(trials, without, found, problem.asked.ratio_max)
+    return Bound(value, problem.on.count, _motion(problem.on, found.q))
+
+
+def _solved(trials: Trials, problem: Problem) -> Solved:
+    """The least value without the driving curve, and its motion; raises NoSuchMechanism where there is none."""
+    tried = trials.least(None)
+    if tried.value == inf:
+        raise refusal(problem)
+    if tried.q is None:
+        raise NoSuchMechanism("the certified limit of these limits could not be computed", key="optimize.limits")
+    return Solved(tried.value, tried.q)
+
+
+def _trials(problem: Problem, wanted: Wanted, capped: Callable[[float], dict[str, float]]) -> Trials:
+    """What the search for ranges of the driving curve asks of the programmes."""
+
+    def least_value(rates: Rates | None) -> Tried:
+        made = problem.programme(rates)
+        goal, figure = wanted(made)
+        answer = least(made.programme, goal)
+        q = None if answer.near is None else _q(made.q, answer.near)
+        return Tried(answer.value if answer.value in (inf, -inf) else figure(answer.value), q)
+
+    def along(rates: Rates) -> Tried:
+        free = np.full(problem.on.count, inf)
+        return least_value(replace(rates, mean_least=-free, mean_most=free))
+
+    def least_q(rates: Rates | None, place: int, below: float) -> float:
+        made = problem.under(**capped(below)).programme(rates)
+        return least(made.programme, made.q[place : place + 1]).value
+
+    return Trials(problem.on, least_value, along, least_q)
+
+
+def _q(q: Linear, variables: Array) -> Array:
+    """q at the places, never zero."""
+    values: Array = np.maximum(variables[q.columns[0]], 1e-9)
+    return values
+
+
+def _motion(on: Cycle, q: Array) -> Motion:
+    return Motion(on.crank_angle_rad, np.sqrt(q))
+
+
+def _finer(on: Cycle, cells: IndexArray) -> list[float]:
+    """Crank angles that cut cells into steps of FINE_RAD."""
+    angles: list[float] = []
+    for cell in cells.tolist():
+        parts = max(1, ceil(float(on.step_rad[cell]) / FINE_RAD))
+        angles += [float(on.crank_angle_rad[cell] + on.step_rad[cell] * part / parts) for part in range(1, parts)]
+    return angles
 
 
 @dataclass(frozen=True)
 class Weights:
-    """What 1 mm/s^2 of peak acceleration and 1 W of peak power cost: w1/A_ref and w2/P_ref; both positive."""
+    """What 1 mm/s^2 of peak acceleration and 1 W of peak power cost; both positive."""
 
     per_mm_s2: float
     per_w: float
 
-    def __post_init__(self) -> None:
-        for key, value in (("acceleration_mm_s2", self.per_mm_s2), ("power_w", self.per_w)):
-            if not 0.0 < value < inf:
-                raise WrongInput(f"1/{value:g} given; a positive number is needed", key=f"optimize.weights.{key}")
-
-    def of(self, acceleration_mm_s2: float, power_w: float) -> float:
-        """The weighted sum."""
-        return self.per_mm_s2 * acceleration_mm_s2 + self.per_w * power_w
-
 
 def least_weighted_sum(
-    task: Task, limits: Limits, weights: Weights, cells: int | None = None, tolerance: float = TOLERANCE
+    task: Task, asked: Demands, weights: Weights, places: int | None = None, tolerance: float = TOLERANCE
 ) -> Bound:
-    """Least weighted sum of the peaks; limits on the two peaks themselves are not looked at.
+    """Least weighted sum of both peaks; demands on the two peaks themselves are not looked at.
 
-    The least acceleration A*(P) never grows with P, so that between P1 and P2 the sum is no less than A*(P2) and P1
-    give.  Intervals are split, the lowest first, until the lowest is within ``tolerance`` of the best motion found.
-    Raises NoSuchMechanism as ``least_acceleration`` does.
+    The programme knows the square of the power P.  Between P1 and P2 the chord, (P^2 + P1 P2)/(P1 + P2), is at most P.
+    Intervals of powers are split, the one with the lowest sum first, until it is within ``tolerance`` of the best sum
+    found.  The driving curve is left free.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
-    problem = prepared(task, limits, cells or CELLS)
-    lowest, least, rich = _ends(problem)
-    if rich.power_w == inf:
-        raise _too_narrow()
-    highest, attained = rich.power_w, weights.of(rich.acceleration_mm_s2, rich.power_w)
-    # Beyond the highest power acceleration gains nothing, so its own interval needs no splitting.
-    above = weights.of(least, highest)
-    intervals = [(weights.of(least, lowest), lowest, highest, least)]
+    free = replace(asked, acceleration_mm_s2=inf, power_w=inf)
+    problem = problem_of(task, free, places)
+    if task.masses is not None:
+        return _sum_with_masses(problem, weights, tolerance)
+    least_w = least_power(task, free, places, proven=False).value
+    fastest = least_acceleration(task, free, places, proven=False)
+    # At the places no motion within the ratios has more power
+    top = problem.programme().power_unit_w / asked.ratio_min
+    best, motion = inf, fastest.motion
+    queue: list[tuple[float, float, float]] = []
+
+    def add(low: float, high: float) -> None:
+        nonlocal best, motion
+        made = motion_programme(task, problem.on, free, powers_w=(low, high))
+        unit, span = made.power_unit_w, low + high
+        goal = weights.per_mm_s2 * made.acceleration_unit_mm_s2 * made.acceleration
+        goal = goal + (weights.per_w * unit**2 / span) * made.power_squared + weights.per_w * low * high / span
+        answer = least(made.programme, goal)
+        heappush(queue, (answer.value, low, high))
+        if answer.near is not None and answer.value < inf:
+            peak = float(answer.near[made.acceleration.columns[0, 0]]) * made.acceleration_unit_mm_s2
+            power = unit * sqrt(max(float(answer.near[made.power_squared.columns[0, 0]]), 0.0))
+            total = weights.per_mm_s2 * peak + weights.per_w * power
+            if total < best:
+                best, motion = total, _motion(problem.on, _q(made.q, answer.near))
+
+    add(least_w, top)
     for _ in range(MOST_SPLITS):
-        floor, start, end, beyond = heappop(intervals)
-        floor = min(floor, above)
-        finest = end <= start * (1.0 + FINEST * tolerance)
-        if Bound(floor, attained, problem.cells).gap <= tolerance or floor >= above or finest:
+        value, low, high = queue[0]
+        if value == inf:
+            raise refusal(problem)
+        if value >= best * (1.0 - tolerance):
             break
-        middle = sqrt(start * end)
-        found = enclosed(problem, partial(Peaks, power_w=middle), beyond)
-        heappush(intervals, (weights.of(found.value, start), start, middle, found.value))
-        heappush(intervals, (weights.of(beyond, middle), middle, end, beyond))
-        attained = min(attained, weights.of(found.attained, middle))
-    return Bound(floor, attained, problem.cells)
+        heappop(queue)
+        middle = sqrt(low * high) if low > 0.0 else high / 2.0
+        add(low, middle)
+        add(middle, high)
+    return Bound(queue[0][0], problem.on.count, motion)
 
 
-def _ends(problem: Problem) -> tuple[float, float, Peaks]:
-    """Power and acceleration below which no law works, and peaks of a motion with next to the least acceleration."""
-    lowest = enclosed(problem, lambda value: Peaks(inf, value), mean_power(problem)).value
-    least = enclosed(problem, lambda value: Peaks(value, inf), resting_acceleration(problem.task)).value
-    near = least * NEAR
-    return lowest, least, Peaks(near, enclosed(problem, lambda value: Peaks(near, value), mean_power(problem)).attained)
+def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bound:
+    """The least sum by intervals of powers at each of whose ends the least acceleration is known."""
+    task, asked = problem.task, problem.asked
+    low = least_of(task, asked, "power_w").value
 
+    def acceleration(power_w: float) -> Bound:
+        under = problem.under(power_w=power_w)
+        made = under.programme()
+        answer = least(made.programme, made.acceleration)
+        near = None if answer.near is None else _motion(problem.on, _q(made.q, answer.near))
+        return Bound(answer.value * made.acceleration_unit_mm_s2, problem.on.count, near)
 
-@dataclass(frozen=True, eq=False)
-class FastestMotion:
-    """The fastest motion at places of the cycle, both dead centres among them; arrays of shape (n + 1,).
-
-    ``slope`` is s = dphi2/dphi1 = 1/i12; without a limited pressure angle it may jump at the
-    dead centres, and has there the value before them.  ``driving_rad`` is the driving angle that the motion takes, the
-    cycle at most; ``working_rad`` is the part of it in the working stroke.
-    """
-
-    crank_angle_rad: Array
-    travel_mm: Array
-    speed_mm_s: Array
-    slope: Array
-    driving_rad: float
-    working_rad: float
-
-
-def fastest_motion(task: Task, limits: Limits, cells: int | None = None) -> FastestMotion:
-    """The fastest motion under the limits' peaks; raises NoSuchMechanism where it is too slow for the cycle."""
-    problem = prepared(task, limits, cells)
-    ceilings = problem.ceilings(problem.given_peaks)
-    if ceilings is None or not problem.is_open(problem.given_peaks):
-        raise refusal(problem, problem.given_peaks)
-    out, back = problem.least_durations_s(problem.given_peaks, ceilings)
-    return FastestMotion(
-        crank_angle_rad=problem.road.crank_angle_rad,
-        travel_mm=problem.road.travel_mm,
-        speed_mm_s=np.sqrt(2.0 * ceilings.energy_mm2_s2),
-        slope=_slope(problem.road, task, ceilings),
-        driving_rad=(out + back) * task.speed_rad_s,
-        working_rad=out * task.speed_rad_s,
-    )
-
-
-def _slope(road: Road, task: Task, ceilings: Ceilings) -> Array:
-    """s = v / (omega x'); at a dead centre from the acceleration beside it, v^2 / x'^2 being a / x''."""
-    moving = road.slope_mm_rad > 0.0
-    slope = np.empty(moving.shape)
-    energy, omega = ceilings.energy_mm2_s2, task.speed_rad_s
-    np.divide(np.sqrt(2.0 * energy), omega * road.slope_mm_rad, out=slope, where=moving)
-    for place, cell in ((0, 0), (road.extended, road.extended - 1), (-1, -1)):
-        acceleration = abs(np.diff(energy)[cell]) / road.length_mm[cell]
-        slope[place] = np.sqrt(acceleration / road.bend_mm_rad2[place]) / omega
-    return slope
+    free = acceleration(inf)
+    powers, found = [low], [acceleration(low * (1.0 + BISECTED))]
+    while powers[-1] < 1e3 * low and found[-1].value > free.value * (1.0 + tolerance):
+        powers.append(powers[-1] * (1.0 + 4.0 * tolerance))
+        found.append(acceleration(powers[-1]))
+    # The acceleration never grows with the power: between two powers the sum is no less than its ends give
+    ends = [*found[1:], free]
+    sums = [
+        weights.per_mm_s2 * max(end.value, 0.0) + weights.per_w * power for power, end in zip(powers, ends, strict=True)
+    ]
+    best = int(np.argmin(sums))
+    return Bound(sums[best], problem.on.count, ends[best].motion)

@@ -1,4 +1,4 @@
-"""A makeable law: the best harmonics of ln i12 under all limits, or which limits are in each other's way.
+"""A makeable law: the best spline of ln i12 under all limits, or which limits are in each other's way.
 
 Where no law keeps all limits, the law that comes nearest tells which of them press; for each of these, the nearest
 value is found with which all others can be kept.
@@ -15,11 +15,13 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
+from ncgear.optimum.certified.limit import Motion
+from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.programme import Solution
-from ncgear.optimum.makeable.search import DECIMALS, Kept, Search, kept, searched
-from ncgear.optimum.makeable.wishes import CONVEX, Level, Wishes
+from ncgear.optimum.makeable.search import Kept, Search, goal_weights, kept, searched
+from ncgear.optimum.makeable.wishes import CONVEX, Wishes
 from ncgear.optimum.task import Task
-from ncgear.ratio.laws.harmonic import LogSeries, harmonic_law, staged_law
+from ncgear.ratio.laws.spline import spline_ratio_law, spline_ratio_staged
 from ncgear.ratio.transmission import Lobes, Train, single
 
 NO_EXCESS = 1e-6
@@ -43,22 +45,22 @@ BETWEEN = "a law was found that keeps all limits at the places of the search, an
 
 @dataclass(frozen=True, eq=False)
 class MakeableLaw:
-    """Harmonics of ln i12 over the driven angle, shape (harmonics,) each, and the levels reached on the finer grid.
+    """Ratios i12 at driven angles in rad, shape (knots,) both, and the levels that the spline through them reaches.
 
-    With two stages, ``second`` holds the harmonics of the second stage's ratio.
+    With two stages, ``second`` holds the second stage's ratios at the same angles.
     """
 
-    cosine: Array
-    sine: Array
+    driven_angle_rad: Array
+    ratio: Array
     levels: Sequence[Level]
     reached: Array
-    second: LogSeries | None = None
+    second: Array | None = None
 
     def train(self, lobes: Lobes) -> Train:
         """The law as gears follow it."""
         if self.second is None:
-            return single(harmonic_law(self.cosine, self.sine, lobes))
-        return staged_law(self.cosine, self.sine, self.second.cosine, self.second.sine).train
+            return single(spline_ratio_law(self.driven_angle_rad, self.ratio, lobes))
+        return spline_ratio_staged(self.driven_angle_rad, self.ratio, self.second).train
 
     @property
     def goal(self) -> float:
@@ -66,28 +68,38 @@ class MakeableLaw:
         return float(sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True)))
 
 
-def makeable_law(task: Task, wishes: Wishes, starts: Sequence[Array]) -> MakeableLaw:
-    """The best law found from starts (coefficients cos 1.., sin 1.., shape (2 harmonics,) each).
+def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
+    """The best law found from a motion.
 
-    It is a local optimum, with every limit kept on a grid twenty times finer than the programme's.  Two stages start
-    with half of ln i12 each, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with
-    the limits that cannot be kept together, and for each the nearest value with which the others can be kept.
+    It is a local optimum, with every limit kept between the programme's places too.  Two stages start with half of ln
+    i12 each, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with the limits that
+    cannot be kept together, and for each the nearest value with which the others can be kept.
     """
     search = searched(task, wishes)
-    # The first series is ln i12 itself; the second one starts with half of it
-    shared = [np.concatenate([start / (1 + pair) for pair in range(wishes.pairs)]) for start in starts]
-    found = [law for start in shared if (law := _kept(search, start)) is not None]
-    return min(found, key=lambda law: law.goal) if found else _kept_at_last(search, task, wishes, shared[0])
+    begun = search.begun(start)
+    found = kept(search, begun)
+    return _weighed(search, _kept_at_last(search, begun) if found is None else law_of(search, found))
 
 
-def _kept_at_last(search: Search, task: Task, wishes: Wishes, start: Array) -> MakeableLaw:
+def _weighed(search: Search, law: MakeableLaw) -> MakeableLaw:
+    """The law found from another, with soft wishes that count in shares of what the other has of the goal."""
+    if not any(level.share_of_goal for level in law.levels):
+        return law
+    ratio = [law.ratio] if law.second is None else [law.ratio, law.second]
+    start = np.concatenate([search.programme.knots.coefficients(np.log(own)) for own in ratio])
+    found = kept(replace(search, weights=goal_weights(law.levels, law.goal)), start)
+    return law if found is None else law_of(search, found)
+
+
+def _kept_at_last(search: Search, start: Array) -> MakeableLaw:
     """The law found from the one that comes nearest to keeping all limits; raises NoSuchMechanism where none is."""
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
     if near is None:
         raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
-    if near.excess <= NO_EXCESS:
-        return _kept(search, near.coefficients) or _kept_between(search, np.round(near.coefficients, DECIMALS))
-    raise _cannot_be(search, near, _free_working(task, wishes, near))
+    if near.excess > NO_EXCESS:
+        raise _cannot_be(search, near)
+    found = kept(search, near.coefficients)
+    return _kept_between(search, near.coefficients) if found is None else law_of(search, found)
 
 
 def _kept_between(search: Search, near: Array) -> MakeableLaw:
@@ -99,7 +111,7 @@ def _kept_between(search: Search, near: Array) -> MakeableLaw:
     levels, reached = search.programme.levels, search.reached(near)
     limited = dict.fromkeys(level.wish for level in levels if level.limit is not None and level.wish != CONVEX)
     found = {wish: law for wish in limited if (law := _kept_without(search, wish, near)) is not None}
-    for law in (Kept(near, reached), *found.values()):
+    for law in (Kept(search.rounded(near), reached), *found.values()):
         if not np.any(law.reached > search.caps):
             return law_of(search, law)
     if found:
@@ -116,21 +128,16 @@ def _kept_without(search: Search, wish: str, start: Array) -> Kept | None:
     return kept(replace(search, caps=np.where(freed, np.inf, search.caps), weights=freed.astype(float)), start)
 
 
-def _kept(search: Search, start: Array) -> MakeableLaw | None:
-    """The law from one start; None where none is found."""
-    found = kept(search, start)
-    return None if found is None else law_of(search, found)
-
-
 def law_of(search: Search, found: Kept) -> MakeableLaw:
     """The law that a search has found."""
-    cosine, sine, *second = found.coefficients.reshape(2 * search.programme.pairs, -1)
-    return MakeableLaw(cosine, sine, search.programme.levels, found.reached, LogSeries(*second) if second else None)
+    first, *second = found.ratio
+    programme = search.programme
+    return MakeableLaw(programme.knots.angle_rad, first, programme.levels, found.reached, *second)
 
 
-def _cannot_be(search: Search, near: Solution, others: Sequence[Easing]) -> NoSuchMechanism:
+def _cannot_be(search: Search, near: Solution) -> NoSuchMechanism:
     """The refusal: what each limit would have to be with all the others, or all of them together."""
-    enough, found = "one of these is enough", [*_easings(search, near), *others]
+    enough, found = "one of these is enough", list(_easings(search, near))
     if not found:
         enough, found = "all of these are enough together", list(_easings_together(search, near))
     return _offered(f"no law was found that keeps all limits; {enough}", found)
@@ -139,28 +146,18 @@ def _cannot_be(search: Search, near: Solution, others: Sequence[Easing]) -> NoSu
 def _offered(said: str, easings: Sequence[Easing]) -> NoSuchMechanism:
     return NoSuchMechanism(
         f"{said}: {', '.join(map(str, easings)) or 'none known'}",
-        key=f"optimize.limits.{easings[0].wish}" if easings else "optimize.limits",
+        key=easings[0].key if easings else "optimize.limits",
     )
 
 
-def _free_working(task: Task, wishes: Wishes, near: Solution) -> list[Easing]:
-    """Whether a working stroke of another driving angle would be enough."""
-    if wishes.limits.working_rad is None:
-        return []
-    search = searched(task, replace(wishes, limits=replace(wishes.limits, working_rad=None)))
-    found = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, near.coefficients)
-    kept = found is not None and found.excess <= NO_EXCESS
-    return [Easing("working_angle_rad", "a working stroke of another driving angle")] if kept else []
-
-
 class Easing(NamedTuple):
-    """A wish, and the words for a value of it that makes room."""
+    """The key of a wish, and the words for a value of it that makes room."""
 
-    wish: str
+    key: str
     said: str
 
     def __str__(self) -> str:
-        return f"{self.said} (optimize.limits.{self.wish})"
+        return f"{self.said} ({self.key})"
 
 
 def _easings(search: Search, near: Solution) -> Iterator[Easing]:
@@ -215,4 +212,4 @@ def _easing(search: Search, wish: str, reached: Array) -> Iterator[Easing]:
     levels = zip(reached, search.programme.levels, strict=True)
     value, level = max(((value, level) for value, level in levels if level.wish == wish), key=lambda one: one[0])
     if value < level.widest:
-        yield Easing(wish, level.shown(float(value)))
+        yield Easing(level.key, level.shown(float(value)))

@@ -1,25 +1,27 @@
-"""The nonlinear programme of a makeable law: harmonics of ln i12 under levels, for an interior-point method.
+"""The nonlinear programme of a makeable law: splines of ln i12 under levels, for an interior-point method.
 
-The series' values and derivatives at each place are variables of their own, joined to the coefficients by linear
-equations: all else is local to a place, so that the exact second derivatives, by casadi, are cheap and sparse.  With
-two stages there are two series, ln i12 and ln iB.
+``rows.py`` says what is held, ``assembly.py`` gives it to the solver with exact first and second derivatives.  With two
+stages there are two splines, ln i12 and ln iB.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi
 from typing import Any
 
 import casadi
 import numpy as np
-from scipy import sparse
 
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.makeable.quantities import Place, Slider, length_rates
-from ncgear.optimum.makeable.reached import Grid, basis, lengths, ratios, reached
-from ncgear.optimum.makeable.wishes import Level
+from ncgear.optimum.makeable.assembly import Assembly, local_terms
+from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.places import Places
+from ncgear.optimum.makeable.quantities import Place
+from ncgear.optimum.makeable.reached import Judged, ratios, running
+from ncgear.optimum.makeable.rows import Rows, rows_of
+from ncgear.optimum.makeable.spline import Knots
+from ncgear.optimum.makeable.spline import Rows as SplineRows
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 STOPPED = "User_Requested_Stop"
@@ -31,7 +33,7 @@ AHEAD = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A local optimum: coefficients cos 1.., sin 1.. of every series; all variables and multipliers, to go on from.
+    """A local optimum: coefficients of every spline, shape (pairs n,); all variables and multipliers, to go on from.
 
     ``excess`` is by how much all caps are overstepped; ``pressing`` holds each cap's multiplier, shape (levels,).
     """
@@ -52,52 +54,60 @@ class Programme:
     """
 
     levels: Sequence[Level]
-    on: Grid
-    cycle_rad: float
+    knots: Knots
+    basis: SplineRows
+    rows: Rows
+    cycles_rad: Sequence[float]
     afresh: Any
     onwards: Any
-    pairs: int
-    equations: int
-    rows: int
 
     def solved(
-        self, caps: Array, weights: Array, start: Array | Solution, kept_back: Array | float = 0.0
+        self,
+        caps: Array,
+        weights: Array,
+        start: Array | Solution,
+        kept_back: Array | float = 0.0,
+        missed: Array | float = 0.0,
     ) -> Solution | None:
         """A local optimum under caps on the levels (infinite: none), from a start; None where none is found.
 
-        Caps and weights have shape (levels,), starts that are coefficients (pairs 2 harmonics,); every term is
-        ``kept_back`` from its level, shape (terms * places,).
+        Caps and weights have shape (levels,), starts that are coefficients (pairs n,); every row at or below zero is
+        ``kept_back`` from it, shape (rows.bounded,).  ``missed`` is what the places have too much of every pair's
+        driving angle and length, shape (2 pairs,).
         """
-        return self._solved(caps, np.append(weights, 0.0), start, 0.0, kept_back)
+        return self._solved(caps, np.append(weights, 0.0), start, 0.0, kept_back, missed)
 
     def nearest(self, caps: Array, weights: Array, price: float, start: Array) -> Solution | None:
         """A law that may overstep all caps by one excess, which has a price beside the weights of the levels.
 
         There always is one.  Where caps can be kept and the price is high enough, it has no excess.
         """
-        return self._solved(caps, np.append(weights, price), start, np.inf, 0.0)
+        return self._solved(caps, np.append(weights, price), start, np.inf, 0.0, 0.0)
 
     def coefficient_bounds(self, size: int) -> tuple[Array, Array]:
         """Least and greatest values of the coefficients, shape (size,) each: they are free."""
         return np.full(size, -np.inf), np.full(size, np.inf)
 
     def _solved(
-        self, caps: Array, prices: Array, start: Array | Solution, most: float, kept_back: Array | float
+        self,
+        caps: Array,
+        prices: Array,
+        start: Array | Solution,
+        most: float,
+        kept_back: Array | float,
+        missed: Array | float,
     ) -> Solution | None:
         """A local optimum with an excess of ``most`` at most; prices of the levels, then of the excess."""
         solver, given = self._from(start)
-        size = self.pairs * self.on.basis.value.shape[1]
-        before = size + 2 * self.pairs
-        of_levels, of_excess = slice(before, before + caps.size), before + caps.size
+        size = len(self.cycles_rad) * self.knots.count
+        before, columns = size + self.rows.columns.first_level, self.rows.columns
+        of_levels, of_excess = slice(before, before + caps.size), size + columns.excess
         highest, lowest = np.full(given["x0"].shape[0], np.inf), np.full(given["x0"].shape[0], -np.inf)
         highest[of_levels], highest[of_excess], lowest[of_excess] = caps, most, 0.0
+        lowest[of_levels] = [level.least for level in self.levels]
         lowest[:size], highest[:size] = self.coefficient_bounds(size)
-        zero = np.zeros(self.equations)
-        of_rows = {
-            "lbg": np.append(zero, np.full(self.rows, -np.inf)),
-            "ubg": np.append(zero, np.zeros(self.rows) - kept_back),
-        }
-        answer = solver(p=prices, lbx=lowest, ubx=highest, **of_rows, **given)
+        least, greatest = self._row_bounds(caps, most, kept_back, missed)
+        answer = solver(p=prices, lbx=lowest, ubx=highest, lbg=least, ubg=greatest, **given)
         ended = solver.stats()["return_status"]
         if ended == STOPPED:
             raise KeyboardInterrupt
@@ -108,22 +118,61 @@ class Programme:
             values[:size], float(values[of_excess]), pressing, answer["x"], answer["lam_x"], answer["lam_g"]
         )
 
+    def _row_bounds(
+        self, caps: Array, most: float, kept_back: Array | float, missed: Array | float
+    ) -> tuple[Array, Array]:
+        """Bounds of all rows; a deviation that may not deviate at all is one equation."""
+        least, greatest = np.zeros(self.rows.count), np.zeros(self.rows.count)
+        least[self.rows.equations :] = -np.inf
+        greatest[self.rows.equations :] -= kept_back
+        closing = slice(2 * len(self.cycles_rad))
+        least[closing] = greatest[closing] = missed
+        for block in self.rows.blocks:
+            exact = most == 0.0 and caps[block.level] == 0.0
+            if self.levels[block.level].kind is Kind.DEVIATION and exact:
+                least[block.rows] = -np.inf if block.sense < 0 else greatest[block.rows]
+                greatest[block.rows] = np.inf if block.sense < 0 else greatest[block.rows]
+        return least, greatest
+
     def _from(self, start: Array | Solution) -> tuple[Any, dict[str, Any]]:
         if isinstance(start, Solution):
             return self.onwards, {"x0": start.variables, "lam_x0": start.of_bounds, "lam_g0": start.of_rows}
-        at = ratios(self.on, start, self.cycle_rad)
-        rows = self.on.basis.value[0]
-        constants = [one.log[0] - rows @ own for one, own in zip(at, start.reshape(self.pairs, -1), strict=True)]
-        ahead = reached(self.levels, self.on, at) + AHEAD
-        local = [column for one in at for column in (one.log, one.first, one.second)]
-        return self.afresh, {"x0": np.concatenate([start, constants, lengths(at), ahead, [0.0], *local])}
+        return self.afresh, {"x0": self.inside(start)}
+
+    def inside(self, coefficients: Array) -> Array:
+        """All variables from coefficients: those of the whole so that rows hold with room, or are zero."""
+        at, columns = self.rows.at, self.rows.columns
+        law = ratios(at, self.basis, coefficients, self.cycles_rad)
+        judged = Judged(self.levels, at, law)
+        floors = np.array([level.least for level in self.levels])
+        whole = np.zeros(self.rows.wholes)
+        whole[: columns.first_mean] = judged.lengths
+        whole[columns.first_mean : columns.first_level] = judged.means
+        whole[columns.first_level : columns.excess] = np.maximum(judged.reached, floors) + AHEAD
+        for block in self.rows.blocks:
+            if block.base is not None:
+                level, term = self.levels[block.level], judged.flat[block.term]
+                values = running(at, term) if level.kind is Kind.SWING else term[at.cells(level.stretch)]
+                whole[block.base] = values.min() - AHEAD / 2.0
+                if level.kind is Kind.SWING:
+                    whole[block.running] = values[1:, 0]
+        return np.concatenate([self._closed(coefficients, law), whole])
+
+    def _closed(self, coefficients: Array, law: Sequence[Place]) -> Array:
+        """Coefficients shifted as the law is that closes its turn."""
+        apart = [one.log[0] - self.basis.of(own)[0][0] for one, own in zip(law, self._each(coefficients), strict=True)]
+        closed: Array = self._each(coefficients) + np.array(apart)[:, None]
+        return closed.ravel()
+
+    def _each(self, coefficients: Array) -> Array:
+        return coefficients.reshape(len(self.cycles_rad), -1)
 
 
 TOLERANCE = 1e-8
 """Tolerance of the interior-point method on terms of the order of one: far below what is left between the places."""
 
 MOST_STEPS = 500
-"""Most steps; thirty to sixty are the rule, three hundred from a start at random."""
+"""Most steps; thirty to sixty are the rule."""
 
 MOST_RESTORING = 10
 """Most steps in a row that only try to keep the limits; where they do not get there, ``Programme.nearest`` does."""
@@ -147,110 +196,14 @@ ONWARDS: dict[str, Any] = QUIET | {
 }
 """Options for a start from a solution nearby, with the barrier all but gone: ten steps instead of forty."""
 
-QUADRATURE = 96
-"""Gauss-Legendre points of the working stroke's driving angle: exact to rounding for a hundred harmonics."""
 
-LOCAL = ("f", "f1", "f2")
-"""Symbols of a ratio at a place: its logarithm, and the derivatives of that by the crank's angle."""
-
-
-@dataclass(frozen=True)
-class Working:
-    """The driving angle in rad that the crank's first ``crank_rad`` shall take."""
-
-    crank_rad: float
-    driving_rad: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Ratio:
-    """Symbols of ln of one ratio: its series, its constant, and value and derivatives at every place."""
-
-    coefficients: Any
-    constant: Any
-    local: Sequence[Any]
-
-
-def programme(levels: Sequence[Level], on: Grid, cycle_rad: float, working: Working | None, pairs: int) -> Programme:
-    """The programme of one pair or two on a grid, with exact first and second derivatives by casadi."""
-    unknown = [_ratio(on) for _ in range(pairs)]
-    total = [casadi.SX.sym("length") for _ in range(pairs)]
-    level, excess = casadi.SX.sym("level", len(levels)), casadi.SX.sym("excess")
-    prices = casadi.SX.sym("price", len(levels) + 1)
-    local = [variable for one in unknown for variable in one.local]
-    coefficients, constants = [one.coefficients for one in unknown], [one.constant for one in unknown]
-    variables = casadi.vertcat(*coefficients, *constants, *total, level, excess, *local)
-    at = [_place(one) for one in unknown]
-    # The shaft between the pairs turns once as the crank does
-    cycles = cycle_rad, 2.0 * pi
-    equations = [
-        *(_mean(one.ratio) - cycle / (2.0 * pi) for one, cycle in zip(at, cycles, strict=False)),
-        *(length - 2.0 * pi * _mean(rate) for length, rate in zip(total, length_rates(at), strict=True)),
-    ]
-    if working is not None:
-        equations.append(_working_equation(working, unknown[0], on.basis.value.shape[1] // 2))
-    rows = _rows(levels, on, at, level + excess, total)
-    series = _of_series(on, pairs, between=pairs + len(levels) + 1)
-    goal = casadi.dot(prices, casadi.vertcat(level, excess))
-    solvers = _solvers(variables, prices, goal, series, (casadi.vertcat(*equations), casadi.vertcat(*rows)))
-    return Programme(
-        levels, on, cycle_rad, *solvers, pairs, series.shape[0] + len(equations), sum(row.shape[0] for row in rows)
+def programme(levels: Sequence[Level], knots: Knots, at: Places, cycles_rad: Sequence[float]) -> Programme:
+    """The programme of one pair or two that turn through ``cycles_rad`` per turn of the crank."""
+    local, basis = local_terms(levels, len(cycles_rad)), knots.rows(at.angle_rad)
+    rows = rows_of(levels, local.counts, at, cycles_rad)
+    problem, given = Assembly(local, rows, basis, knots.count, len(cycles_rad)).problem(len(levels))
+    afresh, onwards = (
+        casadi.nlpsol(name, "ipopt", problem, options | given)
+        for name, options in (("afresh", QUIET), ("onwards", ONWARDS))
     )
-
-
-def _solvers(variables: Any, prices: Any, goal: Any, series: Any, others: Sequence[Any]) -> tuple[Any, Any]:
-    """The two solvers, from the matrix of the linear equations, and the other equations and rows.
-
-    The matrix is handed over as it is: left to itself, casadi would work it out anew at every step, for longer than the
-    rest of the step takes.  Slopes are derived separately for the equations, whose matrix has full rows, and for the
-    other rows, whose matrix has full columns: for both together neither direction of derivation is cheap.
-    """
-    x, p = casadi.MX.sym("x", variables.shape[0]), casadi.MX.sym("p", prices.shape[0])
-    value = casadi.Function("others", [variables], [casadi.vertcat(*others)])
-    each = [casadi.jacobian(one, variables) for one in others]
-    slope = casadi.Function("slopes_of_others", [variables], [casadi.vertcat(*each)])
-    rows = casadi.vertcat(casadi.mtimes(series, x), value(x))
-    slopes = casadi.Function("slopes", [x, p], [rows, casadi.vertcat(series, slope(x))], ["x", "p"], ["g", "jac_g_x"])
-    problem = {"x": x, "p": p, "f": casadi.Function("goal", [variables, prices], [goal])(x, p), "g": rows}
-    given = {"jac_g": slopes}
-    afresh = casadi.nlpsol("afresh", "ipopt", problem, QUIET | given)
-    return afresh, casadi.nlpsol("onwards", "ipopt", problem, ONWARDS | given)
-
-
-def _ratio(on: Grid) -> _Ratio:
-    places, columns = on.basis.value.shape
-    local = [casadi.SX.sym(name, places) for name in LOCAL]
-    return _Ratio(casadi.SX.sym("c", columns), casadi.SX.sym("c0"), local)
-
-
-def _of_series(on: Grid, pairs: int, between: int) -> Any:
-    """The linear equations that join the ratios' values to their coefficients; ``between`` columns have no part."""
-    each = np.vstack([on.basis.value, on.basis.first, on.basis.second])
-    constant = np.repeat([1.0, 0.0, 0.0], on.stations.count)[:, None]
-    own, constants = (sparse.kron(sparse.eye(pairs), part) for part in (each, constant))
-    rows = own.shape[0]
-    whole = sparse.hstack([-own, -constants, sparse.csc_matrix((rows, between)), sparse.eye(rows)])
-    return casadi.DM(sparse.csc_matrix(whole))
-
-
-def _place(one: _Ratio) -> Place:
-    logarithm, first, second = one.local
-    return Place(logarithm, casadi.exp(logarithm), casadi.exp(-logarithm), first, second)
-
-
-def _mean(term: Any) -> Any:
-    return casadi.sum1(term) / term.shape[0]
-
-
-def _rows(levels: Sequence[Level], on: Grid, at: Sequence[Place], caps: Any, total: Sequence[Any]) -> list[Any]:
-    """What must be at or below zero, every term at all places."""
-    slider = Slider(*(casadi.DM(column) for column in on.stations.slider))
-    return [term - caps[k] for k, one in enumerate(levels) for term in one.terms(at, slider, total)]
-
-
-def _working_equation(working: Working, whole: _Ratio, harmonics: int) -> Any:
-    unit, weight = np.polynomial.legendre.leggauss(QUADRATURE)
-    angle = working.crank_rad * (1.0 + unit) / 2.0
-    series = casadi.mtimes(casadi.DM(basis(angle, harmonics).value), whole.coefficients) + whole.constant
-    share = casadi.DM(weight * working.crank_rad / 2.0)
-    return casadi.dot(share, casadi.exp(series)) - working.driving_rad
+    return Programme(levels, knots, basis, rows, cycles_rad, afresh, onwards)

@@ -15,6 +15,7 @@ first pair drives the shaft between, with dphim = iB dphi2, so that with f = ln 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import cos, log, sin
 from typing import Any, NamedTuple
 
 Term = Any
@@ -32,17 +33,42 @@ class Place(NamedTuple):
 
 
 class Slider(NamedTuple):
-    """The slider at a place: derivatives of its displacement by the driven angle, in mm, and the force on it in N."""
+    """The machine at a place: derivatives of the slider's displacement by the driven angle, in mm; its force in N.
+
+    The force counts towards the retracted end, so that force times velocity is power on both strokes.  The rest are
+    columns of ``ncgear.optimum.loads``, each load as its parts at rest, by q and by q'/2: the torque asked of the
+    driven gear in N mm, and the forces in N on the crank's bearings and on the frame, along and across the slider's
+    line.  They are zero where no masses are known.  ``log_first`` is ln |x'|, finite at dead centres too.
+    """
 
     first: Term
     second: Term
     third: Term
     force_n: Term
+    torque: Term = 0.0
+    torque_by_q: Term = 0.0
+    torque_by_rate: Term = 0.0
+    bearing_x: Term = 0.0
+    bearing_x_by_q: Term = 0.0
+    bearing_x_by_rate: Term = 0.0
+    bearing_y: Term = 0.0
+    bearing_y_by_q: Term = 0.0
+    bearing_y_by_rate: Term = 0.0
+    shaking_x_by_q: Term = 0.0
+    shaking_x_by_rate: Term = 0.0
+    shaking_y_by_q: Term = 0.0
+    shaking_y_by_rate: Term = 0.0
+    log_first: Term = 0.0
 
 
 def velocity(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
     """Slider velocity in mm/s: w x' s."""
     return speed_rad_s * slider.first * at.slope
+
+
+def log_speed(at: Place, slider: Slider, speed_rad_s: float) -> Term:
+    """Logarithm of the slider's speed in mm/s: ln w + ln |x'| - ln i12."""
+    return log(speed_rad_s) + slider.log_first - at.log
 
 
 def acceleration(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
@@ -56,12 +82,44 @@ def jerk(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
     return speed_rad_s**3 * at.slope**3 * bend
 
 
-def power(at: Place, slider: Slider, speed_rad_s: Term, mass_kg: float) -> Term:
-    """Power at the slider in W: (F + m a) v; the torque on the driving gear is this over its speed."""
-    force = slider.force_n
-    if mass_kg:
-        force = force + mass_kg * acceleration(at, slider, speed_rad_s) / 1000.0
-    return force * velocity(at, slider, speed_rad_s) / 1000.0
+def power(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
+    """Power of the resistance in W: F v; without masses the torque on the driving gear is this over its speed."""
+    return slider.force_n * velocity(at, slider, speed_rad_s) / 1000.0
+
+
+def moved(at: Place, by_q: Term, by_rate: Term, speed_rad_s: Term) -> Term:
+    """The part of a load that motion brings: w^2 (by_q q + by_rate q'/2), with q = s^2 and q'/2 = -f' q."""
+    return (speed_rad_s * at.slope) ** 2 * (by_q - at.first * by_rate)
+
+
+def driving_torque(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
+    """Torque on the driving gear in N mm with all masses: that of the driven gear, times s."""
+    return (slider.torque + moved(at, slider.torque_by_q, slider.torque_by_rate, speed_rad_s)) * at.slope
+
+
+def bearing_force(at: Place, slider: Slider, speed_rad_s: Term) -> tuple[Term, Term]:
+    """Force on the crank's bearings in N, the teeth's apart, along and across the slider's line."""
+    along = moved(at, slider.bearing_x_by_q, slider.bearing_x_by_rate, speed_rad_s)
+    across = moved(at, slider.bearing_y_by_q, slider.bearing_y_by_rate, speed_rad_s)
+    return slider.bearing_x + along, slider.bearing_y + across
+
+
+def shaking_force(at: Place, slider: Slider, speed_rad_s: Term) -> tuple[Term, Term]:
+    """Force of the moving masses on the frame in N, along and across the slider's line."""
+    along = moved(at, slider.shaking_x_by_q, slider.shaking_x_by_rate, speed_rad_s)
+    across = moved(at, slider.shaking_y_by_q, slider.shaking_y_by_rate, speed_rad_s)
+    return along, across
+
+
+def inverse_levers(at: Place, rack_angle_rad: float) -> tuple[Term, Term]:
+    """Centre distance over the lever of the teeth's force about the driven axis, of pushing and of back flanks.
+
+    The lever is r2 cos(alpha +- atan f'/(1 + i)) with the rack's angle alpha: ``ncgear.dynamics.mesh_force``.
+    """
+    steep = tangent(at)
+    per_radius = (1.0 + at.slope) * (1.0 + steep**2) ** 0.5
+    across, along = cos(rack_angle_rad), sin(rack_angle_rad)
+    return per_radius / (across - steep * along), per_radius / (across + steep * along)
 
 
 def tangent(at: Place) -> Term:

@@ -1,168 +1,183 @@
-"""The levels that a trigonometric series reaches around a turn: the judge of the optimiser, in plain arrays.
+"""The levels that a spline of ln i12 reaches around a turn: the judge of the optimiser, in plain arrays.
 
-``Basis`` holds the series and its derivatives at even places of a turn, as matrices on its coefficients.  ``Stations``
-holds how the slider moves with the crank at these places, and what resists it there.
+The judge's places have the programme's cells, in more steps.  What is between its places is told by the parabola
+through three of them, which misses a peak by the third power of the step.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import log, pi
+from functools import cached_property
 
 import numpy as np
 
-from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.mechanisms.resistance import Resistance
-from ncgear.numerics.arrays import Array
-from ncgear.numerics.jet import Jet
-from ncgear.optimum.makeable.quantities import Place, Slider, length_rates
-from ncgear.optimum.makeable.wishes import Level
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.places import Places
+from ncgear.optimum.makeable.quantities import Place, length_rates
+from ncgear.optimum.makeable.rows import Block, closing_terms, level_terms
+from ncgear.optimum.makeable.spline import Rows
+
+CLOSE_RAD = 1e-7
+"""Deviation that counts as none: a law's rounded ratios close an angle to a thousandth of this."""
+
+
+def ratios(at: Places, rows: Rows, coefficients: Array, cycles_rad: Sequence[float]) -> tuple[Place, ...]:
+    """i12 at all places, shape (m,) each, and iB with a second cycle; coefficients have shape (pairs n,).
+
+    The splines are shifted so that the driving angles of a turn are the cycles.
+    """
+    found = []
+    for own, cycle in zip(coefficients.reshape(len(cycles_rad), -1), cycles_rad, strict=True):
+        series, first, second = rows.of(own)
+        logarithm = series + np.log(cycle / over_turn(at, np.exp(series)))
+        found.append(Place(logarithm, np.exp(logarithm), np.exp(-logarithm), first, second))
+    return tuple(found)
+
+
+def over_turn(at: Places, values: Array) -> float:
+    """Integral over phi2 of values at all places."""
+    return float(np.sum(values[at.number] * at.weight))
+
+
+def lengths(at: Places, law: Sequence[Place]) -> list[float]:
+    """Length that every pair rolls in one cycle over its centre distance."""
+    return [over_turn(at, rate) for rate in length_rates(law)]
 
 
 @dataclass(frozen=True, eq=False)
-class Basis:
-    """Rows of values, first and second derivatives at n angles; columns cos 1.., sin 1.., shape (n, 2 harmonics)."""
+class Judged:
+    """A law at the judge's places, as levels see it."""
 
-    value: Array
-    first: Array
-    second: Array
+    levels: Sequence[Level]
+    at: Places
+    law: Sequence[Place]
 
-
-def basis(angle_rad: Array, harmonics: int) -> Basis:
-    """The matrices at angles in rad, shape (n,)."""
-    waves = np.arange(1, harmonics + 1)
-    cosine, sine = np.cos(np.outer(angle_rad, waves)), np.sin(np.outer(angle_rad, waves))
-    value = np.hstack([cosine, sine])
-    return Basis(value, np.hstack([-waves * sine, waves * cosine]), -value * np.tile(waves**2, 2))
-
-
-ORDER = 3
-"""Derivatives of the slider's displacement by the crank angle: jerk needs the third."""
-
-
-@dataclass(frozen=True, eq=False)
-class Stations:
-    """n places of the crank: phi2, and the slider there, shape (n,) each."""
-
-    phi2_rad: Array
-    slider: Slider
+    @cached_property
+    def lengths(self) -> list[float]:
+        """Length that every pair rolls in one cycle over its centre distance."""
+        return lengths(self.at, self.law)
 
     @property
-    def count(self) -> int:
-        """Number of places."""
-        return self.phi2_rad.size
+    def terms(self) -> list[list[Array]]:
+        """Every level's terms in all cells, shape (n, p + 1) each, as ``rows.level_terms`` gives them."""
+        return self._with_means[0]
+
+    @property
+    def means(self) -> list[float]:
+        """Means of the terms of swings, in their order."""
+        return self._with_means[1]
+
+    @property
+    def flat(self) -> list[Array]:
+        """All terms of all levels, one after the other."""
+        return [term for terms in self.terms for term in terms]
+
+    @cached_property
+    def _with_means(self) -> tuple[list[list[Array]], list[float]]:
+        means: list[float] = []
+
+        def mean_of(term: Array) -> float:
+            means.append(over_turn(self.at, term * self.law[0].ratio) / over_turn(self.at, self.law[0].ratio))
+            return means[-1]
+
+        found = level_terms(self.levels, self.law, self.at.slider, self.lengths, mean_of)
+        return [[(term + np.zeros(self.at.count))[self.at.number] for term in terms] for terms in found], means
+
+    @cached_property
+    def reached(self) -> Array:
+        """Every level, shape (levels,)."""
+        each = zip(self.levels, self.terms, strict=True)
+        return np.array([max(self._reached(level, term) for term in terms) for level, terms in each])
+
+    def _reached(self, level: Level, term: Array) -> float:
+        if level.kind in (Kind.INTEGRAL, Kind.DEVIATION):
+            found = self.integral(level, term)
+            return found if level.kind is Kind.INTEGRAL else abs(found) if abs(found) > CLOSE_RAD else 0.0
+        if level.kind is Kind.SWING:
+            term = running(self.at, term)
+        cells = self.at.cells(level.stretch)
+        if not cells.size:
+            values = np.empty(self.at.count)
+            values[self.at.number] = term
+            inside = values[self.at.within(level.stretch)][:, None]
+            tops, bottoms = inside, inside
+        else:
+            tops, bottoms = peaks(term[cells]), -peaks(-term[cells])
+        return float(np.max(tops) - (0.0 if level.kind is Kind.PEAK else np.min(bottoms)))
+
+    def integral(self, level: Level, term: Array) -> float:
+        """A term's integral over a level's stretch, less the target."""
+        cells = self.at.cells(level.stretch)
+        return float(np.sum(term[cells] * self.at.weight[cells])) - level.target
+
+    def missed(self, coarse: Places) -> Array:
+        """What the coarse places have too much of every pair's driving angle and rolled length, shape (2 pairs,)."""
+        each = [term[self.at.number] for term in closing_terms(self.law)]
+        found = [np.sum(self._coarsely(coarse, term) * coarse.weight) - np.sum(term * self.at.weight) for term in each]
+        return np.reshape(found, (2, -1)).T.ravel()
+
+    @staticmethod
+    def _coarsely(coarse: Places, term: Array) -> Array:
+        """A term in cells at the coarse places alone, shape (n, q + 1)."""
+        return term[:, :: (term.shape[1] - 1) // (coarse.number.shape[1] - 1)]
+
+    def beyond(self, blocks: Sequence[Block], coarse: Places) -> Array:
+        """By how much every row's term is further out around its place than at it, shape (rows at or below zero,).
+
+        "Around" is half a step of the coarse places to both sides.  An integral's is what the coarse places miss of it.
+        """
+        flat = [(level, term) for level, terms in zip(self.levels, self.terms, strict=True) for term in terms]
+        return np.concatenate([self._beyond(block, *flat[block.term], coarse) for block in blocks])
+
+    def _beyond(self, block: Block, level: Level, term: Array, coarse: Places) -> Array:
+        cells = coarse.cells(level.stretch)
+        if level.kind in (Kind.INTEGRAL, Kind.DEVIATION):
+            roughly = float(np.sum((self._coarsely(coarse, term) * coarse.weight)[cells])) - level.target
+            return np.array([block.sense * (self.integral(level, term) - roughly)])
+        if level.kind is Kind.SWING:
+            ends = np.arange(cells.size)
+            number = np.column_stack([ends, (ends + 1) % cells.size])
+            return _rise(block.sense * running(self.at, term), number, cells.size)
+        rise = _rise(block.sense * term[cells], coarse.number[cells], coarse.count)
+        return rise[block.places]
 
 
-def stations(linkage: Mechanism, resistance: Resistance, count: int) -> Stations:
-    """``count`` places evenly around one turn of the crank, from its retracted dead centre on."""
-    phi2 = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
-    variable = np.zeros((ORDER + 1, count))
-    variable[0], variable[1] = phi2, 1.0
-    displacement = linkage.displacement(Jet(variable))
-    working = phi2 < linkage.working_angle_rad
-    force = np.where(working, resistance.force_n(displacement.value), 0.0)
-    first, second, third = (displacement.derivative(order) for order in range(1, ORDER + 1))
-    return Stations(phi2, Slider(first, second, third, force))
+def running(at: Places, term: Array) -> Array:
+    """Integral over phi2 of a term from the retracted dead centre on, in all cells, shape (n, p + 1)."""
+    step = np.diff(at.ends_rad)[:, None] / (term.shape[1] - 1)
+    start, middle, end = term[:, :-1:2], term[:, 1::2], term[:, 2::2]
+    inside = np.zeros(term.shape)
+    inside[:, 2::2] = np.cumsum(start + 4.0 * middle + end, axis=1) * step / 3.0
+    inside[:, 1::2] = inside[:, :-1:2] + (5.0 * start + 8.0 * middle - end) * step / 12.0
+    before: Array = np.cumsum(inside[:, -1]) - inside[:, -1]
+    return before[:, None] + inside
 
 
-NARROW = 0.01
-"""Share of itself by which a top of the force may be over the places beside it and count as shown by them."""
+def _rise(values: Array, number: IndexArray, count: int) -> Array:
+    """By how much values in cells, shape (n, p + 1), rise around ``count`` places, whose numbers have shape (n, q + 1).
 
-
-def hidden_tops_mm(at: Stations, linkage: Mechanism, resistance: Resistance) -> Array:
-    """Displacements in mm at which the force has tops that the even places do not show, shape (n,)."""
-    turns = resistance.turns_mm(linkage.stroke_mm)
-    if not turns.size:
-        return turns
-    angle = linkage.crank_angle(turns, np.zeros(turns.size, dtype=bool))
-    nearest = np.round(angle / (2.0 * pi) * at.count).astype(int)
-    shown = np.max([at.slider.force_n[(nearest + beside) % at.count] for beside in (-1, 0, 1)], axis=0)
-    hidden: Array = turns[resistance.force_n(turns) * (1.0 - NARROW) > shown]
-    return hidden
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """Places around a turn of the crank, and the series' matrices there."""
-
-    stations: Stations
-    basis: Basis
-
-
-def grid(stations: Stations, harmonics: int) -> Grid:
-    """Places with the matrices of so many harmonics."""
-    return Grid(stations, basis(stations.phi2_rad, harmonics))
-
-
-def closing_constant(series: Array, cycle_rad: float) -> float:
-    """c0 that closes the cycle, from the series at even places of a turn: the mean of i12 is the cycle over 2 pi."""
-    return log(cycle_rad / (2.0 * pi)) - log(float(np.mean(np.exp(series))))
-
-
-def ratios(on: Grid, coefficients: Array, cycle_rad: float) -> tuple[Place, ...]:
-    """i12 at all places of a grid, shape (n,) each, and iB where coefficients of a second stage follow."""
-    size = on.basis.value.shape[1]
-    cycles = cycle_rad, 2.0 * pi
-    return tuple(_ratio(on, one, cycle) for one, cycle in zip(coefficients.reshape(-1, size), cycles, strict=False))
-
-
-def _ratio(on: Grid, coefficients: Array, cycle_rad: float) -> Place:
-    series = on.basis.value @ coefficients
-    logarithm = series + closing_constant(series, cycle_rad)
-    return Place(
-        logarithm,
-        np.exp(logarithm),
-        np.exp(-logarithm),
-        on.basis.first @ coefficients,
-        on.basis.second @ coefficients,
-    )
-
-
-def lengths(at: Sequence[Place]) -> list[float]:
-    """Length that every pair rolls in one cycle over its centre distance, from the ratios at even places of a turn."""
-    return [2.0 * pi * float(np.mean(rate)) for rate in length_rates(at)]
-
-
-def reached(levels: Sequence[Level], on: Grid, at: Sequence[Place]) -> Array:
-    """The largest value of every level's terms around the turn, shape (levels,)."""
-    return np.array([max(float(np.max(peaks(term))) for term in terms) for terms in _terms(levels, on, at)])
-
-
-def beyond(levels: Sequence[Level], finer: Grid, at: Sequence[Place], places: int) -> Array:
-    """By how much every term is larger around each of ``places`` places than at the place, shape (terms * places,).
-
-    The finer grid has an even number of places for each of them, the first of them at the place itself.  "Around" means
-    half a step to both sides.
+    A place that no cell has rises by nothing.
     """
-    return np.concatenate([_around(term, places) for terms in _terms(levels, finer, at) for term in terms])
-
-
-def _terms(levels: Sequence[Level], on: Grid, at: Sequence[Place]) -> list[tuple[Array, ...]]:
-    rolled = lengths(at)
-    return [level.terms(at, on.stations.slider, rolled) for level in levels]
-
-
-def _around(values: Array, places: int) -> Array:
-    each = values.size // places
-    near = np.roll(peaks(values), each // 2).reshape(places, each)
-    # The last of each stretch is the first of the next
-    last = np.roll(near[:, 0], -1)
-    rise: Array = np.maximum(np.max(near, axis=1), last) - values[::each]
-    return rise
+    steps, coarse = values.shape[1] - 1, number.shape[1] - 1
+    nearest = np.floor((np.arange(steps) + 0.5) * coarse / steps + 0.5).astype(int)
+    there, around = np.zeros(count), np.full(count, -np.inf)
+    there[number] = values[:, :: steps // coarse]
+    np.maximum.at(around, number[:, nearest], peaks(values))
+    return np.where(np.isfinite(around), around - there, 0.0)
 
 
 def peaks(values: Array) -> Array:
-    """Values of a function around a turn, with local maxima replaced by the peaks beside them.
+    """Largest value in every step, ends included, of values in cells, shape (n, p + 1) with an even p; shape (n, p).
 
-    A peak is that of the parabola through a place and its neighbours, plus what the third derivative, from two more
-    neighbours, adds there.  Peaks are then missed by the fourth power of the distance; places alone miss them by the
-    second, parabolas alone by the third.
+    It is that of the parabola through the ends and the middle of two steps.
     """
-    before, after = np.roll(values, 1), np.roll(values, -1)
-    bend = before - 2.0 * values + after
-    peak = (values >= before) & (values >= after) & (bend < 0.0)
-    share = np.where(peak, (after - before) / np.where(peak, -2.0 * bend, 1.0), 0.0)
-    third = (np.roll(values, -2) - 2.0 * after + 2.0 * before - np.roll(values, 2)) / 2.0
-    rise = share * (after - before) / 4.0 + third * share * (share**2 - 1.0) / 6.0
-    return np.asarray(values + rise)
+    start, middle, end = values[:, :-1:2], values[:, 1::2], values[:, 2::2]
+    tops = np.maximum(values[:, :-1], values[:, 1:])
+    slope, bend = (end - start) / 2.0, start - 2.0 * middle + end
+    share = np.divide(-slope, bend, out=np.ones(bend.shape), where=bend < 0.0)
+    top = middle + share * slope / 2.0
+    for step, inside in ((0, (share > -1.0) & (share <= 0.0)), (1, (share > 0.0) & (share < 1.0))):
+        tops[:, step::2] = np.where(inside, np.maximum(tops[:, step::2], top), tops[:, step::2])
+    return tops

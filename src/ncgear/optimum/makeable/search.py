@@ -1,35 +1,45 @@
 """The search for a law under levels: where it starts, and how limits come to be kept everywhere.
 
 The programme of ``programme.py`` keeps limits at its own places.  It is solved again, with each term kept back by as
-much as it rises between those places, until a grid twenty times finer finds all limits kept.
+much as it rises between those places and integrals over a turn as the finer places have them, until places at least
+eight times as dense find all limits kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from math import pi
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, pi
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.limit import fastest_motion
-from ncgear.optimum.makeable.programme import Programme, Working, programme
-from ncgear.optimum.makeable.quantities import Place
-from ncgear.optimum.makeable.reached import Grid, Stations, beyond, grid, hidden_tops_mm, ratios, reached, stations
+from ncgear.optimum.certified.limit import Motion
+from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.load_levels import machine_scales
+from ncgear.optimum.makeable.motion_wishes import WishedMachine
+from ncgear.optimum.makeable.places import Places, cell_ends, places
+from ncgear.optimum.makeable.programme import Programme, programme
+from ncgear.optimum.makeable.reached import Judged, ratios
+from ncgear.optimum.makeable.spline import Rows, even_knots
 from ncgear.optimum.makeable.wishes import Scales, Wishes, levels
 from ncgear.optimum.task import Task
 
-PLACES_PER_HARMONIC = 10
-"""Places of the programme: ten on the shortest wave, so that little is left between them."""
+STEPS = 2
+"""Steps of the programme's places in a cell: both ends and the middle."""
 
-FEWEST_PLACES = 240
-"""Fewest places: resistance and mechanism have waves of their own, as short where a law has few harmonics."""
+FINER = 16
+"""Fewest steps of the judge's places in a cell."""
 
-FINER = 20
-"""How many times finer the grid is that judges the law: with ten times, the parabolas between its places missed the
-curvature of 36 harmonics by more than the margin."""
+FINER_TURN = 2880
+"""Fewest steps of the judge's places between even knots in a turn: what parabolas miss of a peak falls with the third
+power of the step, and is under a millionth with a tenth of these steps."""
+
+FINEST = 256
+"""Most steps of the judge's places in a cell, for narrow peaks of the force."""
+
+ROOM = 1e-7
+"""How far laws stay below their caps, in units of the levels: over what the judge's parabolas miss."""
 
 ROUNDS = 6
 """Most rounds in which the programme is solved again; three are the rule."""
@@ -42,135 +52,126 @@ MARGIN = 1e-6
 """How much more terms are kept back, in their units, for what is left between the places of the finer grid."""
 
 DECIMALS = 10
-"""Decimals of the coefficients, so that the law that is judged is the one that a design file holds."""
+"""Decimals of the ratios at the knots, so that the law that is judged is the one that a design file holds."""
+
+EVEN_CELLS = 120
+"""Cells in which the greatest power of a uniform crank is looked for: it is a unit only."""
 
 LEAST_POWER_W = 1.0
 """Least unit of power, for a machine that nothing resists."""
 
-Form = Callable[[Stations, int], Grid]
-"""Gives a form of ln i12 as matrices at places; the number is that of its harmonics, or of other coefficients."""
-
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """A programme, the finer grid that judges it, and the caps and weights of its levels."""
+    """A programme, the places that judge it and the splines there, and the caps and weights of its levels."""
 
     programme: Programme
-    finer: Grid
+    finer: Places
+    basis: Rows
     caps: Array
     weights: Array
+    ratio_range: tuple[float, float]
+
+    def begun(self, motion: Motion) -> Array:
+        """Coefficients of splines along a motion, within the limits of the ratio; two pairs share ln i12 evenly."""
+        logarithm = np.clip(-np.log(motion.turning), *np.log(self.ratio_range))
+        pairs, knots = len(self.programme.cycles_rad), self.programme.knots
+        return np.concatenate([knots.smoothed(motion.crank_angle_rad, logarithm) / (1 + pair) for pair in range(pairs)])
+
+    def judged(self, ratio: Array) -> Judged:
+        """A law by its ratios at the knots, shape (pairs, n), at the judge's places."""
+        coefficients = np.concatenate([self.programme.knots.coefficients(np.log(own)) for own in ratio])
+        law = ratios(self.finer, self.basis, coefficients, self.programme.cycles_rad)
+        return Judged(self.programme.levels, self.finer, law)
+
+    def rounded(self, coefficients: Array) -> Array:
+        """Ratios at the knots as a file holds them, shape (pairs, n)."""
+        each = coefficients.reshape(len(self.programme.cycles_rad), -1)
+        values: Array = np.exp(np.array([self.programme.knots.values(own) for own in each]))
+        return np.round(values, DECIMALS)
 
     def reached(self, coefficients: Array) -> Array:
-        """Levels on the finer grid, and between its places as parabolas through them tell; shape (levels,)."""
-        return reached(self.programme.levels, self.finer, self._ratios(coefficients))
-
-    def beyond(self, coefficients: Array) -> Array:
-        """By how much every term is larger around the programme's places than at them, shape (programme.rows,)."""
-        places = self.programme.on.stations.count
-        return beyond(self.programme.levels, self.finer, self._ratios(coefficients), places)
-
-    def _ratios(self, coefficients: Array) -> tuple[Place, ...]:
-        return ratios(self.finer, coefficients, self.programme.cycle_rad)
+        """Levels of a law with rounded ratios, shape (levels,)."""
+        return self.judged(self.rounded(coefficients)).reached
 
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """Coefficients that keep all limits, and the levels reached on the finer grid, shape (levels,)."""
+    """Ratios at the knots that keep all limits, shape (pairs, n), and the levels that they reach, shape (levels,)."""
 
-    coefficients: Array
+    ratio: Array
     reached: Array
 
 
-def searched(task: Task, wishes: Wishes, form: Form = grid) -> Search:
-    """The search for the law that a task and wishes ask for.
-
-    Other forms than harmonics are for studies of accuracy; they take no working stroke of a given angle.
-    """
-    count = max(PLACES_PER_HARMONIC * wishes.harmonics, FEWEST_PLACES)
-    coarse = stations(task.linkage, task.resistance, count)
-    finer = stations(task.linkage, task.resistance, FINER * count)
-    wanted = levels(wishes, scales(task, finer))
-    if any(level.wish == "peak_power_w" for level in wanted):
-        _require_shown_tops(task, finer)
-    driving_rad = wishes.limits.working_rad
-    working = None if driving_rad is None else Working(task.linkage.working_angle_rad, driving_rad)
+def searched(task: Task, wishes: Wishes) -> Search:
+    """The search for the law that a task and wishes ask for."""
+    knots = even_knots(wishes.knots)
+    wanted = levels(wishes, scales(task))
+    ends = cell_ends(task, knots.angle_rad, [level.stretch for level in wanted])
+    finer = _judging(task, ends, FINER * max(1, ceil(FINER_TURN / (FINER * wishes.knots))))
+    cycles = task.cycle_rad, 2.0 * pi
     return Search(
-        programme(wanted, form(coarse, wishes.harmonics), task.cycle_rad, working, wishes.pairs),
-        form(finer, wishes.harmonics),
-        np.array([np.inf if level.limit is None else level.limit for level in wanted]),
-        np.array([level.weight for level in wanted]),
+        programme(wanted, knots, places(task, ends, STEPS), cycles[: wishes.pairs]),
+        finer,
+        knots.rows(finer.angle_rad),
+        np.array([level.cap for level in wanted]),
+        goal_weights(wanted, sum(level.weight for level in wanted)),
+        (wishes.limits.ratio_min, wishes.limits.ratio_max),
     )
 
 
-def _require_shown_tops(task: Task, finer: Stations) -> None:
-    """Refuse a resistance with a top so narrow that the places miss it, for the power there would not be limited."""
-    hidden = hidden_tops_mm(finer, task.linkage, task.resistance)
-    if hidden.size:
-        top = float(task.resistance.force_n(hidden[:1])[0])
-        raise NoSuchMechanism(
-            f"the peak of {top:.4g} N at {hidden[0]:.6g} mm is too narrow for the search of a law, which looks at the "
-            f"force at {finer.count} places of a turn; a wider peak, or limits and a goal without power, are needed",
-            key="resistance",
-        )
+def _judging(task: Task, ends_rad: Array, steps: int) -> Places:
+    """The judge's places: so many steps in a cell, or more until parabolas through them tell the force."""
+    found = places(task, ends_rad, steps)
+    force = found.slider.force_n[found.number]
+    # Through every second place, at the places between; with every place the parabolas miss an eighth of it
+    missed = (3.0 * force[:, :-4:4] + 6.0 * force[:, 2:-2:4] - force[:, 4::4]) / 8.0 - force[:, 1:-3:4]
+    told = np.abs(missed).max() / 8.0 <= ROOM * np.abs(force).max()
+    return found if told or 2 * steps > FINEST else _judging(task, ends_rad, 2 * steps)
 
 
-def scales(task: Task, at: Stations) -> Scales:
+def goal_weights(wanted: Sequence[Level], goal: float) -> Array:
+    """What one unit of every level costs where what is to be least is about ``goal``, shape (levels,)."""
+    return np.array([level.weight + level.share_of_goal * goal for level in wanted])
+
+
+def scales(task: Task) -> Scales:
     """Units of the order of what a uniform crank feels."""
     turning = task.speed_rad_s * 2.0 * pi / task.cycle_rad
-    power = float(np.max(at.slider.force_n * at.slider.first)) * turning / 1000.0
-    return Scales(task.speed_rad_s, task.linkage.crank_mm * turning**2, max(power, LEAST_POWER_W))
+    slider = places(task, cell_ends(task, even_knots(EVEN_CELLS).angle_rad, []), STEPS).slider
+    power = float(np.max(slider.force_n * slider.first)) * turning / 1000.0
+    acceleration = task.linkage.crank_mm * turning**2
+    loads = None if task.masses is None else machine_scales(task, slider)
+    machine = WishedMachine(task.linkage, task.speed_rad_s, task.cycle_rad)
+    return Scales(task.speed_rad_s, acceleration, max(power, LEAST_POWER_W), machine, loads)
 
 
 def kept(search: Search, start: Array) -> Kept | None:
-    """The best coefficients from one start, solved again until all limits hold on the finer grid; None where none do.
+    """The best law from one start, solved again until all limits hold on the finer grid; None where none do.
 
     Every term is kept back at each place by as much as it rises beside the place.  Each round leaves less excess; in
     the last rounds, what is left is taken off the caps as well.
     """
-    caps, kept_back = search.caps.copy(), np.zeros(search.programme.rows)
-    found = search.programme.solved(caps, search.weights, start, kept_back)
+    programme = search.programme
+    blocks, coarse = programme.rows.blocks, programme.rows.at
+    exact = np.concatenate([np.full(b.places.size, programme.levels[b.level].kind is Kind.DEVIATION) for b in blocks])
+    room = np.array([0.0 if level.kind is Kind.DEVIATION else ROOM for level in programme.levels])
+    caps, kept_back = search.caps.copy(), np.zeros(exact.size)
+    found = programme.solved(caps, search.weights, start, kept_back)
     for tried in range(ROUNDS):
         if found is None:
             return None
-        coefficients = np.round(found.coefficients, DECIMALS)
-        values = search.reached(coefficients)
-        over = np.maximum(values - search.caps, 0.0)
+        ratio = search.rounded(found.coefficients)
+        judged = search.judged(ratio)
+        over = np.maximum(judged.reached - search.caps + room, 0.0)
         if not np.any(over):
-            return Kept(coefficients, values)
-        kept_back = np.maximum(kept_back, search.beyond(coefficients) + MARGIN)
+            return Kept(ratio, judged.reached)
+        beyond = judged.beyond(blocks, coarse)
+        kept_back = np.where(exact, beyond, np.maximum(kept_back, beyond + MARGIN))
         if tried >= PATIENCE:
             caps = caps - over
         # Where the next solution is too far away to be reached from this one, solve afresh from its coefficients
-        onwards = search.programme.solved(caps, search.weights, found, kept_back)
-        found = onwards or search.programme.solved(caps, search.weights, found.coefficients, kept_back)
+        missed = judged.missed(coarse)
+        onwards = programme.solved(caps, search.weights, found, kept_back, missed)
+        found = onwards or programme.solved(caps, search.weights, found.coefficients, kept_back, missed)
     return None
-
-
-SPREAD = 0.3
-"""Standard deviation of the first harmonics of a start at random; higher ones fall off with their number."""
-
-RESAMPLED = 16
-"""Places per harmonic at which the fastest motion is read."""
-
-
-def rough_start(task: Task, wishes: Wishes, peak_acceleration_mm_s2: float) -> Array:
-    """Coefficients cos 1.., sin 1.. of the fastest motion under a peak of acceleration, its corners smoothed.
-
-    Its ratio jumps; Lanczos' sigma factors on the harmonics remove the overshoot at the jumps.
-    """
-    limits = replace(wishes.limits, peak_acceleration_mm_s2=peak_acceleration_mm_s2)
-    motion = fastest_motion(task, limits)
-    count = RESAMPLED * wishes.harmonics
-    angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    lowest, highest = np.log(limits.ratio_min), np.log(limits.ratio_max)
-    logarithm = np.clip(-np.log(np.interp(angle, motion.crank_angle_rad, motion.slope)), lowest, highest)
-    spectrum = np.fft.rfft(logarithm)[1 : wishes.harmonics + 1] * (2.0 / count)
-    smoothed = spectrum * np.sinc(np.arange(1, wishes.harmonics + 1) / (wishes.harmonics + 1))
-    return np.concatenate([smoothed.real, -smoothed.imag])
-
-
-def random_starts(harmonics: int, count: int, seed: int) -> Sequence[Array]:
-    """``count`` random starts; the same seed gives the same ones."""
-    random = np.random.default_rng(seed)
-    falling = SPREAD / np.tile(np.arange(1.0, harmonics + 1.0), 2)
-    return [random.normal(size=2 * harmonics) * falling for _ in range(count)]

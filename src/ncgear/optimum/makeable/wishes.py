@@ -5,17 +5,20 @@ A limit holds its level down; a goal makes it as low as it will go.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
 
+from ncgear.kinematics.wishes import Wish
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.limit import Weights
 from ncgear.optimum.certified.refusals import shown_above, shown_below
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs
-from ncgear.optimum.task import Limits
+from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.load_levels import MachineScales, of_loads
+from ncgear.optimum.makeable.motion_wishes import WishedMachine, of_motion_wishes
+from ncgear.optimum.makeable.quantities import Place, Slider, Term
+from ncgear.optimum.task import Limits, Prices
 
 
 class Goal(Enum):
@@ -23,7 +26,24 @@ class Goal(Enum):
 
     ACCELERATION = "least_acceleration"
     POWER = "least_power"
+    BRAKING_POWER = "least_braking_power"
+    RMS_TORQUE = "least_rms_torque"
+    FLYWHEEL = "least_flywheel"
+    BEARING_FORCE = "least_bearing_force"
+    SHAKING_FORCE = "least_shaking_force"
     WEIGHTED = "weighted"
+
+
+ALONE = {
+    Goal.ACCELERATION: Prices(peak_acceleration_mm_s2=1.0),
+    Goal.POWER: Prices(peak_power_w=1.0),
+    Goal.BRAKING_POWER: Prices(braking_power_w=1.0),
+    Goal.RMS_TORQUE: Prices(rms_torque_n_m=1.0),
+    Goal.FLYWHEEL: Prices(flywheel_kg_mm2=1.0),
+    Goal.BEARING_FORCE: Prices(bearing_force_n=1.0),
+    Goal.SHAKING_FORCE: Prices(shaking_force_n=1.0),
+}
+"""The figure that is least under each goal but the weighted one."""
 
 
 class CurvatureWish(Enum):
@@ -55,15 +75,23 @@ class Wishes:
 
     limits: Limits
     goal: Goal = Goal.ACCELERATION
-    weights: Weights | None = None
+    weights: Prices | None = None
     peak_jerk_mm_s3: float | None = None
     driven_speed_rad_s: float | None = None
     convex: bool = True
     curvature_turns: float | None = None
     curvature_wish: CurvatureWish = CurvatureWish.LEAST_RADIUS
     curvature_given: float = 1.0
-    harmonics: int = 24
+    knots: int = 180
     two_stages: TwoStages | None = None
+    motion: tuple[Wish, ...] = ()
+
+    @property
+    def prices(self) -> Prices:
+        """What shall be least: one figure alone, or the weighted sum."""
+        if self.goal is Goal.WEIGHTED and self.weights is not None:
+            return self.weights
+        return ALONE[self.goal]
 
     @property
     def pairs(self) -> int:
@@ -86,55 +114,44 @@ EVENLY = 1e-3
 """The same cost where a pressure angle is given: it picks the least angle among the ways to share one law, and takes
 next to nothing off the goal."""
 
-Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
-"""Place, slider, and length of the driving curve over the centre distance, to terms that stay at or below the level."""
 
-
-@dataclass(frozen=True)
-class Level:
-    """One level: the ``wish`` that it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
-
-    Terms and limit are in units in which they are of the order of one; ``shown`` says in words what the user's limit
-    would have to be for a level that exceeds it.  ``of_pairs`` is true for a level of every pair of gears, false for
-    one of the machine as a whole.  Beyond ``widest`` no limit can be asked for.
-    """
-
-    wish: str
-    limit: float | None
-    weight: float
-    sides: Sides
-    shown: Callable[[float], str]
-    of_pairs: bool = False
-    widest: float = inf
-
-    def terms(self, ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
-        """All that stays at or below the level, from i12, and iB where there are two pairs, and every pair's length."""
-        if not self.of_pairs:
-            return self.sides(ratios[0], slider, lengths[0])
-        return tuple(
-            side for at, length in zip(pairs(ratios), lengths, strict=True) for side in self.sides(at, slider, length)
-        )
+NEXT_TO_LOCKED = radians(89.0)
+"""Limit of the pressure angle where the force between teeth is limited and no angle is: at 90 degrees no force would
+turn the driven gear, and beyond it the force changes its sign."""
 
 
 @dataclass(frozen=True)
 class Scales:
-    """The machine's driving speed in rad/s, and units of acceleration (mm/s2) and power (W) of its order."""
+    """The machine's driving speed in rad/s, and units of acceleration (mm/s2) and power (W) of its order.
+
+    ``machine`` is what wishes of the motion are wished of.  ``loads`` has the units of what a machine with
+    masses feels; None where no masses are known.
+    """
 
     speed_rad_s: float
     acceleration_mm_s2: float
     power_w: float
+    machine: WishedMachine
+    loads: MachineScales | None = None
 
 
 def levels(wishes: Wishes, scales: Scales) -> list[Level]:
     """The levels of all wishes that say anything."""
-    return [*_of_motion(wishes, scales), *_of_ratio(wishes, scales), *_of_curves(wishes)]
+    return [
+        *_of_motion(wishes, scales),
+        *_of_ratio(wishes, scales),
+        *_of_curves(wishes),
+        *of_motion_wishes(scales.machine, wishes.motion),
+    ]
 
 
 def _of_motion(wishes: Wishes, scales: Scales) -> Iterator[Level]:
     weights = _weights(wishes, scales)
     if wishes.limits.peak_acceleration_mm_s2 is not None or weights[0]:
         yield _acceleration(wishes, scales, weights[0])
-    if wishes.limits.peak_power_w is not None or weights[1]:
+    if scales.loads is not None:
+        yield from of_loads(scales.loads, wishes.limits, wishes.prices)
+    elif wishes.limits.peak_power_w is not None or weights[1]:
         yield _power(wishes, scales, weights[1])
     if wishes.peak_jerk_mm_s3 is not None:
         yield _jerk(wishes.peak_jerk_mm_s3, scales)
@@ -142,13 +159,8 @@ def _of_motion(wishes: Wishes, scales: Scales) -> Iterator[Level]:
 
 def _weights(wishes: Wishes, scales: Scales) -> tuple[float, float]:
     """Weights of acceleration and power in their units."""
-    match wishes.goal:
-        case Goal.ACCELERATION:
-            return 1.0, 0.0
-        case Goal.POWER:
-            return 0.0, 1.0
-    assert wishes.weights is not None
-    return scales.acceleration_mm_s2 * wishes.weights.per_mm_s2, scales.power_w * wishes.weights.per_w
+    prices = wishes.prices
+    return scales.acceleration_mm_s2 * prices.peak_acceleration_mm_s2, scales.power_w * prices.peak_power_w
 
 
 def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:
@@ -170,7 +182,7 @@ def _power(wishes: Wishes, scales: Scales, weight: float) -> Level:
     unit = scales.power_w
 
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
-        return (quantities.power(at, slider, scales.speed_rad_s, wishes.limits.mass_kg) / unit,)
+        return (quantities.power(at, slider, scales.speed_rad_s) / unit,)
 
     return Level(
         "peak_power_w",
@@ -236,6 +248,8 @@ def _of_curves(wishes: Wishes) -> Iterator[Level]:
         yield _pressure_angle(STEEPEST, EASE, rack) if given is None else _pressure_angle(tan(given), EVENLY, rack)
     elif wishes.limits.pressure_angle_rad is not None:
         yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0, rack)
+    elif wishes.limits.tooth_force_n is not None:
+        yield _pressure_angle(tan(NEXT_TO_LOCKED - rack), 0.0, rack)
     if wishes.curvature_turns is not None:
         yield _curvature(wishes, wishes.curvature_turns)
     if wishes.convex:

@@ -9,6 +9,7 @@ from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -92,4 +93,4 @@ def pitch() -> PitchPair:
 
 
 def _check(transmission: Transmission, rpm: float) -> KinematicCheck:
-    return kinematic_check(Machine(transmission, LINKAGE, RESISTANCE, rpm * RAD_S_PER_RPM))
+    return kinematic_check(Machine(transmission, LINKAGE, SliderLoad(RESISTANCE), rpm * RAD_S_PER_RPM))

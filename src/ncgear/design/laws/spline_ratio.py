@@ -1,0 +1,154 @@
+"""The law ``spline_ratio``: ln i12 as a spline of the driven angle, for one pair of gears or two."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import Field, Strict, model_validator
+
+from ncgear.design.keys.base import (
+    FULL_TURN,
+    Model,
+    Numbers,
+    Positive,
+    allow_one,
+    fault,
+    given,
+    in_rad,
+    require_rising,
+    spellings,
+)
+from ncgear.design.laws.base import DesignLaw, LawKeys
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.ratio.transmission import Law, Lobes, Transmission
+
+FEWEST_POINTS, MOST_POINTS = 4, 2000
+"""A spline through points h apart magnifies the rounding of their digits by 1/h^2 in the curvature of the pitch curves,
+which for the ten digits of a file and 2000 points is 1e-5."""
+
+NEAREST_TURNS = 1e-7
+"""Least distance of driven angles, in turns.  Nearer ones leave the slope of the spline fewer than nine digits."""
+
+ANGLES = spellings("driven_angle")
+
+Ratios = Annotated[tuple[Positive, ...], Strict(False), Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
+Angles = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
+
+
+class SecondStageRatios(Model):
+    """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
+
+    ratio: Ratios = Field(
+        description="ratios of the second pair at the same driven angles, up to a common factor that closes the cycle"
+    )
+
+
+class SplineRatio(LawKeys):
+    """The logarithm of the ratio as a smooth curve over the driven angle; the cycle is closed by a common factor."""
+
+    law: Literal["spline_ratio"] = Field(description="the name of this law: spline_ratio")
+    ratio: Ratios = Field(
+        description="transmission ratios i12 = dphi1/dphi2 at the driven angles, up to a common factor that closes the "
+        "cycle"
+    )
+    driven_angle_rad: Angles | None = Field(
+        default=None, description="driven angles in rad, strictly rising from 0 to under 2 pi; left out: even steps"
+    )
+    driven_angle_deg: Angles | None = Field(
+        default=None, description="driven angles in degrees, strictly rising from 0 to under 360; left out: even steps"
+    )
+    driven_angle_pi: Angles | None = Field(
+        default=None,
+        description="driven angles in multiples of pi, strictly rising from 0 to under 2; left out: even steps",
+    )
+    second_stage: SecondStageRatios | None = Field(
+        default=None, description="given: two pairs in series make i12, both as `gears` describes; left out: one pair"
+    )
+
+    @model_validator(mode="after")
+    def _as_many_of_each(self) -> Self:
+        allow_one(self, ANGLES)
+        count = len(self.ratio)
+        for key in given(self, ANGLES):
+            angles = len(getattr(self, key))
+            if angles != count:
+                raise fault(key, f"{angles} angles for {count} ratios; give as many as ratio has")
+        if self.second_stage is not None and len(self.second_stage.ratio) != count:
+            found = len(self.second_stage.ratio)
+            raise fault("second_stage.ratio", f"{found} values for {count} driven angles; give as many as ratio has")
+        return self
+
+    @model_validator(mode="after")
+    def _angles_rise_within_a_turn(self) -> Self:
+        for key in given(self, ANGLES):
+            angles: tuple[float, ...] = getattr(self, key)
+            turn = FULL_TURN[key.removeprefix("driven_angle_")]
+            if angles[0] != 0.0:
+                raise fault(f"{key}.0", f"{angles[0]:g} is the first angle; 0 is right")
+            require_rising(key, angles, NEAREST_TURNS * turn)
+            last = next((i for i, angle in enumerate(angles) if not angle <= (1.0 - NEAREST_TURNS) * turn), None)
+            if last is not None:
+                said = f"{angles[last]:g} is the end of the turn or beyond it, and the curve closes by itself"
+                raise fault(f"{key}.{last}", f"{said}; under {turn:g} is right")
+        return self
+
+    @property
+    def driven_angle(self) -> tuple[float, ...]:
+        """Driven angles in rad."""
+        for key in given(self, ANGLES):
+            return tuple(in_rad(value, key.removeprefix("driven_angle_")) for value in getattr(self, key))
+        # The same numbers, bit for bit, as even_steps of ratio/laws/spline.py, which the search for laws has
+        return tuple(step * (2.0 * pi / len(self.ratio)) for step in range(len(self.ratio)))
+
+    @property
+    def pairs_in_series(self) -> int:
+        """Two where a second stage is given."""
+        return 1 if self.second_stage is None else 2
+
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
+        """The law of the whole machine, phi2(phi1)."""
+        import numpy as np
+
+        from ncgear.ratio.laws.spline import spline_ratio_law
+
+        return spline_ratio_law(np.array(self.driven_angle), np.array(self.ratio), lobes)
+
+    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
+        """The law of one pair, or of both pairs in series."""
+        if self.second_stage is None:
+            return super().law_on(linkage, lobes)
+        import numpy as np
+
+        from ncgear.ratio.laws.spline import spline_ratio_staged
+        from ncgear.ratio.transmission import Law
+
+        lists = self.driven_angle, self.ratio, self.second_stage.ratio
+        return Law(linkage, spline_ratio_staged(*(np.array(values) for values in lists)).train)
+
+    def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
+        """A share of ln i12; empty for two pairs in series."""
+        if self.second_stage is not None:
+            return {}
+        return {"ratio": tuple(value**share for value in self.ratio)}
+
+
+LAW = DesignLaw(
+    keys=SplineRatio,
+    choice="the ratio as a smooth curve over the driven angle",
+    template="""\
+motion:                    # the law of the gears as a smooth curve; the form in which optimised laws are stored
+  law: spline_ratio
+  # Ratios dphi1/dphi2 at the driven angles below. A common factor is found, so that the driven gear comes round.
+  ratio: [0.82, 0.9, 1.05, 1.2, 1.25, 1.18, 1.0, 0.86]
+  # Strictly rising from 0 to under 360, left out: even steps; driven_angle_rad or driven_angle_pi can take its place.
+  # With several lobes of the driven gear, they stand for lobes.driven times the driven angle.
+  driven_angle_deg: [0, 45, 90, 135, 180, 225, 270, 315]
+""",
+    examples={
+        "driven_angle_rad": "[0, 1.5, 3, 4.5]",
+        "driven_angle_pi": "[0, 0.5, 1, 1.5]",
+    },
+)

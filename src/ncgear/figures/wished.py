@@ -1,0 +1,162 @@
+"""What a motion achieves of what a person may wish of it: in one line, as plain values, and wish by wish."""
+
+from __future__ import annotations
+
+from math import degrees, inf
+from typing import Any, NamedTuple
+
+from ncgear.figures.numbers import shown, to_digits
+from ncgear.kinematics.outcomes import EVEN, Achieved, Outcome
+from ncgear.kinematics.wishes import (
+    ConstantSpeed,
+    Dwell,
+    End,
+    ExtremeSpeed,
+    Position,
+    SpeedAt,
+    Stroke,
+    TimeRatio,
+    Wish,
+    WorkingStroke,
+)
+
+DIGITS = 4
+"""Significant digits of what is achieved; what is missed has three."""
+
+
+class Scale(NamedTuple):
+    """How the figures of a kind of wish are told: a factor from the unit of its outcome, the unit, the end of keys."""
+
+    factor: float
+    unit: str
+    ending: str
+
+    def said(self, value: float, digits: int = DIGITS) -> str:
+        """A value of the outcome in words."""
+        return f"{to_digits(self.factor * value, digits)} {self.unit}".rstrip()
+
+
+SCALES: dict[type[Wish], Scale] = {
+    ConstantSpeed: Scale(100.0, "%", "_percent"),
+    SpeedAt: Scale(1.0, "mm/s", "_mm_s"),
+    ExtremeSpeed: Scale(1.0, "mm/s", "_mm_s"),
+    TimeRatio: Scale(1.0, "", ""),
+    WorkingStroke: Scale(degrees(1.0), "deg", "_deg"),
+    Dwell: Scale(degrees(1.0), "deg", "_deg"),
+    Position: Scale(1.0, "mm", "_mm"),
+}
+
+
+def motion_line(found: Achieved, stroke_mm: float) -> str:
+    """What a motion achieves, in one line."""
+    even = found.even[Stroke.WORKING].length_mm
+    dwells = ", ".join(f"{to_digits(degrees(found.dwell_rad[end]), 3)} deg {end.value}" for end in reversed(End))
+    return (
+        f"constant within {100.0 * EVEN:g} % over {to_digits(even, 3)} mm, {to_digits(100.0 * even / stroke_mm, 3)} % "
+        f"of the stroke; time ratio {to_digits(found.time_ratio, 3)}; dwell within {found.near_mm:g} mm for {dwells}"
+    )
+
+
+def motion_summary(found: Achieved, stroke_mm: float) -> dict[str, Any]:
+    """The figures of ``motion_line`` and those of the return, by keys that end in their unit."""
+    even = {f"even_{stroke.value}": _even(found, stroke, stroke_mm) for stroke in Stroke}
+    dwells = {f"dwell_{end.value}_deg": degrees(found.dwell_rad[end]) for end in End}
+    return {
+        "in_words": motion_line(found, stroke_mm),
+        "even_within_percent": 100.0 * EVEN,
+        **even,
+        "time_ratio": found.time_ratio,
+        "dwell_within_mm": found.near_mm,
+        **dwells,
+    }
+
+
+def _even(found: Achieved, stroke: Stroke, stroke_mm: float) -> dict[str, float]:
+    stretch = found.even[stroke]
+    return {
+        "length_mm": stretch.length_mm,
+        "length_percent": 100.0 * stretch.length_mm / stroke_mm,
+        "from_mm": min(stretch.start_mm, stretch.end_mm),
+        "to_mm": max(stretch.start_mm, stretch.end_mm),
+        "speed_mm_s": stretch.speed_mm_s,
+    }
+
+
+def wish_rows(found: Achieved) -> list[dict[str, Any]]:
+    """Every wish as plain values: its key, whether it is hard and kept, what is achieved, and all that in words."""
+    return [_row(outcome) for outcome in found.outcomes]
+
+
+def _row(outcome: Outcome) -> dict[str, Any]:
+    scale = SCALES[type(outcome.wish)]
+    return {
+        "key": outcome.wish.key,
+        "hard": outcome.wish.hard,
+        "kept": outcome.kept,
+        f"achieved{scale.ending}": scale.factor * outcome.achieved,
+        f"missed_by{scale.ending}": 0.0 if outcome.kept else scale.factor * outcome.missed_by,
+        "in_words": outcome_line(outcome),
+    }
+
+
+def wish_line(row: dict[str, Any]) -> str:
+    """One of ``wish_rows`` for reading: whether it is kept, then its words."""
+    return f"{'kept' if row['kept'] else 'missed'}: {row['in_words']}"
+
+
+def achieved_lines(found: Achieved, stroke_mm: float) -> list[str]:
+    """What a motion achieves in one line, and then one line for each wish."""
+    return [motion_line(found, stroke_mm), *map(wish_line, wish_rows(found))]
+
+
+def outcome_line(outcome: Outcome) -> str:
+    """A wish, what the motion achieves of it, what is wished, and by how much that is missed."""
+    scale = SCALES[type(outcome.wish)]
+    missed = "" if outcome.kept else f", missed by {missed_by(outcome)}"
+    return f"{_wish(outcome.wish)}: {_achieved(outcome, scale)}, {_wanted(outcome, scale)} wished{missed}"
+
+
+def missed_by(outcome: Outcome) -> str:
+    """How far what is achieved lies beyond the bounds of the wish."""
+    return SCALES[type(outcome.wish)].said(outcome.missed_by, 3)
+
+
+def _wish(wish: Wish) -> str:
+    """A wish by its kind and its place."""
+    match wish:
+        case ConstantSpeed():
+            return f"constant speed from {shown(wish.from_mm)} to {shown(wish.to_mm)} mm{_of(wish.stroke)}"
+        case SpeedAt() | ExtremeSpeed():
+            return f"speed at {shown(wish.at_mm)} mm{_of(wish.stroke)}"
+        case TimeRatio():
+            return "time ratio of working stroke and return"
+        case WorkingStroke():
+            return "driving angle of the working stroke"
+        case Dwell():
+            return f"dwell within {shown(wish.within_mm)} mm of the {wish.end.value} end"
+        case Position():
+            return f"place at {to_digits(degrees(wish.phi1_rad), DIGITS)} deg{_of(wish.stroke)}"
+    raise TypeError(f"{type(wish).__name__} is no known kind of wish")
+
+
+def _of(stroke: Stroke) -> str:
+    return " of the return" if stroke is Stroke.RETURN else ""
+
+
+def _achieved(outcome: Outcome, scale: Scale) -> str:
+    said = scale.said(outcome.achieved)
+    if outcome.speed_mm_s is not None:
+        return f"within {said} of {to_digits(outcome.speed_mm_s, DIGITS)} mm/s"
+    return f"{said} in the other stroke" if outcome.other_stroke else said
+
+
+def _wanted(outcome: Outcome, scale: Scale) -> str:
+    """The bounds of a wish in words."""
+    if isinstance(outcome.wish, ExtremeSpeed):
+        return "as fast as may be" if outcome.wish.fastest else "as slow as may be"
+    least, most = outcome.least, outcome.most
+    if least == most:
+        return scale.said(least)
+    if most == inf:
+        return f"at least {scale.said(least)}"
+    return f"at most {scale.said(most)}" if least == 0.0 else f"{scale.said(least)} to {scale.said(most)}"

@@ -1,0 +1,94 @@
+"""What the certified limit demands of a motion: limits that have a convex form, or a relaxed one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan, inf
+
+from ncgear.numerics.arrays import Array
+
+
+@dataclass(frozen=True)
+class StretchTime:
+    """The driving gear turns at most ``at_most_rad`` while the crank turns from one angle to another.
+
+    ``key`` is the wish's in the design file; a stretch may go on over the end of the turn.
+    """
+
+    key: str
+    start_rad: float
+    end_rad: float
+    at_most_rad: float
+
+
+@dataclass(frozen=True)
+class SpeedSpread:
+    """The slider's greatest speed in a stretch of crank angles is at most ``spread`` times the least."""
+
+    key: str
+    start_rad: float
+    end_rad: float
+    spread: float
+
+
+@dataclass(frozen=True)
+class SpeedRange:
+    """The slider's speed lies in a range in a stretch of crank angles, which may be one angle."""
+
+    key: str
+    start_rad: float
+    end_rad: float
+    least_mm_s: float = 0.0
+    most_mm_s: float = inf
+
+
+@dataclass(frozen=True)
+class Demands:
+    """Limits; infinite ones are free.
+
+    ``steepness`` bounds |s'|/(1 + s) with s = dphi2/dphi1, the prime by phi2: the tangent of the pitch curves against
+    their common perpendicular, without the rack's own angle, which messages add.  ``convex`` asks both pitch curves to
+    be convex.  Powers are those of the motor, with every mass that the task has.  ``fluctuation_n_mm`` bounds the swing
+    of the energy that the driving shaft gives and takes beside its mean, ``torque_n_mm`` the root mean square of its
+    torque.
+    """
+
+    ratio_min: float
+    ratio_max: float
+    steepness: float = inf
+    rack_angle_rad: float = 0.0
+    convex: bool = False
+    acceleration_mm_s2: float = inf
+    power_w: float = inf
+    braking_w: float = inf
+    fluctuation_n_mm: float = inf
+    torque_n_mm: float = inf
+    times: tuple[StretchTime, ...] = ()
+    even_speeds: tuple[SpeedSpread, ...] = ()
+    speeds: tuple[SpeedRange, ...] = ()
+
+    @property
+    def tangent_rad(self) -> float:
+        """The angle whose tangent is the steepness."""
+        return atan(self.steepness)
+
+    @property
+    def places_rad(self) -> tuple[float, ...]:
+        """Crank angles that should be places of the grid."""
+        stretches: tuple[StretchTime | SpeedSpread | SpeedRange, ...] = (*self.times, *self.even_speeds, *self.speeds)
+        return tuple(angle for one in stretches for angle in (one.start_rad, one.end_rad))
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """Ranges of q'/q in every cell, shape (n,) each, infinite where nothing is known; q = s^2.
+
+    ``mean_least`` and ``mean_most`` hold for its mean in the cell, ``least`` and ``most`` everywhere in it.  ``about``
+    holds values of q, shape (n,), near which the relation of the driving curve is tightest.
+    """
+
+    mean_least: Array
+    mean_most: Array
+    least: Array
+    most: Array
+    about: Array

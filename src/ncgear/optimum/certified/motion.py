@@ -1,0 +1,358 @@
+"""The relations between places that every motion keeps, as a conic programme.
+
+Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The variables are q at the places, s there
+(at most the root of q), and the mean of 1/s in each cell, which is its share of driving angle.
+
+- Acceleration w^2 (x'' q + x' q'/2) is the slope of half the squared speed along the slider's way: from place to place
+  it changes by at most the peak times the way.
+- Power F w x' s of a resistance bounds q at each place, and the work of a cell takes its time at full power.  With
+  masses, work and change of kinetic energy of a cell take their time: the time counts as a variable of its own that is
+  no less than the true one, and so this limit is relaxed.
+- The driven curve, 1/r2 = (1 + s)/a, is convex where 1 + s + s'' >= 0.  So 1 + s lies at or below the sine curve
+  through two places.  For three places in a row that is exact: s0 <= alpha + beta s- + gamma s+.  Squared, it bounds q0
+  by a concave function of q- and q+.  In a cell, the curve through its ends bounds the mean of 1/s from below.
+- The tangent, |s'| <= t (1 + s), lets 1 + s grow by at most exp(t h) in a cell of h rad.
+- The driving curve, 1/r1 = (1 + 1/s)/a, is convex where q'' <= 2 + 2 sqrt(q) + q'^2/q.  That is not convex in q.  Where
+  q'/q is known to lie between m and M, q'^2/q <= (m + M) q' - m M q, and the root lies below its tangents: q'' - b q' +
+  c q <= d with constants.  So q lies at or above the solution of q'' - b q' + c q = d through two places (the maximum
+  principle), which for three places in a row is linear.
+
+The first three are of the time-optimal control of a path (Verscheure et al., "Time-optimal path tracking for robots: a
+convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q as well); those of the curves are ours.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isinf, log, pi
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.optimum.certified.cycle import Cycle
+from ncgear.optimum.certified.demands import Demands, Rates
+from ncgear.optimum.certified.proof import Linear, Programme
+from ncgear.optimum.task import Task
+
+
+@dataclass(frozen=True, eq=False)
+class MotionProgramme:
+    """The programme of a cycle under demands, and its variables.
+
+    ``q`` (s^2), ``turning`` (s) and ``time`` (mean of 1/s in each cell) have one expression for each place.
+    ``acceleration`` is in units of crank w^2, ``power_squared`` in units of ``power_unit_w`` squared, ``angle`` is the
+    driving angle that the cycle takes, over that which it has; one expression each.
+    """
+
+    programme: Programme
+    q: Linear
+    turning: Linear
+    time: Linear
+    angle: Linear
+    acceleration: Linear
+    power_squared: Linear
+    acceleration_unit_mm_s2: float
+    power_unit_w: float
+
+
+MOST_ACCELERATION = 1e4
+"""Peak acceleration in units of crank w^2 beyond which no motion is looked at; an even crank has one or two."""
+
+
+def motion_programme(
+    task: Task,
+    on: Cycle,
+    asked: Demands,
+    rates: Rates | None = None,
+    *,
+    closed: bool = True,
+    powers_w: tuple[float, float] = (0.0, inf),
+) -> MotionProgramme:
+    """The programme of all motions that keep the demands, and more that only keep these relations.
+
+    ``rates`` brings the driving curve in, for motions with q'/q in these ranges.  Ranges without width make the
+    relation that of the tangent, which bounds q'^2/q from below: a motion that keeps it has a convex driving curve, but
+    not every such motion keeps it.  That programme finds motions and proves nothing.  Where not ``closed``, the cycle
+    may take any driving angle.  ``powers_w`` is the range of peak powers that is looked at where the peak power is not
+    limited.
+    """
+    made = _Making(task, on, asked)
+    made.limit_acceleration()
+    made.limit_power(powers_w)
+    made.limit_curves()
+    if rates is not None:
+        made.limit_driving_curve(rates)
+    made.limit_speeds()
+    made.limit_energies()
+    made.take_time(closed)
+    return MotionProgramme(
+        made.programme, made.q, made.s, made.time, made.angle, made.peak, made.power, made.unit, made.power_unit_w
+    )
+
+
+class _Making:
+    """A programme as it grows; each method adds the rows of one idea."""
+
+    def __init__(self, task: Task, on: Cycle, asked: Demands) -> None:
+        self.task, self.on, self.asked = task, on, asked
+        self.speed = task.speed_rad_s
+        self.crank = task.linkage.crank_mm
+        self.unit = self.crank * self.speed**2
+        count = on.count
+        self.next = np.roll(np.arange(count), -1)
+        self.before = np.roll(np.arange(count), 1)
+        self.after_h, self.before_h = on.step_rad, on.step_rad[self.before]
+        self.programme = Programme()
+        least, most = 1.0 / asked.ratio_max, 1.0 / asked.ratio_min
+        self.lowest, self.highest = np.full(count, least**2), np.full(count, most**2)
+        self.lowest_time, self.highest_time = np.full(count, asked.ratio_min), np.full(count, asked.ratio_max)
+        self._cap_by_power()
+        self.q = self.programme.variable(self.lowest, self.highest)
+        self.s = self.programme.variable(np.sqrt(self.lowest), np.sqrt(self.highest))
+        self.time = self.programme.variable(self.lowest_time, self.highest_time)
+        self.programme.positive(self.highest - self.q)
+        self.programme.positive(self.q - self.lowest)
+        self.programme.positive(self.time - self.lowest_time)
+        self.programme.root(self.s, self.q)
+        # Half the squared speed at the places, over (crank w)^2
+        self.energy = self.q * (on.slope_mm_rad**2 / (2.0 * self.crank**2))
+        self.length = on.length_mm / self.crank
+        self.angle = (self.time * (self.after_h / task.cycle_rad)).total()
+
+    def _cap_by_power(self) -> None:
+        """Ranges of q and of times that a given peak power leaves where no mass takes part."""
+        most = self.asked.power_w
+        self.pressing = self.on.force_n * self.on.slope_mm_rad * self.speed / 1000.0
+        if self.task.masses is not None or isinf(most):
+            return
+        capped = np.full(self.on.count, inf)
+        np.divide(most, self.pressing, out=capped, where=self.pressing > 0.0)
+        self.highest = np.maximum(np.minimum(self.highest, capped**2), self.lowest * 0.99)
+        lasting = self.on.work_n_mm * self.speed / (1000.0 * most * self.after_h)
+        self.lowest_time = np.clip(lasting, self.lowest_time, self.highest_time)
+
+    def limit_acceleration(self) -> None:
+        """The peak of the acceleration, over crank w^2."""
+        on, most = self.on, self.asked.acceleration_mm_s2 / self.unit
+        top = min(most, MOST_ACCELERATION)
+        self.peak = self.programme.variable(np.zeros(1), np.full(1, top))
+        self.programme.positive(top - self.peak)
+        everywhere = self.peak.repeated(on.count)
+        slope = self.energy[self.next] * (1.0 / self.length) - self.energy * (1.0 / self.length)
+        self.programme.positive(everywhere - slope)
+        self.programme.positive(everywhere + slope)
+        dead = np.array([0, on.extended])
+        self.programme.positive(everywhere[dead] - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
+
+    def limit_power(self, powers_w: tuple[float, float]) -> None:
+        """The peak power where it is not limited and no mass takes part: its square bounds q at each place."""
+        top = float(np.max(self.pressing, initial=0.0))
+        self.power_unit_w = top if top > 0.0 else 1.0
+        if self.task.masses is not None or not isinf(self.asked.power_w) or top <= 0.0:
+            self.power = Linear(np.zeros((1, 1), dtype=int), np.zeros((1, 1)), np.zeros(1))
+            return
+        least, most = (end / top for end in powers_w)
+        most = min(most, 1.0 / self.asked.ratio_min)
+        self.power = self.programme.variable(np.full(1, least**2), np.full(1, most**2))
+        root = self.programme.variable(np.full(1, least), np.full(1, most))
+        self.programme.positive(most**2 - self.power)
+        self.programme.positive(self.power - least**2)
+        self.programme.root(root, self.power)
+        share = self.pressing / top
+        pressed = np.nonzero(share > 0.0)[0]
+        self.programme.positive(self.power.repeated(pressed.size) - self.q[pressed] * share[pressed] ** 2)
+        # The work of a cell at full power: time * power >= work
+        lasting = self.on.work_n_mm * self.speed / (1000.0 * top * self.after_h)
+        worked = np.nonzero(lasting > 0.0)[0]
+        constant = Linear(np.zeros((1, worked.size), dtype=int), np.zeros((1, worked.size)), np.sqrt(lasting[worked]))
+        self.programme.product(self.time[worked], root.repeated(worked.size), constant)
+
+    def limit_curves(self) -> None:
+        """The driven curve's convexity, and the tangent of both curves."""
+        if self.asked.convex:
+            self._bulge()
+        if not isinf(self.asked.steepness):
+            self._lean()
+
+    def _bulge(self) -> None:
+        """Three places in a row of a convex driven curve, over alpha, which is of the square of their distance."""
+        near, far = self.before_h, self.after_h
+        whole = np.sin(near + far)
+        beta, gamma = np.sin(far) / whole, np.sin(near) / whole
+        alpha = 2.0 * np.sin(near / 2.0) * np.sin(far / 2.0) / np.cos((near + far) / 2.0)
+        # The geometric mean of the values on both sides
+        between = self.programme.variable(self.lowest, np.full(self.on.count, float(np.max(self.highest))))
+        self.programme.cone(
+            self.q[self.before] + self.q[self.next], 2.0 * between, self.q[self.before] - self.q[self.next]
+        )
+        roots = 2.0 * (beta * self.s[self.before] + gamma * self.s[self.next])
+        squares = (beta**2 / alpha) * self.q[self.before] + (gamma**2 / alpha) * self.q[self.next]
+        mixed = (2.0 * beta * gamma / alpha) * between
+        self.programme.positive(roots + squares + mixed + alpha - self.q * (1.0 / alpha))
+
+    def _lean(self) -> None:
+        """1 + s grows by at most exp(t h) from place to place, either way."""
+        cells = self._leaning()
+        here, there = cells, self.next[cells]
+        growth = np.exp(self.asked.steepness * self.after_h[cells])
+        more = np.expm1(self.asked.steepness * self.after_h[cells])
+        for start, end in ((here, there), (there, here)):
+            reach = 2.0 * growth * self.s[start] + (growth**2 / more) * self.q[start] + more
+            self.programme.positive(reach - self.q[end] * (1.0 / more))
+
+    def _leaning(self) -> IndexArray:
+        """Cells in which the tangent holds 1 + s back more than the ratios do."""
+        widest = log((1.0 + 1.0 / self.asked.ratio_min) / (1.0 + 1.0 / self.asked.ratio_max))
+        return np.nonzero(self.asked.steepness * self.after_h < widest)[0]
+
+    def limit_driving_curve(self, rates: Rates) -> None:
+        """The ranges of q'/q, and three places in a row of a convex driving curve where they are known."""
+        for ends, sign in ((rates.mean_least, 1.0), (rates.mean_most, -1.0)):
+            cells = np.nonzero(np.isfinite(ends))[0]
+            step = self.after_h[cells]
+            grown = self.q[cells] * np.exp(ends[cells] * step)
+            self.programme.positive((self.q[self.next[cells]] - grown) * (sign / step))
+        low = np.minimum(rates.least, rates.least[self.before])
+        high = np.maximum(rates.most, rates.most[self.before])
+        both = np.nonzero(np.isfinite(low) & np.isfinite(high))[0]
+        first, second, rest, good = above(
+            low[both], high[both], rates.about[both], self.before_h[both], self.after_h[both]
+        )
+        both = both[good]
+        lowest = first * self.q[self.before[both]] + second * self.q[self.next[both]] + rest
+        self.programme.positive((self.q[both] - lowest) * (1.0 / (self.before_h * self.after_h)[both]))
+
+    def limit_speeds(self) -> None:
+        """Even speeds over stretches, and ranges of the speed; squared, over crank w."""
+        on, per_q = self.on, (self.on.slope_mm_rad / self.crank) ** 2
+        unit = self.crank * self.speed
+        for even in self.asked.even_speeds:
+            places = on.within(even.start_rad, even.end_rad)
+            places = places[per_q[places] > 0.0]
+            top = float(np.max(per_q[places] * self.highest[places], initial=1.0))
+            least = self.programme.variable(np.zeros(1), np.full(1, top))
+            speed = self.q[places] * per_q[places]
+            self.programme.positive(even.spread**2 * least.repeated(places.size) - speed)
+            self.programme.positive(speed - least.repeated(places.size))
+        for limit in self.asked.speeds:
+            places = on.within(limit.start_rad, limit.end_rad)
+            speed = self.q[places] * per_q[places]
+            self.programme.positive(speed - (limit.least_mm_s / unit) ** 2)
+            if not isinf(limit.most_mm_s):
+                self.programme.positive((limit.most_mm_s / unit) ** 2 - speed)
+
+    def limit_energies(self) -> None:
+        """Motor and brake with masses, the swing of the shaft's energy, and its mean square torque; all in N mm."""
+        asked, on, task = self.asked, self.on, self.task
+        work = on.work_n_mm
+        kinetic = self.q * (on.inertia_kg_mm2 * self.speed**2 / 2000.0)
+        given = kinetic[self.next] - kinetic + work
+        per_time = self.after_h * 1000.0 / self.speed
+        if task.masses is not None and not isinf(asked.power_w):
+            self.programme.positive(self.time - given * (1.0 / (asked.power_w * per_time)))
+        if not isinf(asked.braking_w):
+            self.programme.positive(self.time + given * (1.0 / (asked.braking_w * per_time)))
+        total = float(np.sum(work))
+        if not isinf(asked.torque_n_mm):
+            # The mean square of the torque over a cell is no less than the square of its mean
+            top = asked.torque_n_mm**2 * task.cycle_rad
+            unit = asked.torque_n_mm
+            squares = self.programme.variable(np.zeros(on.count), np.full(on.count, top / unit**2))
+            self.programme.product(self.time * self.after_h, squares, given * (1.0 / unit))
+            self.programme.positive(task.cycle_rad - squares.total())
+        if not isinf(asked.fluctuation_n_mm):
+            self._swing(given, total)
+
+    def _swing(self, given: Linear, total: float) -> None:
+        """The energy at each place less the mean torque's stays within a band."""
+        on, most = self.on, self.asked.fluctuation_n_mm
+        size = most + abs(total)
+        top = self.programme.variable(np.full(1, -1e3), np.full(1, 1e3))
+        level = self.programme.variable(np.full(on.count, -1e3), np.full(on.count, 1e3))
+        step = (given - self.time * (self.after_h * total / self.task.cycle_rad)) * (1.0 / size)
+        inner = np.arange(on.count - 1)
+        for sign in (1.0, -1.0):
+            self.programme.positive(sign * (level[inner + 1] - level[inner] - step[inner]))
+        self.programme.positive(top.repeated(on.count) - level)
+        self.programme.positive(level - top.repeated(on.count) + most / size)
+
+    def take_time(self, closed: bool) -> None:
+        """Least times of the cells, and the driving angles that the cycle and its stretches have."""
+        self._roof()
+        if closed:
+            self.programme.positive(1.0 - self.angle)
+        for stretch in self.asked.times:
+            cells = self.on.cells_within(stretch.start_rad, stretch.end_rad)
+            if cells.size:
+                taken = (self.time[cells] * self.after_h[cells]).total()
+                self.programme.positive((stretch.at_most_rad - taken) * (1.0 / stretch.at_most_rad))
+
+    def _roof(self) -> None:
+        """Upper bounds of the mean of s in a cell: its inverse is no more than the mean of 1/s."""
+        count, one = (
+            self.on.count,
+            Linear(np.zeros((1, self.on.count), dtype=int), np.zeros((1, self.on.count)), np.ones(self.on.count)),
+        )
+        ends = (self.s + self.s[self.next]) * 0.5
+        if self.asked.convex:
+            wide = np.tan(self.after_h / 2.0) / (self.after_h / 2.0)
+            self.programme.product(self.time, wide * ends + (wide - 1.0), one)
+            return
+        if not isinf(self.asked.steepness):
+            cells = self._leaning()
+            lean = self.asked.steepness * self.after_h[cells] / 2.0
+            wide = np.expm1(lean) / lean
+            self.programme.product(self.time[cells], wide * ends[cells] + (wide - 1.0), one[cells])
+        # A cell's mean of half the squared speed is under the roof that the peak of acceleration leaves
+        per = 1.0 / self.length
+        here, there = self.energy * per, self.energy[self.next] * per
+        top = float(np.max(self.on.slope_mm_rad**2 / self.crank**2)) * float(np.max(self.highest)) * 0.55 * per
+        mean, root = (
+            self.programme.variable(np.zeros(count), top),
+            self.programme.variable(np.zeros(count), np.sqrt(top)),
+        )
+        peak = self.peak.repeated(count)
+        self.programme.product(peak, 2.0 * here + 2.0 * there + peak - 4.0 * mean, there - here)
+        self.programme.root(root, mean)
+        # time * step >= length / (mean speed), over crank w
+        self.programme.product(self.time, root, one * np.sqrt(np.sqrt(self.length / 2.0) / self.after_h))
+
+
+def above(low: Array, high: Array, about: Array, before: Array, after: Array) -> tuple[Array, Array, Array, IndexArray]:
+    """q0 >= first q- + second q+ + third where q'' - b q' + c q <= d; the last tells for which places it holds.
+
+    Ranges of q'/q in the two cells beside each place, a value near q0, and the lengths of both cells; shape (k,).  The
+    root of q lies below its tangent at ``about``.  Where c is so small that 1 - first - second would lose digits, the
+    tangent is taken elsewhere.  With k^2 = b^2/4 - c the solutions of the equation are exp(b t/2) times sinh or sin of
+    k t; the maximum principle holds while the sine's places are less than half a wave apart.
+    """
+    b = low + high
+    tangent = _tangent(low * high, about)
+    c, d = low * high - 1.0 / np.sqrt(tangent), 2.0 + np.sqrt(tangent)
+    square = b * b / 4.0 - c
+    k = np.sqrt(np.abs(square))
+
+    def wave(angle: Array) -> Array:
+        curved: Array = np.where(square > 0.0, np.sinh(k * angle), np.sin(k * angle))
+        return np.where(k * angle < 1e-6, angle, curved / np.where(k > 0.0, k, 1.0))
+
+    whole = wave(before + after)
+    first = np.exp(b / 2.0 * before) * wave(after) / whole
+    second = np.exp(-b / 2.0 * after) * wave(before) / whole
+    good = np.nonzero((square > 0.0) | (k * (before + after) < 0.9 * pi))[0]
+    rest: Array = d * (1.0 - first - second) / c
+    return first[good], second[good], rest[good], good
+
+
+LEAST_C = 0.3
+"""Size of c from which 1 - first - second, about c h^2/2, keeps twelve digits on cells of a degree or two."""
+
+
+def _tangent(product: Array, about: Array) -> Array:
+    """The value of q whose tangent is used: the one given, or the nearest with a c that is not too small."""
+    c = product - 1.0 / np.sqrt(about)
+    lifted = np.where(c >= 0.0, product - LEAST_C, product + LEAST_C)
+    lifted = np.where(lifted > 0.0, lifted, product + LEAST_C)
+    moved = 1.0 / np.maximum(lifted, 1e-3) ** 2
+    found: Array = np.where(np.abs(c) < LEAST_C, moved, about)
+    return found

@@ -1,0 +1,243 @@
+"""A conic programme, its solution, and the proof of a lower bound of its least value.
+
+    least c'v   where   b - A v  is in K   and   low <= v <= high
+
+K is a product of half lines and of second-order cones of three numbers, x0 >= sqrt(x1^2 + x2^2).  Clarabel, an
+interior-point method, solves it.  Its word is not the certificate.  For any z in the dual cone (K itself) and any
+allowed v, z'(b - A v) >= 0, and so with r = c + A'z
+
+    c'v >= -b'z + r'v >= -b'z + sum of min(r low, r high)
+
+The multipliers z that the solver gives are moved into the cone, and this sum is computed with all its rounding errors
+charged against it.  Errors of the numbers in A and b are charged too: every row is let out by ``DATA`` of its terms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import fsum, inf
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from ncgear.extras import require
+from ncgear.numerics.arrays import Array, IndexArray
+
+UNIT = float(np.finfo(float).eps)
+
+DATA = 1e-11
+"""Relative error that numbers of the rows may have: they come from a few operations on displacements and sines, whose
+cancellation leaves 1e-13 at worst where places are as near as ``cycle.NEAREST`` allows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """k linear expressions: constant + sum of coefficients times variables; arrays of shape (terms, k) and (k,)."""
+
+    columns: IndexArray
+    coefficients: Array
+    constant: Array
+
+    __array_ufunc__ = None  # so that an array times an expression is an expression
+
+    def __add__(self, other: Linear | Array | float) -> Linear:
+        if not isinstance(other, Linear):
+            return replace(self, constant=self.constant + other)
+        return Linear(
+            np.vstack([self.columns, other.columns]),
+            np.vstack([self.coefficients, other.coefficients]),
+            self.constant + other.constant,
+        )
+
+    __radd__ = __add__
+
+    def __mul__(self, factor: Array | float) -> Linear:
+        return Linear(self.columns, self.coefficients * factor, self.constant * factor)
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> Linear:
+        return self * -1.0
+
+    def __sub__(self, other: Linear | Array | float) -> Linear:
+        return self + -other
+
+    def __rsub__(self, other: Array | float) -> Linear:
+        return -self + other
+
+    def __getitem__(self, places: Any) -> Linear:
+        return Linear(self.columns[:, places], self.coefficients[:, places], self.constant[places])
+
+    def total(self) -> Linear:
+        """The sum of all, as one expression."""
+        return Linear(
+            self.columns.reshape(-1, 1), self.coefficients.reshape(-1, 1), np.sum(self.constant, keepdims=True)
+        )
+
+    def repeated(self, count: int) -> Linear:
+        """One expression, ``count`` times."""
+        return Linear(
+            np.repeat(self.columns, count, axis=1),
+            np.repeat(self.coefficients, count, axis=1),
+            np.repeat(self.constant, count),
+        )
+
+
+@dataclass
+class Programme:
+    """A programme as it is put together: variables with their ranges, then rows that must not be negative."""
+
+    low: list[Array] = field(default_factory=list)
+    high: list[Array] = field(default_factory=list)
+    rows: list[Linear] = field(default_factory=list)
+    cones: list[tuple[Linear, Linear, Linear]] = field(default_factory=list)
+    size: int = 0
+
+    def variable(self, low: Array, high: Array) -> Linear:
+        """New variables, shape (k,), within ranges that every wanted motion keeps; the ranges are no rows."""
+        count = low.size
+        columns = np.arange(self.size, self.size + count)[None, :]
+        self.size += count
+        self.low.append(low)
+        self.high.append(high)
+        return Linear(columns, np.ones((1, count)), np.zeros(count))
+
+    def positive(self, expression: Linear) -> None:
+        """Rows: each expression is zero or more."""
+        self.rows.append(expression)
+
+    def cone(self, first: Linear, second: Linear, third: Linear) -> None:
+        """Rows: first >= sqrt(second^2 + third^2), for each of k."""
+        self.cones.append((first, second, third))
+
+    def product(self, one: Linear, other: Linear, square_of: Linear) -> None:
+        """Rows: one * other >= square_of^2, both factors positive."""
+        self.cone(one + other, 2.0 * square_of, one - other)
+
+    def root(self, root: Linear, of: Linear) -> None:
+        """Rows: root <= sqrt(of)."""
+        self.cone(of + 1.0, 2.0 * root, of - 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """``value`` is certain: nothing allowed has less; infinite where nothing is allowed at all.
+
+    ``near`` holds the solver's variables, shape (n,), close to the best; None where it found none.
+    """
+
+    value: float
+    near: Array | None
+
+
+def least(programme: Programme, goal: Linear) -> Answer:
+    """The least value of a goal, one expression, and variables that come near it.
+
+    Raises WrongInput where Clarabel is not installed.
+    """
+    require("clarabel", "optimize", "a certified limit")
+    import clarabel
+
+    matrix, bounds, cones = _standard_form(programme)
+    cost = np.zeros(programme.size)
+    np.add.at(cost, goal.columns[:, 0], goal.coefficients[:, 0])
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_threads = 1
+    # The rows are scaled already, and the proof judges: both cost a third of the time
+    settings.iterative_refinement_enable = False
+    settings.equilibrate_enable = False
+    shapes = [clarabel.NonnegativeConeT(bounds.size - 3 * cones), *[clarabel.SecondOrderConeT(3)] * cones]
+    nothing = sparse.csc_matrix((cost.size, cost.size))
+    solver = clarabel.DefaultSolver(nothing, cost, matrix, bounds, shapes, settings)
+    found = solver.solve()
+    near, multipliers = np.array(found.x), np.array(found.z)
+    status = str(found.status)
+    low, high = np.concatenate(programme.low), np.concatenate(programme.high)
+    proof = Proof(matrix, bounds, cones, low, high)
+    if "PrimalInfeasible" in status:
+        return Answer(inf if proof.bound(np.zeros(cost.size), multipliers) > 0.0 else -inf, None)
+    if not np.all(np.isfinite(multipliers)):
+        return Answer(-inf, None)
+    value = proof.bound(cost, multipliers) + float(goal.constant[0])
+    return Answer(value, near if np.all(np.isfinite(near)) else None)
+
+
+def _standard_form(programme: Programme) -> tuple[sparse.csc_matrix, Array, int]:
+    """A, b and the number of cones: each row b - A v is an expression that must be in its cone."""
+    blocks = [*programme.rows, *_interleaved(programme.cones)]
+    columns, rows, values, before = [], [], [], 0
+    for block in blocks:
+        terms, count = block.columns.shape
+        columns.append(block.columns.ravel())
+        rows.append(np.tile(np.arange(before, before + count), terms))
+        values.append(-block.coefficients.ravel())
+        before += count
+    shape = before, programme.size
+    matrix = sparse.csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+    matrix.eliminate_zeros()
+    cones = sum(first.constant.size for first, _, _ in programme.cones)
+    return matrix, np.concatenate([block.constant for block in blocks]), cones
+
+
+def _interleaved(cones: Sequence[tuple[Linear, Linear, Linear]]) -> list[Linear]:
+    """Rows of cones, the three of one cone after each other."""
+    blocks = []
+    for three in cones:
+        terms, count = max(one.columns.shape[0] for one in three), three[0].constant.size
+        columns = np.zeros((terms, 3 * count), dtype=int)
+        coefficients, constant = np.zeros((terms, 3 * count)), np.zeros(3 * count)
+        for place, one in enumerate(three):
+            own = one.columns.shape[0]
+            columns[:own, place::3], coefficients[:own, place::3] = one.columns, one.coefficients
+            constant[place::3] = one.constant
+        blocks.append(Linear(columns, coefficients, constant))
+    return blocks
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """What a bound is proven from: the rows A and b, the number of cones among them (the last rows), the ranges."""
+
+    matrix: sparse.csc_matrix
+    bounds: Array
+    cones: int
+    low: Array
+    high: Array
+
+    def bound(self, cost: Array, multipliers: Array) -> float:
+        """A value certainly at or below the least of cost'v over all allowed v, from any multipliers, shape (rows,)."""
+        z = self.in_cone(multipliers)
+        rows = -self.bounds - self.let_out
+        residual = cost + self.matrix.T @ z
+        size = np.abs(cost) + abs(self.matrix).T @ z
+        # A sum of k terms is off by at most k units of rounding of the sum of their sizes
+        most = int(np.diff(self.matrix.indptr).max()) + 4
+        off = most * UNIT * size
+        least = np.minimum.reduce(
+            [(residual + sign * off) * end for sign in (-1.0, 1.0) for end in (self.low, self.high)]
+        )
+        terms = [*(rows * z).tolist(), *least.tolist()]
+        return fsum(terms) - 4.0 * UNIT * fsum(map(abs, terms))
+
+    def in_cone(self, multipliers: Array) -> Array:
+        """Multipliers in the dual cone: halves below zero are zero, the first of three is raised to their length."""
+        z = np.maximum(multipliers, 0.0)
+        flat = z.size - 3 * self.cones
+        three = multipliers[flat:].reshape(-1, 3)
+        length = np.hypot(three[:, 1], three[:, 2]) * (1.0 + 4.0 * UNIT)
+        z[flat:] = np.column_stack([np.maximum(three[:, 0], length), three[:, 1:]]).ravel()
+        return z
+
+    @property
+    def let_out(self) -> Array:
+        """By how much every row is let out for errors of its numbers; of three rows in a cone, the first by all."""
+        largest = np.maximum(np.abs(self.low), np.abs(self.high))
+        each = DATA * (abs(self.matrix) @ largest + np.abs(self.bounds))
+        flat = each.size - 3 * self.cones
+        three = each[flat:].reshape(-1, 3)
+        three[:, 0], three[:, 1:] = three.sum(axis=1), 0.0
+        let_out: Array = each
+        return let_out

@@ -1,0 +1,93 @@
+"""What a law makes a machine with all its masses feel: the figures of forces, torque and power that a law is judged by.
+
+All are taken from the rigid level (``ncgear.dynamics.rigid``) at constant driving speed, so peaks are exact.  Motor
+power is the driving shaft's torque times its speed: positive where the motor drives, negative where it brakes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+
+import numpy as np
+
+from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.dynamics.rigid import (
+    IDLE,
+    Fluctuation,
+    Loads,
+    RigidMachine,
+    broken_cycle,
+    fluctuation,
+    largest_over,
+    range_over,
+)
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.slider_load import SliderLoad
+from ncgear.numerics.plane import Vector
+from ncgear.numerics.quadrature import gauss_points
+from ncgear.numerics.units import N_M_PER_N_MM
+
+NODES = 25
+"""Gauss points of a panel: exact for the square of a form of degree 24, the degree of ``numerics.chebyshev``."""
+
+
+@dataclass(frozen=True)
+class Felt:
+    """Figures over one cycle.
+
+    ``braking_power_w`` is the largest power that flows back to the motor, 0 where none does.  ``rms_torque_n_m`` is the
+    root of the driving torque's mean square over the driving angle.  ``flywheel_kg_mm2`` is the inertia on the driving
+    shaft, its gear included, that keeps the wanted coefficient of speed fluctuation where the motor's torque is even:
+    the motor then delivers the mean power alone.  ``bearing_force_n`` is the largest force on the crank's bearings, the
+    teeth's apart; ``shaking_force_n`` the largest of the moving masses on the frame.
+    """
+
+    peak_power_w: float
+    braking_power_w: float
+    rms_torque_n_m: float
+    flywheel_kg_mm2: float
+    bearing_force_n: float
+    shaking_force_n: float
+
+
+def felt(machine: Machine, masses: Masses, speed_fluctuation: float) -> Felt:
+    """The figures of a machine; the coefficient of speed fluctuation is over 0 and at most about 0.2."""
+    rigid = RigidMachine(machine, masses)
+    cycle, speed = broken_cycle(rigid), machine.speed_rad_s
+    least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.driving_torque))
+    swinging = fluctuation(rigid)
+    free = replace(machine, load=SliderLoad())
+    inert = RigidMachine(free, replace(masses, gravity_m_s2=(0.0, 0.0)))
+    return Felt(
+        peak_power_w=N_M_PER_N_MM * speed * max(0.0, most),
+        braking_power_w=N_M_PER_N_MM * speed * max(0.0, -least),
+        rms_torque_n_m=N_M_PER_N_MM * rms_n_mm(swinging),
+        flywheel_kg_mm2=swinging.flywheel_kg_mm2(speed_fluctuation),
+        bearing_force_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing).value,
+        shaking_force_n=largest_over(inert, broken_cycle(inert), _on_frame).value,
+    )
+
+
+def _on_frame(loads: Loads) -> Vector:
+    """What the frame feels of a machine without weights and resistance: the reactions of bearings and guide."""
+    return Vector(loads.crank_bearing.x, loads.crank_bearing.y + loads.guide)
+
+
+def rms_n_mm(swinging: Fluctuation) -> float:
+    """Root of the mean over the driving angle of the squared driving torque."""
+    points, weights = gauss_points(swinging.torque.breaks, NODES)
+    return sqrt(float(np.sum(weights * swinging.torque(points) ** 2)) / float(np.ptp(swinging.torque.breaks)))
+
+
+def tooth_force_n(machine: Machine, masses: Masses, place: MeshPlace) -> float:
+    """Largest force between the teeth along the flanks' normal; infinite where flanks carry at 90 degrees or more.
+
+    All of it counts as carried at the pitch point, where the force of one pair of teeth or of several has the same arm.
+    """
+    rigid = RigidMachine(machine, masses, place)
+    cycle = broken_cycle(rigid)
+    least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.mesh_force.size_n))
+    # Beyond 90 degrees the size is negative
+    return inf if least < -IDLE * most else most

@@ -1,0 +1,142 @@
+"""Places of the crank at which laws are held to their levels or judged, in cells inside which everything is smooth.
+
+Cells end at the knots of the spline, at both dead centres, where a load turns or is sharp, and where stretches
+of levels begin and end.  Each cell has places at both its ends and evenly between them; neighbours share the place
+between them, except at a dead centre, where forces may jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.jet import Jet
+from ncgear.optimum.loads import machine_loads
+from ncgear.optimum.makeable.levels import TURN, Stretch
+from ncgear.optimum.makeable.quantities import Slider
+from ncgear.optimum.task import Task
+
+A_TURN = 2.0 * pi
+
+ORDER = 3
+"""Derivatives of the slider's displacement by the crank angle: jerk needs the third."""
+
+APART = 1e-7
+"""Crank angle in rad below which two ends of cells count as one: displacements, exact to 1e-16 of the stroke, grow with
+the square of the angle at a dead centre."""
+
+INSIDE = 1e-9
+"""Share of a cell by which the places at dead centres are moved into it to read the forces on their side."""
+
+STANDING = 1e-9
+"""Share of the stroke to which |x'| is rounded in its logarithm where the slider stands; a millionth of the stroke
+away from there it makes a share of 1e-6."""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """m places in n cells of p steps each: angles and slider, (m,) per column, and the numbers of each cell's places.
+
+    ``ends_rad`` has shape (n + 1,), from 0 to a turn; ``number`` and ``weight`` have shape (n, p + 1).  The sum of
+    weights times values is Simpson's integral over phi2 in each cell.
+    """
+
+    ends_rad: Array
+    angle_rad: Array
+    slider: Slider
+    number: IndexArray
+    weight: Array
+
+    @property
+    def count(self) -> int:
+        """Number of places."""
+        return self.angle_rad.size
+
+    @property
+    def turn_weights(self) -> Array:
+        """Weights of all places in an integral over phi2 over the whole turn, shape (m,)."""
+        return self.integral_weights(TURN)
+
+    def cells(self, stretch: Stretch) -> IndexArray:
+        """Numbers of the cells in a stretch whose ends are ends of cells."""
+        middle = (self.ends_rad[1:] + self.ends_rad[:-1]) / 2.0
+        return np.nonzero((middle - stretch.start_rad) % A_TURN < stretch.end_rad - stretch.start_rad)[0]
+
+    def within(self, stretch: Stretch) -> IndexArray:
+        """Numbers of the places in a stretch; of all at its one angle, where it has no length."""
+        if stretch.end_rad > stretch.start_rad:
+            return np.unique(self.number[self.cells(stretch)])
+        apart = np.abs((self.angle_rad - stretch.start_rad + pi) % A_TURN - pi)
+        return np.nonzero(apart <= apart.min() + APART)[0]
+
+    def integral_weights(self, stretch: Stretch) -> Array:
+        """Weights of all places in an integral over phi2 over a stretch, shape (m,)."""
+        cells, weights = self.cells(stretch), np.zeros(self.count)
+        np.add.at(weights, self.number[cells], self.weight[cells])
+        return weights
+
+
+def cell_ends(task: Task, knots_rad: Array, stretches: Iterable[Stretch]) -> Array:
+    """Ends of the cells, from 0 to a turn; dead centres and ends of stretches stay exactly where they are."""
+    stroke, working = task.linkage.stroke_mm, task.linkage.working_angle_rad
+    corners = np.concatenate([_corners_rad(task, stroke, returning) for returning in (False, True)])
+    asked = np.array([end for stretch in stretches for end in (stretch.start_rad, stretch.end_rad)]) % A_TURN
+    ends = np.array([0.0, working, A_TURN])
+    for others in (asked, corners, knots_rad):
+        near = np.abs(others[:, None] - ends).min(axis=1, initial=np.inf) <= APART
+        ends = np.unique(np.concatenate([ends, others[~near]]))
+    return np.delete(ends, 1 + np.nonzero(np.diff(ends[1:-1]) <= APART)[0])
+
+
+def _corners_rad(task: Task, stroke_mm: float, returning: bool) -> Array:
+    """Crank angles of one stroke at which its load turns or is sharp, shape (n,)."""
+    sharp = task.load.knots_mm(stroke_mm, returning)
+    return task.linkage.crank_angle(sharp, np.full(sharp.size, returning)) if sharp.size else sharp
+
+
+def places(task: Task, ends_rad: Array, steps: int) -> Places:
+    """Places of cells with an even number of steps each."""
+    cells, width = ends_rad.size - 1, np.diff(ends_rad)
+    share = np.arange(steps + 1.0) / steps
+    working = int(np.argmin(np.abs(ends_rad - task.linkage.working_angle_rad)))
+    # The extended dead centre is a place of the cell before it and another one of the cell behind it
+    number = np.arange(cells)[:, None] * steps + np.arange(steps + 1)
+    number[working:] += 1
+    angle = np.empty(number[-1, -1] + 1)
+    angle[number] = ends_rad[:-1, None] + width[:, None] * share
+    angle[-1] = A_TURN
+    beside = angle.copy()
+    for cell, end, inwards in ((0, 0, 1.0), (working - 1, -1, -1.0), (working, 0, 1.0), (cells - 1, -1, -1.0)):
+        beside[number[cell, end]] += inwards * INSIDE * width[cell]
+    pattern = np.ones(steps + 1)
+    pattern[1:-1:2], pattern[2:-1:2] = 4.0, 2.0
+    weight = width[:, None] * pattern / (3.0 * steps)
+    return Places(ends_rad, angle, slider_at(task, beside), number, weight)
+
+
+def slider_at(task: Task, crank_angle_rad: Array) -> Slider:
+    """The slider at crank angles in rad between 0 and a turn, shape (m,) per column."""
+    variable = np.zeros((ORDER + 1, crank_angle_rad.size))
+    variable[0], variable[1] = crank_angle_rad, 1.0
+    displacement = task.linkage.displacement(Jet(variable))
+    returning = crank_angle_rad >= task.linkage.working_angle_rad
+    pressing = task.load.backwards_n(np.clip(displacement.value, 0.0, task.linkage.stroke_mm), returning)
+    first, second, third = (displacement.derivative(order) for order in range(1, ORDER + 1))
+    logarithm = np.log(np.hypot(first, STANDING * task.linkage.stroke_mm))
+    return Slider(first, second, third, pressing, *_load_columns(task, crank_angle_rad, pressing))._replace(
+        log_first=logarithm
+    )
+
+
+def _load_columns(task: Task, crank_angle_rad: Array, resistance_n: Array) -> list[Array]:
+    """The columns of loads of ``Slider`` in their order, shape (m,) each; zero where no masses are known."""
+    if task.masses is None:
+        return [np.zeros(crank_angle_rad.size)] * (len(Slider._fields) - 5)
+    felt = machine_loads(task.linkage, task.masses, crank_angle_rad, resistance_n)
+    bearing = [column for axis in (0, 1) for column in felt.bearing_n.component(axis)]
+    shaking = [column for axis in (0, 1) for column in felt.shaking_n.component(axis)[1:]]
+    return [*felt.torque_n_mm.columns, *bearing, *shaking]

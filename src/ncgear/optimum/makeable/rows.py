@@ -1,0 +1,191 @@
+"""The rows of the programme: levels of every kind as sums of local terms and linear parts, zero or at most zero.
+
+Terms are local to a place.  Beside them stand variables of the whole: lengths of the pairs and means of swings, which
+terms depend on, and levels, the excess, bases of spreads and running integrals, which they do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.places import Places
+from ncgear.optimum.makeable.quantities import Place, Slider, Term, length_rates
+
+RUNNING = {Kind.INTEGRAL, Kind.DEVIATION, Kind.SWING}
+"""Kinds that are integrals over the driving angle."""
+
+SPANNING = {Kind.SPREAD, Kind.SWING}
+"""Kinds that hold all values between a base and the level above it."""
+
+TWO_SIDED = SPANNING | {Kind.DEVIATION}
+"""Kinds that hold their terms from above and from below."""
+
+
+def level_terms(
+    levels: Sequence[Level],
+    ratios: Sequence[Place],
+    slider: Slider,
+    lengths: Sequence[Term],
+    mean_of: Callable[[Term], Term],
+) -> list[list[Term]]:
+    """Every level's terms at a place; those of integrals per unit of phi2, those of swings less their means."""
+    found = []
+    for level in levels:
+        terms = level.terms(ratios, slider, lengths)
+        if level.kind is Kind.SWING:
+            terms = tuple(term - mean_of(term) for term in terms)
+        found.append([term * ratios[0].ratio if level.kind in RUNNING else term for term in terms])
+    return found
+
+
+def closing_terms(ratios: Sequence[Place]) -> list[Term]:
+    """What is integrated over the turn whatever the levels: every ratio, and the rate of every pair's length."""
+    return [*(one.ratio for one in ratios), *length_rates(ratios)]
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Rows that hold one term of one level, from the row ``first`` on, at places of the programme or ends of cells.
+
+    Integrals have one row and one place, which means nothing.  With ``sense`` 1 rows hold the term from above; with -1
+    they hold a spread, a swing or a deviation from below.  ``base`` is the column of the base of a spread or swing;
+    ``running`` are those of the running integral, but for the first end of a cell, where it is zero.
+    """
+
+    level: int
+    term: int
+    first: int
+    places: IndexArray
+    sense: int
+    base: int | None = None
+    running: IndexArray | None = None
+
+    @property
+    def rows(self) -> slice:
+        """Numbers of the rows."""
+        return slice(self.first, self.first + self.places.size)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Where means of swings, levels and the excess are among the variables of the whole; lengths are first."""
+
+    first_mean: int
+    first_level: int
+    excess: int
+
+
+@dataclass(eq=False)
+class Rows:
+    """Rows that grow as levels are added: ``equations``, which are zero, and then those at or below zero.
+
+    ``terms`` counts the terms at a place and ``wholes`` the variables of the whole.
+    """
+
+    at: Places
+    columns: Columns
+    terms: int
+    wholes: int
+    count: int = 0
+    equations: int = 0
+    blocks: list[Block] = field(default_factory=list)
+    _local: list[Any] = field(default_factory=list)
+    _whole: list[Any] = field(default_factory=list)
+    _fixed: list[Array] = field(default_factory=list)
+
+    def new(self, count: int, fixed: float = 0.0) -> IndexArray:
+        """Numbers of so many new rows, with a constant part."""
+        self.count += count
+        self._fixed.append(np.full(count, fixed))
+        return np.arange(self.count - count, self.count)
+
+    def new_wholes(self, count: int) -> IndexArray:
+        """Columns of so many new variables of the whole."""
+        self.wholes += count
+        return np.arange(self.wholes - count, self.wholes)
+
+    def put_term(self, row: Any, place: Any, term: int, weight: Any = 1.0) -> None:
+        """Add a term at places to rows, with weights; row, place and weight have one shape together."""
+        self._local.append(np.broadcast_arrays(row, place * self.terms + term, weight))
+
+    def put_whole(self, row: Any, column: Any, weight: Any = 1.0) -> None:
+        """Add variables of the whole to rows, with weights."""
+        self._whole.append(np.broadcast_arrays(row, column, weight))
+
+    def matrices(self) -> tuple[Any, Any, Array]:
+        """Matrix on the terms, columns place * terms + term; matrix on the whole's variables; constants, (rows,)."""
+        local = _matrix(self._local, (self.count, self.at.count * self.terms))
+        return local, _matrix(self._whole, (self.count, self.wholes)), np.concatenate(self._fixed)
+
+
+def rows_of(levels: Sequence[Level], term_counts: Sequence[int], at: Places, cycles_rad: Sequence[float]) -> Rows:
+    """The rows of levels, each with so many terms, for pairs that turn through ``cycles_rad`` per turn of the crank."""
+    # First come two equations for every pair: its driving angle and its length
+    pairs, of_levels = len(cycles_rad), sum(term_counts)
+    swings = sum(count for level, count in zip(levels, term_counts, strict=True) if level.kind is Kind.SWING)
+    columns = Columns(pairs, pairs + swings, pairs + swings + len(levels))
+    rows = Rows(at, columns, of_levels + 2 * pairs, columns.excess + 1)
+    everywhere, turn = np.arange(at.count), at.turn_weights
+    for pair, cycle in enumerate(cycles_rad):
+        rows.put_term(rows.new(1, -cycle), everywhere, of_levels + pair, turn)
+        row = rows.new(1)
+        rows.put_term(row, everywhere, of_levels + pairs + pair, turn)
+        rows.put_whole(row, pair, -1.0)
+    each = [(number, level) for number, level in enumerate(levels) for _ in range(term_counts[number])]
+    running = {term: _running(rows, term) for term, (_, level) in enumerate(each) if level.kind is Kind.SWING}
+    rows.equations = rows.count
+    for term, (number, level) in enumerate(each):
+        places, base = _places_of(level, at), None
+        if level.kind in SPANNING:
+            base = int(rows.new_wholes(1)[0])
+        for sense in (1, -1) if level.kind in TWO_SIDED else (1,):
+            _hold(rows, level, Block(number, term, rows.count, places, sense, base, running.get(term)))
+    return rows
+
+
+def _places_of(level: Level, at: Places) -> IndexArray:
+    """Numbers of the places, or ends of cells, at which a level holds its terms."""
+    if level.kind is Kind.SWING:
+        return np.arange(at.number.shape[0])
+    return np.zeros(1, dtype=int) if level.kind in RUNNING else at.within(level.stretch)
+
+
+def _hold(rows: Rows, level: Level, block: Block) -> None:
+    """Add the rows of a block."""
+    at, sense, columns = rows.at, block.sense, rows.columns
+    row = rows.new(block.places.size, -sense * level.target)
+    if level.kind is Kind.SWING:
+        rows.put_whole(row[1:], block.running, sense)
+    elif level.kind in RUNNING:
+        rows.put_term(row, np.arange(at.count), block.term, sense * at.integral_weights(level.stretch))
+    else:
+        rows.put_term(row, block.places, block.term, sense)
+    if block.base is not None:
+        rows.put_whole(row, block.base, -sense)
+    if sense > 0 or block.base is None:
+        rows.put_whole(row, columns.first_level + block.level, -1.0)
+        rows.put_whole(row, columns.excess, -1.0)
+    rows.blocks.append(block)
+
+
+def _running(rows: Rows, term: int) -> IndexArray:
+    """Columns of a term's running integral at all ends of cells but the first and the last, where it is zero."""
+    cells = rows.at.number.shape[0]
+    column, row = rows.new_wholes(cells - 1), rows.new(cells)
+    rows.put_term(row[:, None], rows.at.number, term, rows.at.weight)
+    rows.put_whole(row[:-1], column, -1.0)
+    rows.put_whole(row[1:], column)
+    return column
+
+
+def _matrix(parts: Sequence[Any], shape: tuple[int, int]) -> Any:
+    """A sparse matrix from triplets; entries at the same place add up."""
+    row, column, value = (np.concatenate([np.ravel(part[k]) for part in parts]) for k in range(3))
+    return sparse.coo_matrix((value, (row, column)), shape=shape)

@@ -1,0 +1,195 @@
+"""From keys to values: the wishes of a design's motion, refused where the mechanism or each other contradict them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil, degrees, floor, inf, log10
+
+from ncgear.design.keys.base import given, spellings
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.wishes import Dwell as DwellKeys
+from ncgear.design.keys.wishes import Position as PositionKeys
+from ncgear.design.keys.wishes import Wishes, strokes_of
+from ncgear.design.keys.wishes import WorkingStroke as WorkingStrokeKeys
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.kinematics import wishes as values
+from ncgear.kinematics.wishes import End, Stroke, nearest_dwell_mm
+from ncgear.mechanisms.mechanism import Mechanism
+
+DIGITS = 3
+"""Significant digits of the nearest dwell; it is rounded up, so that it can be made."""
+
+
+def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tuple[values.Wish, ...]:
+    """The wishes of a design's motion, of a mechanism whose cycle takes a driving angle of ``cycle_rad``.
+
+    Raises WrongInput for places outside the stroke, angles outside the cycle and wishes that contradict each other,
+    NoSuchMechanism for an exact dwell.
+    """
+    asked = design.wishes
+    _refuse_places(asked, linkage.stroke_mm)
+    _refuse_angles(asked, cycle_rad)
+    ratio_max = (design.optimize or Optimize()).limits.ratio_max
+    for number, dwell in enumerate(asked.dwell):
+        if dwell.within_mm == 0.0:
+            raise _exact_dwell(f"wishes.dwell.{number}.within_mm", dwell, linkage, ratio_max)
+    return (
+        *_constant_speeds(asked),
+        *_times(asked),
+        *_dwells(asked),
+        *_speeds(asked),
+        *_positions(asked),
+    )
+
+
+def _constant_speeds(asked: Wishes) -> Iterator[values.Wish]:
+    for number, wish in enumerate(asked.constant_speed):
+        yield values.ConstantSpeed(
+            key=f"wishes.constant_speed.{number}",
+            weight=wish.soft_weight,
+            from_mm=wish.from_mm,
+            to_mm=wish.to_mm,
+            tolerance=wish.tolerance,
+            stroke=Stroke(wish.stroke),
+            speed_mm_s=wish.speed_mm_s,
+        )
+
+
+def _times(asked: Wishes) -> Iterator[values.Wish]:
+    if (ratio := asked.time_ratio) is not None:
+        yield values.TimeRatio(key="wishes.time_ratio", weight=ratio.soft_weight, at_least=ratio.at_least)
+    if (stroke := asked.working_stroke) is not None:
+        yield values.WorkingStroke(
+            key="wishes.working_stroke",
+            weight=stroke.soft_weight,
+            angle_rad=stroke.driving_rad,
+            tolerance_rad=stroke.within_rad,
+        )
+
+
+def _dwells(asked: Wishes) -> Iterator[values.Wish]:
+    for number, wish in enumerate(asked.dwell):
+        yield values.Dwell(
+            key=f"wishes.dwell.{number}",
+            weight=wish.soft_weight,
+            end=End(wish.at),
+            within_mm=wish.within_mm,
+            for_rad=wish.for_angle_rad,
+        )
+
+
+def _speeds(asked: Wishes) -> Iterator[values.Wish]:
+    for number, wish in enumerate(asked.speed_at):
+        key, stroke = f"wishes.speed_at.{number}", Stroke(wish.stroke)
+        if wish.make is not None:
+            fastest = wish.make == "fastest"
+            yield values.ExtremeSpeed(
+                key=key, weight=wish.soft_weight, at_mm=wish.at_mm, stroke=stroke, fastest=fastest
+            )
+        else:
+            yield values.SpeedAt(
+                key=key,
+                weight=wish.soft_weight,
+                at_mm=wish.at_mm,
+                stroke=stroke,
+                least_mm_s=wish.at_least_mm_s or 0.0,
+                most_mm_s=inf if wish.at_most_mm_s is None else wish.at_most_mm_s,
+            )
+
+
+def _positions(asked: Wishes) -> Iterator[values.Wish]:
+    for number, (wish, stroke) in enumerate(zip(asked.positions, strokes_of(asked.positions), strict=True)):
+        yield values.Position(
+            key=f"wishes.positions.{number}",
+            weight=wish.soft_weight,
+            at_mm=wish.at_mm,
+            phi1_rad=wish.driving_rad,
+            tolerance_mm=wish.tolerance_mm,
+            stroke=Stroke(stroke),
+        )
+
+
+def _refuse_places(asked: Wishes, stroke_mm: float) -> None:
+    """Refuse places beyond the stroke, and speeds at its very end, where the slider stands still."""
+    inside = [
+        *((f"constant_speed.{number}.to_mm", wish.to_mm) for number, wish in enumerate(asked.constant_speed)),
+        *((f"speed_at.{number}.at_mm", wish.at_mm) for number, wish in enumerate(asked.speed_at)),
+        *((f"dwell.{number}.within_mm", wish.within_mm) for number, wish in enumerate(asked.dwell)),
+    ]
+    for key, place in inside:
+        if not place < stroke_mm:
+            raise WrongInput(f"{place:g} given, but the stroke is {stroke_mm:g} mm; less is right", key=f"wishes.{key}")
+    for number, wish in enumerate(asked.positions):
+        if not wish.at_mm <= stroke_mm:
+            raise WrongInput(
+                f"{wish.at_mm:g} given, but the stroke is {stroke_mm:g} mm; at most that is right",
+                key=f"wishes.positions.{number}.at_mm",
+            )
+
+
+def _refuse_angles(asked: Wishes, cycle_rad: float) -> None:
+    """Refuse angles beyond the cycle, and angles that cannot be had together."""
+    angles: list[tuple[str, DwellKeys | PositionKeys | WorkingStrokeKeys, str, float]] = [
+        *((f"dwell.{number}", wish, "for", wish.for_angle_rad) for number, wish in enumerate(asked.dwell)),
+        *((f"positions.{number}", wish, "phi1", wish.driving_rad) for number, wish in enumerate(asked.positions)),
+    ]
+    if asked.working_stroke is not None:
+        angles.append(("working_stroke", asked.working_stroke, "angle", asked.working_stroke.driving_rad))
+    for group, wish, quantity, angle in angles:
+        if not angle < cycle_rad:
+            name = given(wish, spellings(quantity))[0]
+            raise WrongInput(
+                f"{getattr(wish, name):g} given, but a cycle takes {degrees(cycle_rad):g} deg of the driving angle; "
+                "less is right",
+                key=f"wishes.{group}.{name}",
+            )
+    _refuse_ratio_and_angle(asked, cycle_rad)
+    _refuse_two_dwells(asked, cycle_rad)
+
+
+def _refuse_ratio_and_angle(asked: Wishes, cycle_rad: float) -> None:
+    """Refuse a time ratio that the wished working stroke is too short for."""
+    ratio, stroke = asked.time_ratio, asked.working_stroke
+    if ratio is None or stroke is None or not (ratio.hard and stroke.hard):
+        return
+    longest = stroke.driving_rad + stroke.within_rad
+    if longest * (1.0 + ratio.at_least) < cycle_rad * ratio.at_least * (1.0 - values.NEGLIGIBLE):
+        raise WrongInput(
+            f"{ratio.at_least:g} given, but a working stroke of {degrees(longest):g} deg takes "
+            f"{longest / (cycle_rad - longest):.4g} times the time of the return; at most that is right, or another "
+            "wishes.working_stroke",
+            key="wishes.time_ratio.at_least",
+        )
+
+
+def _refuse_two_dwells(asked: Wishes, cycle_rad: float) -> None:
+    """Refuse dwells at both ends that leave no driving angle to the ways between them."""
+    longest = {
+        end: max((wish.for_angle_rad for wish in asked.dwell if wish.hard and wish.at == end), default=0.0)
+        for end in ("retracted", "extended")
+    }
+    together = sum(longest.values())
+    if not together < cycle_rad:
+        raise WrongInput(
+            f"dwells at both ends for {degrees(together):g} deg together, but a cycle takes {degrees(cycle_rad):g} deg "
+            "of the driving angle; less is right",
+            key="wishes.dwell",
+        )
+
+
+def _exact_dwell(key: str, dwell: DwellKeys, linkage: Mechanism, ratio_max: float) -> NoSuchMechanism:
+    """The refusal of an exact dwell, with the nearest one that can be made."""
+    nearest = nearest_dwell_mm(linkage, End(dwell.at), dwell.for_angle_rad, ratio_max)
+    return NoSuchMechanism(
+        f"0 given, an exact dwell, but gears of a finite ratio never let the crank stand still, and the slider stands "
+        f"still at its {dwell.at} end for an instant only; with ratios up to {ratio_max:g} (optimize.limits.ratio_max) "
+        f"it can stay within {_rounded_up(nearest):g} mm for {degrees(dwell.for_angle_rad):g} deg: that or more is "
+        "right",
+        key=key,
+    )
+
+
+def _rounded_up(value: float) -> float:
+    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
+    return ceil(value / unit) * unit

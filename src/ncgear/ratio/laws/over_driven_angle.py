@@ -1,0 +1,136 @@
+"""What laws share that are given by ln i12 over the driven angle, for one pair of gears or two pairs in series.
+
+One pair: the logarithm keeps every ratio positive whatever its values are, and the motion of the mechanism depends on
+the driven angle; so this is the form in which laws are optimised and stored.  A constant closes the cycle: with
+x = n1 phi1 and t = n2 phi2, dx/dt = exp(f) / mean(exp(f)), whose integral over a turn is a turn.
+
+Two pairs: ln i12 = ln iA + ln iB, both over the crank's angle phi2.
+
+    ln i12 = f(phi2),   ln iB = g(phi2),   ln iA = f - g
+
+The second pair drives the crank, so phi2 is its own driven angle and its ratio iB is such a law without conversion.
+The first pair drives the shaft between, whose angle phim = integral of exp(g) dphi2 comes round with the crank.  With
+t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), each with the constant that closes it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import factorial, log, pi
+from typing import Protocol
+
+import numpy as np
+
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.turn_integral import TurnIntegral
+from ncgear.ratio.transmission import STANDSTILL, Lobes, Pair, Piece, Train, Transmission, on_driving_shaft
+
+WIDEST = -log(STANDSTILL)
+"""Largest span of ln i12: over a range of the ratio of 1:1e6 the driven gear stands still."""
+
+
+class LogRatio(Protocol):
+    """ln i12 without the constant that closes the cycle, as a function of t = n2 phi2."""
+
+    def at(self, angle: Array, order: int) -> Jet:
+        """Values with derivatives by t at angles t of [0, 2 pi] in rad, shape (n,)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class LogRatioLaw:
+    """The driven angle of one period: the inverse of ``integral``, which is the driving angle over the driven one.
+
+    ``integral`` is that of exp(``series``); it counts both angles in turns of 2 pi a period.  ``joints`` (shape (m,))
+    are angles t between 0 and 2 pi, rising: between two of them the law is analytic and nothing happens that is finer
+    than their distance.
+    """
+
+    series: LogRatio
+    integral: TurnIntegral
+    joints: Array
+    lobes: Lobes
+
+    def driven_angle(self, phi1: Array, order: int) -> Jet:
+        """phi2 in rad with derivatives by phi1, at driving angles of one period in rad, shape (n,)."""
+        turned = self.integral.inverse(np.clip(phi1 * self.lobes.driving, 0.0, 2.0 * pi))
+        if not order:
+            return Jet(turned[None, :] / self.lobes.driven)
+        speed = self.speed(turned, order - 1)
+        scale = float(self.lobes.driving) ** np.arange(order + 1) / self.lobes.driven
+        return Jet(_jet_by_x(turned, speed, speed).coefficients * scale[:, None])
+
+    def speed(self, turned: Array, order: int) -> Jet:
+        """w = dt/dx with derivatives by t, at t = n2 phi2 in rad, shape (n,)."""
+        return jet.exp(-self.series.at(turned, order)) * self.integral.mean
+
+    @property
+    def transmission(self) -> Transmission:
+        """The law with its range looked for; raises NoSuchMechanism where the driven gear all but stops."""
+        return Transmission((Piece(0.0, self.lobes.driving_period_rad, self.driven_angle, self.knots_rad),), self.lobes)
+
+    @property
+    def knots_rad(self) -> tuple[float, ...]:
+        """The driving angles of the joints."""
+        return tuple((self.integral.at(self.joints) / self.lobes.driving).tolist())
+
+
+def _jet_by_x(values: Array, rate: Jet, speed: Jet) -> Jet:
+    """The jet by x, one order more, of a function with these values, shape (n,), whose derivative by x is ``rate``.
+
+    ``rate`` and ``speed`` = dt/dx are jets by t of the same order: the next derivative by x is ``speed`` times the
+    derivative by t of the one before.
+    """
+    coefficients = np.empty((rate.order + 2, values.size))
+    coefficients[0], coefficients[1] = values, rate.value
+    for k in range(2, rate.order + 2):
+        rate = speed.truncated(rate.order - 1) * rate.differentiated()
+        coefficients[k] = rate.value / factorial(k)
+    return Jet(coefficients)
+
+
+@dataclass(frozen=True, eq=False)
+class StagedLaw:
+    """A law shared by two pairs in series, one lobe each: the law of the whole, and that of the second pair."""
+
+    whole: LogRatioLaw
+    second: LogRatioLaw
+
+    def shaft_angle(self, phi1: Array, order: int) -> Jet:
+        """phim in rad with derivatives by phi1, at driving angles of one turn in rad, shape (n,)."""
+        turned = self.whole.driven_angle(phi1, 0).value
+        values = self.second.integral.at(turned)
+        if not order:
+            return Jet(values[None, :])
+        speed = self.whole.speed(turned, order - 1)
+        return _jet_by_x(values, speed / self.second.speed(turned, order - 1), speed)
+
+    def shaft_speed(self, phim: Array) -> Array:
+        """Speed of the shaft between over the driving shaft's, at angles of the shaft between in rad, shape (n,)."""
+        turned = self.second.driven_angle(np.mod(phim, 2.0 * pi), 0).value
+        speed: Array = self.whole.speed(turned, 0).value / self.second.speed(turned, 0).value
+        return speed
+
+    def shaft_rad(self, phim: Array) -> Array:
+        """phi1 in rad at angles of the shaft between in rad, shape (n,)."""
+        within = np.mod(phim, 2.0 * pi)
+        phi1: Array = self.whole.integral.at(self.second.driven_angle(within, 0).value) + (phim - within)
+        return phi1
+
+    @property
+    def first(self) -> Transmission:
+        """The first pair's law phim(phi1)."""
+        return Transmission((Piece(0.0, 2.0 * pi, self.shaft_angle, self._knots_rad),), Lobes())
+
+    @property
+    def _knots_rad(self) -> tuple[float, ...]:
+        """Driving angles of the joints of both laws."""
+        return tuple(self.whole.integral.at(np.union1d(self.whole.joints, self.second.joints)).tolist())
+
+    @property
+    def train(self) -> Train:
+        """Both pairs."""
+        second = Pair(self.second.transmission, self.shaft_speed, self.shaft_rad)
+        return Train(self.whole.transmission, (on_driving_shaft(self.first), second))

@@ -1,0 +1,345 @@
+"""What the certified limit rests on: relations that every law keeps, its numbers, and the proof in 40 digits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import inf, pi, sin, tan
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from ncgear.mechanisms.crank_slider import CrankSlider
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.certified import proof
+from ncgear.optimum.certified.cycle import Cycle, cycle
+from ncgear.optimum.certified.demands import Demands, Rates
+from ncgear.optimum.certified.motion import motion_programme
+from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.proof import DATA, Linear, Programme, Proof
+from ncgear.optimum.task import Task
+from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
+
+pytestmark = pytest.mark.judges("optimum")
+
+FINE = 40_001
+"""Samples of a turn for extremes of smooth curves; between two, 1.6e-4 rad apart, these move by 1e-7 at most."""
+BETWEEN = 1.0 + 1e-6
+
+
+class Turning:
+    """s(phi2) = c exp(harmonics), closed so that the mean of 1/s is one; every derivative in closed form."""
+
+    def __init__(self, seed: int, largest: float) -> None:
+        random = np.random.default_rng(seed)
+        self.order = np.arange(1, 5)
+        self.cosine, self.sine = random.normal(size=(2, 4)) / self.order**3 * largest
+        angle = np.arange(4096) * (2.0 * pi / 4096)
+        self.constant = float(np.log(np.mean(np.exp(-self.series(angle, 0)))))
+
+    def series(self, angle: Array, degree: int) -> Array:
+        turned = np.multiply.outer(angle, self.order) + degree * pi / 2.0
+        size = self.order.astype(float) ** degree
+        total: Array = np.cos(turned) @ (size * self.cosine) + np.sin(turned) @ (size * self.sine)
+        return total
+
+    def s(self, angle: Array) -> Array:
+        value: Array = np.exp(self.constant + self.series(angle, 0))
+        return value
+
+    def spare(self, angle: Array) -> tuple[Array, Array]:
+        """1 + s + s'' and 1 + s - s s'' + s'^2: neither is negative where both curves are convex."""
+        s, first, second = self.s(angle), self.series(angle, 1), self.series(angle, 2)
+        bend = s * (second + first**2)
+        return 1.0 + s + bend, 1.0 + s - s * bend + (s * first) ** 2
+
+    def mean_times(self, on: Cycle) -> Array:
+        """The mean of 1/s in each cell, by Gauss-Legendre points."""
+        unit, weight = np.polynomial.legendre.leggauss(16)
+        inner = on.crank_angle_rad[:, None] + on.step_rad[:, None] * (1.0 + unit) / 2.0
+        mean: Array = (1.0 / self.s(inner)) @ weight / 2.0
+        return mean
+
+
+@cache
+def convex_law(seed: int) -> Turning:
+    """A random law, its harmonics as large as convex curves allow, or a share of that."""
+    angle = np.linspace(0.0, 2.0 * pi, 2001)
+
+    def room(largest: float) -> float:
+        return float(min(part.min() for part in Turning(seed, largest).spare(angle)))
+
+    most = float(brentq(room, 1e-3, 20.0, xtol=1e-9)) if room(20.0) < 0.0 else 20.0
+    return Turning(seed, most * (1.0 - 1e-6) * (1.0, 0.9, 0.6)[seed % 3])
+
+
+LINKAGES = (BALER_LINKAGE, OFFSET, CrankSlider(380.0, 456.0), CrankSlider(100.0, 900.0, -40.0))
+
+
+def exact_demands(task: Task, law: Turning) -> Demands:
+    """A law's own figures as demands, from dense samples."""
+    angle = np.linspace(0.0, 2.0 * pi, FINE)
+    s, first = law.s(angle), law.series(angle, 1)
+    return Demands(
+        ratio_min=float(1.0 / s.max()) / BETWEEN,
+        ratio_max=float(1.0 / s.min()) * BETWEEN,
+        steepness=float(np.max(np.abs(s * first) / (1.0 + s))) * BETWEEN,
+        convex=True,
+        acceleration_mm_s2=acceleration(task, law) * BETWEEN,
+        power_w=power(task, law) * BETWEEN,
+    )
+
+
+def kinematics(task: Task, angle: Array) -> tuple[Array, Array, Array]:
+    """Displacement and two derivatives by the crank's angle from a retracted dead centre, by the law of cosines."""
+    linkage = task.linkage
+    assert isinstance(linkage, CrankSlider)
+    crank, rod, offset = linkage.crank_mm, linkage.rod_mm, linkage.offset_mm
+    # ncgear's own angle counts from the retracted dead centre; only its zero is taken from there
+    from ncgear.numerics.jet import Jet
+
+    position = linkage.displacement(Jet.variable(angle, 2))
+    if offset == 0.0:
+        beside = np.sqrt(rod**2 - (crank * np.sin(angle)) ** 2)
+        own = crank * (1.0 - np.cos(angle)) + beside - rod
+        assert np.abs(own - position.value).max() < 1e-9 * crank
+    return position.value, position.derivative(1), position.derivative(2)
+
+
+def acceleration(task: Task, law: Turning) -> float:
+    angle = np.linspace(0.0, 2.0 * pi, FINE)
+    _, slope, bend = kinematics(task, angle)
+    s, first = law.s(angle), law.series(angle, 1)
+    return float(np.max(np.abs(bend * s**2 + slope * s**2 * first))) * task.speed_rad_s**2
+
+
+def power(task: Task, law: Turning) -> float:
+    angle = np.linspace(0.0, 2.0 * pi, FINE)
+    position, slope, _ = kinematics(task, angle)
+    position = np.clip(position, 0.0, task.linkage.stroke_mm)
+    force = task.load.against_n(position, angle > task.linkage.working_angle_rad)
+    return float(np.max(force * np.abs(slope) * law.s(angle))) * task.speed_rad_s / 1000.0
+
+
+def filled(programme: Programme, known: list[tuple[Linear, Array]]) -> Array:
+    """Values of all variables, shape (n,); those not known are nan."""
+    values = np.full(programme.size, np.nan)
+    for expression, value in known:
+        values[expression.columns[0]] = value
+    return values
+
+
+def broken(task: Task, law: Turning, asked: Demands, places: int, rates: bool) -> float:
+    """By how much the law breaks the worst row or range of the programme, over the size of its terms."""
+    on = cycle(task, places)
+    ranges = true_rates(on, law) if rates else None
+    made = motion_programme(task, on, asked, ranges)
+    s = law.s(on.crank_angle_rad)
+    given = Demands.acceleration_mm_s2 if asked.acceleration_mm_s2 == inf else asked.acceleration_mm_s2
+    values = filled(made.programme, [(made.q, s**2), (made.turning, s), (made.time, law.mean_times(on))])
+    values[made.acceleration.columns[0]] = given / made.acceleration_unit_mm_s2
+    if asked.convex:
+        # Of the variables only the geometric means of both neighbours are left
+        (between,) = (block for block in variables_left(made.programme, values) if block.size == on.count)
+        values[between] = np.roll(s, 1) * np.roll(s, -1)
+    assert not np.any(np.isnan(values))
+    return worst(made.programme, values)
+
+
+def variables_left(programme: Programme, values: Array) -> list[Array]:
+    ends = np.cumsum([low.size for low in programme.low])
+    return [
+        np.arange(end - low.size, end)
+        for end, low in zip(ends.tolist(), programme.low, strict=True)
+        if np.isnan(values[end - 1])
+    ]
+
+
+def worst(programme: Programme, values: Array) -> float:
+    matrix, bounds, cones = proof._standard_form(programme)
+    spare = bounds - matrix @ values
+    size = np.abs(bounds) + abs(matrix) @ np.abs(values)
+    flat = spare.size - 3 * cones
+    three, sizes = spare[flat:].reshape(-1, 3), size[flat:].reshape(-1, 3)
+    of_cones = (np.hypot(three[:, 1], three[:, 2]) - three[:, 0]) / sizes.max(axis=1)
+    low, high = np.concatenate(programme.low), np.concatenate(programme.high)
+    outside = np.maximum(low - values, values - high) / np.maximum(np.abs(high), 1e-12)
+    return float(max(np.max(-spare[:flat] / np.maximum(size[:flat], 1e-300)), np.max(of_cones), np.max(outside)))
+
+
+def true_rates(on: Cycle, law: Turning) -> Rates:
+    """The law's own ranges of q'/q = 2 s'/s in every cell, from 60 samples each."""
+    inner = on.crank_angle_rad[:, None] + on.step_rad[:, None] * np.linspace(0.0, 1.0, 60)
+    rate = 2.0 * law.series(inner, 1)
+    q = law.s(on.crank_angle_rad) ** 2
+    mean = np.log(np.roll(q, -1) / q) / on.step_rad
+    room = 1e-4  # the bend of harmonics is under 100/rad^2, and samples are at most 1.8e-3 rad apart
+    return Rates(mean - 1e-9, mean + 1e-9, rate.min(axis=1) - room, rate.max(axis=1) + room, 1.1 * q)
+
+
+ROUNDED = 1e-11
+"""Rows are a few operations on numbers of 1e-16, divided by squares of steps of a degree or so."""
+
+
+@pytest.mark.parametrize("rates", [False, True])
+@pytest.mark.parametrize("seed", range(36))
+def test_a_convex_law_keeps_every_relation(seed: int, rates: bool) -> None:
+    """With its own figures as demands; with its own rates the relation of the driving curve as well."""
+    law, task = convex_law(seed), replace(AT_SIXTY, linkage=LINKAGES[seed % 4], load=PRESS)
+    asked = exact_demands(task, law)
+    assert broken(task, law, asked, (40, 97, 180)[seed % 3], rates) < ROUNDED
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_without_convexity_the_roof_of_acceleration_is_kept(seed: int) -> None:
+    """The programme itself, fed with the law's figures, is open to it."""
+    law, task = Turning(seed, 0.6), replace(AT_SIXTY, linkage=LINKAGES[seed % 4])
+    asked = replace(exact_demands(task, law), convex=False)
+    for free in (asked, replace(asked, steepness=inf)):
+        assert Problem(task, free, cycle(task, 60)).is_open
+
+
+@pytest.mark.parametrize(
+    ("tighter", "by"),
+    [("acceleration_mm_s2", 0.98), ("power_w", 0.98), ("steepness", 0.9), ("ratio_max", 0.99), ("ratio_min", 1.01)],
+)
+def test_a_demand_tighter_than_the_law_is_broken(tighter: str, by: float) -> None:
+    """Negative control: places 2 degrees apart come within a percent of each peak."""
+    law = convex_law(3)
+    asked = exact_demands(AT_SIXTY, law)
+    asked = replace(asked, **{tighter: by * getattr(asked, tighter)})
+    assert broken(AT_SIXTY, law, asked, 180, False) > 1e-6
+
+
+def test_a_dented_law_breaks_the_relation_of_its_curve() -> None:
+    """Negative control: harmonics larger than convex curves allow, of both curves in turn."""
+    angle, seen = np.linspace(0.0, 2.0 * pi, 2001), set()
+    for seed in range(24):
+        law = Turning(seed, 0.1)
+        for largest in np.geomspace(0.2, 8.0, 60).tolist():
+            law = Turning(seed, largest * (-1.0) ** seed)
+            driven, driving = (float(part.min()) for part in law.spare(angle))
+            if min(driven, driving) < -0.3:
+                break
+        asked = exact_demands(AT_SIXTY, law)
+        which = "driven" if driven < -0.3 else "driving"
+        seen.add(which)
+        assert broken(AT_SIXTY, law, asked, 360, which == "driving") > 1e-6
+    assert seen == {"driven", "driving"}
+
+
+# --- numbers of the rows ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("places", [60, 180, 960])
+def test_lengths_slopes_and_steps_are_those_of_40_digits(places: int) -> None:
+    """The baler in line by the law of cosines; to what the proof charges for errors of data."""
+    on = cycle(AT_SIXTY, places)
+    with mp.workdps(40):
+        crank, rod = mp.mpf(380), mp.mpf(960)
+        angle = [mp.mpf(float(one)) for one in on.crank_angle_rad]
+        angle[on.extended] = mp.pi
+        around = [*angle, 2 * mp.pi]
+        way = [crank * (1 - mp.cos(a)) + mp.sqrt(rod**2 - (crank * mp.sin(a)) ** 2) - rod for a in around]
+        for cell, length in enumerate(on.length_mm.tolist()):
+            assert abs(length / abs(way[cell + 1] - way[cell]) - 1) < DATA
+        for place, slope in enumerate(on.slope_mm_rad.tolist()):
+            if place not in (0, on.extended):
+                sine, cosine = mp.sin(angle[place]), mp.cos(angle[place])
+                exact = crank * sine - crank**2 * sine * cosine / mp.sqrt(rod**2 - (crank * sine) ** 2)
+                assert abs(slope / abs(exact) - 1) < DATA
+
+
+def test_the_driven_curves_row_is_that_of_sines() -> None:
+    """1/r2 of a straight line is a cosine, for which the relation has nothing to spare; its inverse has."""
+    near, far = 0.03, 0.05
+    ends = [1.0 / np.cos(0.1 + x) for x in (-near, 0.0, far)]
+    flat = [np.cos(0.1 + x) for x in (-near, 0.0, far)]
+    whole = sin(near + far)
+    for values, sign in ((ends, 1.0), (flat, 0.0)):
+        spare = (values[0] * sin(far) + values[2] * sin(near)) / whole - values[1]
+        assert spare == pytest.approx(0.0, abs=1e-15) if sign == 0.0 else spare > 1e-5
+
+
+# --- the proof -------------------------------------------------------------------------------------------------------
+
+
+@cache
+def solved() -> tuple[Proof, Array, Array, float, float]:
+    """A proof, its goal and multipliers near the best, the certified value, and the solver's own."""
+    import clarabel
+    from scipy import sparse
+
+    asked = Demands(0.2, 5.0, steepness=tan(0.8), convex=True, power_w=6300.0)
+    made = motion_programme(AT_SIXTY, cycle(AT_SIXTY, 60), asked)
+    matrix, bounds, cones = proof._standard_form(made.programme)
+    cost = np.zeros(made.programme.size)
+    cost[made.acceleration.columns[0, 0]] = 1.0
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    shapes = [clarabel.NonnegativeConeT(bounds.size - 3 * cones), *[clarabel.SecondOrderConeT(3)] * cones]
+    nothing = sparse.csc_matrix((cost.size, cost.size))
+    found = clarabel.DefaultSolver(nothing, cost, matrix, bounds, shapes, settings).solve()
+    of = Proof(matrix, bounds, cones, np.concatenate(made.programme.low), np.concatenate(made.programme.high))
+    multipliers = np.array(found.z)
+    return of, cost, multipliers, of.bound(cost, multipliers), float(found.obj_val)
+
+
+def in_40_digits(of: Proof, cost: Array, multipliers: Array) -> mp.mpf:
+    """The dual's value of multipliers in the cone, the rows as they are, nothing charged."""
+    with mp.workdps(40):
+        z = [mp.mpf(float(one)) for one in of.in_cone(multipliers)]
+        matrix = of.matrix.tocsc()
+        total = -mp.fsum(mp.mpf(float(b)) * one for b, one in zip(of.bounds, z, strict=True))
+        for column, price in enumerate(cost.tolist()):
+            part = slice(matrix.indptr[column], matrix.indptr[column + 1])
+            terms = zip(matrix.data[part].tolist(), matrix.indices[part].tolist(), strict=True)
+            rest = mp.mpf(price) + mp.fsum(mp.mpf(value) * z[row] for value, row in terms)
+            total += min(rest * mp.mpf(float(of.low[column])), rest * mp.mpf(float(of.high[column])))
+        return total
+
+
+def test_the_certified_value_is_under_the_dual_in_40_digits() -> None:
+    """All that is charged for rounding and data is a few millionths."""
+    of, cost, multipliers, value, primal = solved()
+    exact = in_40_digits(of, cost, multipliers)
+    assert value <= exact <= primal * (1.0 + 1e-6)
+    assert float(exact - value) < 1e-5 * value
+    assert value > 0.9999 * primal
+
+
+def test_multipliers_are_in_the_cone() -> None:
+    of, _, multipliers, _, _ = solved()
+    random = np.random.default_rng(0)
+    outside = multipliers + random.normal(size=multipliers.size)
+    z = of.in_cone(outside)
+    flat = z.size - 3 * of.cones
+    assert np.any(outside[:flat] < 0.0)
+    assert np.all(z[:flat] >= 0.0)
+    with mp.workdps(40):
+        for first, second, third in z[flat:].reshape(-1, 3).tolist():
+            assert mp.mpf(first) ** 2 >= mp.mpf(second) ** 2 + mp.mpf(third) ** 2
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_wrong_multipliers_prove_less_and_never_more(seed: int) -> None:
+    of, cost, multipliers, value, primal = solved()
+    random = np.random.default_rng(seed)
+    for size in (1e-9, 1e-6, 1e-3, 1.0):
+        moved = multipliers + size * random.normal(size=multipliers.size) * np.abs(multipliers).max()
+        assert of.bound(cost, moved) <= primal * (1.0 + 1e-6)
+    turned = -multipliers
+    assert of.bound(cost, turned) < value
+    assert of.bound(cost, np.zeros(multipliers.size)) <= 0.0
+
+
+def test_rows_let_out_cost_and_rows_drawn_in_prove_too_much() -> None:
+    """Negative control: with the power's ranges at half, the same multipliers prove more than the true least value."""
+    of, cost, multipliers, _, primal = solved()
+    drawn_in = replace(of, high=of.low + 0.5 * (of.high - of.low))
+    again = float(in_40_digits(drawn_in, cost, multipliers))
+    assert again >= float(in_40_digits(of, cost, multipliers))
+    tighter = replace(of, bounds=of.bounds - 0.01 * np.abs(of.bounds))
+    assert tighter.bound(cost, multipliers) > primal
