@@ -194,12 +194,17 @@ def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
 
 
 def _without(search: Search, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
-    """The law with these wishes' levels as low as they go; an excess over all other caps costs the price."""
+    """The law with these wishes' levels as low as they go; an excess over all other caps costs the price.
+
+    Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables.
+    """
     levels = search.programme.levels
     freed = np.array([level.wish in wishes for level in levels])
     dents = np.array([level.wish == CONVEX for level in levels])
     free = np.where(freed, np.where(dents, ANY_DENT, np.inf), search.caps)
-    return search.programme.nearest(free, np.where(freed & ~dents, 1.0, 0.0), price, near.coefficients)
+    weights = np.where(freed & ~dents, 1.0, 0.0)
+    afresh = search.programme.nearest(free, weights, price, near.coefficients)
+    return afresh or search.programme.nearest(free, weights, price, near)
 
 
 def _shares(search: Search, near: Solution) -> Iterator[tuple[Level, float]]:
