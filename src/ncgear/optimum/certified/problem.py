@@ -43,7 +43,7 @@ class Problem:
         return self.excess <= 0.0
 
     def least_peak(self, name: str) -> float:
-        """The least value of a demand, by its name in ``Demands``, that one programme gives; zero where none does."""
+        """The least value of a demand, by its name in ``Demands``; zero or less where no single programme gives it."""
         free = self.under(**{name: inf})
         made = free.programme()
         if name == "acceleration_mm_s2":

@@ -16,7 +16,7 @@ from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, S
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.task import Task
 
-FINE = 1e-6
+FINE = 1e-5
 """Relative width of the interval to which a nearest value is narrowed: it is shown with five digits."""
 
 DOUBLINGS = 60.0
@@ -172,7 +172,8 @@ def _offers(problem: Problem, names: Sequence[str]) -> list[str]:
 
 def _any_of(offers: Sequence[str]) -> str:
     """Offers as the end of a sentence."""
-    return ", or ".join(offers) + (" can be enough" if len(offers) == 1 else ", can be enough")
+    said = ", or ".join(offers)
+    return f"{said}, can be enough" if ", or " in said else f"{said} can be enough"
 
 
 def _said(task: Task, name: str, value: float) -> str:
@@ -185,9 +186,10 @@ def _enough(task: Task, name: str, value: float) -> str:
 
 def _least(problem: Problem, name: str) -> float:
     """Least value of a demand that is not certainly too low; infinite where there is none."""
-    guess = problem.least_peak(name)
-    guess = guess if 0.0 < guess < inf else getattr(problem.asked, name)
-    found = turning_point(lambda value: problem.under(**{name: value}).excess, guess)
+    value = problem.least_peak(name)
+    if value > 0.0:
+        return value
+    found = turning_point(lambda value: problem.under(**{name: value}).excess, getattr(problem.asked, name))
     return inf if found is None else found[1]
 
 
