@@ -72,6 +72,10 @@ The bounds themselves hold down to 1e-12; below that, rounding decides whether t
 """
 
 
+class TooTight(NoSuchMechanism):
+    """The refusal of limits that certainly no law keeps together."""
+
+
 def refuse_ratios(task: Task, asked: Demands) -> None:
     """Refuse ratios that cannot close the cycle, or a stretch of it in its time; raises NoSuchMechanism."""
     _refuse_ratio(2.0 * pi, task.cycle_rad, asked, "the cycle")
@@ -89,7 +93,7 @@ def refuse_ratios(task: Task, asked: Demands) -> None:
             said = f"{said} at least {degrees(least):.5g}"
         else:
             continue
-        raise NoSuchMechanism(f"{said} deg of them; {_any_of(offers)}", key=stretch.key)
+        raise TooTight(f"{said} deg of them; {_any_of(offers)}", key=stretch.key)
 
 
 def _at_one_ratio(ratio: str, crank_rad: float, driving_rad: float) -> str:
@@ -130,16 +134,16 @@ def in_demand(task: Task, name: str) -> float:
     return 1.0
 
 
-def too_little(task: Task, name: str, value: float, enough: float) -> NoSuchMechanism:
+def too_little(task: Task, name: str, value: float, enough: float) -> TooTight:
     """The refusal of a demand whose least value with the others is known."""
-    return NoSuchMechanism(
+    return TooTight(
         f"{_said(task, name, value)} is too little with the other limits; "
         f"{_any_of([f'at least {_enough(task, name, enough)}'])}",
         key=PEAKS[name].key,
     )
 
 
-def refusal(problem: Problem) -> NoSuchMechanism:
+def refusal(problem: Problem) -> TooTight:
     """The error that says why no law keeps the demands: the peaks that bind, then curves and wishes.
 
     For a peak that is too low whatever the others are, its nearest value with the others as they are, if there is one;
@@ -155,13 +159,11 @@ def refusal(problem: Problem) -> NoSuchMechanism:
             other = {"power_w": " at any acceleration", "acceleration_mm_s2": " at any power"}.get(name, "")
             kept = problem if problem.under(**{name: inf}).is_open else free.under(**{name: value})
             said = f"{_said(task, name, value)} is too little{other}"
-            return NoSuchMechanism(f"{said}; {_any_of(_offers(kept, [name]))}", key=PEAKS[name].key)
+            return TooTight(f"{said}; {_any_of(_offers(kept, [name]))}", key=PEAKS[name].key)
     binding = [name for name in given if problem.under(**{name: inf}).is_open] or list(given)
     names = sorted(binding, key=lambda name: name != "acceleration_mm_s2")
     said = " and ".join(_said(task, name, given[name]) for name in names)
-    return NoSuchMechanism(
-        f"{said} are too little together; {_any_of(_offers(problem, names))}", key=PEAKS[names[0]].key
-    )
+    return TooTight(f"{said} are too little together; {_any_of(_offers(problem, names))}", key=PEAKS[names[0]].key)
 
 
 def _offers(problem: Problem, names: Sequence[str]) -> list[str]:
@@ -193,7 +195,7 @@ def _least(problem: Problem, name: str) -> float:
     return inf if found is None else found[1]
 
 
-def _of_curves_and_wishes(problem: Problem) -> NoSuchMechanism:
+def _of_curves_and_wishes(problem: Problem) -> TooTight:
     """The refusal where no peak is enough: convex curves, the pressure angle or a wish leave no law."""
     wishes = list(_wishes(problem.asked))
     bare = problem.under(**dict.fromkeys(WISHES, ()))
@@ -201,14 +203,14 @@ def _of_curves_and_wishes(problem: Problem) -> NoSuchMechanism:
     for (_, wish), only in zip(wishes, alone, strict=True):
         if bare.is_open and not only.is_open:
             offers = [*_other_wishes(only), *_other_curves(only)]
-            return NoSuchMechanism(f"no law keeps this wish; {_any_of(offers)}", key=wish.key or "wishes")
+            return TooTight(f"no law keeps this wish; {_any_of(offers)}", key=wish.key or "wishes")
     for kind, wish in wishes:
         if _without(problem, kind, wish).is_open:
             offers = [*_other_wishes(problem), *_other_curves(problem)]
             said = "no law keeps this wish with the other wishes"
-            return NoSuchMechanism(f"{said}; {_any_of(offers)}", key=wish.key or "wishes")
+            return TooTight(f"{said}; {_any_of(offers)}", key=wish.key or "wishes")
     offers = _other_curves(problem)
-    return NoSuchMechanism(
+    return TooTight(
         "no law keeps the limits of ratio and curves and the wishes together"
         + (f"; {_any_of(offers)}" if offers else ""),
         key="optimize.limits",

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from math import ceil, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,12 @@ TOGETHER = 1e3
 ANY_DENT = 10.0
 """Depth of a dent, in units of the level of convexity, that no law of any use has."""
 
+
+FEW_KNOTS = (60, 36)
+"""Most knots of laws that are looked for where certainly none keeps all limits; the second where the first fails."""
+
+EVEN = Motion(np.array([0.0, pi]), np.ones(2))
+"""A crank that turns evenly."""
 
 BETWEEN = "a law was found that keeps all limits at the places of the search, and none that keeps them everywhere; "
 
@@ -161,7 +168,13 @@ class Easing(NamedTuple):
 
 
 def _easings(search: Search, near: Solution) -> Iterator[Easing]:
-    """For each wish that presses, the nearest value with which all others can be kept, if there is one.
+    """For each wish that presses, the nearest value with which all others can be kept, if there is one."""
+    for wish, found in _eased(search, near):
+        yield from _easing(search, wish, search.reached(found.coefficients))
+
+
+def _eased(search: Search, near: Solution) -> Iterator[tuple[str, Solution]]:
+    """Each wish that presses, with the law that keeps all others at the places and it as nearly as it can, if any.
 
     The wishes that press keep up the excess of ``near``, the law that comes nearest to keeping all limits.  Without any
     of the others the same law would still be the nearest.
@@ -170,7 +183,30 @@ def _easings(search: Search, near: Solution) -> Iterator[Easing]:
         share = sum(share for level, share in _shares(search, near) if level.wish == wish)
         found = _without(search, [wish], DEARER / share, near)
         if found is not None and found.excess <= NO_EXCESS:
-            yield from _easing(search, wish, search.reached(found.coefficients))
+            yield wish, found
+
+
+def found_instead(task: Task, wishes: Wishes) -> list[Easing]:
+    """Limits and wishes, each eased alone to a value with which a law was found that keeps all others everywhere.
+
+    For wishes that certainly no law keeps all of.  Laws of few knots are looked for, which take about a second: with
+    more knots less easing may do.  Empty where no law was found.
+    """
+    for most in FEW_KNOTS:
+        few = replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))
+        if found := list(_found_instead(searched(task, few))):
+            return found
+    return []
+
+
+def _found_instead(search: Search) -> Iterator[Easing]:
+    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, search.begun(EVEN))
+    if near is None or near.excess <= NO_EXCESS:
+        return
+    for wish, found in _eased(search, near):
+        law = _kept_without(search, wish, found.coefficients)
+        if law is not None:
+            yield from _easing(search, wish, law.reached)
 
 
 def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
