@@ -160,7 +160,8 @@ def refusal(problem: Problem) -> TooTight:
             kept = problem if problem.under(**{name: inf}).is_open else free.under(**{name: value})
             said = f"{_said(task, name, value)} is too little{other}"
             return TooTight(f"{said}; {_any_of(_offers(kept, [name]))}", key=PEAKS[name].key)
-    binding = [name for name in given if problem.under(**{name: inf}).is_open] or list(given)
+    # Of two, each alone can be kept
+    binding = [name for name in given if len(given) == 2 or problem.under(**{name: inf}).is_open] or list(given)
     names = sorted(binding, key=lambda name: name != "acceleration_mm_s2")
     said = " and ".join(_said(task, name, given[name]) for name in names)
     return TooTight(f"{said} are too little together; {_any_of(_offers(problem, names))}", key=PEAKS[names[0]].key)
@@ -200,9 +201,10 @@ def _of_curves_and_wishes(problem: Problem) -> TooTight:
     wishes = list(_wishes(problem.asked))
     bare = problem.under(**dict.fromkeys(WISHES, ()))
     alone = [bare.under(**{kind: (wish,)}) for kind, wish in wishes]
-    for (_, wish), only in zip(wishes, alone, strict=True):
+    for (kind, wish), only in zip(wishes, alone, strict=True):
         if bare.is_open and not only.is_open:
-            offers = [*_other_wishes(only), *_other_curves(only)]
+            kept = problem if _without(problem, kind, wish).is_open else only
+            offers = [*_other_wishes(kept), *_other_curves(kept)]
             return TooTight(f"no law keeps this wish; {_any_of(offers)}", key=wish.key or "wishes")
     for kind, wish in wishes:
         if _without(problem, kind, wish).is_open:

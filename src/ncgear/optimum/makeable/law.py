@@ -34,6 +34,9 @@ PRESSING = 1e-4
 DEARER = 10.0
 """How many times more an excess over the other caps costs than it gains: it is left only where no law is without."""
 
+CHEAP = 0.1
+"""Share of the excess below which a higher price may do away with what is left."""
+
 TOGETHER = 1e3
 """Price of an excess over all caps where several levels are free, in units that are of the order of one."""
 
@@ -129,7 +132,7 @@ def _kept_between(search: Search, near: Array) -> MakeableLaw:
     raise _offered(f"{BETWEEN}that law does with all of these together", eased)
 
 
-def _kept_without(search: Search, wish: str, start: Array) -> Kept | None:
+def _kept_without(search: Search, wish: str, start: Array | Solution) -> Kept | None:
     """Coefficients that keep all limits but one everywhere, and that one as nearly as they can."""
     freed = np.array([level.wish == wish for level in search.programme.levels])
     return kept(replace(search, caps=np.where(freed, np.inf, search.caps), weights=freed.astype(float)), start)
@@ -204,7 +207,7 @@ def _found_instead(search: Search) -> Iterator[Easing]:
     if near is None or near.excess <= NO_EXCESS:
         return
     for wish, found in _eased(search, near):
-        law = _kept_without(search, wish, found.coefficients)
+        law = _kept_without(search, wish, found) or _kept_without(search, wish, found.coefficients)
         if law is not None:
             yield from _easing(search, wish, law.reached)
 
@@ -232,15 +235,19 @@ def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
 def _without(search: Search, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
     """The law with these wishes' levels as low as they go; an excess over all other caps costs the price.
 
-    Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables.
+    Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables; where
+    what little is left of an excess was too cheap, with a higher price.
     """
     levels = search.programme.levels
     freed = np.array([level.wish in wishes for level in levels])
     dents = np.array([level.wish == CONVEX for level in levels])
     free = np.where(freed, np.where(dents, ANY_DENT, np.inf), search.caps)
     weights = np.where(freed & ~dents, 1.0, 0.0)
-    afresh = search.programme.nearest(free, weights, price, near.coefficients)
-    return afresh or search.programme.nearest(free, weights, price, near)
+    nearest = search.programme.nearest
+    found = nearest(free, weights, price, near.coefficients) or nearest(free, weights, price, near)
+    if found is not None and NO_EXCESS < found.excess < CHEAP * near.excess:
+        return nearest(free, weights, DEARER**2 * price, found) or found
+    return found
 
 
 def _shares(search: Search, near: Solution) -> Iterator[tuple[Level, float]]:
