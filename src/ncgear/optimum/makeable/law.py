@@ -134,8 +134,27 @@ def _kept_between(search: Search, near: Array) -> MakeableLaw:
 
 def _kept_without(search: Search, wish: str, start: Array | Solution) -> Kept | None:
     """Coefficients that keep all limits but one everywhere, and that one as nearly as they can."""
-    freed = np.array([level.wish == wish for level in search.programme.levels])
-    return kept(replace(search, caps=np.where(freed, np.inf, search.caps), weights=freed.astype(float)), start)
+    return kept(_freed(search, [wish]), start)
+
+
+def _freed(search: Search, wishes: Sequence[str]) -> Search:
+    """The search that keeps all limits but those of these wishes, each of them as nearly as it can, and no nearer.
+
+    Of a wish with two sides, such as a place at an angle, no law is better for a side that has room.
+    """
+    levels = search.programme.levels
+    freed = np.array([level.wish in wishes for level in levels])
+    dents = np.array([level.wish == CONVEX for level in levels])
+    floored = [
+        replace(level, floor=max(level.floor, level.limit)) if yes and level.limit is not None else level
+        for level, yes in zip(levels, freed & ~dents, strict=True)
+    ]
+    return replace(
+        search,
+        programme=replace(search.programme, levels=floored),
+        caps=np.where(freed, np.where(dents, ANY_DENT, np.inf), search.caps),
+        weights=np.where(freed & ~dents, 1.0, 0.0),
+    )
 
 
 def law_of(search: Search, found: Kept) -> MakeableLaw:
@@ -238,15 +257,11 @@ def _without(search: Search, wishes: Sequence[str], price: float, near: Solution
     Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables; where
     what little is left of an excess was too cheap, with a higher price.
     """
-    levels = search.programme.levels
-    freed = np.array([level.wish in wishes for level in levels])
-    dents = np.array([level.wish == CONVEX for level in levels])
-    free = np.where(freed, np.where(dents, ANY_DENT, np.inf), search.caps)
-    weights = np.where(freed & ~dents, 1.0, 0.0)
-    nearest = search.programme.nearest
-    found = nearest(free, weights, price, near.coefficients) or nearest(free, weights, price, near)
+    free = _freed(search, wishes)
+    nearest = free.programme.nearest
+    found = nearest(free.caps, free.weights, price, near.coefficients) or nearest(free.caps, free.weights, price, near)
     if found is not None and NO_EXCESS < found.excess < CHEAP * near.excess:
-        return nearest(free, weights, DEARER**2 * price, found) or found
+        return nearest(free.caps, free.weights, DEARER**2 * price, found) or found
     return found
 
 
