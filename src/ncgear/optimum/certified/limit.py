@@ -132,7 +132,7 @@ def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -
     problem = problem_of(task, asked, places).under(**{name: inf})
     if not problem.is_open:
         raise refusal(problem)
-    found = turning_point(lambda value: problem.under(**{name: value}).is_open, _mean_power_w(task), BISECTED)
+    found = turning_point(lambda value: problem.under(**{name: value}).excess, _mean_power_w(task), BISECTED)
     if found is None:
         raise refusal(problem)
     certain, enough = found
