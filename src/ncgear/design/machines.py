@@ -20,6 +20,16 @@ class MachineName(StrEnum):
     DESK_TOY = "desk-toy"
 
 
+CHOICES = {
+    MachineName.PUMP: "a plunger pump: force both ways, a quick return, least power",
+    MachineName.PUSHER: "a packaging pusher: even speed, a quick return",
+    MachineName.PRESS_FEEDER: "a press feeder: it lingers at its far end",
+    MachineName.BALER: "a baler: a steep load, half of a plain crank's power",
+    MachineName.DESK_TOY: "a desk toy to print: it lingers at its far end",
+}
+"""What each machine is, in a few words."""
+
+
 def machine_template(name: str, machine: MachineName) -> str:
     """A complete design file called ``name`` of a machine, with comments."""
     return f"{head(name)}\n{_BODIES[machine]}"
@@ -193,7 +203,8 @@ masses:
   rod: {mass_kg: 30, center_mm: 430, inertia_kg_mm2: 2.8e+6}
   crank: {mass_kg: 40, center_mm: 120, inertia_kg_mm2: 1.6e+6}
 
-optimize:                  # no wishes: what counts is the motor, and how hard the machine is shaken
+wishes: {}                 # none: what counts is the motor, and how hard the machine is shaken
+optimize:
   goal: least_acceleration
   limits:
     peak_power_w: 4500               # half of a plain crank's
