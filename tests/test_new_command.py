@@ -17,7 +17,7 @@ import pytest
 import ncgear
 from commands import Run, fresh
 from ncgear.design.beginning import ANSWERS, begun, fault_of, proportioned, usual_answers
-from ncgear.design.keys.wishes import Dwell, TimeRatio
+from ncgear.design.keys.wishes import Dwell, TimeRatio, Wishes
 from ncgear.design.laws.registry import LawName
 from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.rewritten import rewritten
@@ -223,6 +223,24 @@ def test_wishes_stand_in_place_of_those_of_a_machine(run: Run, tmp_path: Path) -
     assert wishes.time_ratio == TimeRatio(at_least=1.9)
     assert [(even.from_mm, even.to_mm, even.tolerance) for even in wishes.constant_speed] == [(200, 400, 0.005)]
     assert machine_template("a", MachineName.PUSHER).count("#") == text.count("#")
+
+
+def test_commented_rows_of_wishes_and_of_both_strokes_are_right_as_they_stand() -> None:
+    rows, group = [], False
+    for line in template("a").splitlines():
+        group = line.startswith(("# wishes:", "# optimize:")) or (group and line.startswith("#   "))
+        wanted = group or line.startswith(("  # returning:", "  # friction_n:"))
+        rows.append(line.replace("# ", "", 1) if wanted else line)
+    drive = loads("\n".join(rows))
+    assert drive.design.wishes is not None
+    assert drive.design.wishes.model_fields_set == set(Wishes.model_fields)
+    assert len(drive.motion_wishes) == len(Wishes.model_fields)
+    assert drive.design.optimize is not None
+    assert drive.design.optimize.limits.peak_power_w == 5000
+    # A force of 50 N on the way back and 20 N both ways, beside the work of the template's own force
+    cycle_s = 60.0 / drive.design.operation.speed_rpm
+    before_w = loads(template("a")).check.mean_power_w
+    assert (drive.check.mean_power_w - before_w) * cycle_s == pytest.approx(0.76 * (50 + 2 * 20), rel=1e-9)
 
 
 @pytest.mark.thorough
