@@ -12,16 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
 
-from foreign import FOREIGN, Asked
-from ncgear.design.reading.design_file import load
+from foreign import FOREIGN, Asked, asked_by
 from ncgear.optimum.makeable.demanded import certified_limit, start_motion
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import figures
-from ncgear.project.best_law import BestLaw
 
 ROOT = Path(__file__).parents[1]
 BALERS = ("baler-66", "baler-half", "baler-smooth")
+MACHINES = {**{name: ROOT / "designs" / f"{name}.yaml" for name in BALERS}, **FOREIGN}
 
 
 @dataclass(frozen=True)
@@ -37,14 +36,6 @@ class Reached:
     def gap(self) -> float:
         """By what share of the limit the law is above it."""
         return self.law / self.limit - 1.0
-
-
-def asked_of(name: str) -> Asked:
-    """A foreign machine, or the machine of a shipped design and what that asks."""
-    if name in FOREIGN:
-        return FOREIGN[name]
-    best = BestLaw(load(ROOT / "designs" / f"{name}.yaml").design)
-    return Asked(best.task, best.wishes)
 
 
 def reached(asked: Asked) -> Reached:
@@ -64,8 +55,8 @@ def reached(asked: Asked) -> Reached:
 def page() -> str:
     """The whole page."""
     rows = []
-    for name in (*BALERS, *FOREIGN):
-        asked = asked_of(name)
+    for name, path in MACHINES.items():
+        asked = asked_by(path)
         found = reached(asked)
         unit = "W" if asked.wishes.goal is Goal.POWER else "mm/s²"
         rows.append(
@@ -77,7 +68,8 @@ def page() -> str:
             "# From a law to its limit",
             "",
             f"Written by `python benchmarks/law_to_limit.py`: {os.cpu_count()} cores, Python "
-            f"{platform.python_version()}. Pitch curves are convex; the machines are in `benchmarks/foreign.py`.",
+            f"{platform.python_version()}. Pitch curves are convex; "
+            "the machines are in `designs` and `benchmarks/foreign`.",
             "",
             "| machine | law | no law is below | gap, % | limit, s | search, s |",
             "|---|---|---|---|---|---|",
