@@ -57,6 +57,19 @@ def test_every_machine_builds_with_the_law_it_begins_with(run: Run, tmp_path: Pa
 
 
 @pytest.mark.slow
+def test_a_machine_of_other_sizes_and_wishes_keeps_them(run: Run, tmp_path: Path) -> None:
+    """Half the stroke, twice the speed, and a quicker return: the wishes of the machine's own, in its sizes, stay."""
+    flags = ["--stroke-mm", "120", "--speed-rpm", "60", "--wish", "time_ratio: {at_least: 1.7}"]
+    assert run("new", "mine", "--machine", "pusher", *flags) == (0, "mine.yaml\n", "")
+    assert run("optimize", "mine.yaml")[0] == 0
+    assert run("build", "export/mine-optimized/mine-optimized.yaml")[0] == 0
+    wished = load(Path("mine.yaml")).design
+    assert wished.wishes is not None
+    assert wished.wishes.constant_speed[0].to_mm == 96.0
+    assert _misses(wished, _table("export/mine-optimized/law.csv")) == []
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("machine", MachineName)
 def test_every_machine_is_optimised_and_built_with_all_its_wishes_kept(
     run: Run, tmp_path: Path, machine: MachineName
