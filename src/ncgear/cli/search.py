@@ -34,10 +34,13 @@ def optimize(
         name = optimized_name(best)
         folder = out or EXPORT / name
         prepare(folder)
-        with steps_shown(4) as on_step:
+        with steps_shown(5) as on_step:
             on_step("certified limit")
             best.bound  # noqa: B018
             on_step("makeable law")
+            best.law  # noqa: B018
+            on_step("limit beside the law")
+            best.limit  # noqa: B018
             written = optimized_design(loaded.text, best)
             on_step("figures")
             certified = json_text(certificate(best)).encode()

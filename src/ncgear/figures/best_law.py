@@ -46,9 +46,9 @@ UNITS = {
 ARGUMENT = (
     "Between places of the crank every motion keeps relations that are convex in the squared ratio of speeds, for "
     "acceleration, power, time, the driven curve, the pressure angle and wishes of the motion; the driving curve's is "
-    "made so by excluding ranges one after the other. The multipliers of a conic programme prove the least value, with "
-    "all rounding errors charged. With masses the power of the motor is limited by the work of each cell, which is a "
-    "relaxation. What the limit does not know stands under not_covered_by_limit."
+    "made so by ranges of this ratio that are narrowed in rounds, and so is the power that masses take. The "
+    "multipliers of a conic programme prove the least value, with all rounding errors charged. With masses and for "
+    "sums of figures it is a relaxation. What the limit does not know stands under not_covered_by_limit."
 )
 
 SUFFIX = "-optimized"
@@ -83,7 +83,7 @@ def optimized_name(best: BestLaw) -> str:
 
 def certificate(best: BestLaw) -> dict[str, Any]:
     """The limit, the law beside it, and the mechanisms to compare with, all at one speed."""
-    bound, given = best.bound, best.given_figures
+    bound, given = best.limit, best.given_figures
     return {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
@@ -164,7 +164,7 @@ def _notes(best: BestLaw, found: str) -> list[str]:
 
 
 def _limit(best: BestLaw) -> list[str]:
-    goal, bound, unit = best.wishes.goal, best.bound, UNITS[best.wishes.goal]
+    goal, bound, unit = best.wishes.goal, best.limit, UNITS[best.wishes.goal]
     words = goal.value.replace("_", " ")
     heading = f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min"
     law = f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}"

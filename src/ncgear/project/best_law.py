@@ -42,7 +42,10 @@ class BestLaw:
 
     @cached_property
     def bound(self) -> Bound | None:
-        """The limit that no law can go below, in the unit of the goal; None for a goal that no limit is known of."""
+        """A limit that no law can go below, in the unit of the goal; None for a goal that no limit is known of.
+
+        It needs no law; ``limit`` is higher for some goals.
+        """
         from ncgear.optimum.certified.refusals import TooTight
         from ncgear.optimum.makeable.demanded import certified_limit
 
@@ -50,6 +53,13 @@ class BestLaw:
             return certified_limit(self.task, self.wishes)
         except TooTight as refused:
             raise self._with_what_was_found(refused) from refused
+
+    @cached_property
+    def limit(self) -> Bound | None:
+        """The highest limit that is known beside the best law, in the unit of the goal; None where there is none."""
+        from ncgear.optimum.makeable.demanded import raised_limit
+
+        return None if self.bound is None else raised_limit(self.task, self.wishes, self.bound, self.figures)
 
     def _with_what_was_found(self, refused: NoSuchMechanism) -> NoSuchMechanism:
         """The refusal, and values of limits with which laws were found; as it was where the optimiser is missing."""

@@ -97,6 +97,16 @@ class Demands:
         return tuple(angle for one in stretches for angle in (one.start_rad, one.end_rad))
 
 
+@dataclass(frozen=True)
+class Priced:
+    """A figure in a weighted sum, by its name in ``Demands``: its price, and the range that it is looked for in."""
+
+    name: str
+    price: float
+    least: float
+    most: float
+
+
 @dataclass(frozen=True, eq=False)
 class Ranges:
     """Ranges of q = s^2 that all wanted motions keep: at the places and everywhere in the cells, shape (n,) each.

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import cos, inf, sqrt
 
 import numpy as np
@@ -60,17 +60,17 @@ STEPS = 3
 ENOUGH = 0.001
 """What the limit may lack of the motion's value: the law itself lacks about as much."""
 
-SHARES = (1.0, 0.8, 0.6, 0.4)
+SHARES = (1.0, 0.9, 0.8, 0.6, 0.4)
 """Shares of the way from the limit without the driving curve to this value: aimed at until one is met."""
 
-LOWER = 0.02
+LOWER = .04
 """By how much ln q may lie lower between two checkpoints than the chord through them."""
 
-ROUNDS = 6
+ROUNDS = 9
 """Most rounds of narrower ranges for one target; one or two are the rule."""
 
 LEAST_GAIN = 0.1
-"""Share of the way that is left to the target that a round must have gained for another one to follow."""
+"""Share of the way to the target that a round must have gained, for another one to follow."""
 
 ROUNDING = 1e-9
 """Relative error that a range between checkpoints may have by rounding, with much to spare."""
@@ -86,13 +86,15 @@ def motion_along(trials: Trials, found: Solved) -> Solved:
     return found
 
 
-def with_driving_curve(trials: Trials, without: Solved, motion: Solved, ratio_max: float) -> float:
-    """A certain least value with the driving curve convex, from the answer without it and a motion that keeps it."""
+def within_ranges(
+    trials: Trials, parts: Sequence[IndexArray], without: Solved, motion: Solved, ratio_max: float
+) -> float:
+    """A certain least value with ranges of q in parts of the turn, places in a row each.
+
+    From the answer without ranges, and from a motion that keeps the driving curve convex and times as they are.
+    """
     on = trials.on
-    stretches = [
-        Stretch(places, _checkpoints(on, places, motion.q), ratio_max)
-        for places in _stretches(cells_that_matter(on, without.q, motion.q), on.count)
-    ]
+    stretches = [Stretch(places, motion.q[places], ratio_max) for places in parts]
     known = Known(np.full(on.count, 1.0 / ratio_max**2), np.full(on.count, inf))
     proven = without.value
     wanted = (1.0 - ENOUGH) * motion.value - without.value
@@ -106,39 +108,52 @@ def with_driving_curve(trials: Trials, without: Solved, motion: Solved, ratio_ma
     return proven
 
 
+def halves(on: Cycle) -> list[IndexArray]:
+    """All places of the turn, in two parts that share their ends."""
+    middle = on.count // 2
+    return [np.arange(middle + 1), np.append(np.arange(middle, on.count), 0)]
+
+
+def stretches(on: Cycle, without: Array, motion: Array) -> list[IndexArray]:
+    """The places at which the driving curve matters, in rows, from q without it and of a motion that keeps it."""
+    return _rows(cells_that_matter(on, without, motion), on.count)
+
+
 def _aimed_at(
     trials: Trials, stretches: Sequence[Stretch], known: Known, target: float, proven: float
 ) -> tuple[Known, float]:
     """What is known of the motions below a target after rounds of narrower ranges; the target, or what is certain."""
     on, value = trials.on, proven
+    checkpoints = [_checkpoints(on, stretch) for stretch in stretches]
     for _ in range(ROUNDS):
-        for stretch in stretches:
-            for place in stretch.checkpoints:
-                least, most = trials.extremes(_everywhere(on, known, stretches), place, target)
-                if least > most or least == inf:
-                    return known, target
-                known = known.within(place, least, most)
-        found = trials.least(_everywhere(on, known, stretches)).value
-        gained, value = found - value, max(value, found)
+        for place in chain.from_iterable(checkpoints):
+            ranges = _everywhere(on, known, stretches, checkpoints)
+            least, most = trials.extremes(ranges, place, target)
+            if least > most or least == inf:
+                return known, target
+            known = known.within(place, least, most)
+        ranges = _everywhere(on, known, stretches, checkpoints)
+        known = Known(np.maximum(known.least, ranges.least), np.minimum(known.most, ranges.most))
+        before, value = value, max(value, trials.least(ranges).value)
         if value >= target:
             return known, target
-        if not gained > LEAST_GAIN * (target - value):
+        if value - before < LEAST_GAIN * (target - before):
             break
     return known, value
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Places in a row at which the driving curve matters, and those of them at which ranges are looked for."""
+    """Places in a row at which the driving curve matters, and q there of a motion; the greatest ratio."""
 
     places: IndexArray
-    checkpoints: Sequence[int]
+    motion: Array
     ratio_max: float
 
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """Ranges of q at the places, shape (n,), narrower than the ratios leave them at checkpoints only."""
+    """Ranges of q at the places, shape (n,)."""
 
     least: Array
     most: Array
@@ -171,7 +186,7 @@ def _spare(on: Cycle, q: Array) -> Array:
     return spare
 
 
-def _stretches(cells: IndexArray, count: int) -> list[IndexArray]:
+def _rows(cells: IndexArray, count: int) -> list[IndexArray]:
     """The places of cells in a row, around the turn; gaps of two cells are closed."""
     if not cells.size:
         return []
@@ -182,9 +197,9 @@ def _stretches(cells: IndexArray, count: int) -> list[IndexArray]:
     return [(part[0] + np.arange((part[-1] - part[0]) % count + 2)) % count for part in parts]
 
 
-def _checkpoints(on: Cycle, places: IndexArray, motion: Array) -> list[int]:
+def _checkpoints(on: Cycle, stretch: Stretch) -> list[int]:
     """Places of a stretch, first and last among them, between which ln q bends down by LOWER at most."""
-    ratio = 1.0 / np.sqrt(motion[places])
+    places, ratio = stretch.places, 1.0 / np.sqrt(stretch.motion)
     # A chord of length L is missed by R L^2/8
     apart = np.sqrt(8.0 * LOWER / (2.0 * ratio + 2.0 * ratio**2))
     gone = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]] / np.minimum(apart[:-1], apart[1:]))])
@@ -193,42 +208,45 @@ def _checkpoints(on: Cycle, places: IndexArray, motion: Array) -> list[int]:
     return list(dict.fromkeys(places[np.minimum(numbers, places.size - 1)].tolist()))
 
 
-def _everywhere(on: Cycle, known: Known, stretches: Sequence[Stretch]) -> Ranges:
-    """Ranges of q at all places and in all cells of the stretches, from those at checkpoints."""
+def _everywhere(
+    on: Cycle, known: Known, stretches: Sequence[Stretch], checkpoints: Sequence[Sequence[int]]
+) -> Ranges:
+    """Ranges of q at all places and in all cells of the stretches, from those known and between checkpoints."""
     least, most = np.zeros(on.count), np.full(on.count, inf)
     least_in_cell, most_in_cell = np.zeros(on.count), np.full(on.count, inf)
-    for stretch in stretches:
-        numbers = [int(np.nonzero(stretch.places == one)[0][0]) for one in stretch.checkpoints]
+    for stretch, chosen in zip(stretches, checkpoints, strict=True):
+        numbers = [int(np.nonzero(stretch.places == one)[0][0]) for one in chosen]
         for first, last in pairwise(numbers):
             places = stretch.places[first : last + 1]
-            step = on.step_rad[places[:-1]]
-            from_first = np.concatenate([[0.0], np.cumsum(step)])
-            low, low_in_cell = _between_lower(known.least[places[[0, -1]]], from_first, stretch.ratio_max)
-            high, high_in_cell = _between_upper(known.most[places[[0, -1]]], from_first)
+            from_first = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]])])
+            low, low_in_cell = _between_lower(known.least[places], from_first, stretch.ratio_max)
+            high, high_in_cell = _between_upper(known.most[places], from_first)
             least[places], most[places] = low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)
             least_in_cell[places[:-1]] = low_in_cell * (1.0 - ROUNDING)
             most_in_cell[places[:-1]] = high_in_cell * (1.0 + ROUNDING)
     return Ranges(least, most, least_in_cell, most_in_cell)
 
 
-def _between_upper(ends: Array, angle_rad: Array) -> tuple[Array, Array]:
-    """Greatest q at places between two with a given greatest q, and in the cells: 1 + s lies below a sine curve."""
-    if not np.all(np.isfinite(ends)):
-        return np.full(angle_rad.size, inf), np.full(angle_rad.size - 1, inf)
+def _between_upper(known: Array, angle_rad: Array) -> tuple[Array, Array]:
+    """Greatest q at places from those known, and in the cells: 1 + s lies below the sine curve through both ends."""
     length = angle_rad[-1]
-    at_ends = 1.0 + np.sqrt(ends)
-    at = (at_ends[0] * np.sin(length - angle_rad) + at_ends[1] * np.sin(angle_rad)) / np.sin(length)
+    ends = 1.0 + np.sqrt(known[[0, -1]])
+    if not np.all(np.isfinite(ends)):
+        return known, np.full(angle_rad.size - 1, inf)
+    at = (ends[0] * np.sin(length - angle_rad) + ends[1] * np.sin(angle_rad)) / np.sin(length)
+    at = np.minimum(at, 1.0 + np.sqrt(known))
     in_cell = np.maximum(at[:-1], at[1:]) / np.cos(np.diff(angle_rad) / 2.0)
     return (at - 1.0) ** 2, (in_cell - 1.0) ** 2
 
 
-def _between_lower(ends: Array, angle_rad: Array, ratio_max: float) -> tuple[Array, Array]:
-    """Least q at places between two with a given least q, and in the cells: ln q bends up by 2 i + 2 i^2 at most."""
-    length = float(angle_rad[-1])
+def _between_lower(known: Array, angle_rad: Array, ratio_max: float) -> tuple[Array, Array]:
+    """Least q at places from those known, and in the cells: ln q bends up by 2 i + 2 i^2 at most."""
+    length, ends = float(angle_rad[-1]), known[[0, -1]]
     ratio = _greatest_ratio(1.0 / sqrt(float(np.min(ends))), length, ratio_max)
     bend = 2.0 * ratio + 2.0 * ratio**2
     chord = np.interp(angle_rad, [0.0, length], np.log(ends))
     at = np.maximum(chord - bend * angle_rad * (length - angle_rad) / 2.0, -2.0 * np.log(ratio))
+    at = np.maximum(at, np.log(known))
     in_cell = np.minimum(at[:-1], at[1:]) - bend * np.diff(angle_rad) ** 2 / 8.0
     return np.exp(at), np.exp(in_cell)
 

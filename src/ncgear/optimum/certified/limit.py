@@ -8,22 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import reduce
 from heapq import heappop, heappush
-from math import ceil, inf, radians, sqrt
+from math import ceil, inf, pi, radians, sqrt
+from operator import add
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle, cycle
-from ncgear.optimum.certified.demands import Demands, Near, Ranges
+from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
 from ncgear.optimum.certified.driving_curve import (
     Solved,
     Trials,
     Tried,
     cells_that_matter,
+    halves,
     motion_along,
-    with_driving_curve,
+    stretches,
+    within_ranges,
 )
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.problem import Problem
@@ -37,6 +41,9 @@ PLACES_ROUGH = 960
 PLACES_CURVED = 240
 """Places where they must be; more are added where the driving curve matters."""
 
+PLACES_RAISED = 120
+"""Places where ranges are looked for all around the turn."""
+
 FINE_RAD = radians(0.5)
 """Step of the places where the driving curve matters."""
 
@@ -45,6 +52,9 @@ CLOSE = 1.002
 
 BISECTED = 1e-4
 """Relative width to which limits are narrowed that no programme gives at once."""
+
+EASED = (1.0, 1.001, 1.01, 1.1)
+"""Factors of limits that are just kept, one after the other: at the limit itself a solver may find no motion."""
 
 TOLERANCE = 5e-3
 """Relative width to which the least sum is enclosed."""
@@ -87,12 +97,12 @@ def least_acceleration(task: Task, asked: Demands, places: int | None = None, *,
     Raises NoSuchMechanism where no acceleration is enough, with the limits that bind and their nearest values.
     """
     problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), places)
-    return _with_curves(
-        problem,
-        lambda made: (made.acceleration, lambda value: value * made.acceleration_unit_mm_s2),
-        lambda value: {"acceleration_mm_s2": value},
-        proven=proven,
-    )
+
+    def least_value(of: Problem, curve: Ranges | Near | None) -> Tried:
+        made = of.programme(curve)
+        return _tried(made, made.acceleration, lambda value: value * made.acceleration_unit_mm_s2)
+
+    return _with_curves(problem, least_value, "acceleration_mm_s2", proven=proven)
 
 
 def least_acceleration_roughly(task: Task, asked: Demands) -> float:
@@ -116,29 +126,31 @@ def least_power(task: Task, asked: Demands, places: int | None = None, *, proven
     """
     if task.masses is not None:
         return least_of(task, asked, "power_w", places)
-    return _with_curves(
-        problem_of(task, replace(asked, power_w=inf), places),
-        lambda made: (made.power_squared, lambda value: sqrt(max(value, 0.0)) * made.power_unit_w),
-        lambda value: {"power_w": value},
-        proven=proven,
-    )
+
+    def least_value(of: Problem, curve: Ranges | Near | None) -> Tried:
+        made = of.programme(curve)
+        return _tried(made, made.power_squared, lambda value: sqrt(max(value, 0.0)) * made.power_unit_w)
+
+    return _with_curves(problem_of(task, replace(asked, power_w=inf), places), least_value, "power_w", proven=proven)
 
 
 def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -> Bound:
     """Least value of one demand, by its name in ``Demands``, with which the others can be kept.
 
-    The driving curve is left free.  Raises NoSuchMechanism as ``least_acceleration`` does.
+    The driving curve is left free, and with masses the limit is a relaxation; ``raised`` gives a higher one beside a
+    law.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
     problem = problem_of(task, asked, places).under(**{name: inf})
-    if not problem.is_open:
-        raise refusal(problem)
     found = turning_point(lambda value: problem.under(**{name: value}).excess, _mean_power_w(task), BISECTED)
     if found is None:
         raise refusal(problem)
     certain, enough = found
-    made = problem.under(**{name: enough}).programme()
-    near = least(made.programme, made.acceleration).near
-    return Bound(certain, problem.on.count, None if near is None else _motion(problem.on, _q(made.q, near)))
+    for factor in EASED:
+        made = problem.under(**{name: enough * factor}).programme()
+        near = _tried(made, made.acceleration, lambda value: value).q
+        if near is not None:
+            break
+    return Bound(certain, problem.on.count, None if near is None else _motion(problem.on, near))
 
 
 def _mean_power_w(task: Task) -> float:
@@ -147,16 +159,20 @@ def _mean_power_w(task: Task) -> float:
     return max(abs(task.work_n_mm) / 1000.0 / task.cycle_s, moving, 1e-3)
 
 
-Wanted = Callable[[MotionProgramme], tuple[Linear, Callable[[float], float]]]
-"""The goal in a programme, and how its value becomes the figure that is to be least."""
+LeastValue = Callable[[Problem, Ranges | Near | None], Tried]
+"""The least value of a goal of motions within ranges or near a motion."""
 
 
-def _with_curves(
-    problem: Problem, wanted: Wanted, capped: Callable[[float], dict[str, float]], *, proven: bool = True
-) -> Bound:
-    """The least value of a goal, with the driving curve convex where both curves must be."""
-    trials = _trials(problem, wanted, capped)
-    without = _solved(trials, problem)
+def _tried(made: MotionProgramme, goal: Linear, figure: Callable[[float], float]) -> Tried:
+    """The least of a goal in a programme, as the figure that it stands for, and the motion."""
+    answer = least(made.programme, goal)
+    q = None if answer.near is None else _q(made.q, answer.near)
+    return Tried(answer.value if answer.value in (inf, -inf) else figure(answer.value), q)
+
+
+def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven: bool = True) -> Bound:
+    """The least value of a goal, a demand by its name, with the driving curve convex where both curves must be."""
+    problem, trials, without = _solved(problem, least_value, name)
     if not problem.asked.convex:
         return Bound(without.value, problem.on.count, _motion(problem.on, without.q))
     found = motion_along(trials, without)
@@ -164,41 +180,41 @@ def _with_curves(
         extra = _finer(problem.on, cells_that_matter(problem.on, without.q, found.q))
         places = [*problem.asked.places_rad, *extra]
         problem = replace(problem, on=cycle(problem.task, PLACES_CURVED, places))
-        trials = _trials(problem, wanted, capped)
-        without = _solved(trials, problem)
+        problem, trials, without = _solved(problem, least_value, name)
         found = motion_along(trials, without)
     value = without.value
     if proven and found.value > CLOSE * value:
-        value = with_driving_curve(trials, without, found, problem.asked.ratio_max)
+        parts = stretches(problem.on, without.q, found.q)
+        value = within_ranges(trials, parts, without, found, problem.asked.ratio_max)
     return Bound(value, problem.on.count, _motion(problem.on, found.q))
 
 
-def _solved(trials: Trials, problem: Problem) -> Solved:
-    """The least value without the driving curve, and its motion; raises NoSuchMechanism where there is none."""
-    tried = trials.least(None)
-    if tried.value == inf:
-        raise refusal(problem)
-    if tried.q is None:
-        raise NoSuchMechanism("the certified limit of these limits could not be computed", key="optimize.limits")
-    return Solved(tried.value, tried.q)
+def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Problem, Trials, Solved]:
+    """The least value without the driving curve, and its motion; raises NoSuchMechanism where there is none.
+
+    Where demands are so tight that no motion is found, of the problem with demands that are a little easier: what is
+    certain of that problem is certain of this one.
+    """
+    for factor in EASED:
+        easier = problem.eased(factor)
+        trials = _trials(easier, least_value, name)
+        tried = trials.least(None)
+        if tried.value == inf:
+            raise refusal(easier)
+        if tried.q is not None:
+            return easier, trials, Solved(tried.value, tried.q)
+    raise NoSuchMechanism("the certified limit of these limits could not be computed", key="optimize.limits")
 
 
-def _trials(problem: Problem, wanted: Wanted, capped: Callable[[float], dict[str, float]]) -> Trials:
-    """What the search for ranges of the driving curve asks of the programmes."""
-
-    def least_value(curve: Ranges | Near | None) -> Tried:
-        made = problem.programme(curve)
-        goal, figure = wanted(made)
-        answer = least(made.programme, goal)
-        q = None if answer.near is None else _q(made.q, answer.near)
-        return Tried(answer.value if answer.value in (inf, -inf) else figure(answer.value), q)
+def _trials(problem: Problem, least_value: LeastValue, name: str) -> Trials:
+    """What the search for ranges asks of the programmes."""
 
     def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
-        made = problem.under(**capped(below)).programme(ranges)
+        made = problem.under(**{name: below}).programme(ranges)
         q = made.q[place : place + 1]
         return least(made.programme, q).value, -least(made.programme, -q).value
 
-    return Trials(problem.on, least_value, extremes)
+    return Trials(problem.on, lambda curve: least_value(problem, curve), extremes)
 
 
 def _q(q: Linear, variables: Array) -> Array:
@@ -301,3 +317,45 @@ def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bo
     ]
     best = int(np.argmin(sums))
     return Bound(sums[best], problem.on.count, ends[best].motion)
+
+
+def raised(task: Task, asked: Demands, prices: dict[str, float], law: float, places: int = PLACES_RAISED) -> float:
+    """A certain least sum of priced figures, by their names in ``Demands``, from the sum that a law has.
+
+    Ranges of q all around the turn, and of the figures, are narrowed: with masses, sums that are far above the limits
+    of single figures are shown to be out of reach.  Both pitch curves must be convex.  Raises NoSuchMechanism where
+    the demands themselves cannot be kept.
+    """
+    problem = problem_of(task, asked, places)
+    motion = least_acceleration(task, asked, places, proven=False).motion
+    assert motion is not None
+    known = dict.fromkeys(prices, 0.0)
+
+    def programme(curve: Ranges | Near | None, below: float) -> tuple[MotionProgramme, Linear]:
+        others = sum(price * known[name] for name, price in prices.items())
+        priced = [
+            Priced(name, price, known[name], (below - others) / price + known[name]) for name, price in prices.items()
+        ]
+        made = motion_programme(task, problem.on, asked, curve, priced=priced)
+        total = reduce(add, (made.figures[name] * (price / below) for name, price in prices.items()))
+        made.programme.positive(1.0 - total)
+        return made, total
+
+    def least_value(curve: Ranges | Near | None) -> Tried:
+        for name in prices:
+            made, _ = programme(curve, law)
+            known[name] = max(known[name], least(made.programme, made.figures[name]).value)
+        made, total = programme(curve, law)
+        return _tried(made, total, lambda value: value * law)
+
+    def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
+        made, _ = programme(ranges, below)
+        q = made.q[place : place + 1]
+        return least(made.programme, q).value, -least(made.programme, -q).value
+
+    trials = Trials(problem.on, least_value, extremes)
+    without = least_value(None)
+    q = np.interp(problem.on.crank_angle_rad, motion.crank_angle_rad, motion.turning, period=2.0 * pi) ** 2
+    if not without.value < law:
+        return law
+    return within_ranges(trials, halves(problem.on), Solved(without.value, q), Solved(law, q), asked.ratio_max)

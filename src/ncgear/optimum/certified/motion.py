@@ -6,8 +6,8 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
 - Acceleration w^2 (x'' q + x' q'/2) is the slope of half the squared speed along the slider's way: from place to place
   it changes by at most the peak times the way.
 - Power F w x' s of a resistance bounds q at each place, and the work of a cell takes its time at full power.  With
-  masses, work and change of kinetic energy of a cell take their time: the time counts as a variable of its own that is
-  no less than the true one, and so this limit is relaxed.
+  masses, work and change of kinetic energy of a cell take their time.  The time is a variable of its own that is no
+  less than the true one; where q is known to lie within ranges, it is no more than a chord leaves it.
 - The driven curve, 1/r2 = (1 + s)/a, is convex where 1 + s + s'' >= 0.  So 1 + s lies at or below the sine curve
   through two places.  For three places in a row that is exact: s0 <= alpha + beta s- + gamma s+.  Squared, it bounds q0
   by a concave function of q- and q+.  In a cell, the curve through its ends bounds the mean of 1/s from below.
@@ -23,14 +23,15 @@ convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import inf, isinf, log, pi
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Demands, Near, Ranges
+from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
 from ncgear.optimum.certified.proof import Linear, Programme
 from ncgear.optimum.task import Task
 
@@ -41,7 +42,8 @@ class MotionProgramme:
 
     ``q`` (s^2), ``turning`` (s) and ``time`` (mean of 1/s in each cell) have one expression for each place.
     ``acceleration`` is in units of crank w^2, ``power_squared`` in units of ``power_unit_w`` squared, ``angle`` is the
-    driving angle that the cycle takes, over that which it has; one expression each.
+    driving angle that the cycle takes, over that which it has; one expression each.  ``figures`` are those that are
+    priced, in their units.
     """
 
     programme: Programme
@@ -53,6 +55,7 @@ class MotionProgramme:
     power_squared: Linear
     acceleration_unit_mm_s2: float
     power_unit_w: float
+    figures: dict[str, Linear]
 
 
 ROUNDING = 1e-12
@@ -70,6 +73,7 @@ def motion_programme(
     *,
     closed: bool = True,
     powers_w: tuple[float, float] = (0.0, inf),
+    priced: Sequence[Priced] = (),
 ) -> MotionProgramme:
     """The programme of all motions that keep the demands, and more that only keep these relations.
 
@@ -77,28 +81,62 @@ def motion_programme(
     of q'' <= 2 + 2 sqrt(q) + q'^2/q with q'^2/q bounded from below by its tangent: a motion that keeps it has a convex
     driving curve, but not every such motion keeps it.  That programme finds motions and proves nothing.  Where not
     ``closed``, the cycle may take any driving angle.  ``powers_w`` is the range of peak powers that is looked at where
-    the peak power is not limited.
+    the peak power is not limited.  Figures that are ``priced`` are variables within their ranges, and demands.
     """
-    made = _Making(task, on, asked, curve if isinstance(curve, Ranges) else None)
+    asked = replace(asked, **{one.name: min(one.most, getattr(asked, one.name)) for one in priced})
+    made = _Making(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
     made.limit_acceleration()
     made.limit_power(powers_w)
     made.limit_curves()
     if isinstance(curve, Ranges):
         made.limit_driving_curve(curve)
+        if is_loaded(task, asked):
+            made.limit_times(curve)
     if isinstance(curve, Near):
         made.follow_driving_curve(curve)
     made.limit_speeds()
     made.limit_energies()
+    made.least_times()
     made.take_time(closed)
     return MotionProgramme(
-        made.programme, made.q, made.s, made.time, made.angle, made.peak, made.power, made.unit, made.power_unit_w
+        made.programme,
+        made.q,
+        made.s,
+        made.time,
+        made.angle,
+        made.peak,
+        made.power,
+        made.unit,
+        made.power_unit_w,
+        {name: figure.value for name, figure in made.figures.items()},
     )
+
+
+def is_loaded(task: Task, asked: Demands) -> bool:
+    """Whether the programme has rows in which a longer time is no harder: those of energies."""
+    return task.masses is not None or any(
+        not isinf(one) for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """A limited figure: its share of the most, one expression, and the least share."""
+
+    share: Linear
+    least: float
+    most: float
+
+    @property
+    def value(self) -> Linear:
+        """The figure itself."""
+        return self.share * self.most
 
 
 class _Making:
     """A programme as it grows; each method adds the rows of one idea."""
 
-    def __init__(self, task: Task, on: Cycle, asked: Demands, known: Ranges | None) -> None:
+    def __init__(self, task: Task, on: Cycle, asked: Demands, known: Ranges | None, priced: Sequence[Priced]) -> None:
         self.task, self.on, self.asked = task, on, asked
         self.speed = task.speed_rad_s
         self.crank = task.linkage.crank_mm
@@ -115,6 +153,13 @@ class _Making:
         if known is not None:
             self.lowest = np.maximum(self.lowest, known.least)
             self.highest = np.maximum(np.minimum(self.highest, known.most), self.lowest * 0.99)
+            found = (known.least_in_cell > 0.0) & np.isfinite(known.most_in_cell)
+            quick, slow = (
+                np.sqrt(1.0 / ends[found]) * (1.0 + sign * ROUNDING)
+                for ends, sign in ((known.most_in_cell, -1.0), (known.least_in_cell, 1.0))
+            )
+            self.lowest_time[found] = np.maximum(self.lowest_time[found], quick)
+            self.highest_time[found] = np.maximum(np.minimum(self.highest_time[found], slow), self.lowest_time[found])
         self.q = self.programme.variable(self.lowest, self.highest)
         self.s = self.programme.variable(np.sqrt(self.lowest), np.sqrt(self.highest))
         self.time = self.programme.variable(self.lowest_time, self.highest_time)
@@ -126,6 +171,14 @@ class _Making:
         self.energy = self.q * (on.slope_mm_rad**2 / (2.0 * self.crank**2))
         self.length = on.length_mm / self.crank
         self.angle = (self.time * (self.after_h / task.cycle_rad)).total()
+        self.figures: dict[str, Figure] = {}
+        for one in priced:
+            most = getattr(asked, one.name)
+            least = min(one.least / most, 1.0)
+            share = self.programme.variable(np.full(1, least), np.ones(1))
+            self.programme.positive(1.0 - share)
+            self.programme.positive(share - least)
+            self.figures[one.name] = Figure(share, least, most)
 
     def _cap_by_power(self) -> None:
         """Ranges of q and of times that a given peak power leaves where no mass takes part."""
@@ -142,13 +195,15 @@ class _Making:
     def limit_acceleration(self) -> None:
         """The peak of the acceleration, over crank w^2."""
         on, most = self.on, self.asked.acceleration_mm_s2 / self.unit
-        top = min(most, MOST_ACCELERATION)
+        self.most_acceleration = top = min(most, MOST_ACCELERATION)
         self.peak = self.programme.variable(np.zeros(1), np.full(1, top))
         self.programme.positive(top - self.peak)
         everywhere = self.peak.repeated(on.count)
         slope = self.energy[self.next] * (1.0 / self.length) - self.energy * (1.0 / self.length)
         self.programme.positive(everywhere - slope)
         self.programme.positive(everywhere + slope)
+        if "acceleration_mm_s2" in self.figures:
+            self.programme.positive(self.figures["acceleration_mm_s2"].value * (1.0 / self.unit) - self.peak)
         dead = np.array([0, on.extended])
         self.programme.positive(everywhere[dead] - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
 
@@ -245,6 +300,20 @@ class _Making:
         lowest = first * self.q[self.before] + second * self.q[self.next] + rest
         self.programme.positive((self.q - lowest) * (1.0 / (self.before_h * self.after_h)))
 
+    def limit_times(self, known: Ranges) -> None:
+        """Upper bounds of the mean of 1/s in cells of a convex driving curve: ln q bends up by 2 i + 2 i^2 at most.
+
+        1/s lies below its chord in q over the range at each end, and between the ends below the mean of both, but for
+        the bend.
+        """
+        cells = np.nonzero((known.least_in_cell > 0.0) & np.isfinite(known.most_in_cell))[0]
+        slow, fast = np.sqrt(self.lowest), np.sqrt(np.maximum(self.highest, self.lowest))
+        chord = 1.0 / slow - (self.q - self.lowest) * (1.0 / (slow * fast * (slow + fast)))
+        ratio = 1.0 / np.sqrt(known.least_in_cell[cells])
+        bent = np.exp((2.0 * ratio + 2.0 * ratio**2) * self.after_h[cells] ** 2 / 16.0)
+        most = (chord[cells] + chord[self.next[cells]]) * (bent / 2.0)
+        self.programme.positive(most - self.time[cells])
+
     def limit_speeds(self) -> None:
         """Even speeds over stretches, and ranges of the speed; squared, over crank w."""
         on, per_q = self.on, (self.on.slope_mm_rad / self.crank) ** 2
@@ -266,30 +335,60 @@ class _Making:
 
     def limit_energies(self) -> None:
         """Motor and brake with masses, the swing of the shaft's energy, and its mean square torque; all in N mm."""
-        asked, on, task = self.asked, self.on, self.task
+        on, task = self.on, self.task
         work = on.work_n_mm
         kinetic = self.q * (on.inertia_kg_mm2 * self.speed**2 / 2000.0)
         given = kinetic[self.next] - kinetic + work
-        per_time = self.after_h * 1000.0 / self.speed
-        if task.masses is not None and not isinf(asked.power_w):
-            self.programme.positive(self.time - given * (1.0 / (asked.power_w * per_time)))
-        if not isinf(asked.braking_w):
-            self.programme.positive(self.time + given * (1.0 / (asked.braking_w * per_time)))
+        if task.masses is not None:
+            self._limit_flow("power_w", given)
+        elif "power_w" in self.figures:
+            pressed = np.nonzero(self.pressing > 0.0)[0]
+            share = self.pressing[pressed] / self.asked.power_w
+            enough = self.figures["power_w"].share.repeated(pressed.size)
+            self.programme.positive(enough - self._slower()[pressed] * share)
+        self._limit_flow("braking_w", -given)
         total = float(np.sum(work))
-        if not isinf(asked.torque_n_mm):
+        if (torque := self._limit("torque_n_mm")) is not None:
             # The mean square of the torque over a cell is no less than the square of its mean
-            top = asked.torque_n_mm**2 * task.cycle_rad
-            unit = asked.torque_n_mm
-            squares = self.programme.variable(np.zeros(on.count), np.full(on.count, top / unit**2))
-            self.programme.product(self.time * self.after_h, squares, given * (1.0 / unit))
-            self.programme.positive(task.cycle_rad - squares.total())
-        if not isinf(asked.fluctuation_n_mm):
-            self._swing(given, total)
+            squares = self.programme.variable(np.zeros(on.count), np.full(on.count, task.cycle_rad))
+            self.programme.product(self.time * self.after_h, squares, given * (1.0 / torque.most))
+            # The square of its share lies below its chord
+            square = torque.share * (1.0 + torque.least) - torque.least
+            self.programme.positive(square * task.cycle_rad - squares.total())
+        if (swing := self._limit("fluctuation_n_mm")) is not None:
+            self._swing(given, total, swing)
 
-    def _swing(self, given: Linear, total: float) -> None:
+    def _limit(self, name: str) -> Figure | None:
+        """A figure that is limited, a variable if it is priced; None where it is free."""
+        most = getattr(self.asked, name)
+        if isinf(most):
+            return None
+        one = Linear(np.zeros((1, 1), dtype=int), np.zeros((1, 1)), np.ones(1))
+        return self.figures.get(name, Figure(one, 1.0, most))
+
+    def _limit_flow(self, name: str, given: Linear) -> None:
+        """The energy given in each cell takes its time at a peak power.
+
+        The product of the power's share and the time lies below both planes of McCormick.
+        """
+        power = self._limit(name)
+        if power is None:
+            return
+        taken = given * (self.speed / (1000.0 * power.most * self.after_h))
+        share = power.share.repeated(self.on.count)
+        for time, at in ((self.highest_time, power.least), (self.lowest_time, 1.0)):
+            self.programme.positive(share * time + self.time * at - time * at - taken)
+
+    def _slower(self) -> Linear:
+        """What s is no less than at the places: its chord in q over the range."""
+        slow, fast = np.sqrt(self.lowest), np.sqrt(np.maximum(self.highest, self.lowest))
+        chord: Linear = (self.q - self.lowest) * (1.0 / (slow + fast)) + slow
+        return chord
+
+    def _swing(self, given: Linear, total: float, swing: Figure) -> None:
         """The energy at each place less the mean torque's stays within a band."""
-        on, most = self.on, self.asked.fluctuation_n_mm
-        size = most + abs(total)
+        on = self.on
+        size = swing.most + abs(total)
         top = self.programme.variable(np.full(1, -1e3), np.full(1, 1e3))
         level = self.programme.variable(np.full(on.count, -1e3), np.full(on.count, 1e3))
         step = (given - self.time * (self.after_h * total / self.task.cycle_rad)) * (1.0 / size)
@@ -297,20 +396,9 @@ class _Making:
         for sign in (1.0, -1.0):
             self.programme.positive(sign * (level[inner + 1] - level[inner] - step[inner]))
         self.programme.positive(top.repeated(on.count) - level)
-        self.programme.positive(level - top.repeated(on.count) + most / size)
+        self.programme.positive(level - top.repeated(on.count) + swing.share.repeated(on.count) * (swing.most / size))
 
-    def take_time(self, closed: bool) -> None:
-        """Least times of the cells, and the driving angles that the cycle and its stretches have."""
-        self._roof()
-        if closed:
-            self.programme.positive(1.0 - self.angle)
-        for stretch in self.asked.times:
-            cells = self.on.cells_within(stretch.start_rad, stretch.end_rad)
-            if cells.size:
-                taken = (self.time[cells] * self.after_h[cells]).total()
-                self.programme.positive((stretch.at_most_rad - taken) * (1.0 / stretch.at_most_rad))
-
-    def _roof(self) -> None:
+    def least_times(self) -> None:
         """Upper bounds of the mean of s in a cell: its inverse is no more than the mean of 1/s."""
         count, one = (
             self.on.count,
@@ -329,7 +417,9 @@ class _Making:
         # A cell's mean of half the squared speed is under the roof that the peak of acceleration leaves
         per = 1.0 / self.length
         here, there = self.energy * per, self.energy[self.next] * per
-        top = float(np.max(self.on.slope_mm_rad**2 / self.crank**2)) * float(np.max(self.highest)) * 0.55 * per
+        fastest = self.on.slope_mm_rad**2 * self.highest / (2.0 * self.crank**2)
+        rising = np.maximum(fastest, fastest[self.next]) * per + self.most_acceleration / 2.0
+        top = 1.1 * np.minimum(float(np.max(fastest)) * per, rising)
         mean, root = (
             self.programme.variable(np.zeros(count), top),
             self.programme.variable(np.zeros(count), np.sqrt(top)),
@@ -339,6 +429,16 @@ class _Making:
         self.programme.root(root, mean)
         # time * step >= length / (mean speed), over crank w
         self.programme.product(self.time, root, one * np.sqrt(np.sqrt(self.length / 2.0) / self.after_h))
+
+    def take_time(self, closed: bool) -> None:
+        """The driving angles that the cycle and its stretches have."""
+        if closed:
+            self.programme.positive(1.0 - self.angle)
+        for stretch in self.asked.times:
+            cells = self.on.cells_within(stretch.start_rad, stretch.end_rad)
+            if cells.size:
+                taken = (self.time[cells] * self.after_h[cells]).total()
+                self.programme.positive((stretch.at_most_rad - taken) * (1.0 / stretch.at_most_rad))
 
 
 def curved(low: Array, high: Array, before: Array, after: Array) -> tuple[Array, Array, Array, IndexArray]:

@@ -29,7 +29,11 @@ class Problem:
     @cached_property
     def closing(self) -> float:
         """Least driving angle of a cycle that keeps all other demands, over what it has; infinite where none does."""
-        made = self.programme(closed=False)
+        return self.closing_with(None)
+
+    def closing_with(self, curve: Ranges | Near | None) -> float:
+        """The same of motions within ranges, or near a motion."""
+        made = self.programme(curve, closed=False)
         return least(made.programme, made.angle).value
 
     @property
@@ -56,6 +60,11 @@ class Problem:
         """The least driving angle in rad that a stretch of crank angles takes."""
         made, cells = self.programme(), self.on.cells_within(start_rad, end_rad)
         return least(made.programme, (made.time[cells] * self.on.step_rad[cells]).total()).value
+
+    def eased(self, factor: float) -> Problem:
+        """The problem with higher peaks and steepness."""
+        names = ("acceleration_mm_s2", "power_w", "braking_w", "fluctuation_n_mm", "torque_n_mm", "steepness")
+        return self.under(**{name: factor * getattr(self.asked, name) for name in names})
 
     def under(self, **demands: Any) -> Problem:
         """The problem with other values of some demands."""

@@ -19,14 +19,20 @@ from ncgear.optimum.certified.limit import (
     least_power,
     least_weighted_sum,
     problem_of,
+    raised,
 )
+from ncgear.optimum.certified.motion import is_loaded
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
 from ncgear.optimum.makeable.motion_wishes import evenness_in_words, speed_in_words, time_in_words
 from ncgear.optimum.makeable.wishes import Wishes
-from ncgear.optimum.task import Task
+from ncgear.optimum.task import Figures, Task
 
 OF_LOADS = {"braking_power_w": "braking_w", "rms_torque_n_m": "torque_n_mm", "flywheel_kg_mm2": "fluctuation_n_mm"}
 """Figures of a machine's loads that the limit knows, and their names among its demands."""
+
+
+DEMANDS = {"peak_acceleration_mm_s2": "acceleration_mm_s2", "peak_power_w": "power_w", **OF_LOADS}
+"""All figures that the limit knows, and their names among its demands."""
 
 
 def demands_of(task: Task, wishes: Wishes) -> Demands:
@@ -127,6 +133,25 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
         return None
     # No law has less of any figure than alone, and so none has a lower sum
     return replace(found[0], value=sum(bound.value for bound in found))
+
+
+def raised_limit(task: Task, wishes: Wishes, bound: Bound, law: Figures) -> Bound:
+    """The limit of a goal, raised towards the figures of a law where ranges of q all around the turn can do so.
+
+    They can where both curves must be convex, and are worth it with masses and for sums of figures.
+    """
+    asked = demands_of(task, wishes)
+    prices = {
+        demand: price / in_demand(task, demand)
+        for name, demand in DEMANDS.items()
+        if (price := getattr(wishes.prices, name))
+    }
+    if not asked.convex or not (is_loaded(task, asked) or len(prices) > 1 or set(prices) & set(OF_LOADS.values())):
+        return bound
+    reached = sum(
+        price * getattr(law, name) for name, price in vars(wishes.prices).items() if price and name in DEMANDS
+    )
+    return replace(bound, value=max(bound.value, raised(task, asked, prices, reached)))
 
 
 def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound | None:
