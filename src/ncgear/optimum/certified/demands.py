@@ -98,15 +98,21 @@ class Demands:
 
 
 @dataclass(frozen=True, eq=False)
-class Rates:
-    """Ranges of q'/q in every cell, shape (n,) each, infinite where nothing is known; q = s^2.
+class Ranges:
+    """Ranges of q = s^2 that all wanted motions keep: at the places and everywhere in the cells, shape (n,) each.
 
-    ``mean_least`` and ``mean_most`` hold for its mean in the cell, ``least`` and ``most`` everywhere in it.  ``about``
-    holds values of q, shape (n,), near which the relation of the driving curve is tightest.
+    Where nothing is known, the least is zero and the most infinite.
     """
 
-    mean_least: Array
-    mean_most: Array
     least: Array
     most: Array
-    about: Array
+    least_in_cell: Array
+    most_in_cell: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Near:
+    """A motion near which others are looked for: q at the places and the mean of q'/q in the cells, shape (n,)."""
+
+    q: Array
+    rate: Array

@@ -8,7 +8,7 @@ from math import inf, sqrt
 from typing import Any
 
 from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Demands, Rates
+from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.proof import least
 from ncgear.optimum.task import Task
@@ -22,9 +22,9 @@ class Problem:
     asked: Demands
     on: Cycle
 
-    def programme(self, rates: Rates | None = None, *, closed: bool = True) -> MotionProgramme:
+    def programme(self, curve: Ranges | Near | None = None, *, closed: bool = True) -> MotionProgramme:
         """The conic programme of the motions."""
-        return motion_programme(self.task, self.on, self.asked, rates, closed=closed)
+        return motion_programme(self.task, self.on, self.asked, curve, closed=closed)
 
     @cached_property
     def closing(self) -> float:
