@@ -7,7 +7,7 @@ from functools import cached_property
 from math import inf, sqrt
 from typing import Any
 
-from ncgear.optimum.certified.cycle import Cycle
+from ncgear.optimum.certified.cycle import Cycle, cycle
 from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.proof import least
@@ -69,3 +69,7 @@ class Problem:
     def under(self, **demands: Any) -> Problem:
         """The problem with other values of some demands."""
         return replace(self, asked=replace(self.asked, **demands))
+
+    def on_grid(self, places: int) -> Problem:
+        """The problem on a grid of about so many places."""
+        return replace(self, on=cycle(self.task, places, self.asked.places_rad))

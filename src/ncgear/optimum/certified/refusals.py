@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import atan, ceil, degrees, exp, floor, inf, log, log10, pi, tan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
@@ -26,11 +26,13 @@ BEYOND = 10.0
 """What counts as the excess of a value with which no time at all would be enough."""
 
 
-def turning_point(excess: Callable[[float], float], guess: float, fine: float = FINE) -> tuple[float, float] | None:
+def turning_point(
+    excess: Callable[[float], float], guess: float, fine: float = FINE, step: float = log(2.0)
+) -> tuple[float, float] | None:
     """A value whose excess is over zero and a higher one, at most ``fine`` apart, with none; the excess never grows.
 
-    It may be infinite.  The first value is 0 where there is no excess down to 2^-60 of the guess, which must be
-    positive.  None where there is some up to 2^60 times the guess.
+    It may be infinite.  The guess, which must be positive, should be right to a share of ``step``.  The first value is
+    0 where there is no excess down to 2^-60 of the guess.  None where there is some up to 2^60 times the guess.
     """
     from scipy.optimize import brentq
 
@@ -47,13 +49,17 @@ def turning_point(excess: Callable[[float], float], guess: float, fine: float = 
         return max(place for place, over in known.items() if over > 0.0 and place < high), high
 
     upwards = at(0.0) > 0.0
-    most, step = DOUBLINGS * log(2.0), fine / 2.0
+    most = DOUBLINGS * log(2.0)
     while (at(step if upwards else -step) > 0.0) == upwards:
         if step >= most:
             return None if upwards else (0.0, guess * 2.0**-DOUBLINGS)
-        step = min(max(log(2.0), 2.0 * step), most)
+        step = min(2.0 * step, most)
     low, high = ends()
     while high > low + fine:
+        if known[low] == BEYOND:
+            at((low + high) / 2.0)
+            low, high = ends()
+            continue
         near = brentq(at, low, high, xtol=fine / 8.0)
         for side in (-fine / 3.0, fine / 3.0):
             at(near + side)
@@ -184,7 +190,12 @@ def _said(task: Task, name: str, value: float) -> str:
 
 
 def _enough(task: Task, name: str, value: float) -> str:
-    return f"{shown_above(value / in_demand(task, name))} {PEAKS[name].unit}"
+    return f"{shown_above(value * (1.0 + EDGE) / in_demand(task, name))} {PEAKS[name].unit}"
+
+
+EDGE = 1e-4
+"""Share by which the value of a peak that is named lies over the least: there no programme has an inside, and the
+solver may find no motion.  With a third of it, it does on the baler."""
 
 
 def _least(problem: Problem, name: str) -> float:
@@ -197,26 +208,26 @@ def _least(problem: Problem, name: str) -> float:
 
 
 def _of_curves_and_wishes(problem: Problem) -> TooTight:
-    """The refusal where no peak is enough: convex curves, the pressure angle or a wish leave no law."""
+    """The refusal where no peak is enough: convex curves, the pressure angle or a wish leave no law.
+
+    A wish that cannot be kept alone is told before those that cannot be kept together.
+    """
     wishes = list(_wishes(problem.asked))
     bare = problem.under(**dict.fromkeys(WISHES, ()))
-    alone = [bare.under(**{kind: (wish,)}) for kind, wish in wishes]
-    for (kind, wish), only in zip(wishes, alone, strict=True):
-        if bare.is_open and not only.is_open:
-            kept = problem if _without(problem, kind, wish).is_open else only
-            offers = [*_other_wishes(kept), *_other_curves(kept)]
-            return TooTight(f"no law keeps this wish; {_any_of(offers)}", key=wish.key or "wishes")
     for kind, wish in wishes:
-        if _without(problem, kind, wish).is_open:
-            offers = [*_other_wishes(problem), *_other_curves(problem)]
-            said = "no law keeps this wish with the other wishes"
-            return TooTight(f"{said}; {_any_of(offers)}", key=wish.key or "wishes")
-    offers = _other_curves(problem)
-    return TooTight(
-        "no law keeps the limits of ratio and curves and the wishes together"
-        + (f"; {_any_of(offers)}" if offers else ""),
-        key="optimize.limits",
-    )
+        alone = bare.under(**{kind: (wish,)})
+        if bare.is_open and not alone.is_open:
+            free = _without(problem, kind, wish)
+            kept, free = (problem, free) if free.is_open else (alone, bare)
+            offers = [*_nearest_wish(free, kind, wish), *_other_curves(kept)]
+            return TooTight(f"no law keeps this wish; {_any_of(offers)}", key=wish.key or "wishes")
+    instead = [(wish, said) for kind, wish in wishes for said in _instead_of(problem, kind, wish)]
+    offers = [*(said for _, said in instead), *_other_curves(problem)]
+    if instead:
+        said, key = "no law keeps this wish with the other wishes", instead[0][0].key or "wishes"
+    else:
+        said, key = "no law keeps the limits of ratio and curves and the wishes together", "optimize.limits"
+    return TooTight("; ".join([said, *([_any_of(offers)] if offers else [])]), key=key)
 
 
 WISHES = ("times", "even_speeds", "speeds")
@@ -234,32 +245,54 @@ def _without(problem: Problem, kind: str, wish: StretchTime | SpeedSpread | Spee
 
 def _other_wishes(problem: Problem) -> list[str]:
     """For each wish without which there may be a law, the nearest that could be asked for, with its key."""
-    said = []
-    for kind, wish in _wishes(problem.asked):
-        free = _without(problem, kind, wish)
-        if free.is_open and (nearest := _nearest_wish(free, kind, wish)):
-            said.append(f"{nearest} ({wish.key})" if wish.key else nearest)
-    return said
+    return [said for kind, wish in _wishes(problem.asked) for said in _instead_of(problem, kind, wish)]
 
 
-def _nearest_wish(free: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> str:
-    """The nearest wish that can be kept, in words, with all that ``free`` asks for; empty where there is none."""
+def _instead_of(problem: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> list[str]:
+    """The nearest that could be asked for instead of a wish, with its key; none where nothing is gained without it."""
+    free = _without(problem, kind, wish)
+    return _nearest_wish(free, kind, wish) if free.is_open else []
+
+
+def _nearest_wish(free: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> list[str]:
+    """The nearest wish that can be kept, in words, with all that ``free`` asks for; none where there is none."""
     others = getattr(free.asked, kind)
 
     def nearest(eased: Callable[[float], StretchTime | SpeedSpread | SpeedRange], guess: float) -> float:
-        found = turning_point(lambda value: free.under(**{kind: (*others, eased(value))}).excess, guess)
-        return inf if found is None else found[1]
+        return _eased(free, lambda value: {kind: (*others, eased(value))}, guess)
 
     match wish:
         case StretchTime():
-            return wish.shown(free.least_time(wish.start_rad, wish.end_rad))
+            eased = free.least_time(wish.start_rad, wish.end_rad)
         case SpeedSpread():
-            over = nearest(lambda more: replace(wish, spread=1.0 + more), max(wish.spread - 1.0, LEAST_EASE))
-            return wish.shown(1.0 + over) if over < inf else ""
+            eased = 1.0 + nearest(lambda more: replace(wish, spread=1.0 + more), max(wish.spread - 1.0, LEAST_EASE))
         case SpeedRange():
-            over = nearest(lambda more: wish.wider(1.0 + more), LEAST_EASE)
-            return wish.shown(1.0 + over) if over < inf else ""
+            eased = 1.0 + nearest(lambda more: wish.wider(1.0 + more), LEAST_EASE)
+    if eased == inf:
+        return []
+    return [f"{wish.shown(eased)} ({wish.key})" if wish.key else wish.shown(eased)]
 
+
+def _eased(problem: Problem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
+    """The least value with which demands that follow from it can be kept, to a share of EASED; infinite where none is.
+
+    On a grid of many places, one of few places tells where to look.
+    """
+
+    def turned(on: Problem, guess: float, step: float) -> tuple[float, float] | None:
+        return turning_point(lambda value: on.under(**demands(value)).excess, guess, EASED, step)
+
+    few = problem.under(**demands(guess)).on_grid(FEW_PLACES)
+    near = turned(few, guess, log(2.0)) if few.on.count < problem.on.count else None
+    found = turned(problem, near[1], EASED) if near is not None and near[0] > 0.0 else turned(problem, guess, log(2.0))
+    return inf if found is None else found[1]
+
+
+EASED = 1e-3
+"""Relative width of the interval to which the nearest of a wish or of the pressure angle is narrowed."""
+
+FEW_PLACES = 200
+"""Places on which such an interval is looked for first."""
 
 LEAST_EASE = 0.01
 """Where the search for a spread or a range of speeds begins, as a share of the speed."""
@@ -272,9 +305,9 @@ def _other_curves(problem: Problem) -> list[str]:
         rack = asked.rack_angle_rad
         widest = pi / 2.0 - rack if rack else pi / 2.0 - 1e-6
         if asked.tangent_rad < widest and problem.under(steepness=tan(widest)).is_open:
-            found = turning_point(lambda steep: problem.under(steepness=steep).excess, asked.steepness)
-            if found is not None:
-                enough = degrees(atan(found[1]) + rack)
+            steep = _eased(problem, lambda value: {"steepness": value}, asked.steepness)
+            if steep < inf:
+                enough = degrees(atan(steep) + rack)
                 of_rack = f" (of which the rack has {degrees(rack):.6g})" if rack else ""
                 said.append(f"a pressure angle of {shown_above(enough)} deg{of_rack}")
     if asked.convex and problem.under(convex=False).is_open:
