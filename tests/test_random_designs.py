@@ -194,7 +194,7 @@ def build_holds(drive: Drive) -> None:
 
 
 def judge_builds(folder: Path, count: int, number: int) -> Counter[str]:
-    """Verdicts on ``count`` designs, or on more until one is made: three of four are refused; the rest is not judged."""
+    """Verdicts on ``count`` designs, or on more until one is made, as a quarter are; the rest is not judged."""
     found: list[str] = []
 
     def judged(data: Data) -> str:
