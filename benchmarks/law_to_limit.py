@@ -1,0 +1,83 @@
+"""How far laws are from the limit that no law goes below, and what both cost.  Writes benchmarks/law-to-limit.md.
+
+Run as ``make bench`` or ``python benchmarks/law_to_limit.py``.  The three balers of designs/ and six foreign machines;
+seconds are those of all processors, each of limit and search for itself.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
+
+from foreign import FOREIGN, Asked, asked_by
+from ncgear.optimum.makeable.demanded import certified_limit, start_motion
+from ncgear.optimum.makeable.law import makeable_law
+from ncgear.optimum.makeable.wishes import Goal
+from ncgear.optimum.task import figures
+
+ROOT = Path(__file__).parents[1]
+BALERS = ("baler-66", "baler-half", "baler-smooth")
+MACHINES = {**{name: ROOT / "designs" / f"{name}.yaml" for name in BALERS}, **FOREIGN}
+
+
+@dataclass(frozen=True)
+class Reached:
+    """The goal that a law has and its limit, in the goal's unit, and processor seconds of limit and search."""
+
+    law: float
+    limit: float
+    limit_s: float
+    search_s: float
+
+    @property
+    def gap(self) -> float:
+        """By what share of the limit the law is above it."""
+        return self.law / self.limit - 1.0
+
+
+def reached(asked: Asked) -> Reached:
+    """Limit and law of a machine; raises NoSuchMechanism where no law keeps what is asked, ValueError without limit."""
+    task, wishes = asked.task, asked.wishes
+    start = process_time()
+    bound = certified_limit(task, wishes)
+    limit_s = process_time() - start
+    if bound is None:
+        raise ValueError(f"no limit of {wishes.goal} is known")
+    start = process_time()
+    law = makeable_law(task, wishes, start_motion(task, wishes, bound))
+    search_s = process_time() - start
+    return Reached(wishes.prices.of(figures(task, law.train(task.lobes))), bound.value, limit_s, search_s)
+
+
+def page() -> str:
+    """The whole page."""
+    rows = []
+    for name, path in MACHINES.items():
+        asked = asked_by(path)
+        found = reached(asked)
+        unit = "W" if asked.wishes.goal is Goal.POWER else "mm/s²"
+        rows.append(
+            f"| {name} | {found.law:.1f} {unit} | {found.limit:.1f} {unit} | {100.0 * found.gap:.2f} "
+            f"| {found.limit_s:.1f} | {found.search_s:.1f} |"
+        )
+    return "\n".join(
+        [
+            "# From a law to its limit",
+            "",
+            f"Written by `python benchmarks/law_to_limit.py`: {os.cpu_count()} cores, Python "
+            f"{platform.python_version()}. Pitch curves are convex; "
+            "the machines are in `designs` and `benchmarks/foreign`.",
+            "",
+            "| machine | law | no law is below | gap, % | limit, s | search, s |",
+            "|---|---|---|---|---|---|",
+            *rows,
+            "",
+        ]
+    )
+
+
+if __name__ == "__main__":
+    (ROOT / "benchmarks" / "law-to-limit.md").write_text(page(), encoding="utf-8")

@@ -1,0 +1,205 @@
+"""No limit of any kind is above a law that exists, whatever the law; and limits of less than the best laws have are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf
+
+import pytest
+
+from kept_laws import FILES, KeptLaw, kept
+from ncgear.errors import DesignError, NoSuchMechanism
+from ncgear.optimum.certified.demands import Demands
+from ncgear.optimum.certified.limit import (
+    Weights,
+    least_acceleration,
+    least_acceleration_roughly,
+    least_of,
+    least_power,
+    least_weighted_sum,
+)
+from ncgear.optimum.task import Figures, Task
+
+Limit = Callable[[Task, Demands], float]
+
+
+def shaped(asked: Demands) -> Demands:
+    """Peaks, ratios, pressure angle and convexity: what a design asks without wishes of its motion."""
+    return replace(asked, times=(), speeds=(), even_speeds=())
+
+
+def loose(asked: Demands) -> Demands:
+    """Peaks and convexity alone: the widest ranges of the driving curve's rates."""
+    ratios = {"ratio_min": 0.5 * asked.ratio_min, "ratio_max": 2.0 * asked.ratio_max}
+    return replace(shaped(asked), **ratios, steepness=inf)
+
+
+def dented(asked: Demands) -> Demands:
+    """No demand of convexity."""
+    return replace(shaped(asked), convex=False)
+
+
+def acceleration(task: Task, asked: Demands) -> float:
+    return least_acceleration(task, asked).value
+
+
+def power(task: Task, asked: Demands) -> float:
+    return least_power(task, asked).value
+
+
+def least_sum(task: Task, asked: Demands) -> float:
+    """Both peaks in shares of the law's own."""
+    return least_weighted_sum(task, asked, Weights(1.0 / asked.acceleration_mm_s2, 1.0 / asked.power_w)).value
+
+
+ASKED: dict[str, Callable[[Demands], Demands]] = {
+    "all": lambda asked: asked,
+    "shape": shaped,
+    "loose": loose,
+    "dents": dented,
+}
+"""What of a law's own figures is asked."""
+
+OF_MOTION: dict[str, tuple[Limit, Callable[[Figures], float | None]]] = {
+    "acceleration": (acceleration, lambda found: found.peak_acceleration_mm_s2),
+    "roughly": (least_acceleration_roughly, lambda found: found.peak_acceleration_mm_s2),
+    "power": (power, lambda found: found.peak_power_w),
+    "sum": (least_sum, lambda found: 2.0),
+}
+"""Limits of a motion, with masses or without, and the law's own figure."""
+
+OF_LOADS: dict[str, tuple[Limit, Callable[[Figures], float | None]]] = {
+    "acceleration": OF_MOTION["acceleration"],
+    "power": OF_MOTION["power"],
+    "braking": (lambda task, asked: least_of(task, asked, "braking_w").value, lambda found: found.braking_power_w),
+    "torque": (
+        lambda task, asked: least_of(task, asked, "torque_n_mm").value / 1000.0,
+        lambda found: found.rms_torque_n_m,
+    ),
+    "flywheel": (
+        lambda task, asked: (
+            least_of(task, asked, "fluctuation_n_mm").value * 1000.0 / (task.speed_rad_s**2 * task.speed_fluctuation)
+        ),
+        lambda found: found.flywheel_kg_mm2,
+    ),
+}
+"""Limits of a machine with masses, and the law's own figure."""
+
+
+def above(law: KeptLaw, kind: str, asked: Demands) -> float:
+    """By what share of the law's figure a limit is above it."""
+    limit, own = (OF_MOTION if law.task.masses is None else OF_LOADS)[kind]
+    figure = own(law.figures)
+    assert figure is not None
+    return limit(law.task, asked) / max(figure, 1e-9) - 1.0
+
+
+NO_LAW = {
+    "designs/internal-1-2",
+    "designs/pump-1-2",
+    "tests/cases/a1-too-large",
+    "tests/cases/a1-vanishing",
+    "tests/cases/lobes-1-2",
+    "tests/cases/lobes-2-3",
+    "tests/cases/pole",
+    "tests/cases/pole-changing-sign",
+    "tests/cases/ratio-through-zero",
+    "tests/cases/stroke-off-by-1e-3",
+    "tests/cases/table-coarse-noise",
+    "tests/cases/table-two-points",
+    "tests/cases/theta1-vanishing",
+    "tests/cases/v2-vanishing",
+}
+"""Files without a law, or whose driven gear has several lobes: no cycle of a slider."""
+
+LAWS = [name for name in FILES if name not in NO_LAW]
+NEAR = [name for name in LAWS if not name.startswith("tests/")]
+"""Laws of designs: the others are judged by the long tests."""
+
+OF_ALL = [
+    *(("acceleration", which) for which in ASKED),
+    *(("power", which) for which in ("all", "shape", "dents")),
+    ("roughly", "shape"),
+    ("sum", "shape"),
+]
+WITH_MASSES = [
+    ("acceleration", "all"),
+    ("power", "shape"),
+    *((kind, "all") for kind in ("braking", "torque", "flywheel")),
+]
+
+
+def over(law: KeptLaw, kinds: list[tuple[str, str]]) -> dict[tuple[str, str], float]:
+    """The limits that are above the law, by what share of its figure.
+
+    A refusal fails, since the law keeps what is asked.
+    """
+    asked = law.demands()
+    found = {(kind, which): above(law, kind, ASKED[which](asked)) for kind, which in kinds}
+    return {kind: share for kind, share in found.items() if share > EXACT}
+
+
+EXACT = 1e-9
+"""Figures are exact but for rounding."""
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", NO_LAW)
+def test_files_without_a_law_are_refused(name: str) -> None:
+    with pytest.raises(DesignError):
+        kept(name)
+
+
+@pytest.mark.tiers(quick=["designs/baler-66", "designs/pusher"], rest="slow")
+@pytest.mark.parametrize("name", LAWS)
+def test_no_quick_limit_is_above_a_law(name: str) -> None:
+    assert over(kept(name).without_masses(), [("roughly", "all"), ("power", "dents")]) == {}
+
+
+def some_long(names: list[str]) -> list[object]:
+    return [pytest.param(name, marks=[] if name in NEAR else pytest.mark.long) for name in names]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", some_long(LAWS))
+def test_no_limit_is_above_a_law(name: str) -> None:
+    law = kept(name).without_masses()
+    assert over(law, [kind for kind in OF_ALL if kind[0] != "sum" or law.figures.peak_power_w > 0.0]) == {}
+
+
+@pytest.mark.slow
+@pytest.mark.long
+@pytest.mark.parametrize("name", [*NEAR, *(name for name in LAWS if "baler-masses" in name)])
+def test_no_limit_of_a_machine_with_masses_is_above_a_law(name: str) -> None:
+    assert over(kept(name).with_masses(), WITH_MASSES) == {}
+
+
+def tighter(asked: Demands) -> Demands:
+    """Both peaks and the pressure angle tighter by a fiftieth."""
+    less = {name: 0.98 * getattr(asked, name) for name in ("acceleration_mm_s2", "power_w", "steepness")}
+    return replace(asked, **less)
+
+
+BEST = {
+    "designs/baler-66": "acceleration",
+    "designs/baler-half": "acceleration",
+    "designs/baler-smooth": "acceleration",
+    "benchmarks/foreign/short-rod": "acceleration",
+    "benchmarks/foreign/long-rod": "acceleration",
+    "benchmarks/foreign/blanking": "acceleration",
+    "benchmarks/foreign/both-strokes": "acceleration",
+    "benchmarks/foreign/stiff-spring": "power",
+    "benchmarks/foreign/slow-press": "power",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BEST)
+def test_what_is_a_fiftieth_tighter_than_a_best_law_is_beyond_it(name: str) -> None:
+    """Negative control: the limit is above the law, or nothing keeps these demands at all."""
+    law = kept(name).without_masses()
+    try:
+        assert above(law, BEST[name], tighter(shaped(law.demands()))) > 1e-3
+    except NoSuchMechanism as refused:
+        assert "too little" in refused.problem or "too much" in refused.problem

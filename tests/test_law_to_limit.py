@@ -1,0 +1,34 @@
+"""From a law to its limit: a hundredth at most, on the balers and on machines that neither was made for."""
+
+from __future__ import annotations
+
+import pytest
+
+from foreign import FOREIGN, asked_by
+from law_to_limit import MACHINES, reached
+from ncgear.optimum.makeable.demanded import start_motion
+from ncgear.optimum.makeable.law import makeable_law
+from ncgear.optimum.task import figures
+
+OPEN = {"blanking": 0.035}
+"""Machines whose limit is known to be too low yet, and their gap."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_law_is_within_a_hundredth_of_its_limit(name: str) -> None:
+    assert -1e-9 < reached(asked_by(MACHINES[name])).gap <= OPEN.get(name, 0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FOREIGN)
+def test_what_is_asked_of_foreign_machines_binds(name: str) -> None:
+    """Control of the test above: the law takes all that its cap allows, and has convex curves."""
+    asked = asked_by(FOREIGN[name])
+    task, wishes = asked.task, asked.wishes
+    found = figures(task, makeable_law(task, wishes, start_motion(task, wishes)).train(task.lobes))
+    caps = {figure: cap for figure, cap in vars(wishes.limits).items() if figure.startswith("peak_") and cap}
+    assert len(caps) == 1
+    for figure, cap in caps.items():
+        assert 0.999 * cap < getattr(found, figure) <= cap
+    assert found.convex
