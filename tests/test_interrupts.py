@@ -67,6 +67,7 @@ def places(folder: Path) -> list[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_builds_interrupted_at_random_moments_leave_the_last_good_one(tmp_path: Path, design: Path) -> None:
     random, folder = np.random.default_rng(8), tmp_path / "out"
     command = [sys.executable, "-m", "ncgear", "build", str(design), "--out", str(folder)]

@@ -36,7 +36,7 @@ class LogRatio(ABC):
     def turned(self, t: Real) -> Real:
         """x at t, times the mean: the integral of the exponential."""
 
-    @property
+    @cached_property
     def mean(self) -> Real:
         """Mean of the exponential."""
         return self.turned(2 * mp.pi) / (2 * mp.pi)
@@ -84,11 +84,18 @@ class Harmonics(LogRatio):
 
         The 256 that are kept fall below 1e-40 where the series' coefficients add up to ten.
         """
-        points = [2 * mp.pi * k / NODES for k in range(NODES)]
-        values = [mp.exp(self.log(t)) for t in points]
-        waves = [[mp.expj(wave * t) for t in points] for wave in range(NODES // 4)]
+        around = [mp.expj(2 * mp.pi * k / NODES) for k in range(NODES)]
+        values = [mp.exp(self.log(2 * mp.pi * k / NODES)) for k in range(NODES)]
+        waves = ([around[wave * k % NODES] for k in range(NODES)] for wave in range(NODES // 4))
         sums = [2 * mp.fdot(values, wave) / NODES for wave in waves]
         return tuple(mp.re(each) for each in sums), tuple(mp.im(each) for each in sums)
+
+    @cached_property
+    def _antiderivative(self) -> list[Real]:
+        """Coefficients of falling powers of exp(it): the imaginary part is the waves' antiderivative."""
+        cosine, sine = self.spectrum
+        rising = [mp.mpc(cosine[k], -sine[k]) / k for k in range(1, len(cosine))]
+        return [*reversed(rising), -mp.fsum(rising)]
 
     def slope(self, t: Real) -> Real:
         """Derivative of the series."""
@@ -96,10 +103,7 @@ class Harmonics(LogRatio):
 
     def turned(self, t: Real) -> Real:
         """x at t, times the mean: the antiderivative of exp(series), term by term."""
-        cosine, sine = self.spectrum
-        waves = [(mp.expj(wave * t), wave) for wave in range(1, len(cosine))]
-        terms = [(cosine[k] * mp.im(turn) + sine[k] * (1 - mp.re(turn))) / k for turn, k in waves]
-        return cosine[0] / 2 * t + mp.fsum(terms)
+        return self.spectrum[0][0] / 2 * t + mp.im(mp.polyval(self._antiderivative, mp.expj(t)))
 
 
 @dataclass(frozen=True)
