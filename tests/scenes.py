@@ -53,7 +53,16 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
 in_a_browser = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on the path")
 
-TEXTS = {"askew": ASKEW, "gearless": GEARLESS, "webbed": WEBBED}
+BOTH_WAYS = """
+name: both-ways
+linkage: {crank_mm: 40, rod_mm: 150, offset_mm: 10}
+operation: {speed_rpm: 90}
+motion: {law: ellipse, eccentricity: 0.3}
+resistance: {polynomial_n: [300], returning: {expression_n: "2*(60 - x)"}, friction_n: 20}
+"""
+"""Forces on both strokes, on the way back once there are 60 mm left."""
+
+TEXTS = {"askew": ASKEW, "both ways": BOTH_WAYS, "gearless": GEARLESS, "webbed": WEBBED}
 
 
 @cache

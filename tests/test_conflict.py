@@ -109,15 +109,7 @@ CONFLICTS: dict[str, tuple[Wishes, set[str]]] = {
 }
 
 
-NOT_OFFERED = pytest.mark.xfail(
-    strict=True,
-    reason="the search for the greatest least ratio does not settle in 500 steps, so that it is not offered",
-)
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=NOT_OFFERED) if name == "ratio" else name for name in CONFLICTS]
-)
+@pytest.mark.parametrize("name", CONFLICTS)
 def test_what_is_offered_is_in_the_way(name: str) -> None:
     wishes, wanted = CONFLICTS[name]
     error = refusal(wishes)

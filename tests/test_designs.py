@@ -63,6 +63,13 @@ PINNED = {
     "ellipse": [("ratio.max", 1.35 / 0.65, 1e-12), ("ratio.min", 0.65 / 1.35, 1e-12)],
     # A constant resistance of 400 N over a stroke of 60 mm, at 240 r/min and two turns a stroke: two strokes a second.
     "pump-1-2": [("check.mean_power_w", 400.0 * 0.060 * 2.0, 1e-9), ("teeth.driven", 48, 0)],
+    # 500 N out, 420 N back and 20 N of friction both ways over 60 mm, twice a second; its limit of acceleration is met.
+    "pump-both-ways": [
+        ("check.mean_power_w", (500.0 + 420.0 + 2 * 20.0) * 0.060 * 2.0, 1e-9),
+        ("check.peak_acceleration_cycle_mm_s2", 10000.0, 0.5),
+        ("teeth.undercut_driving", [], 0),
+        ("warnings", [], 0),
+    ],
     # c (2 + 0.4 cos) closes for the c that makes the mean of its inverse 1/2: sqrt(1 - 0.2^2); 1.6 c is its least.
     "internal-1-2": [
         ("ratio.min", 1.6 / (0.96**0.5), 1e-12),
@@ -172,7 +179,9 @@ def test_law_table_is_consistent_in_itself(name: str) -> None:
         [[0.0], np.cumsum(np.diff(table["phi1_rad"]) * (1 / table["ratio"][1:] + 1 / table["ratio"][:-1]) / 2)]
     )
     assert np.max(np.abs(turned - table["phi2_rad"])) <= 1e-4
-    assert table["power_w"] == pytest.approx(table["force_n"] * table["velocity_mm_s"] / 1000, rel=1e-12, abs=1e-9)
+    # The force counts against the motion, on both strokes.
+    by_hand = table["force_n"] * np.abs(table["velocity_mm_s"]) / 1000
+    assert table["power_w"] == pytest.approx(by_hand, rel=1e-12, abs=1e-9)
 
 
 @in_tiers

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from math import inf, pi, radians, tan
@@ -230,13 +231,22 @@ def test_wrong_lobes_are_refused() -> None:
         Task(BALER_LINKAGE, PRESS, 1.0, Lobes(1, 2))
 
 
-@pytest.mark.parametrize("at", [1e-6, 0.3, 1.0, 2.0, 1e6])
-def test_turning_point(at: float) -> None:
-    found = turning_point(lambda value: value >= at, 1.0)
+EXCESS: dict[str, Callable[[float], Callable[[float], float]]] = {
+    "smooth": lambda at: lambda value: at / value - 1.0,
+    "flat": lambda at: lambda value: (at - value) * abs(at - value) / at**2,
+    "a jump": lambda at: lambda value: inf if value < at else -0.3,
+    "a jump and a slope": lambda at: lambda value: inf if value < 0.9 * at else at - value,
+}
+
+
+@pytest.mark.parametrize("kind", EXCESS)
+@pytest.mark.parametrize("at", [1e-6, 0.3, 1.0, 1.0 + 1e-9, 2.0, 1e6])
+def test_turning_point(at: float, kind: str) -> None:
+    found = turning_point(EXCESS[kind](at), 1.0)
     assert found is not None
     assert found[0] < at <= found[1] <= found[0] * (1.0 + 1e-5)
 
 
 def test_turning_point_that_is_not_there() -> None:
-    assert turning_point(lambda value: False, 1.0) is None
-    assert turning_point(lambda value: True, 1.0) == (0.0, 2.0**-60)
+    assert turning_point(lambda value: 1.0, 1.0) is None
+    assert turning_point(lambda value: -1.0, 1.0) == (0.0, 2.0**-60)

@@ -16,7 +16,8 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified import proof
 from ncgear.optimum.certified.cycle import Cycle, cycle
-from ncgear.optimum.certified.demands import Demands, Rates
+from ncgear.optimum.certified.demands import Demands, Ranges
+from ncgear.optimum.certified.driving_curve import Known, Stretch, _everywhere
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.problem import Problem
@@ -133,19 +134,21 @@ def filled(programme: Programme, known: list[tuple[Linear, Array]]) -> Array:
     return values
 
 
-def broken(task: Task, law: Turning, asked: Demands, places: int, rates: bool) -> float:
+def broken(task: Task, law: Turning, asked: Demands, places: int, ranges: bool) -> float:
     """By how much the law breaks the worst row or range of the programme, over the size of its terms."""
     on = cycle(task, places)
-    ranges = true_rates(on, law) if rates else None
-    made = motion_programme(task, on, asked, ranges)
+    made = motion_programme(task, on, asked, true_ranges(on, law) if ranges else None)
     s = law.s(on.crank_angle_rad)
     given = Demands.acceleration_mm_s2 if asked.acceleration_mm_s2 == inf else asked.acceleration_mm_s2
     values = filled(made.programme, [(made.q, s**2), (made.turning, s), (made.time, law.mean_times(on))])
     values[made.acceleration.columns[0]] = given / made.acceleration_unit_mm_s2
     if asked.convex:
-        # Of the variables only the geometric means of both neighbours are left
-        (between,) = (block for block in variables_left(made.programme, values) if block.size == on.count)
+        # Of the variables only the geometric means of both neighbours are left, and ln q
+        between, *logarithm = (block for block in variables_left(made.programme, values) if block.size == on.count)
         values[between] = np.roll(s, 1) * np.roll(s, -1)
+        assert len(logarithm) == ranges
+        for block in logarithm:
+            values[block] = 2.0 * np.log(s)
     assert not np.any(np.isnan(values))
     return worst(made.programme, values)
 
@@ -171,27 +174,32 @@ def worst(programme: Programme, values: Array) -> float:
     return float(max(np.max(-spare[:flat] / np.maximum(size[:flat], 1e-300)), np.max(of_cones), np.max(outside)))
 
 
-def true_rates(on: Cycle, law: Turning) -> Rates:
-    """The law's own ranges of q'/q = 2 s'/s in every cell, from 60 samples each."""
+def true_ranges(on: Cycle, law: Turning) -> Ranges:
+    """Ranges about the law's own q in every cell, from 60 samples each, wider by up to a fifth on each side."""
     inner = on.crank_angle_rad[:, None] + on.step_rad[:, None] * np.linspace(0.0, 1.0, 60)
-    rate = 2.0 * law.series(inner, 1)
-    q = law.s(on.crank_angle_rad) ** 2
-    mean = np.log(np.roll(q, -1) / q) / on.step_rad
-    room = 1e-4  # the bend of harmonics is under 100/rad^2, and samples are at most 1.8e-3 rad apart
-    return Rates(mean - 1e-9, mean + 1e-9, rate.min(axis=1) - room, rate.max(axis=1) + room, 1.1 * q)
+    q, at = law.s(inner) ** 2, law.s(on.crank_angle_rad) ** 2
+    room = 1e-4  # q bends by under 100/rad^2, and samples are at most 2.6e-3 rad apart
+    wider = 1.0 + np.linspace(0.0, 0.2, on.count)
+    below, over = at / wider, at * wider[::-1]
+    return Ranges(
+        below * (1.0 - 1e-12),
+        over * (1.0 + 1e-12),
+        np.minimum.reduce([q.min(axis=1) - room, below, np.roll(below, -1)]),
+        np.maximum.reduce([q.max(axis=1) + room, over, np.roll(over, -1)]),
+    )
 
 
 ROUNDED = 1e-11
 """Rows are a few operations on numbers of 1e-16, divided by squares of steps of a degree or so."""
 
 
-@pytest.mark.parametrize("rates", [False, True])
+@pytest.mark.parametrize("ranges", [False, True])
 @pytest.mark.parametrize("seed", range(36))
-def test_a_convex_law_keeps_every_relation(seed: int, rates: bool) -> None:
-    """With its own figures as demands; with its own rates the relation of the driving curve as well."""
+def test_a_convex_law_keeps_every_relation(seed: int, ranges: bool) -> None:
+    """With its own figures as demands; with ranges about it the relation of the driving curve as well."""
     law, task = convex_law(seed), replace(AT_SIXTY, linkage=LINKAGES[seed % 4], load=PRESS)
     asked = exact_demands(task, law)
-    assert broken(task, law, asked, (40, 97, 180)[seed % 3], rates) < ROUNDED
+    assert broken(task, law, asked, (40, 97, 180)[seed % 3], ranges) < ROUNDED
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -215,21 +223,54 @@ def test_a_demand_tighter_than_the_law_is_broken(tighter: str, by: float) -> Non
     assert broken(AT_SIXTY, law, asked, 180, False) > 1e-6
 
 
+def dented_law(seed: int) -> tuple[Turning, str]:
+    """A law with harmonics larger than convex curves allow, and which of both curves is dented."""
+    angle, law = np.linspace(0.0, 2.0 * pi, 2001), Turning(seed, 0.1)
+    for largest in np.geomspace(0.2, 8.0, 60).tolist():
+        law = Turning(seed, largest * (-1.0) ** seed)
+        driven, driving = (float(part.min()) for part in law.spare(angle))
+        if min(driven, driving) < -0.3:
+            return law, "driven" if driven < -0.3 else "driving"
+    raise AssertionError(seed)
+
+
 def test_a_dented_law_breaks_the_relation_of_its_curve() -> None:
-    """Negative control: harmonics larger than convex curves allow, of both curves in turn."""
-    angle, seen = np.linspace(0.0, 2.0 * pi, 2001), set()
+    """Negative control: laws with dents of both curves in turn."""
+    seen = set()
     for seed in range(24):
-        law = Turning(seed, 0.1)
-        for largest in np.geomspace(0.2, 8.0, 60).tolist():
-            law = Turning(seed, largest * (-1.0) ** seed)
-            driven, driving = (float(part.min()) for part in law.spare(angle))
-            if min(driven, driving) < -0.3:
-                break
-        asked = exact_demands(AT_SIXTY, law)
-        which = "driven" if driven < -0.3 else "driving"
+        law, which = dented_law(seed)
         seen.add(which)
-        assert broken(AT_SIXTY, law, asked, 360, which == "driving") > 1e-6
+        assert broken(AT_SIXTY, law, exact_demands(AT_SIXTY, law), 720, which == "driving") > 1e-6
     assert seen == {"driven", "driving"}
+
+
+def outside_between_checkpoints(law: Turning, apart_rad: float) -> tuple[float, float]:
+    """By how much ln q of a law is beyond the ranges that its own values at checkpoints leave: below, above."""
+    on = cycle(AT_SIXTY, 360)
+    q = law.s(on.crank_angle_rad) ** 2
+    numbers = np.arange(0, on.count, round(apart_rad / on.step_rad[0]))
+    stretch = Stretch(np.arange(on.count), numbers.tolist(), 1.01 / float(np.sqrt(q.min())))
+    ranges = _everywhere(on, Known(q, q), [stretch])
+    cells = np.arange(numbers[-1])
+    inner = on.crank_angle_rad[cells, None] + on.step_rad[cells, None] * np.linspace(0.0, 1.0, 60)
+    inside = 2.0 * np.log(law.s(inner))
+    low = np.append(np.log(ranges.least_in_cell[cells])[:, None] - inside, np.log(ranges.least[cells] / q[cells]))
+    high = np.append(inside - np.log(ranges.most_in_cell[cells])[:, None], np.log(q[cells] / ranges.most[cells]))
+    return float(low.max()), float(high.max())
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_between_checkpoints_convex_curves_stay_in_the_ranges(seed: int) -> None:
+    for apart in (0.05, 0.1, 0.3):
+        assert max(outside_between_checkpoints(convex_law(seed), apart)) < 1e-9
+
+
+def test_between_checkpoints_a_wavy_law_leaves_the_ranges() -> None:
+    """Negative control: waves that dent both curves go below the ranges and above them."""
+    law = Turning(0, 0.1)
+    law.order, law.cosine, law.sine = np.array([14]), np.array([0.03]), np.array([0.0])
+    below, above = outside_between_checkpoints(law, 0.1)
+    assert min(below, above) > 1e-4
 
 
 # --- numbers of the rows ---------------------------------------------------------------------------------------------
@@ -278,21 +319,22 @@ def solved() -> Solved:
     return answered(motion_programme(AT_SIXTY, cycle(AT_SIXTY, 60), asked))
 
 
-WIDTHS = (0.1, 0.4)
-"""Half widths of the ranges of q'/q about the best motion's, per rad: of its mean in a cell, and anywhere in it."""
+WIDER = 1.05
+"""Ranges of q about the best motion known are wider than it by this factor to each side, in cells by its square."""
 
 
 @cache
 def solved_with_driving_curve() -> Solved:
-    """The same with the relation of the driving curve, in ranges of q'/q about those of the best motion known."""
+    """The same with the relation of the driving curve, in ranges of q about the best motion known."""
     asked = Demands(0.2, 5.0, convex=True, power_w=6300.0)
     found = least_acceleration(AT_SIXTY, asked, proven=False).motion
     assert found is not None
     on = cycle(AT_SIXTY, 120)
     log_s = np.interp(on.crank_angle_rad, found.crank_angle_rad, np.log(found.turning), period=2.0 * pi)
-    mean = 2.0 * (np.roll(log_s, -1) - log_s) / on.step_rad
-    rates = Rates(mean - WIDTHS[0], mean + WIDTHS[0], mean - WIDTHS[1], mean + WIDTHS[1], np.exp(2.0 * log_s))
-    return answered(motion_programme(AT_SIXTY, on, asked, rates))
+    q = np.exp(2.0 * log_s)
+    least, most = np.minimum(q, np.roll(q, -1)), np.maximum(q, np.roll(q, -1))
+    ranges = Ranges(q / WIDER, q * WIDER, least / WIDER**2, most * WIDER**2)
+    return answered(motion_programme(AT_SIXTY, on, asked, ranges))
 
 
 def answered(made: MotionProgramme) -> Solved:

@@ -101,14 +101,7 @@ def test_an_extreme_speed_moves_the_speed_its_way(fastest: bool, weight: float) 
     "wish",
     [
         TimeRatio(key="wishes.time_ratio", at_least=20.0),
-        pytest.param(
-            Dwell(key="wishes.dwell.0", end=End.EXTENDED, within_mm=0.1, for_rad=pi),
-            marks=pytest.mark.xfail(
-                strict=True,
-                reason="the certified limit knows that the rest of the turn is short, not that the dwell is then too "
-                "short for its stretch; the search refuses without a key",
-            ),
-        ),
+        Dwell(key="wishes.dwell.0", end=End.EXTENDED, within_mm=0.1, for_rad=pi),
     ],
 )
 def test_a_wish_that_no_law_keeps_is_refused_by_its_key(wish: Wish) -> None:

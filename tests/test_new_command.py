@@ -11,12 +11,15 @@ from collections.abc import Sequence
 from difflib import ndiff
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import ncgear
 from commands import Run, fresh
-from ncgear.design.beginning import ANSWERS, begun, fault_of, proportioned, template_answers
+from ncgear.design.beginning import ANSWERS, begun, fault_of, proportioned, usual_answers
+from ncgear.design.keys.wishes import Dwell, TimeRatio, Wishes
 from ncgear.design.laws.registry import LawName
+from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import template
 from ncgear.project.drive import load, loads
@@ -50,10 +53,13 @@ def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) 
 
 @pytest.mark.slow
 def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
-    unknown, ellipse = str(len(LawName) + 1), str(list(LawName).index(LawName.ELLIPSE) + 1)
+    unknown = str(len(LawName) + len(MachineName) + 1)
+    ellipse = str(list(LawName).index(LawName.ELLIPSE) + 1)
     answers = ["no name", "press", unknown, ellipse, "-3", "40", "x", "30", "", "60", "31", "~", " ", "2", "8"]
+    answers += ["time ratio 2", "time_ratio: {at_least: 2}", "none"]
     status, shown = at_terminal(["new"], [f"{answer}\n" for answer in answers], tmp_path)
     assert (status, shown.splitlines()[-1]) == (0, "press.yaml")
+    assert "--wish: 'time ratio 2' given; KEY: VALUE is right" in shown
     assert "letters, digits, - and _, at most 64 of them, are right" in shown
     assert "its number or its name is right" in shown
     assert "-3 given; a number over 0 is needed" in shown
@@ -65,16 +71,33 @@ def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
     assert (design.linkage.crank_mm, design.linkage.rod_mm, design.operation.speed_rpm) == (40, 101.1, 60)
     assert design.gears is not None
     assert (design.gears.teeth, design.gears.module_mm, design.gears.face_width_mm) == (31, 2, 8)
+    assert design.wishes is not None
+    assert design.wishes.time_ratio == TimeRatio(at_least=2)
+
+
+@pytest.mark.slow
+def test_a_machine_is_asked_for_its_stroke_its_speed_and_wishes(tmp_path: Path) -> None:
+    answers = ["press-feeder", "200", "", "dwell: {at: extended, within_mm: 1, for_deg: 15}", "none"]
+    status, shown = at_terminal(["new", "mine"], [f"{answer}\n" for answer in answers], tmp_path)
+    assert (status, shown.splitlines()[-1]) == (0, "mine.yaml")
+    assert "stroke of the slider in mm [150]" in shown
+    assert "speed of the driving gear in r/min [40]" in shown
+    assert "teeth of" not in shown
+    design = load(tmp_path / "mine.yaml").design
+    assert (design.linkage.crank_mm, design.linkage.rod_mm, design.operation.speed_rpm) == (100, 346.7, 40)
+    assert design.wishes is not None
+    assert design.wishes.dwell == (Dwell(at="extended", within_mm=1, for_deg=15),)
 
 
 @pytest.mark.slow
 def test_what_flags_say_is_not_asked(tmp_path: Path) -> None:
     flags = ["--law", "uniform_crank", "--crank-mm", "20", "--speed-rpm", "9", "--teeth", "20", "--module-mm", "1"]
-    status, shown = at_terminal(["new", "a", *flags], ["\n", "5\n"], tmp_path)
+    status, shown = at_terminal(["new", "a", *flags], ["\n", "5\n", "\n"], tmp_path)
     assert status == 0
     assert [line.split(" [")[0] for line in shown.splitlines() if "[" in line] == [
         "length of the connecting rod in mm",
         "face width of the gears in mm",
+        "a wish of the motion, as time_ratio: {at_least: 1.5}, or none",
     ]
 
 
@@ -82,7 +105,7 @@ def test_what_flags_say_is_not_asked(tmp_path: Path) -> None:
 def test_answers_that_give_no_gears_are_asked_again(tmp_path: Path) -> None:
     """With the earlier ones as likely answers, of which only the wrong one need be changed."""
     flags = ["--stroke-mm", "300", "--rod-mm", "400", "--speed-rpm", "60", "--face-width-mm", "8"]
-    answers = ["10\n", "1\n", "60\n", "\n"]
+    answers = ["10\n", "1\n", "none\n", "60\n", "\n", "none\n"]
     status, shown = at_terminal(["new", "a", "--law", "three_segment_stroke", *flags], answers, tmp_path)
     assert status == 0
     assert "; other answers are needed" in shown
@@ -129,6 +152,127 @@ def test_sizes_that_no_design_can_have(run: Run, tmp_path: Path, flags: list[str
     assert os.listdir(tmp_path) == []
 
 
+WISHES = (
+    "constant_speed: {from_mm: 100, to_mm: 300}",
+    "constant_speed: {from_mm: 350, to_mm: 500, tolerance: 0.01, stroke: return}",
+    "time_ratio: {at_least: 1.2}",
+    "dwell: {at: extended, within_mm: 2, for_deg: 20}",
+    "dwell: [{at: retracted, within_mm: 2, for_pi: 0.1, hard: false, weight: 3}]",
+    "speed_at: {at_mm: 600, make: slowest, hard: false}",
+    "positions: {at_mm: 300, phi1_deg: 80, tolerance_mm: 1}",
+    "{working_stroke: {angle_deg: 200, tolerance_deg: 1}}",
+)
+"""Every kind of wish, two of them twice, one in the form of the file's list and one in braces."""
+
+
+@pytest.mark.parametrize("law", LawName)
+def test_wishes_are_those_of_the_file(run: Run, tmp_path: Path, law: LawName) -> None:
+    """As under ``wishes`` in a file that somebody writes by hand."""
+    by_hand = """
+wishes:
+  constant_speed:
+    - {from_mm: 100, to_mm: 300}
+    - {from_mm: 350, to_mm: 500, tolerance: 0.01, stroke: return}
+  time_ratio: {at_least: 1.2}
+  dwell:
+    - {at: extended, within_mm: 2, for_deg: 20}
+    - {at: retracted, within_mm: 2, for_pi: 0.1, hard: false, weight: 3}
+  speed_at:
+    - {at_mm: 600, make: slowest, hard: false}
+  positions:
+    - {at_mm: 300, phi1_deg: 80, tolerance_mm: 1}
+  working_stroke: {angle_deg: 200, tolerance_deg: 1}
+"""
+    flags = [part for wish in WISHES for part in ("--wish", wish)]
+    assert run("new", "a", "--law", law.value, *flags) == (0, "a.yaml\n", "")
+    assert load(Path("a.yaml")).design.wishes == loads(template("a", law) + by_hand).design.wishes
+
+
+@pytest.mark.parametrize(
+    ("wish", "said"),
+    [
+        ("time ratio 1.8", "--wish: 'time ratio 1.8' given; KEY: VALUE is right, as time_ratio: {at_least: 1.5}"),
+        ("", "--wish: '' given; KEY: VALUE is right"),
+        ("time_ration: {at_least: 2}", "--wish: time_ration: unknown key; did you mean time_ratio?"),
+        ("time_ratio: {at_least: -2}", "--wish: time_ratio.at_least: -2 given; a number of 0.01 or over is needed"),
+        ("dwell: {at: end, within_mm: 1, for_deg: 9}", "--wish: dwell.0.at: 'end' given; retracted or extended"),
+        ("dwell: {at: extended, within_mm: 1}", "--wish: dwell.0: one of for_rad, for_deg or for_pi is missing"),
+        ("constant_speed: {from_mm: 40, to_mm: 20}", "--wish: constant_speed.0.to_mm: 20 given after from_mm: 40;"),
+        ("constant_speed: {from_mm: 40", "--wish:1:29: is not YAML: "),
+        ("constant_speed: {from_mm: 40, to_mm: 900}", "wishes.constant_speed.0.to_mm: 900 given, but the stroke is "),
+    ],
+)
+@pytest.mark.parametrize("beginning", [[], ["--machine", "pump"]])
+def test_wishes_that_no_design_can_have(run: Run, tmp_path: Path, wish: str, said: str, beginning: list[str]) -> None:
+    status, out, err = run("new", "a", *beginning, "--wish", wish)
+    assert (status, out) == (2, "")
+    assert err.startswith(said)
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_wish_of_one_kind_twice(run: Run, tmp_path: Path) -> None:
+    twice = [part for ratio in (2, 3) for part in ("--wish", f"time_ratio: {{at_least: {ratio}}}")]
+    assert run("new", "a", *twice) == (2, "", "--wish: time_ratio is given twice; give it once\n")
+
+
+def test_wishes_stand_in_place_of_those_of_a_machine(run: Run, tmp_path: Path) -> None:
+    """Of the same kind; the others stay, in the sizes that the answers say, and the given ones as they are given."""
+    text = begun("a", MachineName.PUSHER, {"stroke_mm": 500, "speed_rpm": 60}, {"time_ratio": {"at_least": 1.9}})
+    wishes = loads(text).design.wishes
+    assert wishes is not None
+    assert wishes.time_ratio == TimeRatio(at_least=1.9)
+    assert [(even.from_mm, even.to_mm, even.tolerance) for even in wishes.constant_speed] == [(200, 400, 0.005)]
+    assert machine_template("a", MachineName.PUSHER).count("#") == text.count("#")
+
+
+def test_commented_rows_of_wishes_and_of_both_strokes_are_right_as_they_stand() -> None:
+    rows, group = [], False
+    for line in template("a").splitlines():
+        group = line.startswith(("# wishes:", "# optimize:")) or (group and line.startswith("#   "))
+        wanted = group or line.startswith(("  # returning:", "  # friction_n:"))
+        rows.append(line.replace("# ", "", 1) if wanted else line)
+    drive = loads("\n".join(rows))
+    assert drive.design.wishes is not None
+    assert drive.design.wishes.model_fields_set == set(Wishes.model_fields)
+    assert len(drive.motion_wishes) == len(Wishes.model_fields)
+    assert drive.design.optimize is not None
+    assert drive.design.optimize.limits.peak_power_w == 5000
+    # A force of 50 N on the way back and 20 N both ways, beside the work of the template's own force
+    cycle_s = 60.0 / drive.design.operation.speed_rpm
+    before_w = loads(template("a")).check.mean_power_w
+    assert (drive.check.mean_power_w - before_w) * cycle_s == pytest.approx(0.76 * (50 + 2 * 20), rel=1e-9)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("machine", MachineName)
+def test_a_larger_and_faster_machine_keeps_its_proportions(machine: MachineName) -> None:
+    """Twice the stroke at half the speed: the same law, forces and power, and half the acceleration."""
+    usual = loads(machine_template("a", machine))
+    sizes = usual_answers(machine)
+    answers = {"stroke_mm": 2.0 * sizes["stroke_mm"], "speed_rpm": 0.5 * sizes["speed_rpm"]}
+    other = loads(begun("a", machine, answers))
+    angle = np.linspace(0.0, 2.0 * np.pi, 41)
+    assert other.transmission.driven_angle(angle).value == pytest.approx(
+        usual.transmission.driven_angle(angle).value, abs=1e-9
+    )
+    assert other.check.peak_power_w.value == pytest.approx(usual.check.peak_power_w.value, rel=1e-6)
+    assert other.check.peak_acceleration_cycle_mm_s2.value == pytest.approx(
+        0.5 * usual.check.peak_acceleration_cycle_mm_s2.value, rel=1e-6
+    )
+    assert [one.kept for one in other.achieved.outcomes] == [one.kept for one in usual.achieved.outcomes]
+    masses, before = other.design.masses, usual.design.masses
+    assert masses is not None
+    assert before is not None
+    assert masses.slider_kg == before.slider_kg
+    assert masses.crank.inertia_kg_mm2 == pytest.approx(4.0 * before.crank.inertia_kg_mm2)
+    assert other.design.optimize is not None
+    assert usual.design.optimize is not None
+    limits, limits_before = other.design.optimize.limits, usual.design.optimize.limits
+    assert limits.peak_power_w == limits_before.peak_power_w
+    if limits_before.peak_acceleration_mm_s2 is not None:
+        assert limits.peak_acceleration_mm_s2 == pytest.approx(0.5 * limits_before.peak_acceleration_mm_s2)
+
+
 @pytest.mark.thorough
 def test_gears_that_cannot_be_made_are_refused_before_the_file_is_written(run: Run, tmp_path: Path) -> None:
     status, out, err = run("new", "a", "--teeth", "5")
@@ -170,7 +314,7 @@ def test_the_template_keeps_its_proportions() -> None:
 
 @pytest.mark.parametrize("answer", ["stroke_mm", "crank_mm", "rod_mm"])
 def test_each_length_gives_the_others(answer: str) -> None:
-    usual = template_answers()
+    usual = usual_answers()
     found = proportioned({answer: 0.5 * usual[answer]})
     assert {one: found[one] / usual[one] for one in ("stroke_mm", "crank_mm", "rod_mm")} == pytest.approx(
         {"stroke_mm": 0.5, "crank_mm": 0.5, "rod_mm": 0.5}
@@ -184,7 +328,7 @@ def test_nothing_is_no_answer(answer: str) -> None:
 
 
 def test_the_templates_own_answers_have_no_fault() -> None:
-    assert [fault_of(answer, value) for answer, value in template_answers().items()] == [None] * len(ANSWERS)
+    assert [fault_of(answer, value) for answer, value in usual_answers().items()] == [None] * len(ANSWERS)
 
 
 SIZES = (

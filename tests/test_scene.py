@@ -241,4 +241,23 @@ def test_slider_and_material_fill_the_chamber() -> None:
 
 def test_a_force_that_is_zero_everywhere_gives_no_material() -> None:
     drive = drive_of_text(ASKEW.replace('expression_n: "500*(x - 20)"', "polynomial_n: [0]"))
-    assert chamber_of(drive.linkage, drive.machine.load.working).begins_mm is None
+    assert chamber_of(drive.linkage, drive.machine.load).begins_mm is None
+
+
+def test_a_force_on_the_way_back_has_its_material_behind_the_slider() -> None:
+    """Where it acts: here over the last 60 mm, and on the way back alone; friction shows nothing."""
+    found = scene("both ways")
+    extended = found.machine.extended_rad
+    assert (found.chamber.begins_mm, found.chamber.behind_mm) == (0.0, pytest.approx(60.0, abs=1e-6))
+    out = found.poses(np.linspace(0.0, extended - 1e-9, 50))
+    assert np.all(out.material_behind_mm == 0.0)
+    back = found.poses(np.linspace(extended + 1e-9, found.machine.transmission.cycle_rad - 1e-9, 50))
+    assert back.material_behind_mm[0] == pytest.approx(60.0, abs=1e-6)
+    slider_back = back.places["slider"].origin_mm[:, 0] - found.chamber.face_mm
+    met = back.motion.displacement_mm < 60.0
+    assert (slider_back - found.chamber.start_mm)[met] == pytest.approx(back.material_behind_mm[met], abs=1e-9)
+    assert np.all((slider_back - found.chamber.start_mm)[~met] >= back.material_behind_mm[~met])
+    assert scene("pump-1-2").chamber.behind_mm is None
+    only_friction = drive_of_text(ASKEW.replace('expression_n: "500*(x - 20)"', "friction_n: 5"))
+    chamber = chamber_of(only_friction.linkage, only_friction.machine.load)
+    assert (chamber.begins_mm, chamber.behind_mm) == (None, None)

@@ -26,7 +26,7 @@ from ncgear.drawings.scene.scene import scene_of
 from ncgear.numerics.arrays import Array
 from scenes import CHROMIUM, FLAGS, TWO_STAGES, in_a_browser, scene
 
-SCENES = ["baler", "ellipse", "internal-1-2", "pump-1-2", TWO_STAGES, "askew", "gearless"]
+SCENES = ["baler", "ellipse", "internal-1-2", "pump-1-2", TWO_STAGES, "askew", "gearless", "both ways"]
 every_scene = pytest.mark.parametrize("name", SCENES)
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -139,6 +139,7 @@ def test_svg_and_data_name_the_same_bodies(name: str) -> None:
     assert bodies <= set(made)
     assert {f"scene-{gear['name']}" for gear in data["gears"]} <= bodies
     assert ("scene-material" in made) == (data["chamber"]["begins"] is not None)
+    assert ("scene-material-behind" in made) == (data["chamber"]["behind"] is not None) == (name == "both ways")
     assert set(data["views"]) == ({"machine", "gears", "mesh"} if found.pairs else {"machine"})
     assert json.loads(json.dumps(data, allow_nan=False)) == data
 
@@ -181,7 +182,8 @@ CALL = """{{
     const points = data.pairs.map((_, i) => scene.place(`pitch-point-${{i + 1}}`, phi1));
     const boxes = scene.views.map((view) => {{ scene.view(view); return [view, svg.getAttribute("viewBox")]; }});
     return {{ phi1, driven: scene.driven_angle(phi1), places, moved, points, boxes,
-      material: data.chamber.begins === null ? null : transform("material") }};
+      material: data.chamber.begins === null ? null : transform("material"),
+      behind: data.chamber.behind === null ? null : transform("material-behind") }};
   }});
   scene.view("machine"); scene.zoom(4); found["{name} zoomed"] = svg.getAttribute("viewBox");
   scene.reset(); found["{name} reset"] = svg.getAttribute("viewBox");
@@ -254,7 +256,7 @@ def test_the_script_moves_what_is_drawn(name: str) -> None:
 
 
 @in_a_browser
-@pytest.mark.parametrize("name", ["baler", "pump-1-2", "askew"])
+@pytest.mark.parametrize("name", ["baler", "pump-1-2", "askew", "both ways"])
 def test_the_script_presses_the_material(name: str) -> None:
     found = scene(name)
     depths = found.poses(np.array(ANGLES)).material_mm
@@ -262,6 +264,18 @@ def test_the_script_presses_the_material(name: str) -> None:
         moved = re.fullmatch(r"translate\((\S+) (\S+)\) scale\((\S+) 1\)", told["material"])
         assert float(moved[3]) == pytest.approx(depth, abs=1e-6 * found.machine.linkage.rod_mm)
         assert float(moved[1]) + float(moved[3]) == pytest.approx(found.chamber.end_mm)
+
+
+@in_a_browser
+def test_the_script_presses_the_material_behind_the_slider() -> None:
+    found = scene("both ways")
+    depths = found.poses(np.array(ANGLES)).material_behind_mm
+    assert np.ptp(depths) > 0.0
+    for told, depth in zip(in_browser()["both ways"], depths, strict=True):
+        moved = re.fullmatch(r"translate\((\S+) (\S+)\) scale\((\S+) 1\)", told["behind"])
+        assert float(moved[3]) == pytest.approx(depth, abs=1e-6 * found.machine.linkage.rod_mm)
+        assert float(moved[1]) == pytest.approx(found.chamber.start_mm)
+        assert float(moved[2]) == found.machine.linkage.offset_mm
 
 
 def numbers(box: str) -> list[float]:

@@ -262,12 +262,12 @@ operation: {speed_rpm: 60}
 motion: {law: uniform_crank}
 optimize:
   knots: 48
-  limits: {stages: %d, peak_power_w: 20000}
+  limits: {stages: %s, peak_power_w: 20000}
 resistance: {polynomial_n: [20000]}
 """
 
 
-def improved(folder: Path, stages: int) -> BestLaw:
+def improved(folder: Path, stages: str) -> BestLaw:
     path = folder / "easy.yaml"
     path.write_text(EASY % stages)
     return BestLaw(load(path).design)
@@ -290,7 +290,7 @@ def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
     pytest.importorskip("casadi")
     from shared_law import shared_law
 
-    best = improved(tmp_path, 2)
+    best = improved(tmp_path, "2")
     task = best.task
     law = best.law if joint else shared_law(task, best.wishes, np.exp(GIVEN))
     least, dents = angle_and_dents(task, law, np.zeros(KNOTS))
@@ -309,14 +309,21 @@ MOVES = np.array([waves((1.0,)), waves((), (1.0,)), waves((0.0, 1.0)), waves((),
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="with no angle given two pairs end at the steepest tangent, 60 deg against 47 deg of one pair, with 64 393 "
-    "against 72 670 mm/s2",
-)
 def test_two_pairs_have_far_less_angle_than_one(tmp_path: Path) -> None:
     pytest.importorskip("casadi")
-    assert improved(tmp_path, 2).figures.tangent_rad < 0.7 * improved(tmp_path, 1).figures.tangent_rad
+    assert improved(tmp_path, "2").figures.tangent_rad < 0.7 * improved(tmp_path, "1").figures.tangent_rad
+
+
+@pytest.mark.slow
+def test_an_angle_that_is_not_given_costs_its_share_of_the_goal(tmp_path: Path) -> None:
+    """Acceleration in units of a uniform crank's and 0.3 of the tangent: together less than with angles given."""
+    pytest.importorskip("casadi")
+    cost = {}
+    for limit in ("", ", pressure_angle_deg: 45", ", pressure_angle_deg: 60"):
+        best = improved(tmp_path, f"2{limit}")
+        unit = best.task.linkage.crank_mm * best.task.speed_rad_s**2
+        cost[limit] = best.figures.peak_acceleration_mm_s2 / unit + 0.3 * np.tan(best.figures.tangent_rad)
+    assert cost.pop("") < min(cost.values()) - 0.03
 
 
 @pytest.mark.slow
@@ -324,7 +331,7 @@ def test_a_given_law_shared_has_far_less_angle(tmp_path: Path) -> None:
     pytest.importorskip("casadi")
     from shared_law import shared_law
 
-    best = improved(tmp_path, 2)
+    best = improved(tmp_path, "2")
     law = shared_law(best.task, best.wishes, np.exp(GIVEN))
     # Coefficients are held to 1e-7, and so differences of two knots to twice that
     assert np.log(law.ratio) - np.log(law.ratio[0]) == pytest.approx(GIVEN - GIVEN[0], abs=2e-7)
@@ -355,7 +362,6 @@ def test_the_law_of_baler_66_shared_as_it_is() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="twelve of the file's 180 ratios are up to 1.6e-6 off what is found today")
 def test_the_optimiser_finds_the_design_again() -> None:
     """The same file gives the same law."""
     pytest.importorskip("casadi")

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ncgear.cli.progress import steps_shown
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
-from ncgear.design.machines import MachineName, machine_template
+from ncgear.design.machines import CHOICES, MachineName
 from ncgear.design.naming import NAME_RULE, is_name
 from ncgear.design.reading.text import plain_value, whole
 from ncgear.errors import DesignError, WrongInput
 
-BUILDABLE = ("check", "designed_contact", "solids")
+if TYPE_CHECKING:
+    from ncgear.design.beginning import Beginning
+
+BUILDABLE = ("motion_wishes", "check", "designed_contact", "solids")
 """Steps of a drive that prove a design: they compute all other steps that could refuse a build."""
+
+WISHABLE = ("motion_wishes",)
+"""Steps that prove the wishes of a design whose sizes are the usual ones."""
 
 
 def new(
@@ -27,6 +33,10 @@ def new(
     ] = None,
     machine: Annotated[
         MachineName | None, typer.Option(help="Begin with a whole machine: its sizes, loads, masses, gears and wishes.")
+    ] = None,
+    wish: Annotated[
+        list[str] | None,
+        typer.Option(metavar="KEY: VALUE", help="A wish of the motion, as under `wishes` in the file; again for more."),
     ] = None,
     stroke_mm: Annotated[float | None, typer.Option(help="Stroke of the slider; twice the crank.")] = None,
     crank_mm: Annotated[float | None, typer.Option(help="Length of the crank.")] = None,
@@ -52,17 +62,18 @@ def new(
         "module_mm": module_mm,
         "face_width_mm": face_width_mm,
     }
+    if machine is not None and law is not None:
+        raise WrongInput("a machine begins with its own law; give --machine or --law", key="--machine")
+    from ncgear.design.told import wishes_told
+
+    beginning, wishes = machine or law, wish or []
+    wishes_told(wishes)
     given = _sound({answer: value for answer, value in sizes.items() if value is not None})
-    if machine is not None:
-        if given or law is not None:
-            raise WrongInput("a machine has its own law and sizes; change them in its file", key="--machine")
-        _create(_free(name), machine_template(name or "", machine))
-        return
     person_can_answer = sys.stdin.isatty() and sys.stderr.isatty()
     if person_can_answer and not yes:
-        _ask_and_write(name, law, given)
+        _ask_and_write(name, beginning, given, wishes)
     else:
-        _write(_free(name), law or DEFAULT_LAW, given)
+        _write(_free(name), beginning or DEFAULT_LAW, given, wishes)
 
 
 def _sound(given: dict[str, float]) -> dict[str, float]:
@@ -80,14 +91,17 @@ def _sound(given: dict[str, float]) -> dict[str, float]:
     return sizes
 
 
-def _ask_and_write(name: str | None, law: LawName | None, given: dict[str, float]) -> None:
+def _ask_and_write(
+    name: str | None, beginning: Beginning | None, given: dict[str, float], wishes: Sequence[str]
+) -> None:
     """Ask until gears can be made from the answers, and write the design."""
     path = _free(name or _asked_name())
-    law, sizes = law or _asked_law(), given
+    beginning, sizes = beginning or _asked_beginning(), given
     while True:
-        sizes = _asked_sizes(law, given, sizes)
+        sizes = _asked_sizes(beginning, given, sizes)
+        told = wishes or _asked_wishes()
         try:
-            return _write(path, law, sizes)
+            return _write(path, beginning, sizes, told)
         except DesignError as error:
             typer.echo(f"{error}; other answers are needed", err=True)
 
@@ -109,9 +123,9 @@ def _taken(path: Path) -> WrongInput:
     return WrongInput("exists already; choose another name, or remove it", location=str(path))
 
 
-def _write(path: Path, law: LawName, sizes: dict[str, float]) -> None:
+def _write(path: Path, beginning: Beginning, sizes: dict[str, float], wishes: Sequence[str]) -> None:
     """Write a design that can be built; raises WrongInput or NoSuchMechanism where it cannot."""
-    _create(path, _buildable(path.stem, law, sizes))
+    _create(path, _buildable(path.stem, beginning, sizes, wishes))
 
 
 def _create(path: Path, text: str) -> None:
@@ -125,26 +139,29 @@ def _create(path: Path, text: str) -> None:
     typer.echo(path)
 
 
-def _buildable(name: str, law: LawName, sizes: dict[str, float]) -> str:
-    """The text of a design; if its sizes are not those of the template, its gears are made once as a proof."""
-    if not sizes:
-        from ncgear.design.template import template
-
-        return template(name, law)
+def _buildable(name: str, beginning: Beginning, sizes: dict[str, float], wishes: Sequence[str]) -> str:
+    """The text of a design; with sizes of its own its gears are made once as a proof, with wishes these are read."""
     from ncgear.design.beginning import begun
+    from ncgear.design.told import wishes_told
+
+    text = begun(name, beginning, sizes, wishes_told(wishes))
+    if not sizes and not wishes:
+        return text
     from ncgear.design.reading.design_file import parsed
     from ncgear.project.drive import Drive
 
-    text = begun(name, law, sizes)
     drive = Drive(parsed(text, Path(f"{name}.yaml")).design)
-    with steps_shown(len(BUILDABLE)) as on_step:
-        for step in BUILDABLE:
+    steps = BUILDABLE if sizes else WISHABLE
+    with steps_shown(len(steps)) as on_step:
+        for step in steps:
             on_step(step.replace("_", " "))
             getattr(drive, step)
     return text
 
 
 # The questions.
+
+NO_MORE = "none"
 
 QUESTIONS = {
     "stroke_mm": "stroke of the slider in mm",
@@ -162,38 +179,64 @@ def _asked_name() -> str:
     return _asked("name of the design", "mine", lambda name: None if is_name(name) else f"{NAME_RULE}, are right")
 
 
-def _asked_law() -> LawName:
-    """One of the laws, by its number or its name."""
-    for number, law in enumerate(LawName, 1):
-        typer.echo(f"  {number}  {law:<22}{design_law(law).choice}", err=True)
-    laws = {str(number): law for number, law in enumerate(LawName, 1)} | {law.value: law for law in LawName}
-    return laws[_asked("motion law", "1", lambda told: None if told in laws else "its number or its name is right")]
+def _asked_beginning() -> Beginning:
+    """One of the laws or the machines, by its number or its name."""
+    choices: dict[Beginning, str] = {law: design_law(law).choice for law in LawName} | CHOICES
+    for number, (one, choice) in enumerate(choices.items(), 1):
+        typer.echo(f"  {number:>2}  {one:<22}{choice}", err=True)
+    told = {str(number): one for number, one in enumerate(choices, 1)} | {one.value: one for one in choices}
+    fault = "its number or its name is right"
+    return told[_asked("motion law or machine", "1", lambda answer: None if answer in told else fault)]
 
 
-def _asked_sizes(law: LawName, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
-    """All sizes; only those that are not ``given`` are asked for.
+def _asked_sizes(beginning: Beginning, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
+    """All sizes of a law's design, stroke and speed of a machine's; only those that are not ``given`` are asked for.
 
     The likely answer to a question is the one in ``before``, or else the one that follows from the answers so far.
     """
     from ncgear.design.beginning import proportioned
 
     lengths = "stroke_mm", "crank_mm"
+    if isinstance(beginning, MachineName):
+        asked = ["stroke_mm", "speed_rpm"]
+    else:
+        asked = [design_law(beginning).asked_length, *(one for one in QUESTIONS if one not in lengths)]
     # Stroke and crank give each other, so that only one of them is asked for.
-    first = [] if set(lengths) & set(given) else [design_law(law).asked_length]
+    known = {*given, *(lengths if set(lengths) & set(given) else ())}
     found = dict(given)
-    for answer in [*first, *(one for one in QUESTIONS if one not in lengths and one not in given)]:
-        found[answer] = _asked_number(answer, before.get(answer, proportioned(found)[answer]), found)
+    for answer in (one for one in asked if one not in known):
+        likely = before.get(answer, proportioned(found, beginning)[answer])
+        found[answer] = _asked_number(answer, likely, found, beginning)
     return found
 
 
-def _asked_number(answer: str, likely: float, found: Mapping[str, float]) -> float:
+def _asked_number(answer: str, likely: float, found: Mapping[str, float], beginning: Beginning) -> float:
     from ncgear.design.beginning import fault_of, fault_together
 
     def fault(text: str) -> str | None:
         value = plain_value(text)
-        return fault_of(answer, value) or fault_together({**found, answer: float(text)})
+        return fault_of(answer, value) or fault_together({**found, answer: float(text)}, beginning)
 
     return whole(float(_asked(QUESTIONS[answer], f"{likely}", fault)))
+
+
+def _asked_wishes() -> list[str]:
+    """Wishes of the motion, one after the other, until there are no more."""
+    from ncgear.design.told import EXAMPLE, wishes_told
+
+    found: list[str] = []
+
+    def fault(text: str) -> str | None:
+        try:
+            wishes_told([*found, text])
+        except WrongInput as error:
+            return str(error)
+        return None
+
+    question = f"a wish of the motion, as {EXAMPLE}, or {NO_MORE}"
+    while (answer := _asked(question, NO_MORE, lambda text: None if text == NO_MORE else fault(text))) != NO_MORE:
+        found.append(answer)
+    return found
 
 
 def _asked(question: str, likely: str, fault: Callable[[str], str | None]) -> str:

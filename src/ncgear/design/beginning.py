@@ -1,4 +1,4 @@
-"""A new design from a few answers: the template of its law, with all other values in proportion to the answers."""
+"""A new design from a few answers: the text of a law or a machine, with all other values in proportion to them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from ncgear.design.keys.design import Design
-from ncgear.design.laws.registry import LawName, design_law
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
+from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.mechanisms import usual_mechanism
 from ncgear.design.reading.messages import problems
 from ncgear.design.reading.places import Document, with_value
@@ -17,6 +18,9 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import template
 from ncgear.errors import WrongInput
+
+Beginning = LawName | MachineName
+"""What a new design begins with."""
 
 ANSWERS = {
     "stroke_mm": "motion.stroke_mm",
@@ -29,13 +33,16 @@ ANSWERS = {
 }
 """The possible answers, each with the key of the design file whose rules it must keep."""
 
-BORES = (
-    "gears.driving.bore_mm",
-    "gears.driving.keyway.width_mm",
-    "gears.driving.keyway.depth_mm",
-    "gears.driven.bore_mm",
+BORES = tuple(
+    f"gears.{gear}.{key}" for gear in ("driving", "driven") for key in ("bore_mm", "keyway.width_mm", "keyway.depth_mm")
 )
-"""Keys of the template that grow with the gears."""
+"""Keys that grow with the gears, where a text has them."""
+
+SIZED = ("resistance", "masses", "wishes", "optimize")
+"""Groups whose values grow with the stroke, and with the speed, by the units their keys end in."""
+
+GROWTH = {"_kg_mm2": (2, 0), "_mm_s3": (1, 3), "_mm_s2": (1, 2), "_mm_s": (1, 1), "_mm": (1, 0), "_w": (1, 1)}
+"""Powers of the stroke and of the speed that a value grows with, if the same forces and masses move; by its unit."""
 
 
 def fault_of(answer: str, value: object) -> str | None:
@@ -45,15 +52,15 @@ def fault_of(answer: str, value: object) -> str | None:
         return "nothing given; a number is needed"
     key = ANSWERS[answer]
     try:
-        Design.model_validate(with_value(_template().data, key, value))
+        Design.model_validate(with_value(_document(DEFAULT_LAW).data, key, value))
     except ValidationError as error:
         return next((problem.text for problem in problems(error, Design) if problem.key == key), None)
     return None
 
 
-def fault_together(answers: Mapping[str, float]) -> str | None:
+def fault_together(answers: Mapping[str, float], beginning: Beginning = DEFAULT_LAW) -> str | None:
     """The fault of the linkage that some answers give together; None where there is none."""
-    own = proportioned(answers)
+    own = proportioned(answers, beginning)
     if "stroke_mm" in answers and own["stroke_mm"] != answers["stroke_mm"]:
         return f"a crank of {own['crank_mm']:g} mm has a stroke of {own['stroke_mm']:g} mm; give one of the two"
     try:
@@ -63,19 +70,28 @@ def fault_together(answers: Mapping[str, float]) -> str | None:
     return None
 
 
-def begun(name: str, law: LawName, answers: Mapping[str, float]) -> str:
-    """The text of a design file with some answers; all other values keep the template's proportions to them.
+def begun(
+    name: str, beginning: Beginning, answers: Mapping[str, float], wishes: Mapping[str, Any] | None = None
+) -> str:
+    """The text of a design file with some answers; all other values keep the usual proportions to them.
 
     The speeds and the acceleration of the slider grow with the stroke, and the resistance extends over the whole of it,
-    so that the law keeps its form.  The bores grow with the gears.
+    so that the law keeps its form.  A machine's masses lie, its limits and wishes are, as its stroke and its speed say.
+    The bores grow with the gears.  ``wishes`` by their kinds, in the form of a design file, count as they are; they
+    stand in place of a machine's own ones of the same kind.
     """
-    text = template(name, law)
-    return rewritten(text, dict(_values(read_yaml(text, "template"), answers))) if answers else text
+    values = dict(_values(_document(beginning), beginning, answers)) if answers else {}
+    if isinstance(beginning, LawName):
+        text = template(name, beginning, wishes)
+    else:
+        text = machine_template(name, beginning)
+        values |= {f"wishes.{kind}": value for kind, value in (wishes or {}).items()}
+    return rewritten(text, values) if values else text
 
 
-def proportioned(answers: Mapping[str, float]) -> dict[str, float]:
-    """All answers: the given ones, or else the template's; any one of stroke, crank and rod gives the other two."""
-    usual = template_answers()
+def proportioned(answers: Mapping[str, float], beginning: Beginning = DEFAULT_LAW) -> dict[str, float]:
+    """All answers: the given ones, or else the usual ones; any one of stroke, crank and rod gives the other two."""
+    usual = usual_answers(beginning)
     crank = _crank_mm(answers, usual)
     rod = answers.get("rod_mm", _rounded(crank / usual["crank_mm"] * usual["rod_mm"]))
     return {
@@ -87,14 +103,15 @@ def proportioned(answers: Mapping[str, float]) -> dict[str, float]:
     }
 
 
-def template_answers() -> dict[str, float]:
-    """The answers that give the template itself."""
-    usual = _template()
-    return {answer: usual.at(key) for answer, key in ANSWERS.items()}
+def usual_answers(beginning: Beginning = DEFAULT_LAW) -> dict[str, float]:
+    """The answers that give the text of a law or a machine as it is."""
+    usual = _document(beginning)
+    found = {answer: usual.at(key) for answer, key in ANSWERS.items()}
+    return {**found, "stroke_mm": whole(2.0 * found["crank_mm"])}
 
 
-def _template() -> Document:
-    return read_yaml(template("new"), "template")
+def _document(beginning: Beginning) -> Document:
+    return read_yaml(begun("new", beginning, {}), "template")
 
 
 def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float:
@@ -107,27 +124,48 @@ def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float
     return usual["crank_mm"]
 
 
-def _values(of_law: Document, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
-    """The values that differ from those of the law's template, by dotted key."""
-    usual, own = template_answers(), proportioned(answers)
-    keys = {answer: key for answer, key in ANSWERS.items() if answer != "stroke_mm" or of_law.at(key) is not None}
+def _values(document: Document, beginning: Beginning, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
+    """The values that differ from those of the text, by dotted key."""
+    usual, own = usual_answers(beginning), proportioned(answers, beginning)
+    keys = {answer: key for answer, key in ANSWERS.items() if document.at(key) is not None}
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual[answer])
-    if own["crank_mm"] != usual["crank_mm"]:
-        yield from _of_stroke(of_law.data, own["crank_mm"] / usual["crank_mm"])
+    longer, faster = (own[one] / usual[one] for one in ("crank_mm", "speed_rpm"))
+    if longer != 1.0:
+        law = design_law(LawName(document.at("motion.law")))
+        grown = {key: document.at(f"motion.{key}") for key in law.grows_with_stroke}
+        yield from ((f"motion.{key}", _rounded(longer * value)) for key, value in grown.items() if value is not None)
+    if (longer, faster) != (1.0, 1.0):
+        yield from _grown(document.data, longer, faster)
     gears = own["teeth"] * own["module_mm"] / (usual["teeth"] * usual["module_mm"])
     if gears != 1.0:
-        yield from ((key, _rounded(gears * of_law.at(key), 2)) for key in BORES)
+        yield from ((key, _rounded(gears * document.at(key), 2)) for key in BORES if document.at(key) is not None)
 
 
-def _of_stroke(data: Any, scale: float) -> Iterator[tuple[str, Any]]:
-    """The values that change with the stroke: keys of the law, and the polynomial of the resistance.
+def _grown(data: Mapping[str, Any], longer: float, faster: float) -> Iterator[tuple[str, Any]]:
+    """The values of a longer and faster machine with the same forces and masses, by dotted key.
 
-    The polynomial has the same force at the same share of the stroke.
+    Lists count as one value.  A polynomial has the same force at the same share of the stroke.
     """
-    law = design_law(LawName(data["motion"]["law"]))
-    yield from ((f"motion.{key}", _rounded(scale * data["motion"][key])) for key in law.grows_with_stroke)
-    powers = enumerate(data["resistance"]["polynomial_n"])
-    yield "resistance.polynomial_n", [_rounded(value / scale**power) for power, value in powers]
+
+    def of_key(key: str, value: Any) -> Any:
+        if isinstance(value, dict):
+            return {one: of_key(one, inner) for one, inner in value.items()}
+        if key == "polynomial_n":
+            return [_rounded(one / longer**power) for power, one in enumerate(value)]
+        if isinstance(value, list):
+            return [of_key(key, one) for one in value]
+        powers = next((powers for unit, powers in GROWTH.items() if key.endswith(unit)), None)
+        return value if powers is None else _rounded(value * longer ** powers[0] * faster ** powers[1])
+
+    def changed(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+        if isinstance(value, dict):
+            for one, inner in value.items():
+                yield from changed(f"{path}.{one}", inner)
+        elif (new := of_key(path.rpartition(".")[2], value)) != value:
+            yield path, new
+
+    for group in SIZED:
+        yield from changed(group, data.get(group))
 
 
 def _rounded(value: float, digits: int = 4) -> float:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from ncgear.design.template import head, template
+from ncgear.design.template import head
 
 
 class MachineName(StrEnum):
@@ -20,15 +20,23 @@ class MachineName(StrEnum):
     DESK_TOY = "desk-toy"
 
 
+CHOICES = {
+    MachineName.PUMP: "a plunger pump: force both ways, a quick return, least power",
+    MachineName.PUSHER: "a packaging pusher: even speed, a quick return",
+    MachineName.PRESS_FEEDER: "a press feeder: it lingers at its far end",
+    MachineName.BALER: "a baler: a steep load, half of a plain crank's power",
+    MachineName.DESK_TOY: "a desk toy to print: it lingers at its far end",
+}
+"""What each machine is, in a few words."""
+
+
 def machine_template(name: str, machine: MachineName) -> str:
     """A complete design file called ``name`` of a machine, with comments."""
-    if machine is MachineName.BALER:
-        return template(name)
     return f"{head(name)}\n{_BODIES[machine]}"
 
 
 _PUMP = """\
-description: A plunger pump of 60 mm that delivers on the way out and comes back quicker
+description: A plunger pump that delivers on the way out and comes back quicker
 
 linkage: {crank_mm: 30, rod_mm: 120}
 operation: {speed_rpm: 120}
@@ -47,7 +55,7 @@ gears:
   driven: {bore_mm: 15, keyway: {width_mm: 5, depth_mm: 2.3}}
 
 resistance:                # forces against the plunger over its displacement
-  table: {displacement_mm: [0, 2, 60], force_n: [0, 400, 400]}              # delivery: the valves close within 2 mm
+  table: {displacement_mm: [0, 2, 60], force_n: [0, 400, 400]}              # delivery, once the valves have closed
   returning: {table: {displacement_mm: [0, 58, 60], force_n: [60, 60, 0]}}  # suction on the way back
   friction_n: 15           # of the seals, on both strokes
 
@@ -61,11 +69,16 @@ wishes:
 
 optimize:
   goal: least_power
-  limits: {ratio_min: 0.4, ratio_max: 2.5, pressure_angle_deg: 55}
+  limits:
+    peak_acceleration_mm_s2: 10000   # of the plunger
+    ratio_min: 0.4
+    ratio_max: 2.5
+    pressure_angle_deg: 55
+    free_of_undercut: true
 """
 
 _PUSHER = """\
-description: A packaging pusher of 250 mm that pushes with 50 N at even speed
+description: A packaging pusher that pushes cartons at even speed
 
 linkage: {crank_mm: 125, rod_mm: 400}
 operation: {speed_rpm: 30}
@@ -92,7 +105,7 @@ gears:
   driven: {bore_mm: 10}
 
 resistance:
-  table: {displacement_mm: [0, 80, 90, 250], force_n: [0, 0, 50, 50]}   # the carton stands 80 mm away
+  table: {displacement_mm: [0, 80, 90, 250], force_n: [0, 0, 50, 50]}   # the carton stands a third of the way off
   friction_n: 10           # of the guides, on both strokes
 
 masses:
@@ -106,11 +119,11 @@ wishes:
 
 optimize:
   goal: least_acceleration
-  limits: {ratio_min: 0.4, ratio_max: 3, pressure_angle_deg: 60}
+  limits: {ratio_min: 0.4, ratio_max: 3, pressure_angle_deg: 60, free_of_undercut: true}
 """
 
 _PRESS_FEEDER = """\
-description: A press feeder of 150 mm that lingers at its far end while the gripper opens
+description: A press feeder that lingers at its far end while the gripper opens
 
 linkage: {crank_mm: 75, rod_mm: 260}
 operation: {speed_rpm: 40}
@@ -120,7 +133,7 @@ motion:                    # a simple law that builds at once; ncgear optimize f
   cosine: [-0.25]          # slower about the far end, where the ratio is over 1
 
 gears:
-  teeth: 45
+  teeth: 50
   module_mm: 2
   face_width_mm: 20
   index_holes: true
@@ -139,15 +152,70 @@ masses:
   crank: {mass_kg: 2, center_mm: 30, inertia_kg_mm2: 5000}
 
 wishes:                              # the simple law lingers for 14.7 deg: ncgear check says so
-  dwell: [{at: extended, within_mm: 0.5, for_deg: 20}]
+  dwell: [{at: extended, within_mm: 0.5, for_deg: 18}]
 
 optimize:
   goal: least_acceleration
-  limits: {ratio_min: 0.4, ratio_max: 2.5, pressure_angle_deg: 55}
+  limits:
+    peak_power_w: 50                 # hardly more than a plain crank's
+    ratio_min: 0.4
+    ratio_max: 2.5
+    pressure_angle_deg: 55
+    free_of_undercut: true
+"""
+
+_BALER = """\
+description: A baler that presses straw with half the peak power of a plain crank
+
+linkage: {crank_mm: 380, rod_mm: 960}
+operation: {speed_rpm: 20}
+
+motion:                    # builds at once; ncgear optimize finds the best law
+  law: three_segment_stroke
+  solve_for: law_speed
+  theta1_pi: 0.4
+  theta2_pi: 0.7
+  theta3_pi: 1.0
+  theta4_pi: 1.3
+  v1_mm_s: 1600
+  v2_mm_s: 1100
+  a1_mm_s2: -1500
+  a1_speed_rpm: 20
+  return: {basis: ratio}
+
+gears:
+  teeth: 60
+  module_mm: 8
+  face_width_mm: 50
+  index_holes: true
+  material: 18CrNiMo7-6
+  driving: {bore_mm: 80, keyway: {width_mm: 22, depth_mm: 5.4}}
+  driven: {bore_mm: 80, keyway: {width_mm: 22, depth_mm: 5.4}}
+
+resistance:                # of the straw: next to nothing at first, then ever steeper
+  table:
+    displacement_mm: [0, 35, 100, 200, 400, 500, 600, 700, 760]
+    force_n: [0, 0, 270, 440, 520, 2100, 6900, 17300, 27400]
+  friction_n: 150          # of the plunger in its guides, on both strokes
+
+masses:
+  slider_kg: 150
+  rod: {mass_kg: 30, center_mm: 430, inertia_kg_mm2: 2.8e+6}
+  crank: {mass_kg: 40, center_mm: 120, inertia_kg_mm2: 1.6e+6}
+
+wishes: {}                 # none: what counts is the motor, and how hard the machine is shaken
+optimize:
+  goal: least_acceleration
+  limits:
+    peak_power_w: 4500               # half of a plain crank's
+    ratio_min: 0.4
+    ratio_max: 2.5
+    pressure_angle_deg: 60
+    free_of_undercut: true
 """
 
 _DESK_TOY = """\
-description: A desk toy of 30 mm, printed in PLA, turned by a small motor
+description: A desk toy, printed in PLA, turned by a small motor
 
 linkage: {crank_mm: 15, rod_mm: 60}
 operation: {speed_rpm: 30}
@@ -157,8 +225,8 @@ motion:                    # a simple law that builds at once; ncgear optimize f
   cosine: [-0.2]
 
 gears:
-  teeth: 24
-  module_mm: 2
+  teeth: 36
+  module_mm: 1.5
   face_width_mm: 8
   backlash_mm: 0.15
   material: PLA-print              # rough figures: docs/materials.md
@@ -182,12 +250,13 @@ wishes:
 
 optimize:
   goal: least_acceleration
-  limits: {ratio_min: 0.5, ratio_max: 2, pressure_angle_deg: 55}
+  limits: {ratio_min: 0.5, ratio_max: 2, pressure_angle_deg: 55, free_of_undercut: true}
 """
 
 _BODIES = {
     MachineName.PUMP: _PUMP,
     MachineName.PUSHER: _PUSHER,
     MachineName.PRESS_FEEDER: _PRESS_FEEDER,
+    MachineName.BALER: _BALER,
     MachineName.DESK_TOY: _DESK_TOY,
 }

@@ -37,11 +37,19 @@ def rewritten(text: str, values: Mapping[str, Any], width: int = LONGEST_LINE) -
             group.pop(name, None)
         elif isinstance(value, list) and isinstance(group.get(name), list):
             # Only the items are replaced, so that the list keeps the style in which it is written.
-            group[name][:] = value
+            group[name][:] = [_flow(item) for item in value]
         else:
-            _put(group, name, _row(value) if isinstance(value, list) else value)
+            _put(group, name, _flow(value))
     yaml.dump(data, made)
     return made.getvalue()
+
+
+def flow_text(value: Any) -> str:
+    """A list or a group as it stands in a file on one line."""
+    yaml, made = YAML(), StringIO()
+    yaml.width = LONGEST_LINE
+    yaml.dump(_flow(value), made)
+    return made.getvalue().strip()
 
 
 def design_copy(loaded: LoadedDesign, values: Mapping[str, Any]) -> str:
@@ -63,7 +71,13 @@ def _put(group: CommentedMap, name: str, value: Any) -> None:
         group.insert(min(1, len(group)), name, value)
 
 
-def _row(values: list[Any]) -> CommentedSeq:
-    row = CommentedSeq(values)
-    row.fa.set_flow_style()
-    return row
+def _flow(value: Any) -> Any:
+    """The value as it stands in a file: lists and groups on one line."""
+    if not isinstance(value, list | dict):
+        return value
+    if isinstance(value, list):
+        made: CommentedSeq | CommentedMap = CommentedSeq([_flow(item) for item in value])
+    else:
+        made = CommentedMap({key: _flow(inner) for key, inner in value.items()})
+    made.fa.set_flow_style()
+    return made

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.reading.text import plain_value
 
 
-def template(name: str, law: LawName = DEFAULT_LAW) -> str:
-    """A complete design file called ``name``, with a comment on every value."""
-    return "\n".join((f"{head(name)}{_LINKAGE}", design_law(law).template, _GEARS, _MACHINE))
+def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | None = None) -> str:
+    """A complete design file called ``name``, with a comment on every value.
+
+    ``wishes`` of the motion by their kinds, in the form of a design file; with some, the file has limits for the law
+    that keeps them.
+    """
+    wished = _wished(wishes) if wishes else _WISHES
+    return "\n".join((f"{head(name)}{_LINKAGE}", design_law(law).template, _GEARS, _RESISTANCE, wished, _MACHINE))
 
 
 def head(name: str) -> str:
@@ -16,6 +24,12 @@ def head(name: str) -> str:
     # Names such as 12 or true must not be read as a number or a truth value, and a name of dashes not as a list.
     quoted = name if name[0].isalpha() and isinstance(plain_value(name), str) else f'"{name}"'
     return _HEAD.format(name=name, quoted=quoted)
+
+
+def _wished(wishes: Mapping[str, Any]) -> str:
+    from ncgear.design.rewritten import flow_text
+
+    return "\n".join((_WISHED, *(f"  {kind}: {flow_text(value)}" for kind, value in wishes.items()), _BEST))
 
 
 _HEAD = """\
@@ -72,13 +86,39 @@ gears:                     # a check does without, a build needs it
   driven: {bore_mm: 12}
 """
 
-_MACHINE = """\
+_RESISTANCE = """\
 resistance:                # the force against the slider; left out: none
   polynomial_n: [-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7]   # N, rising powers of the displacement in mm
   # table: {displacement_mm: [0, 400, 760], force_n: [0, 2000, 30000]}   # instead, or {file: points.csv}
   # expression_n: "200 + 3*exp(x/90)"                                  # instead: a formula of x, the displacement
   where_negative: zero     # zero, or keep
+  # returning: {polynomial_n: [50]}   # the force on the way back, in any of the three forms; left out: none
+  # friction_n: 20         # constant, against the motion, on both strokes
+"""
 
+_WISHES = """\
+# wishes:                  # of the motion: ncgear check says what is kept, ncgear optimize finds a law that keeps all
+#   constant_speed: [{from_mm: 400, to_mm: 700, tolerance: 0.005}]   # within half a percent; or stroke: return
+#   time_ratio: {at_least: 1.2}                                      # time of the working stroke over the return's
+#   dwell: [{at: extended, within_mm: 2, for_deg: 20}]               # close to an end; or at: retracted
+#   speed_at: [{at_mm: 600, make: slowest, hard: false}]             # or at_least_mm_s, at_most_mm_s
+#   positions: [{at_mm: 300, phi1_deg: 80, tolerance_mm: 1}]         # places at driving angles
+#   working_stroke: {angle_deg: 200, tolerance_deg: 1}
+
+# optimize:                # for ncgear optimize; left out: least acceleration, ratios from 0.2 to 5
+#   goal: least_acceleration   # or least_power, least_flywheel, ...: docs/design-file.md lists goals and limits
+#   limits: {peak_power_w: 5000, ratio_min: 0.4, ratio_max: 2.5, pressure_angle_deg: 55}
+"""
+
+_WISHED = "wishes:                    # of the motion: ncgear check says what is kept"
+
+_BEST = """
+optimize:                  # ncgear optimize finds a law that keeps all wishes
+  goal: least_acceleration
+  limits: {ratio_min: 0.4, ratio_max: 2.5, pressure_angle_deg: 55}
+"""
+
+_MACHINE = """\
 # masses:                  # for ncgear simulate; forces need them
 #   slider_kg: 150
 #   rod: {mass_kg: 30, center_mm: 430, inertia_kg_mm2: 2.8e+6}     # centre from the crank pin, inertia about the centre

@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.design import Design
-from ncgear.errors import DesignError
-from ncgear.extras import require
+from ncgear.errors import DesignError, NoSuchMechanism
+from ncgear.extras import installed, require
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
@@ -43,9 +43,25 @@ class BestLaw:
     @cached_property
     def bound(self) -> Bound | None:
         """The limit that no law can go below, in the unit of the goal; None for a goal that no limit is known of."""
+        from ncgear.optimum.certified.refusals import TooTight
         from ncgear.optimum.makeable.demanded import certified_limit
 
-        return certified_limit(self.task, self.wishes)
+        try:
+            return certified_limit(self.task, self.wishes)
+        except TooTight as refused:
+            raise self._with_what_was_found(refused) from refused
+
+    def _with_what_was_found(self, refused: NoSuchMechanism) -> NoSuchMechanism:
+        """The refusal, and values of limits with which laws were found; as it was where the optimiser is missing."""
+        if not installed("casadi"):
+            return refused
+        from ncgear.optimum.makeable.law import found_instead
+
+        found = found_instead(self.task, self.wishes)
+        if not found:
+            return refused
+        said = "a law was found with" if len(found) == 1 else "laws were found with each of these:"
+        return NoSuchMechanism(f"{refused.problem}; {said} {', '.join(map(str, found))}", key=refused.key)
 
     @property
     def not_covered(self) -> list[str]:

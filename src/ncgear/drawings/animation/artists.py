@@ -5,7 +5,7 @@ Each path is in the frame of its body and has its own transform: a new pose chan
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,7 @@ from matplotlib.transforms import Affine2D, Transform
 
 from ncgear.drawings.palette import LIGHT
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, MATERIAL, PAPER, Style
-from ncgear.drawings.scene.bodies import Body, Kind, Places, pin_radius_mm
+from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, pin_radius_mm
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import simplified, straws
@@ -114,18 +114,29 @@ def _path(contours: Sequence[Array]) -> Path:
     return Path.make_compound_path(*closed)
 
 
-def material_artists(axes: Axes, scene: Scene) -> Moving:
-    """A strip of unit depth that ends at the chamber's wall, squeezed to the depth of the material."""
-    chamber, squeezed = scene.chamber, Affine2D()
+def material_artists(axes: Axes, scene: Scene) -> Iterator[Moving]:
+    """The material before the slider, up to the chamber's wall, and the material behind it, where there is any."""
+    chamber = scene.chamber
+    if chamber.begins_mm is not None:
+        yield _strip(axes, chamber, lambda poses: poses.material_mm, -1.0, chamber.end_mm)
+    if chamber.behind_mm is not None:
+        yield _strip(axes, chamber, lambda poses: poses.material_behind_mm, 0.0, chamber.start_mm)
+
+
+def _strip(axes: Axes, chamber: Chamber, depths_mm: Callable[[Poses], Array], left: float, at_mm: float) -> Moving:
+    """A strip of unit depth from ``left``, squeezed to the depth of the material; its 0 is put to a place."""
+    squeezed = Affine2D()
     transform = squeezed + axes.transData
-    charge = Rectangle((-1.0, -0.5), 1.0, 1.0, transform=transform, **CHARGE)
-    grain = LineCollection(list(straws() - [1.0, 0.0]), transform=transform, **STRAW)
+    charge = Rectangle((left, -0.5), 1.0, 1.0, transform=transform, **CHARGE)
+    grain = LineCollection(list(straws() + np.array([left, 0.0])), transform=transform, **STRAW)
     axes.add_artist(charge)
     axes.add_collection(grain, autolim=False)
 
     def pose(poses: Poses, row: int) -> None:
-        squeezed.clear().scale(float(poses.material_mm[row]), chamber.height_mm)
-        squeezed.translate(chamber.end_mm, chamber.linkage.offset_mm)
+        depth_mm = float(depths_mm(poses)[row])
+        squeezed.clear().scale(depth_mm, chamber.height_mm).translate(at_mm, chamber.linkage.offset_mm)
+        for artist in (charge, grain):
+            artist.set_visible(depth_mm != 0.0)
 
     return Moving((charge, grain), pose)
 

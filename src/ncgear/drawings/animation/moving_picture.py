@@ -65,8 +65,7 @@ def draw_standing(axes: Axes, scene: Scene) -> None:
 def machine(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
     """All moving parts of the whole machine, from the back to the front."""
     slider, *links = (body_artist(axes, body, pixel_mm, axes.transData) for body in scene.links)
-    if scene.chamber.begins_mm is not None:
-        yield material_artists(axes, scene)
+    yield from material_artists(axes, scene)
     yield slider
     others = tuple(_gears(axes, scene, pixel_mm, axes.transData))
     yield from (*links, *others) if scene.crank_is_behind else (*others, *links)

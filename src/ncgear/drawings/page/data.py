@@ -79,7 +79,13 @@ def scene_data(scene: Scene) -> dict[str, Any]:
         "gears": [_gear(gear) for gear in scene.gears],
         "pairs": [_pair(pair) for pair in scene.pairs],
         "linkage": _linkage(scene),
-        "chamber": {"face": chamber.face_mm, "end": chamber.end_mm, "begins": chamber.begins_mm},
+        "chamber": {
+            "face": chamber.face_mm,
+            "start": chamber.start_mm,
+            "end": chamber.end_mm,
+            "begins": chamber.begins_mm,
+            "behind": chamber.behind_mm,
+        },
         "views": {name: list(box) for name, box in views(scene).items()},
     }
 

@@ -75,7 +75,8 @@ def scene_svg(scene: Scene) -> str:
 def _standing(scene: Scene) -> Iterator[str]:
     chamber, grid = scene.chamber, grid_mm(_link_tolerance_mm(scene))
     wall = wall_mm(chamber)
-    yield _group("", "material", _material(chamber.height_mm)) if chamber.begins_mm is not None else ""
+    for name, met_mm in (("material", chamber.begins_mm), ("material-behind", chamber.behind_mm)):
+        yield _group("", name, _material(chamber.height_mm)) if met_mm is not None else ""
     yield _scaled(grid, f'<path class="hatching" d="{strokes_path(hatches_mm(chamber), grid)}"/>')
     yield f'<circle class="orbit" r="{scene.machine.linkage.crank_mm:.6g}"/>'
     sides = wall if chamber.begins_mm is not None else wall[[[0, 1], [3, 2]]]

@@ -7,7 +7,9 @@ mechanism says where the bars and eyes of the other links are.
 The slider moves in a guide.  Where it works against a force, the guide is a chamber with material in it.  A design file
 gives the force, but not the chamber.  So the height of the chamber, the length of the slider and the least depth of the
 material are chosen in proportion to the stroke.  The material reaches from the place where the force first acts to the
-end of the chamber.  On its way back the slider leaves it pressed; the next stroke begins with new material.
+end of the chamber.  On its way back the slider leaves it pressed; the next stroke begins with new material.  Where a
+force acts on the way back, there is material behind the slider then, which ends at the open end of the chamber; it is
+new at the extended end, and nothing is left of it at the retracted one.  Friction is not drawn.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from shapely.geometry.polygon import orient
 
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import Resistance
+from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, Mask
 
 
@@ -132,11 +135,13 @@ REST = 0.14
 class Chamber:
     """A rectangle about the slider's line y = ``offset_mm``; places along it count from the crank's axis.
 
-    ``begins_mm`` is the slider's displacement at which it meets the material, None where there is none.
+    ``begins_mm`` is the slider's displacement at which it meets the material, ``behind_mm`` the one at which it meets
+    the material behind it on its way back; None where there is none.
     """
 
     linkage: Mechanism
     begins_mm: float | None
+    behind_mm: float | None
 
     @property
     def face_mm(self) -> float:
@@ -166,11 +171,21 @@ class Chamber:
         depth: Array = self.end_mm - self.face_mm - self.linkage.nearest_mm - pressed
         return depth
 
+    def material_behind_mm(self, displacement_mm: Array, working: Mask) -> Array:
+        """Depth of the material behind the slider, from the chamber's open end on, shape (n,); 0 on the way out."""
+        if self.behind_mm is None:
+            return np.zeros_like(displacement_mm)
+        return np.where(working, 0.0, np.minimum(displacement_mm, self.behind_mm))
 
-def chamber_of(linkage: Mechanism, resistance: Resistance | None) -> Chamber:
-    """The chamber of a mechanism that works against a resistance; an empty guide if that is None or acts nowhere."""
-    if resistance is None:
-        return Chamber(linkage, None)
-    edges = np.concatenate([[0.0], resistance.zeros_mm(linkage.stroke_mm), [linkage.stroke_mm]])
+
+def chamber_of(linkage: Mechanism, load: SliderLoad) -> Chamber:
+    """The chamber of a mechanism that works against a load; an empty guide where no force but friction acts."""
+    out, back = (_acting_mm(force, linkage.stroke_mm) for force in (load.working, load.returning))
+    return Chamber(linkage, out and out[0], back and back[1])
+
+
+def _acting_mm(resistance: Resistance, stroke_mm: float) -> tuple[float, float] | None:
+    """The least and the greatest displacement between which a force acts; None where it acts nowhere."""
+    edges = np.concatenate([[0.0], resistance.zeros_mm(stroke_mm), [stroke_mm]])
     acting = np.nonzero(resistance.force_n((edges[:-1] + edges[1:]) / 2.0) > 0.0)[0]
-    return Chamber(linkage, float(edges[acting[0]]) if acting.size else None)
+    return (float(edges[acting[0]]), float(edges[acting[-1] + 1])) if acting.size else None

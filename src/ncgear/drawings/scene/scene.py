@@ -28,7 +28,8 @@ class Poses:
 
     ``shaft_angles_rad`` (shape (shafts, n)) are the angles by which the shafts have turned, from the driving shaft to
     the crank's.  ``places`` has the places of each body by its name, ``pitch_points_mm`` (shape (n, 2) each) the pitch
-    point of each pair.  ``material_mm`` (shape (n,)) is the depth of the material before the chamber's end.
+    point of each pair.  ``material_mm`` (shape (n,)) is the depth of the material before the chamber's end,
+    ``material_behind_mm`` that of the material behind the slider.
     """
 
     motion: SliderMotion
@@ -36,6 +37,7 @@ class Poses:
     places: Mapping[str, Places]
     pitch_points_mm: tuple[Array, ...]
     material_mm: Array
+    material_behind_mm: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,12 +96,14 @@ class Scene:
         """The places of all parts at driving angles in rad, shape (n,), over any number of turns."""
         angles, motion = self.shaft_angles_rad(phi1_rad), self.machine.motion(phi1_rad)
         gears = {gear.body.name: gear.places(angles) for gear in self.gears}
+        working = self.machine.working(motion.phi2_rad)
         return Poses(
             motion,
             angles,
             {**gears, **self._link_places(angles[-1])},
             tuple(pair.pitch_point_mm(angles) for pair in self.pairs),
-            self.chamber.material_mm(motion.displacement_mm, self.machine.working(motion.phi2_rad)),
+            self.chamber.material_mm(motion.displacement_mm, working),
+            self.chamber.material_behind_mm(motion.displacement_mm, working),
         )
 
     def _link_places(self, phi2_rad: Array) -> dict[str, Places]:
@@ -115,6 +119,5 @@ def scene_of(drive: Drive) -> Scene:
     Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made, or teeth do not mesh.
     """
     machine = drive.machine
-    resistance = None if drive.design.resistance is None else machine.load.working
-    chamber = chamber_of(drive.linkage, resistance)
+    chamber = chamber_of(drive.linkage, machine.load)
     return Scene(drive.design.name, machine, drive.law.train, scene_pairs(drive), chamber)

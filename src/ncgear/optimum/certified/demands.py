@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from math import atan, inf
 
 from ncgear.numerics.arrays import Array
@@ -12,34 +13,51 @@ from ncgear.numerics.arrays import Array
 class StretchTime:
     """The driving gear turns at most ``at_most_rad`` while the crank turns from one angle to another.
 
-    ``key`` is the wish's in the design file; a stretch may go on over the end of the turn.
+    ``key`` is the wish's in the design file; a stretch may go on over the end of the turn.  ``shown`` says in words of
+    the wish what would have to be asked for instead, for another ``at_most_rad``.  Where a stretch must be short so
+    that the rest of the turn, a dwell, can be long, ``instead`` says what would do at the greatest ratio.
     """
 
     key: str
     start_rad: float
     end_rad: float
     at_most_rad: float
+    shown: Callable[[float], str] = field(default=lambda angle_rad: f"{angle_rad:.5g} rad", compare=False)
+    instead: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class SpeedSpread:
-    """The slider's greatest speed in a stretch of crank angles is at most ``spread`` times the least."""
+    """The slider's greatest speed in a stretch of crank angles is at most ``spread`` times the least.
+
+    ``shown`` says in words of the wish what would have to be asked for instead, for another spread.
+    """
 
     key: str
     start_rad: float
     end_rad: float
     spread: float
+    shown: Callable[[float], str] = field(default=lambda spread: f"a spread of {spread:.5g}", compare=False)
 
 
 @dataclass(frozen=True)
 class SpeedRange:
-    """The slider's speed lies in a range in a stretch of crank angles, which may be one angle."""
+    """The slider's speed lies in a range in a stretch of crank angles, which may be one angle.
+
+    ``shown`` says in words of the wish what would have to be asked for instead, for a range that is wider by a factor:
+    so many times the greatest speed, and the least divided by it.
+    """
 
     key: str
     start_rad: float
     end_rad: float
     least_mm_s: float = 0.0
     most_mm_s: float = inf
+    shown: Callable[[float], str] = field(default=lambda factor: f"a range {factor:.5g} times as wide", compare=False)
+
+    def wider(self, factor: float) -> SpeedRange:
+        """The range that is wider by a factor."""
+        return replace(self, least_mm_s=self.least_mm_s / factor, most_mm_s=self.most_mm_s * factor)
 
 
 @dataclass(frozen=True)
@@ -80,15 +98,21 @@ class Demands:
 
 
 @dataclass(frozen=True, eq=False)
-class Rates:
-    """Ranges of q'/q in every cell, shape (n,) each, infinite where nothing is known; q = s^2.
+class Ranges:
+    """Ranges of q = s^2 that all wanted motions keep: at the places and everywhere in the cells, shape (n,) each.
 
-    ``mean_least`` and ``mean_most`` hold for its mean in the cell, ``least`` and ``most`` everywhere in it.  ``about``
-    holds values of q, shape (n,), near which the relation of the driving curve is tightest.
+    Where nothing is known, the least is zero and the most infinite.
     """
 
-    mean_least: Array
-    mean_most: Array
     least: Array
     most: Array
-    about: Array
+    least_in_cell: Array
+    most_in_cell: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Near:
+    """A motion near which others are looked for: q at the places and the mean of q'/q in the cells, shape (n,)."""
+
+    q: Array
+    rate: Array

@@ -1,29 +1,28 @@
-"""The driving curve's convexity in the certified limit: how far q'/q can be from that of the best motion known.
+"""The driving curve's convexity in the certified limit: how far q can be from that of the best motion known.
 
-The relation of the driving curve is not convex in q = s^2, but nearly so where r = q'/q is known within a narrow range.
-At checkpoints, values of r are excluded: with the mean of r in one cell beyond a value, the programme has no motion
-below a target.  So every motion below the target has a mean of r within ranges there.  Between the checkpoints r
-follows, because convexity itself bounds its slope: with i = 1/s = i12, the driving curve is convex where
+The relation of the driving curve is not convex in q = s^2, but nearly so where q is known within a narrow range.  At
+checkpoints, the least and the greatest q of all motions whose goal is below a target are found.  Between two of them
+the driven curve bounds q from above, the driving curve from below: with i = 1/s = i12 and y = ln q, both are convex
+where
 
-    r' <= 2 i + 2 i^2      (from q'' <= 2 + 2 sqrt(q) + q'^2/q, divided by q)
+    1 + s + s'' >= 0     and     y'' <= 2 i + 2 i^2
 
-Then the relation can be added with these ranges, and the next ranges are narrower.  The target is a limit if the last
+Then the relation can be added with these ranges, and the next ranges are narrower.  The target is a limit if the
 programme's least value is no less; otherwise that value is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, inf, sqrt
-from typing import Literal
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Rates
+from ncgear.optimum.certified.demands import Near, Ranges
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,14 +37,13 @@ class Tried:
 class Trials:
     """What can be asked of the programmes of one cycle.
 
-    ``least`` gives the least value of the goal with ranges of r; ``along`` the same along the tangent (see
-    ``motion.motion_programme``); ``least_q`` the least q at a place of all motions whose goal is below a value.
+    ``least`` gives the least value of the goal with ranges of q, or near a motion (see ``motion.motion_programme``);
+    ``extremes`` the least and the greatest q at a place of all motions whose goal is below a value.
     """
 
     on: Cycle
-    least: Callable[[Rates | None], Tried]
-    along: Callable[[Rates], Tried]
-    least_q: Callable[[Rates | None, int, float], float]
+    least: Callable[[Ranges | Near | None], Tried]
+    extremes: Callable[[Ranges | None, int, float], tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,39 +57,29 @@ class Solved:
 STEPS = 3
 """Steps along the tangent: the motion found keeps the driving curve convex, and three steps find all of it but 1e-6."""
 
-SHARES = (0.75, 0.4, 0.2)
-"""Shares of the way from the limit without the driving curve to the motion found: aimed at until one is met."""
+ENOUGH = 0.001
+"""What the limit may lack of the motion's value: the law itself lacks about as much."""
 
-APART_RAD = 0.06
-"""Greatest distance of checkpoints."""
+SHARES = (1.0, 0.8, 0.6, 0.4)
+"""Shares of the way from the limit without the driving curve to this value: aimed at until one is met."""
 
-ROUNDS = 3
-"""Most rounds of narrower ranges; two are the rule."""
+LOWER = 0.02
+"""By how much ln q may lie lower between two checkpoints than the chord through them."""
 
-LEAST_GAIN = 0.01
-"""Share of the way to the target that the first rounds must have gained for another one to follow."""
+ROUNDS = 6
+"""Most rounds of narrower ranges for one target; one or two are the rule."""
 
-TRIALS = 3
-"""Most trials of one end of a range in a round."""
+LEAST_GAIN = 0.1
+"""Share of the way that is left to the target that a round must have gained for another one to follow."""
 
-FIRST_WIDTH = 2.0
-"""Half width of a range of r, per rad, that is tried first."""
-
-ROOM = 1.12
-"""By how much a range is wider than the estimate from the first trial: the value grows about as its square."""
-
-WIDER = 3.0
-"""Most by which a range is made wider at once."""
-
-NARROWER = 0.5
-"""How much narrower than the range known a range is that is tried in the next round."""
+ROUNDING = 1e-9
+"""Relative error that a range between checkpoints may have by rounding, with much to spare."""
 
 
 def motion_along(trials: Trials, found: Solved) -> Solved:
     """The motion to which a few steps along the tangent of the driving curve's relation lead, from another one."""
     for _ in range(STEPS):
-        rates = mean_rates(trials.on, found.q)
-        step = trials.along(Rates(rates, rates, rates, rates, found.q))
+        step = trials.least(Near(found.q, np.log(np.roll(found.q, -1) / found.q) / trials.on.step_rad))
         if step.q is None:
             break
         found = Solved(step.value, step.q)
@@ -102,58 +90,65 @@ def with_driving_curve(trials: Trials, without: Solved, motion: Solved, ratio_ma
     """A certain least value with the driving curve convex, from the answer without it and a motion that keeps it."""
     on = trials.on
     stretches = [
-        Stretch(cells, _checkpoints(on, cells), ratio_max)
-        for cells in _stretches(cells_that_matter(on, without.q, motion.q), on.count)
+        Stretch(places, _checkpoints(on, places, motion.q), ratio_max)
+        for places in _stretches(cells_that_matter(on, without.q, motion.q), on.count)
     ]
+    known = Known(np.full(on.count, 1.0 / ratio_max**2), np.full(on.count, inf))
     proven = without.value
+    wanted = (1.0 - ENOUGH) * motion.value - without.value
     for share in SHARES:
-        target = without.value + share * (motion.value - without.value)
-        proven = max(proven, _aimed_at(trials, stretches, Solved(target, motion.q), without.value, ratio_max))
-        if proven >= target:
+        target = without.value + share * wanted
+        if target <= proven:
             break
+        # What is known of motions below a target holds for a lower one
+        known, value = _aimed_at(trials, stretches, known, target, proven)
+        proven = max(proven, value)
     return proven
 
 
-def _aimed_at(trials: Trials, stretches: Sequence[Stretch], aim: Solved, without: float, ratio_max: float) -> float:
-    """The target, or what is certain below it, from ranges of r about the motion's that are narrowed in rounds."""
-    on = trials.on
-    known = Known(np.full(on.count, -inf), np.full(on.count, inf), np.full(on.count, 1.0 / ratio_max**2))
-    proven = base = without
+def _aimed_at(
+    trials: Trials, stretches: Sequence[Stretch], known: Known, target: float, proven: float
+) -> tuple[Known, float]:
+    """What is known of the motions below a target after rounds of narrower ranges; the target, or what is certain."""
+    on, value = trials.on, proven
     for _ in range(ROUNDS):
         for stretch in stretches:
-            known = _with_least_q(trials, stretches, known, stretch, aim.q, aim.value)
-        for stretch in stretches:
-            for cell in stretch.checkpoints:
-                known = _narrowed(trials, stretches, known, cell, aim, base)
-        base = trials.least(_ranges(on, known, stretches, aim.q)).value
-        proven = max(proven, min(aim.value, base))
-        if base >= aim.value or not base > without + LEAST_GAIN * (aim.value - without):
+            for place in stretch.checkpoints:
+                least, most = trials.extremes(_everywhere(on, known, stretches), place, target)
+                if least > most or least == inf:
+                    return known, target
+                known = known.within(place, least, most)
+        found = trials.least(_everywhere(on, known, stretches)).value
+        gained, value = found - value, max(value, found)
+        if value >= target:
+            return known, target
+        if not gained > LEAST_GAIN * (target - value):
             break
-    return proven
+    return known, value
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Cells in a row in which the driving curve matters, and those of them at which ranges are looked for."""
+    """Places in a row at which the driving curve matters, and those of them at which ranges are looked for."""
 
-    cells: IndexArray
+    places: IndexArray
     checkpoints: Sequence[int]
     ratio_max: float
 
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """Ranges of the mean of r in every cell, and least q at every place, shape (n,); known at checkpoints only."""
+    """Ranges of q at the places, shape (n,), narrower than the ratios leave them at checkpoints only."""
 
     least: Array
     most: Array
-    least_q: Array
 
-
-def mean_rates(on: Cycle, q: Array) -> Array:
-    """The mean of q'/q in every cell, shape (n,)."""
-    rates: Array = np.log(np.roll(q, -1) / q) / on.step_rad
-    return rates
+    def within(self, place: int, least: float, most: float) -> Known:
+        """The same with a range at one place, unless a narrower one is known."""
+        low, high = self.least.copy(), self.most.copy()
+        low[place] = max(low[place], least)
+        high[place] = min(high[place], most)
+        return Known(low, high)
 
 
 def cells_that_matter(on: Cycle, without: Array, motion: Array) -> IndexArray:
@@ -177,110 +172,65 @@ def _spare(on: Cycle, q: Array) -> Array:
 
 
 def _stretches(cells: IndexArray, count: int) -> list[IndexArray]:
-    """Cells in a row, around the turn; gaps of two cells are closed."""
+    """The places of cells in a row, around the turn; gaps of two cells are closed."""
     if not cells.size:
         return []
     ordered = np.sort(cells)
     gaps = np.diff(np.append(ordered, ordered[0] + count))
-    start = (int(np.argmax(gaps)) + 1) % ordered.size
-    turned = np.concatenate([ordered[start:], ordered[:start] + count])
-    parts = np.split(turned, np.nonzero(np.diff(turned) > 3)[0] + 1)
-    return [np.arange(part[0], part[-1] + 1) % count for part in parts]
+    turned = np.roll(ordered, -(int(np.argmax(gaps)) + 1))
+    parts = np.split(turned, np.nonzero(np.diff(turned) % count > 3)[0] + 1)
+    return [(part[0] + np.arange((part[-1] - part[0]) % count + 2)) % count for part in parts]
 
 
-def _checkpoints(on: Cycle, cells: IndexArray) -> list[int]:
-    """Cells of a stretch at most APART_RAD from each other, first and last among them."""
-    chosen, gone = [int(cells[0])], 0.0
-    for cell, after in zip(cells[:-1].tolist(), cells[1:].tolist(), strict=True):
-        gone += float(on.step_rad[cell])
-        if gone + float(on.step_rad[after]) > APART_RAD or after == cells[-1]:
-            chosen.append(after)
-            gone = 0.0
-    return list(dict.fromkeys(chosen))
+def _checkpoints(on: Cycle, places: IndexArray, motion: Array) -> list[int]:
+    """Places of a stretch, first and last among them, between which ln q bends down by LOWER at most."""
+    ratio = 1.0 / np.sqrt(motion[places])
+    # A chord of length L is missed by R L^2/8
+    apart = np.sqrt(8.0 * LOWER / (2.0 * ratio + 2.0 * ratio**2))
+    gone = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]] / np.minimum(apart[:-1], apart[1:]))])
+    parts = max(1, round(float(gone[-1])))
+    numbers = np.searchsorted(gone, gone[-1] * np.arange(parts + 1) / parts - 1e-9)
+    return list(dict.fromkeys(places[np.minimum(numbers, places.size - 1)].tolist()))
 
 
-def _with_least_q(
-    trials: Trials, stretches: Sequence[Stretch], known: Known, stretch: Stretch, motion: Array, target: float
-) -> Known:
-    """What is known once the least q at the checkpoints of a stretch has been looked for."""
-    ranges, least_q = _ranges(trials.on, known, stretches, motion), known.least_q.copy()
-    for place in [*stretch.checkpoints, (stretch.checkpoints[-1] + 1) % trials.on.count]:
-        least_q[place] = max(least_q[place], trials.least_q(ranges, place, target))
-    return replace(known, least_q=least_q)
-
-
-def _narrowed(trials: Trials, stretches: Sequence[Stretch], known: Known, cell: int, aim: Solved, base: float) -> Known:
-    """What is known once both ends of the range of r in one cell have been tried again.
-
-    ``aim`` holds the target and the q about which ranges lie; ``base`` is the least value with what was known before.
-    A range that does not reach the target is tried once more, wider by what its value lacks.
-    """
-    on = trials.on
-    middle = float(mean_rates(on, aim.q)[cell])
-    for side in (-1, 1):
-        ends = known.least if side < 0 else known.most
-        width = min(FIRST_WIDTH, (float(ends[cell]) - middle) * side * NARROWER)
-        for _ in range(TRIALS):
-            end = middle + side * width
-            value = trials.least(_ranges(on, _beyond(known, cell, end, side), stretches, aim.q)).value
-            if value >= aim.value:
-                known = _within(known, cell, end, side)
-                break
-            lacking = (aim.value - base) / (value - base) if value > base else inf
-            width *= min(ROOM * sqrt(lacking), WIDER)
-    return known
-
-
-def _beyond(known: Known, cell: int, end: float, side: int) -> Known:
-    """The mean of r in one cell is beyond a value."""
-    return _moved(known, cell, end, "least" if side > 0 else "most")
-
-
-def _within(known: Known, cell: int, end: float, side: int) -> Known:
-    """The mean of r in one cell is on this side of a value, unless a nearer one is known."""
-    if side > 0:
-        return _moved(known, cell, min(float(known.most[cell]), end), "most")
-    return _moved(known, cell, max(float(known.least[cell]), end), "least")
-
-
-def _moved(known: Known, cell: int, end: float, which: Literal["least", "most"]) -> Known:
-    moved = np.array(getattr(known, which))
-    moved[cell] = end
-    return replace(known, **{which: moved})
-
-
-def _ranges(on: Cycle, known: Known, stretches: Sequence[Stretch], motion: Array) -> Rates:
-    """Ranges of r in all cells of the stretches, of its mean and everywhere, from those of means at checkpoints.
-
-    The slope of r is at most R, so that with the mean of r at most H in a cell with its middle at m, r <= H + R (phi2 -
-    m) after it, and with the mean at least L, r >= L - R (m - phi2) before it.
-    """
-    mean_least, mean_most = known.least.copy(), known.most.copy()
-    least, most = np.full(on.count, -inf), np.full(on.count, inf)
+def _everywhere(on: Cycle, known: Known, stretches: Sequence[Stretch]) -> Ranges:
+    """Ranges of q at all places and in all cells of the stretches, from those at checkpoints."""
+    least, most = np.zeros(on.count), np.full(on.count, inf)
+    least_in_cell, most_in_cell = np.zeros(on.count), np.full(on.count, inf)
     for stretch in stretches:
-        cells = stretch.cells
-        risen = _rises(on, known, stretch) * on.step_rad[cells]
-        ends = np.cumsum(risen)
-        middles = ends - risen / 2.0
-        high = np.minimum.accumulate(known.most[cells] - middles)
-        low = np.maximum.accumulate((known.least[cells] - middles)[::-1])[::-1]
-        mean_most[cells], mean_least[cells] = high + middles, low + middles
-        most[cells[1:]], least[cells[:-1]] = high[:-1] + ends[1:], low[1:] + (ends - risen)[:-1]
-    return Rates(mean_least, mean_most, least, most, motion)
+        numbers = [int(np.nonzero(stretch.places == one)[0][0]) for one in stretch.checkpoints]
+        for first, last in pairwise(numbers):
+            places = stretch.places[first : last + 1]
+            step = on.step_rad[places[:-1]]
+            from_first = np.concatenate([[0.0], np.cumsum(step)])
+            low, low_in_cell = _between_lower(known.least[places[[0, -1]]], from_first, stretch.ratio_max)
+            high, high_in_cell = _between_upper(known.most[places[[0, -1]]], from_first)
+            least[places], most[places] = low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)
+            least_in_cell[places[:-1]] = low_in_cell * (1.0 - ROUNDING)
+            most_in_cell[places[:-1]] = high_in_cell * (1.0 + ROUNDING)
+    return Ranges(least, most, least_in_cell, most_in_cell)
 
 
-def _rises(on: Cycle, known: Known, stretch: Stretch) -> Array:
-    """The greatest slope of r in every cell of a stretch, 2 i + 2 i^2 with the greatest ratio i there, shape (k,)."""
-    cells = stretch.cells
-    rises = np.empty(cells.size)
-    numbers = [int(np.nonzero(cells == one)[0][0]) for one in stretch.checkpoints]
-    for first, last in pairwise([*numbers, cells.size]):
-        part = slice(first, max(last, first + 1))
-        ends = cells[first], (cells[min(last, cells.size - 1)] + (last == cells.size)) % on.count
-        at_ends = 1.0 / sqrt(float(np.min(known.least_q[list(ends)])))
-        ratio = _greatest_ratio(at_ends, float(np.sum(on.step_rad[cells[part]])), stretch.ratio_max)
-        rises[part] = 2.0 * ratio + 2.0 * ratio**2
-    return rises
+def _between_upper(ends: Array, angle_rad: Array) -> tuple[Array, Array]:
+    """Greatest q at places between two with a given greatest q, and in the cells: 1 + s lies below a sine curve."""
+    if not np.all(np.isfinite(ends)):
+        return np.full(angle_rad.size, inf), np.full(angle_rad.size - 1, inf)
+    length = angle_rad[-1]
+    at_ends = 1.0 + np.sqrt(ends)
+    at = (at_ends[0] * np.sin(length - angle_rad) + at_ends[1] * np.sin(angle_rad)) / np.sin(length)
+    in_cell = np.maximum(at[:-1], at[1:]) / np.cos(np.diff(angle_rad) / 2.0)
+    return (at - 1.0) ** 2, (in_cell - 1.0) ** 2
+
+
+def _between_lower(ends: Array, angle_rad: Array, ratio_max: float) -> tuple[Array, Array]:
+    """Least q at places between two with a given least q, and in the cells: ln q bends up by 2 i + 2 i^2 at most."""
+    length = float(angle_rad[-1])
+    ratio = _greatest_ratio(1.0 / sqrt(float(np.min(ends))), length, ratio_max)
+    bend = 2.0 * ratio + 2.0 * ratio**2
+    chord = np.interp(angle_rad, [0.0, length], np.log(ends))
+    at = np.maximum(chord - bend * angle_rad * (length - angle_rad) / 2.0, -2.0 * np.log(ratio))
+    in_cell = np.minimum(at[:-1], at[1:]) - bend * np.diff(angle_rad) ** 2 / 8.0
+    return np.exp(at), np.exp(in_cell)
 
 
 def _greatest_ratio(at_ends: float, length_rad: float, most: float) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle, cycle
-from ncgear.optimum.certified.demands import Demands, Rates
+from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.driving_curve import (
     Solved,
     Trials,
@@ -34,7 +34,7 @@ from ncgear.optimum.task import Task
 PLACES_ROUGH = 960
 """Places where pitch curves need not be convex: what is known between the places is then of first order only."""
 
-PLACES_CURVED = 180
+PLACES_CURVED = 240
 """Places where they must be; more are added where the driving curve matters."""
 
 FINE_RAD = radians(0.5)
@@ -132,7 +132,7 @@ def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -
     problem = problem_of(task, asked, places).under(**{name: inf})
     if not problem.is_open:
         raise refusal(problem)
-    found = turning_point(lambda value: problem.under(**{name: value}).is_open, _mean_power_w(task), BISECTED)
+    found = turning_point(lambda value: problem.under(**{name: value}).excess, _mean_power_w(task), BISECTED)
     if found is None:
         raise refusal(problem)
     certain, enough = found
@@ -186,22 +186,19 @@ def _solved(trials: Trials, problem: Problem) -> Solved:
 def _trials(problem: Problem, wanted: Wanted, capped: Callable[[float], dict[str, float]]) -> Trials:
     """What the search for ranges of the driving curve asks of the programmes."""
 
-    def least_value(rates: Rates | None) -> Tried:
-        made = problem.programme(rates)
+    def least_value(curve: Ranges | Near | None) -> Tried:
+        made = problem.programme(curve)
         goal, figure = wanted(made)
         answer = least(made.programme, goal)
         q = None if answer.near is None else _q(made.q, answer.near)
         return Tried(answer.value if answer.value in (inf, -inf) else figure(answer.value), q)
 
-    def along(rates: Rates) -> Tried:
-        free = np.full(problem.on.count, inf)
-        return least_value(replace(rates, mean_least=-free, mean_most=free))
+    def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
+        made = problem.under(**capped(below)).programme(ranges)
+        q = made.q[place : place + 1]
+        return least(made.programme, q).value, -least(made.programme, -q).value
 
-    def least_q(rates: Rates | None, place: int, below: float) -> float:
-        made = problem.under(**capped(below)).programme(rates)
-        return least(made.programme, made.q[place : place + 1]).value
-
-    return Trials(problem.on, least_value, along, least_q)
+    return Trials(problem.on, least_value, extremes)
 
 
 def _q(q: Linear, variables: Array) -> Array:

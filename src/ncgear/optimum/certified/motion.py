@@ -12,10 +12,10 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
   through two places.  For three places in a row that is exact: s0 <= alpha + beta s- + gamma s+.  Squared, it bounds q0
   by a concave function of q- and q+.  In a cell, the curve through its ends bounds the mean of 1/s from below.
 - The tangent, |s'| <= t (1 + s), lets 1 + s grow by at most exp(t h) in a cell of h rad.
-- The driving curve, 1/r1 = (1 + 1/s)/a, is convex where q'' <= 2 + 2 sqrt(q) + q'^2/q.  That is not convex in q.  Where
-  q'/q is known to lie between m and M, q'^2/q <= (m + M) q' - m M q, and the root lies below its tangents: q'' - b q' +
-  c q <= d with constants.  So q lies at or above the solution of q'' - b q' + c q = d through two places (the maximum
-  principle), which for three places in a row is linear.
+- The driving curve, 1/r1 = (1 + 1/s)/a, is convex where y'' <= 2 exp(-y) + 2 exp(-y/2), with y = ln q.  Where q is
+  known to lie within a range, the right side lies below its chord a - c y: so y lies at or above the solution of y'' +
+  c y = a through two places (the maximum principle), which for three places in a row is linear.  The variables y lie
+  below the tangents of ln q and above its chord over the range.
 
 The first three are of the time-optimal control of a path (Verscheure et al., "Time-optimal path tracking for robots: a
 convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q as well); those of the curves are ours.
@@ -30,7 +30,7 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Demands, Rates
+from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.proof import Linear, Programme
 from ncgear.optimum.task import Task
 
@@ -55,6 +55,9 @@ class MotionProgramme:
     power_unit_w: float
 
 
+ROUNDING = 1e-12
+"""Relative error that ranges of variables made from other ranges may have, with much to spare."""
+
 MOST_ACCELERATION = 1e4
 """Peak acceleration in units of crank w^2 beyond which no motion is looked at; an even crank has one or two."""
 
@@ -63,25 +66,27 @@ def motion_programme(
     task: Task,
     on: Cycle,
     asked: Demands,
-    rates: Rates | None = None,
+    curve: Ranges | Near | None = None,
     *,
     closed: bool = True,
     powers_w: tuple[float, float] = (0.0, inf),
 ) -> MotionProgramme:
     """The programme of all motions that keep the demands, and more that only keep these relations.
 
-    ``rates`` brings the driving curve in, for motions with q'/q in these ranges.  Ranges without width make the
-    relation that of the tangent, which bounds q'^2/q from below: a motion that keeps it has a convex driving curve, but
-    not every such motion keeps it.  That programme finds motions and proves nothing.  Where not ``closed``, the cycle
-    may take any driving angle.  ``powers_w`` is the range of peak powers that is looked at where the peak power is not
-    limited.
+    ``curve`` brings the driving curve in.  With ranges, for motions within these.  Near a motion, its relation is that
+    of q'' <= 2 + 2 sqrt(q) + q'^2/q with q'^2/q bounded from below by its tangent: a motion that keeps it has a convex
+    driving curve, but not every such motion keeps it.  That programme finds motions and proves nothing.  Where not
+    ``closed``, the cycle may take any driving angle.  ``powers_w`` is the range of peak powers that is looked at where
+    the peak power is not limited.
     """
-    made = _Making(task, on, asked)
+    made = _Making(task, on, asked, curve if isinstance(curve, Ranges) else None)
     made.limit_acceleration()
     made.limit_power(powers_w)
     made.limit_curves()
-    if rates is not None:
-        made.limit_driving_curve(rates)
+    if isinstance(curve, Ranges):
+        made.limit_driving_curve(curve)
+    if isinstance(curve, Near):
+        made.follow_driving_curve(curve)
     made.limit_speeds()
     made.limit_energies()
     made.take_time(closed)
@@ -93,7 +98,7 @@ def motion_programme(
 class _Making:
     """A programme as it grows; each method adds the rows of one idea."""
 
-    def __init__(self, task: Task, on: Cycle, asked: Demands) -> None:
+    def __init__(self, task: Task, on: Cycle, asked: Demands, known: Ranges | None) -> None:
         self.task, self.on, self.asked = task, on, asked
         self.speed = task.speed_rad_s
         self.crank = task.linkage.crank_mm
@@ -107,6 +112,9 @@ class _Making:
         self.lowest, self.highest = np.full(count, least**2), np.full(count, most**2)
         self.lowest_time, self.highest_time = np.full(count, asked.ratio_min), np.full(count, asked.ratio_max)
         self._cap_by_power()
+        if known is not None:
+            self.lowest = np.maximum(self.lowest, known.least)
+            self.highest = np.maximum(np.minimum(self.highest, known.most), self.lowest * 0.99)
         self.q = self.programme.variable(self.lowest, self.highest)
         self.s = self.programme.variable(np.sqrt(self.lowest), np.sqrt(self.highest))
         self.time = self.programme.variable(self.lowest_time, self.highest_time)
@@ -181,7 +189,8 @@ class _Making:
         beta, gamma = np.sin(far) / whole, np.sin(near) / whole
         alpha = 2.0 * np.sin(near / 2.0) * np.sin(far / 2.0) / np.cos((near + far) / 2.0)
         # The geometric mean of the values on both sides
-        between = self.programme.variable(self.lowest, np.full(self.on.count, float(np.max(self.highest))))
+        low, high = (np.sqrt(ends[self.before] * ends[self.next]) for ends in (self.lowest, self.highest))
+        between = self.programme.variable(low * (1.0 - ROUNDING), high * (1.0 + ROUNDING))
         self.programme.cone(
             self.q[self.before] + self.q[self.next], 2.0 * between, self.q[self.before] - self.q[self.next]
         )
@@ -205,22 +214,36 @@ class _Making:
         widest = log((1.0 + 1.0 / self.asked.ratio_min) / (1.0 + 1.0 / self.asked.ratio_max))
         return np.nonzero(self.asked.steepness * self.after_h < widest)[0]
 
-    def limit_driving_curve(self, rates: Rates) -> None:
-        """The ranges of q'/q, and three places in a row of a convex driving curve where they are known."""
-        for ends, sign in ((rates.mean_least, 1.0), (rates.mean_most, -1.0)):
-            cells = np.nonzero(np.isfinite(ends))[0]
-            step = self.after_h[cells]
-            grown = self.q[cells] * np.exp(ends[cells] * step)
-            self.programme.positive((self.q[self.next[cells]] - grown) * (sign / step))
-        low = np.minimum(rates.least, rates.least[self.before])
-        high = np.maximum(rates.most, rates.most[self.before])
-        both = np.nonzero(np.isfinite(low) & np.isfinite(high))[0]
-        first, second, rest, good = above(
-            low[both], high[both], rates.about[both], self.before_h[both], self.after_h[both]
-        )
-        both = both[good]
-        lowest = first * self.q[self.before[both]] + second * self.q[self.next[both]] + rest
-        self.programme.positive((self.q[both] - lowest) * (1.0 / (self.before_h * self.after_h)[both]))
+    def limit_driving_curve(self, known: Ranges) -> None:
+        """y = ln q within what its range leaves, and three places in a row of a convex driving curve."""
+        cells = np.nonzero((known.least_in_cell > 0.0) & np.isfinite(known.most_in_cell))[0]
+        places = np.unique(np.concatenate([cells, self.next[cells]]))
+        low, high = self.lowest[places], np.maximum(self.highest[places], self.lowest[places])
+        y = self.programme.variable(np.log(low), np.log(high))
+        q = self.q[places]
+        for at in (low, np.sqrt(low * high), high):
+            self.programme.positive(q * (1.0 / at) + (np.log(at) - 1.0) - y)
+        # The chord of ln q over the range; a tangent where the range has no width
+        width = high / low - 1.0
+        rise = np.where(width > 0.0, np.log1p(width) / np.where(width > 0.0, width, 1.0), 1.0)
+        self.programme.positive(y - np.log(low) - (q * (1.0 / low) - 1.0) * rise)
+        inner = np.nonzero(np.isin(self.before[places], cells) & np.isin(places, cells))[0]
+        here = places[inner]
+        number = np.zeros(self.on.count, dtype=int)
+        number[places] = np.arange(places.size)
+        near, far = self.before_h[here], self.after_h[here]
+        least = np.minimum(known.least_in_cell[here], known.least_in_cell[self.before[here]])
+        most = np.maximum(known.most_in_cell[here], known.most_in_cell[self.before[here]])
+        first, second, rest, good = curved(np.log(least), np.log(most), near, far)
+        lowest = first * y[number[self.before[here]]] + second * y[number[self.next[here]]] + rest
+        self.programme.positive((y[inner[good]] - lowest[good]) * (1.0 / (near * far)[good]))
+
+    def follow_driving_curve(self, motion: Near) -> None:
+        """Three places in a row of a driving curve that stays convex by the tangents at a motion."""
+        rate = (motion.rate + motion.rate[self.before]) / 2.0
+        first, second, rest = along(rate, motion.q, self.before_h, self.after_h)
+        lowest = first * self.q[self.before] + second * self.q[self.next] + rest
+        self.programme.positive((self.q - lowest) * (1.0 / (self.before_h * self.after_h)))
 
     def limit_speeds(self) -> None:
         """Even speeds over stretches, and ranges of the speed; squared, over crank w."""
@@ -318,30 +341,37 @@ class _Making:
         self.programme.product(self.time, root, one * np.sqrt(np.sqrt(self.length / 2.0) / self.after_h))
 
 
-def above(low: Array, high: Array, about: Array, before: Array, after: Array) -> tuple[Array, Array, Array, IndexArray]:
-    """q0 >= first q- + second q+ + third where q'' - b q' + c q <= d; the last tells for which places it holds.
+def curved(low: Array, high: Array, before: Array, after: Array) -> tuple[Array, Array, Array, IndexArray]:
+    """y0 >= first y- + second y+ + rest where y'' <= 2 exp(-y) + 2 exp(-y/2) and y lies between ``low`` and ``high``.
 
-    Ranges of q'/q in the two cells beside each place, a value near q0, and the lengths of both cells; shape (k,).  The
-    root of q lies below its tangent at ``about``.  Where c is so small that 1 - first - second would lose digits, the
-    tangent is taken elsewhere.  With k^2 = b^2/4 - c the solutions of the equation are exp(b t/2) times sinh or sin of
-    k t; the maximum principle holds while the sine's places are less than half a wave apart.
+    The lengths of the cells on both sides, shape (k,); the last tells for which places it holds.  The right side lies
+    below its chord, a - c y.  The solutions of y'' + c y = a are a/c and waves of sqrt(c) per rad; the maximum
+    principle holds while the places are less than half a wave apart.
     """
-    b = low + high
-    tangent = _tangent(low * high, about)
-    c, d = low * high - 1.0 / np.sqrt(tangent), 2.0 + np.sqrt(tangent)
-    square = b * b / 4.0 - c
-    k = np.sqrt(np.abs(square))
+    wide = np.maximum(high - low, 1e-12)
+    c = -(2.0 * np.exp(-low) * np.expm1(-wide) + 2.0 * np.exp(-low / 2.0) * np.expm1(-wide / 2.0)) / wide
+    a = 2.0 * np.exp(-low) + 2.0 * np.exp(-low / 2.0) + c * low
+    k = np.sqrt(c)
+    whole = np.sin(k * (before + after))
+    rest = -2.0 * np.sin(k * before / 2.0) * np.sin(k * after / 2.0) / np.cos(k * (before + after) / 2.0) * a / c
+    good = np.nonzero(k * (before + after) < 0.9 * pi)[0]
+    return np.sin(k * after) / whole, np.sin(k * before) / whole, rest, good
 
-    def wave(angle: Array) -> Array:
-        curved: Array = np.where(square > 0.0, np.sinh(k * angle), np.sin(k * angle))
-        return np.where(k * angle < 1e-6, angle, curved / np.where(k > 0.0, k, 1.0))
 
-    whole = wave(before + after)
-    first = np.exp(b / 2.0 * before) * wave(after) / whole
-    second = np.exp(-b / 2.0 * after) * wave(before) / whole
-    good = np.nonzero((square > 0.0) | (k * (before + after) < 0.9 * pi))[0]
+def along(rate: Array, about: Array, before: Array, after: Array) -> tuple[Array, Array, Array]:
+    """q0 >= first q- + second q+ + rest where q'' <= 2 + 2 sqrt(q) + 2 rate q' - rate^2 q, shape (k,).
+
+    The root of q lies below its tangent at ``about``, a value near q0; where that would lose digits, it is taken
+    elsewhere.  With c = rate^2 - 1/sqrt(tangent) and k^2 = rate^2 - c the solutions are exp(rate t) times sinh of k t.
+    """
+    tangent = _tangent(rate**2, about)
+    c, d = rate**2 - 1.0 / np.sqrt(tangent), 2.0 + np.sqrt(tangent)
+    k = tangent**-0.25
+    whole = np.sinh(k * (before + after))
+    first = np.exp(rate * before) * np.sinh(k * after) / whole
+    second = np.exp(-rate * after) * np.sinh(k * before) / whole
     rest: Array = d * (1.0 - first - second) / c
-    return first[good], second[good], rest[good], good
+    return first, second, rest
 
 
 LEAST_C = 0.3

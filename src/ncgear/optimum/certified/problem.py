@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf, sqrt
 from typing import Any
 
 from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Demands, Rates
+from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.proof import least
 from ncgear.optimum.task import Task
@@ -21,9 +22,9 @@ class Problem:
     asked: Demands
     on: Cycle
 
-    def programme(self, rates: Rates | None = None, *, closed: bool = True) -> MotionProgramme:
+    def programme(self, curve: Ranges | Near | None = None, *, closed: bool = True) -> MotionProgramme:
         """The conic programme of the motions."""
-        return motion_programme(self.task, self.on, self.asked, rates, closed=closed)
+        return motion_programme(self.task, self.on, self.asked, curve, closed=closed)
 
     @cached_property
     def closing(self) -> float:
@@ -32,9 +33,29 @@ class Problem:
         return least(made.programme, made.angle).value
 
     @property
+    def excess(self) -> float:
+        """By how much the least driving angle is over what the cycle has, as a share of that; zero or less: none."""
+        return self.closing - 1.0
+
+    @property
     def is_open(self) -> bool:
         """False only where certainly no law keeps the demands."""
-        return self.closing <= 1.0
+        return self.excess <= 0.0
+
+    def least_peak(self, name: str) -> float:
+        """The least value of a demand, by its name in ``Demands``; zero or less where no single programme gives it."""
+        free = self.under(**{name: inf})
+        made = free.programme()
+        if name == "acceleration_mm_s2":
+            return least(made.programme, made.acceleration).value * made.acceleration_unit_mm_s2
+        if name == "power_w" and self.task.masses is None:
+            return sqrt(max(least(made.programme, made.power_squared).value, 0.0)) * made.power_unit_w
+        return 0.0
+
+    def least_time(self, start_rad: float, end_rad: float) -> float:
+        """The least driving angle in rad that a stretch of crank angles takes."""
+        made, cells = self.programme(), self.on.cells_within(start_rad, end_rad)
+        return least(made.programme, (made.time[cells] * self.on.step_rad[cells]).total()).value
 
     def under(self, **demands: Any) -> Problem:
         """The problem with other values of some demands."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import inf
+from math import inf, log, pi
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.kinematics.wishes import CrankStretch, EvenSpeed, SpeedWithin, TimeWithin, Wish
+from ncgear.kinematics.wishes import CrankStretch, Dwell, EvenSpeed, SpeedWithin, TimeWithin, Wish, nearest_dwell_mm
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.certified.limit import (
     Bound,
@@ -17,8 +18,10 @@ from ncgear.optimum.certified.limit import (
     least_of,
     least_power,
     least_weighted_sum,
+    problem_of,
 )
-from ncgear.optimum.certified.refusals import shown_above
+from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
+from ncgear.optimum.makeable.motion_wishes import evenness_in_words, speed_in_words, time_in_words
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Task
 
@@ -27,15 +30,19 @@ OF_LOADS = {"braking_power_w": "braking_w", "rms_torque_n_m": "torque_n_mm", "fl
 
 
 def demands_of(task: Task, wishes: Wishes) -> Demands:
-    """The demands of hard wishes and limits, as far as the certified limit knows them."""
+    """The demands of hard wishes and limits, as far as the certified limit knows them.
+
+    Raises NoSuchMechanism for a limit of the driven gear's speed that is not over its mean.
+    """
     limits = wishes.limits
+    _refuse_slow_gear(task, wishes.driven_speed_rad_s)
     slowest = 0.0 if wishes.driven_speed_rad_s is None else task.speed_rad_s / wishes.driven_speed_rad_s
     asked = [
         one
         for wish in wishes.motion
         if wish.hard
         for requirement in wish.requirements(task.linkage, task.cycle_rad)
-        for one in _demands(wish, requirement, task.cycle_rad)
+        for one in _demands(task, wish, requirement, limits.ratio_max)
     ]
     one_pair = wishes.two_stages is None
     return Demands(
@@ -53,41 +60,54 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
     )
 
 
+def _refuse_slow_gear(task: Task, limit_rad_s: float | None) -> None:
+    mean = task.speed_rad_s * 2.0 * pi / task.cycle_rad
+    if limit_rad_s is not None and limit_rad_s <= mean * (1.0 + LEAST_ROOM):
+        raise NoSuchMechanism(
+            f"{limit_rad_s / RAD_S_PER_RPM:g} r/min leaves nothing to choose: the mean speed of the driven gear is "
+            f"{mean / RAD_S_PER_RPM:g} r/min; over that is right",
+            key="optimize.limits.driven_speed_rpm",
+        )
+
+
 def _of_load(task: Task, figure: str, value: float | None) -> float:
     """The demand that a limit of a load is: N mm for torques, and for the energy that a flywheel takes."""
-    if value is None:
-        return inf
-    return value * _unit(task, figure)
-
-
-def _unit(task: Task, figure: str) -> float:
-    """What one unit of a figure is in the unit of its demand."""
-    match figure:
-        case "rms_torque_n_m":
-            return 1000.0
-        case "flywheel_kg_mm2":
-            # Swing of energy = J w^2 times the coefficient of fluctuation; 1 N mm is 1000 kg mm^2/s^2
-            return task.speed_rad_s**2 * task.speed_fluctuation / 1000.0
-    return 1.0
+    return inf if value is None else value * in_demand(task, OF_LOADS[figure])
 
 
 def _demands(
-    wish: Wish, asked: SpeedWithin | EvenSpeed | TimeWithin, cycle_rad: float
+    task: Task, wish: Wish, asked: SpeedWithin | EvenSpeed | TimeWithin, ratio_max: float
 ) -> Iterator[StretchTime | SpeedSpread | SpeedRange]:
     match asked:
         case SpeedWithin(stretch, least, most):
-            yield SpeedRange(wish.key, stretch.start_rad, stretch.end_rad, least, most)
+
+            def wider(factor: float) -> str:
+                return speed_in_words(wish, asked, log(factor))
+
+            yield SpeedRange(wish.key, *stretch, least, most, wider)
         case EvenSpeed(stretch, spread):
-            yield SpeedSpread(wish.key, stretch.start_rad, stretch.end_rad, spread)
+            yield SpeedSpread(wish.key, *stretch, spread, lambda other: evenness_in_words(log(other)))
         case TimeWithin(stretch, least, most):
             if most < inf:
-                yield _time(wish, stretch, most)
+                yield _time(task, wish, stretch, most, 1.0)
             if least > 0.0:
-                yield _time(wish, stretch.rest, cycle_rad - least)
+                longest = _time(task, wish, stretch.rest, task.cycle_rad - least, -1.0)
+                yield replace(longest, instead=_wider_dwell(task, wish, ratio_max))
 
 
-def _time(wish: Wish, stretch: CrankStretch, at_most_rad: float) -> StretchTime:
-    return StretchTime(wish.key, stretch.start_rad, stretch.end_rad, at_most_rad)
+def _time(task: Task, wish: Wish, stretch: CrankStretch, at_most_rad: float, sign: float) -> StretchTime:
+    def shown(other_rad: float) -> str:
+        return time_in_words(wish, other_rad - at_most_rad, sign, task.cycle_rad)
+
+    return StretchTime(wish.key, *stretch, at_most_rad, shown)
+
+
+def _wider_dwell(task: Task, wish: Wish, ratio_max: float) -> tuple[str, ...]:
+    """The words for the nearest place of an end that a dwell can be within at the greatest ratio; none for others."""
+    if not isinstance(wish, Dwell):
+        return ()
+    nearest = nearest_dwell_mm(task.linkage, wish.end, wish.for_rad, ratio_max)
+    return (f"one within {shown_above(nearest)} mm",)
 
 
 def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
@@ -98,10 +118,12 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
     asked, prices = demands_of(task, wishes), wishes.prices
     priced = {name: price for name, price in vars(prices).items() if price}
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
+        _refuse_together(task, asked)
         weights = Weights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
         return least_weighted_sum(task, asked, weights)
     found = [bound for name, price in priced.items() if (bound := _alone(task, asked, name, price)) is not None]
     if not found:
+        _refuse_together(task, asked)
         return None
     # No law has less of any figure than alone, and so none has a lower sum
     return replace(found[0], value=sum(bound.value for bound in found))
@@ -110,26 +132,28 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
 def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound | None:
     """The limit of one figure times its price; None where no limit of it is known."""
     if name == "peak_acceleration_mm_s2":
-        found = least_acceleration(task, asked)
-        _refuse_under(found, asked.acceleration_mm_s2, name, "mm/s^2")
-        return found.times(price)
+        return _not_under(task, asked, "acceleration_mm_s2", least_acceleration(task, asked)).times(price)
     if name == "peak_power_w":
-        found = least_power(task, asked)
-        _refuse_under(found, asked.power_w, name, "W")
-        return found.times(price)
+        return _not_under(task, asked, "power_w", least_power(task, asked)).times(price)
     if name in OF_LOADS:
-        return least_of(task, asked, OF_LOADS[name]).times(price / _unit(task, name))
+        demand = OF_LOADS[name]
+        return _not_under(task, asked, demand, least_of(task, asked, demand)).times(price / in_demand(task, demand))
     return None
 
 
-def _refuse_under(bound: Bound, given: float, name: str, unit: str) -> None:
-    """Refuse a limit on the goal's own figure that is under the least value; raises NoSuchMechanism."""
+def _not_under(task: Task, asked: Demands, name: str, bound: Bound) -> Bound:
+    """The least value of a demand that is limited itself; raises NoSuchMechanism for a limit under it."""
+    given = getattr(asked, name)
     if given < bound.value:
-        raise NoSuchMechanism(
-            f"{given:g} {unit} is too little with the other limits; at least {shown_above(bound.value)} {unit} can be "
-            "enough",
-            key=f"optimize.limits.{name}",
-        )
+        raise too_little(task, name, given, bound.value)
+    return bound
+
+
+def _refuse_together(task: Task, asked: Demands) -> None:
+    """Refuse limits that cannot be kept together where no goal's least value shows it; raises NoSuchMechanism."""
+    problem = problem_of(task, asked)
+    if not problem.is_open:
+        raise refusal(problem)
 
 
 def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Motion:

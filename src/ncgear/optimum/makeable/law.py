@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from math import ceil, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -33,12 +34,21 @@ PRESSING = 1e-4
 DEARER = 10.0
 """How many times more an excess over the other caps costs than it gains: it is left only where no law is without."""
 
+CHEAP = 0.1
+"""Share of the excess below which a higher price may do away with what is left."""
+
 TOGETHER = 1e3
 """Price of an excess over all caps where several levels are free, in units that are of the order of one."""
 
 ANY_DENT = 10.0
 """Depth of a dent, in units of the level of convexity, that no law of any use has."""
 
+
+FEW_KNOTS = (60, 36)
+"""Most knots of laws that are looked for where certainly none keeps all limits; the second where the first fails."""
+
+EVEN = Motion(np.array([0.0, pi]), np.ones(2))
+"""A crank that turns evenly."""
 
 BETWEEN = "a law was found that keeps all limits at the places of the search, and none that keeps them everywhere; "
 
@@ -122,10 +132,29 @@ def _kept_between(search: Search, near: Array) -> MakeableLaw:
     raise _offered(f"{BETWEEN}that law does with all of these together", eased)
 
 
-def _kept_without(search: Search, wish: str, start: Array) -> Kept | None:
+def _kept_without(search: Search, wish: str, start: Array | Solution) -> Kept | None:
     """Coefficients that keep all limits but one everywhere, and that one as nearly as they can."""
-    freed = np.array([level.wish == wish for level in search.programme.levels])
-    return kept(replace(search, caps=np.where(freed, np.inf, search.caps), weights=freed.astype(float)), start)
+    return kept(_freed(search, [wish]), start)
+
+
+def _freed(search: Search, wishes: Sequence[str]) -> Search:
+    """The search that keeps all limits but those of these wishes, each of them as nearly as it can, and no nearer.
+
+    Of a wish with two sides, such as a place at an angle, no law is better for a side that has room.
+    """
+    levels = search.programme.levels
+    freed = np.array([level.wish in wishes for level in levels])
+    dents = np.array([level.wish == CONVEX for level in levels])
+    floored = [
+        replace(level, floor=max(level.floor, level.limit)) if yes and level.limit is not None else level
+        for level, yes in zip(levels, freed & ~dents, strict=True)
+    ]
+    return replace(
+        search,
+        programme=replace(search.programme, levels=floored),
+        caps=np.where(freed, np.where(dents, ANY_DENT, np.inf), search.caps),
+        weights=np.where(freed & ~dents, 1.0, 0.0),
+    )
 
 
 def law_of(search: Search, found: Kept) -> MakeableLaw:
@@ -161,7 +190,13 @@ class Easing(NamedTuple):
 
 
 def _easings(search: Search, near: Solution) -> Iterator[Easing]:
-    """For each wish that presses, the nearest value with which all others can be kept, if there is one.
+    """For each wish that presses, the nearest value with which all others can be kept, if there is one."""
+    for wish, found in _eased(search, near):
+        yield from _easing(search, wish, search.reached(found.coefficients))
+
+
+def _eased(search: Search, near: Solution) -> Iterator[tuple[str, Solution]]:
+    """Each wish that presses, with the law that keeps all others at the places and it as nearly as it can, if any.
 
     The wishes that press keep up the excess of ``near``, the law that comes nearest to keeping all limits.  Without any
     of the others the same law would still be the nearest.
@@ -170,7 +205,30 @@ def _easings(search: Search, near: Solution) -> Iterator[Easing]:
         share = sum(share for level, share in _shares(search, near) if level.wish == wish)
         found = _without(search, [wish], DEARER / share, near)
         if found is not None and found.excess <= NO_EXCESS:
-            yield from _easing(search, wish, search.reached(found.coefficients))
+            yield wish, found
+
+
+def found_instead(task: Task, wishes: Wishes) -> list[Easing]:
+    """Limits and wishes, each eased alone to a value with which a law was found that keeps all others everywhere.
+
+    For wishes that certainly no law keeps all of.  Laws of few knots are looked for, which take about a second: with
+    more knots less easing may do.  Empty where no law was found.
+    """
+    for most in FEW_KNOTS:
+        few = replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))
+        if found := list(_found_instead(searched(task, few))):
+            return found
+    return []
+
+
+def _found_instead(search: Search) -> Iterator[Easing]:
+    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, search.begun(EVEN))
+    if near is None or near.excess <= NO_EXCESS:
+        return
+    for wish, found in _eased(search, near):
+        law = _kept_without(search, wish, found) or _kept_without(search, wish, found.coefficients)
+        if law is not None:
+            yield from _easing(search, wish, law.reached)
 
 
 def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
@@ -194,12 +252,17 @@ def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
 
 
 def _without(search: Search, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
-    """The law with these wishes' levels as low as they go; an excess over all other caps costs the price."""
-    levels = search.programme.levels
-    freed = np.array([level.wish in wishes for level in levels])
-    dents = np.array([level.wish == CONVEX for level in levels])
-    free = np.where(freed, np.where(dents, ANY_DENT, np.inf), search.caps)
-    return search.programme.nearest(free, np.where(freed & ~dents, 1.0, 0.0), price, near.coefficients)
+    """The law with these wishes' levels as low as they go; an excess over all other caps costs the price.
+
+    Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables; where
+    what little is left of an excess was too cheap, with a higher price.
+    """
+    free = _freed(search, wishes)
+    nearest = free.programme.nearest
+    found = nearest(free.caps, free.weights, price, near.coefficients) or nearest(free.caps, free.weights, price, near)
+    if found is not None and NO_EXCESS < found.excess < CHEAP * near.excess:
+        return nearest(free.caps, free.weights, DEARER**2 * price, found) or found
+    return found
 
 
 def _shares(search: Search, near: Solution) -> Iterator[tuple[Level, float]]:

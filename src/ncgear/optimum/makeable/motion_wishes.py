@@ -114,7 +114,7 @@ def _even(machine: WishedMachine, wish: Wish, stretch: CrankStretch, widest: flo
         Kind.SPREAD,
         stretch,
         lambda at, slider, _: (log_speed(at, slider, machine.speed_rad_s),),
-        lambda level: f"a tolerance of {shown_above(tanh(level / 2.0))} of the speed",
+        evenness_in_words,
         most=log(widest),
         per_share=2.0,
         widest=log(spread(WIDEST_TOLERANCE)),
@@ -130,16 +130,27 @@ def _speed(machine: WishedMachine, wish: Wish, asked: SpeedWithin) -> Level:
         return (*over, log(least) - speed) if least > 0.0 else over
 
     def shown(level: float) -> str:
-        match wish:
-            case ConstantSpeed():
-                return f"a tolerance of {shown_above((1.0 + wish.tolerance) * exp(level) - 1.0)} of the speed"
-            case SpeedAt():
-                bounds = [f"at least {shown_below(least * exp(-level))} mm/s"] if least > 0.0 else []
-                bounds += [f"at most {shown_above(most * exp(level))} mm/s"] if most < inf else []
-                return f"{' and '.join(bounds)} at {wish.at_mm:g} mm"
-        raise TypeError(f"{type(wish).__name__} asks for no speed")
+        return speed_in_words(wish, asked, level)
 
     return _level(wish, Kind.PEAK, asked.stretch, sides, shown)
+
+
+def evenness_in_words(level: float) -> str:
+    """The tolerance of a speed whose greatest value is exp(level) times the least."""
+    return f"a tolerance of {shown_above(tanh(level / 2.0))} of the speed"
+
+
+def speed_in_words(wish: Wish, asked: SpeedWithin, level: float) -> str:
+    """What a wish would have to ask for so that speeds beyond its bounds by a factor of exp(level) were within them."""
+    least, most = asked.least_mm_s, asked.most_mm_s
+    match wish:
+        case ConstantSpeed():
+            return f"a tolerance of {shown_above((1.0 + wish.tolerance) * exp(level) - 1.0)} of the speed"
+        case SpeedAt():
+            bounds = [f"at least {shown_below(least * exp(-level))} mm/s"] if least > 0.0 else []
+            bounds += [f"at most {shown_above(most * exp(level))} mm/s"] if most < inf else []
+            return f"{' and '.join(bounds)} at {wish.at_mm:g} mm"
+    raise TypeError(f"{type(wish).__name__} asks for no speed")
 
 
 def _times(machine: WishedMachine, wish: Wish, asked: TimeWithin) -> Iterator[Level]:
@@ -160,13 +171,13 @@ def _time(wish: Wish, asked: TimeWithin, kind: Kind, sign: float, target: float,
         kind,
         asked.stretch,
         lambda *_: (sign,),
-        lambda level: _time_in_words(wish, level, sign, cycle),
+        lambda level: time_in_words(wish, level, sign, cycle),
         per_share=cycle,
         target=target,
     )
 
 
-def _time_in_words(wish: Wish, level: float, sign: float, cycle: float) -> str:
+def time_in_words(wish: Wish, level: float, sign: float, cycle: float) -> str:
     """What a wish would have to ask for so that a driving angle in rad by which it is missed were none."""
     match wish:
         case TimeRatio():

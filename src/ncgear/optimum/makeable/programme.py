@@ -77,7 +77,7 @@ class Programme:
         """
         return self._solved(caps, np.append(weights, 0.0), start, 0.0, kept_back, missed)
 
-    def nearest(self, caps: Array, weights: Array, price: float, start: Array) -> Solution | None:
+    def nearest(self, caps: Array, weights: Array, price: float, start: Array | Solution) -> Solution | None:
         """A law that may overstep all caps by one excess, which has a price beside the weights of the levels.
 
         There always is one.  Where caps can be kept and the price is high enough, it has no excess.

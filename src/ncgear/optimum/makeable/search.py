@@ -19,7 +19,7 @@ from ncgear.optimum.makeable.levels import Kind, Level
 from ncgear.optimum.makeable.load_levels import machine_scales
 from ncgear.optimum.makeable.motion_wishes import WishedMachine
 from ncgear.optimum.makeable.places import Places, cell_ends, places
-from ncgear.optimum.makeable.programme import Programme, programme
+from ncgear.optimum.makeable.programme import Programme, Solution, programme
 from ncgear.optimum.makeable.reached import Judged, ratios
 from ncgear.optimum.makeable.spline import Rows, even_knots
 from ncgear.optimum.makeable.wishes import Scales, Wishes, levels
@@ -146,7 +146,7 @@ def scales(task: Task) -> Scales:
     return Scales(task.speed_rad_s, acceleration, max(power, LEAST_POWER_W), machine, loads)
 
 
-def kept(search: Search, start: Array) -> Kept | None:
+def kept(search: Search, start: Array | Solution) -> Kept | None:
     """The best law from one start, solved again until all limits hold on the finer grid; None where none do.
 
     Every term is kept back at each place by as much as it rises beside the place.  Each round leaves less excess; in

@@ -5,8 +5,8 @@ A limit holds its level down; a goal makes it as low as it will go.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
 
@@ -137,12 +137,19 @@ class Scales:
 
 def levels(wishes: Wishes, scales: Scales) -> list[Level]:
     """The levels of all wishes that say anything."""
+    motion = list(_of_motion(wishes, scales))
     return [
-        *_of_motion(wishes, scales),
+        *(motion if wishes.two_stages is None else _in_units_of_goal(motion)),
         *_of_ratio(wishes, scales),
         *_of_curves(wishes),
         *of_motion_wishes(scales.machine, wishes.motion),
     ]
+
+
+def _in_units_of_goal(motion: Sequence[Level]) -> Iterator[Level]:
+    """The levels with weights that sum to one, as what pressure angles cost is told."""
+    goal = sum(level.weight for level in motion)
+    return (replace(level, weight=level.weight / goal) for level in motion)
 
 
 def _of_motion(wishes: Wishes, scales: Scales) -> Iterator[Level]:

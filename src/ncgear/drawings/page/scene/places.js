@@ -32,10 +32,11 @@ function placesAt(data, phi1) {
   return places;
 }
 
-// How deep the material is: on its way back the slider leaves it behind as it has pressed it.
-function depthAt(data, displacement, phi2) {
+// How deep the material is before the slider and behind it: on each way the slider leaves one as it has pressed it.
+function depthsAt(data, displacement, phi2) {
   const { chamber, linkage } = data;
-  const turned = wrapped(phi2, 2 * Math.PI);
-  const pressed = turned < linkage.working ? Math.max(displacement, chamber.begins) : linkage.stroke;
-  return chamber.end - chamber.face - linkage.nearest - pressed;
+  const working = wrapped(phi2, 2 * Math.PI) < linkage.working;
+  const pressed = working ? Math.max(displacement, chamber.begins) : linkage.stroke;
+  const behind = working ? 0 : Math.max(0, Math.min(displacement, chamber.behind));
+  return { material: chamber.end - chamber.face - linkage.nearest - pressed, "material-behind": behind };
 }

@@ -27,9 +27,13 @@ function placed(place) {
   return `translate(${place.x} ${place.y}) rotate(${place.angle * DEGREES})`;
 }
 
-function showMaterial(group, data, places, phi2) {
-  const depth = depthAt(data, places.slider.x - data.linkage.nearest, phi2);
-  group.setAttribute("transform", `translate(${data.chamber.end - depth} ${data.linkage.offset}) scale(${depth} 1)`);
+function showMaterial(groups, data, places, phi2) {
+  const depths = depthsAt(data, places.slider.x - data.linkage.nearest, phi2);
+  const strips = { material: data.chamber.end - depths.material, "material-behind": data.chamber.start };
+  for (const [name, at] of Object.entries(strips)) {
+    if (!groups[name]) continue;
+    groups[name].setAttribute("transform", `translate(${at} ${data.linkage.offset}) scale(${depths[name]} 1)`);
+  }
 }
 
 // The box (left, top, width, height) that a view shows; the view of the mesh follows the pitch point.
@@ -72,7 +76,7 @@ function createScene(svg, data) {
   function show(phi1) {
     state.places = placesAt(data, phi1);
     for (const name of Object.keys(state.places)) groups[name].setAttribute("transform", placed(state.places[name]));
-    if (groups.material) showMaterial(groups.material, data, state.places, driven_angle(phi1));
+    showMaterial(groups, data, state.places, driven_angle(phi1));
     if (state.view === "mesh") look();
   }
 
