@@ -236,7 +236,7 @@ def test_another_discretisation_comes_to_the_same_law() -> None:
     gains = [before / after - 1.0 for before, after in pairwise(found)]
     assert 0.0 < found[1] / found[3] - 1.0 < 2.5e-3
     assert all(0.0 < later < earlier / 3.0 for earlier, later in pairwise(gains))
-    assert limit(wishes) < found[3] < 1.006 * limit(wishes)
+    assert limit(wishes) < found[3] < 1.003 * limit(wishes)
 
 
 @pytest.mark.tiers(quick=["24"], thorough=["12", "36", "48"], rest="slow")
