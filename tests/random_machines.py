@@ -111,8 +111,8 @@ def _shape_limits(random: np.random.Generator, lobes: Lobes) -> Limits:
 
 
 def _capped(random: np.random.Generator, task: Task, wishes: Wishes, uniform: Figures) -> Wishes:
-    """A goal, and a cap of the other peak: from next to the least to well over that of the even crank."""
-    share = float(random.uniform(0.1, 1.3))
+    """A goal, and a cap of the other peak: from under the least to well over that of the even crank."""
+    share = float(random.uniform(-0.1, 1.3))
     if random.random() < 0.3:
         cap = uniform.peak_acceleration_mm_s2 * (0.7 + 1.5 * share)
         return replace(wishes, goal=Goal.POWER, limits=replace(wishes.limits, peak_acceleration_mm_s2=cap))
