@@ -10,14 +10,11 @@ from ncgear.optimum.makeable.demanded import start_motion
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.task import figures
 
-OPEN = {"blanking": 0.035}
-"""Machines whose limit is known to be too low yet, and their gap."""
-
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_law_is_within_a_hundredth_of_its_limit(name: str) -> None:
-    assert -1e-9 < reached(asked_by(MACHINES[name])).gap <= OPEN.get(name, 0.01)
+    assert -1e-9 < reached(asked_by(MACHINES[name])).gap <= 0.01
 
 
 @pytest.mark.slow
