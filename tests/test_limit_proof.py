@@ -17,11 +17,11 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified import proof
 from ncgear.optimum.certified.cycle import Cycle, cycle
 from ncgear.optimum.certified.demands import Demands, Ranges
-from ncgear.optimum.certified.driving_curve import Known, Stretch, _everywhere
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import DATA, Linear, Programme, Proof
+from ncgear.optimum.certified.ranges import Known, Stretch, _everywhere
 from ncgear.optimum.task import Task
 from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
 
@@ -249,8 +249,11 @@ def outside_between_checkpoints(law: Turning, apart_rad: float) -> tuple[float, 
     on = cycle(AT_SIXTY, 360)
     q = law.s(on.crank_angle_rad) ** 2
     numbers = np.arange(0, on.count, round(apart_rad / on.step_rad[0]))
-    stretch = Stretch(np.arange(on.count), numbers.tolist(), 1.01 / float(np.sqrt(q.min())))
-    ranges = _everywhere(on, Known(q, q), [stretch])
+    stretch = Stretch(np.arange(on.count), q, 1.01 / float(np.sqrt(q.min())))
+    known = Known(np.full(on.count, stretch.ratio_max**-2), np.full(on.count, inf))
+    for place in numbers.tolist():
+        known = known.within(place, float(q[place]), float(q[place]))
+    ranges = _everywhere(on, known, [stretch], [numbers.tolist()])
     cells = np.arange(numbers[-1])
     inner = on.crank_angle_rad[cells, None] + on.step_rad[cells, None] * np.linspace(0.0, 1.0, 60)
     inside = 2.0 * np.log(law.s(inner))
@@ -316,7 +319,7 @@ Solved = tuple[Proof, Array, Array, float, float]
 @cache
 def solved() -> Solved:
     asked = Demands(0.2, 5.0, steepness=tan(0.8), convex=True, power_w=6300.0)
-    return answered(motion_programme(AT_SIXTY, cycle(AT_SIXTY, 60), asked))
+    return answered(motion_programme(AT_SIXTY, cycle(AT_SIXTY, 60), asked, with_peak=True))
 
 
 WIDER = 1.05
@@ -334,7 +337,7 @@ def solved_with_driving_curve() -> Solved:
     q = np.exp(2.0 * log_s)
     least, most = np.minimum(q, np.roll(q, -1)), np.maximum(q, np.roll(q, -1))
     ranges = Ranges(q / WIDER, q * WIDER, least / WIDER**2, most * WIDER**2)
-    return answered(motion_programme(AT_SIXTY, on, asked, ranges))
+    return answered(motion_programme(AT_SIXTY, on, asked, ranges, with_peak=True))
 
 
 def answered(made: MotionProgramme) -> Solved:
@@ -381,7 +384,7 @@ def test_the_certified_value_is_under_the_dual_in_40_digits(programme: Callable[
 def test_the_driving_curve_is_felt_in_that_programme() -> None:
     """Control of the test above: without these rows and ranges the least value is lower by a hundredth."""
     asked = Demands(0.2, 5.0, convex=True, power_w=6300.0)
-    free = answered(motion_programme(AT_SIXTY, cycle(AT_SIXTY, 120), asked))
+    free = answered(motion_programme(AT_SIXTY, cycle(AT_SIXTY, 120), asked, with_peak=True))
     assert solved_with_driving_curve()[3] > 1.01 * free[3]
 
 

@@ -19,7 +19,10 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle, cycle
 from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
-from ncgear.optimum.certified.driving_curve import (
+from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme, motion_programme
+from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.proof import Linear, least
+from ncgear.optimum.certified.ranges import (
     Solved,
     Trials,
     Tried,
@@ -29,9 +32,6 @@ from ncgear.optimum.certified.driving_curve import (
     stretches,
     within_ranges,
 )
-from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
-from ncgear.optimum.certified.problem import Problem
-from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
 from ncgear.optimum.task import Task
 
@@ -99,8 +99,14 @@ def least_acceleration(task: Task, asked: Demands, places: int | None = None, *,
     problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), places)
 
     def least_value(of: Problem, curve: Ranges | Near | None) -> Tried:
-        made = of.programme(curve)
-        return _tried(made, made.acceleration, lambda value: value * made.acceleration_unit_mm_s2)
+        made = of.programme(curve, with_peak=True)
+        found = _tried(made, made.acceleration, lambda value: value * made.acceleration_unit_mm_s2)
+        if found.value == inf and curve is None and of.is_open:
+            # Not under the greatest peak that is looked at, but there may be motions beyond
+            free = of.programme()
+            value = MOST_ACCELERATION * made.acceleration_unit_mm_s2
+            return replace(_tried(free, free.angle, lambda value: value), value=value)
+        return found
 
     return _with_curves(problem, least_value, "acceleration_mm_s2", proven=proven)
 
@@ -111,11 +117,11 @@ def least_acceleration_roughly(task: Task, asked: Demands) -> float:
     It is certain, a few percent lower at most on balers, and takes a tenth of the time.
     """
     problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), None)
-    made = problem.programme()
+    made = problem.programme(with_peak=True)
     value = least(made.programme, made.acceleration).value
-    if value == inf:
+    if value == inf and not problem.is_open:
         raise refusal(problem)
-    return value * made.acceleration_unit_mm_s2
+    return min(value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2
 
 
 def least_power(task: Task, asked: Demands, places: int | None = None, *, proven: bool = True) -> Bound:
@@ -124,14 +130,17 @@ def least_power(task: Task, asked: Demands, places: int | None = None, *, proven
     Where not ``proven``, the driving curve is left free.
     With masses the limit is a relaxation, see ``motion``.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
+    mean_w = task.work_n_mm / 1000.0 / task.cycle_s * (1.0 - ROUNDING)
     if task.masses is not None:
-        return least_of(task, asked, "power_w", places)
+        found = least_of(task, asked, "power_w", places)
+        return replace(found, value=max(found.value, mean_w))
 
     def least_value(of: Problem, curve: Ranges | Near | None) -> Tried:
         made = of.programme(curve)
         return _tried(made, made.power_squared, lambda value: sqrt(max(value, 0.0)) * made.power_unit_w)
 
-    return _with_curves(problem_of(task, replace(asked, power_w=inf), places), least_value, "power_w", proven=proven)
+    found = _with_curves(problem_of(task, replace(asked, power_w=inf), places), least_value, "power_w", proven=proven)
+    return replace(found, value=max(found.value, mean_w))
 
 
 def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -> Bound:
@@ -146,7 +155,7 @@ def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -
         raise refusal(problem)
     certain, enough = found
     for factor in EASED:
-        made = problem.under(**{name: enough * factor}).programme()
+        made = problem.under(**{name: enough * factor}).programme(with_peak=True)
         near = _tried(made, made.acceleration, lambda value: value).q
         if near is not None:
             break
@@ -262,16 +271,19 @@ def least_weighted_sum(
     # At the places no motion within the ratios has more power
     top = problem.programme().power_unit_w / asked.ratio_min
     best, motion = inf, fastest.motion
+    alone = weights.per_mm_s2 * fastest.value + weights.per_w * least_w
     queue: list[tuple[float, float, float]] = []
 
     def add(low: float, high: float) -> None:
         nonlocal best, motion
-        made = motion_programme(task, problem.on, free, powers_w=(low, high))
+        made = motion_programme(task, problem.on, free, powers_w=(low, high), with_peak=True)
         unit, span = made.power_unit_w, low + high
         goal = weights.per_mm_s2 * made.acceleration_unit_mm_s2 * made.acceleration
         goal = goal + (weights.per_w * unit**2 / span) * made.power_squared + weights.per_w * low * high / span
         answer = least(made.programme, goal)
-        heappush(queue, (answer.value, low, high))
+        # Beyond the greatest peak that is looked at, and where the solver is rough, the sum of both alone is certain
+        beyond = weights.per_mm_s2 * MOST_ACCELERATION * made.acceleration_unit_mm_s2 + weights.per_w * low
+        heappush(queue, (max(min(answer.value, beyond), alone), low, high))
         if answer.near is not None and answer.value < inf:
             peak = float(answer.near[made.acceleration.columns[0, 0]]) * made.acceleration_unit_mm_s2
             power = unit * sqrt(max(float(answer.near[made.power_squared.columns[0, 0]]), 0.0))
@@ -282,8 +294,6 @@ def least_weighted_sum(
     add(least_w, top)
     for _ in range(MOST_SPLITS):
         value, low, high = queue[0]
-        if value == inf:
-            raise refusal(problem)
         if value >= best * (1.0 - tolerance):
             break
         heappop(queue)
@@ -300,10 +310,10 @@ def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bo
 
     def acceleration(power_w: float) -> Bound:
         under = problem.under(power_w=power_w)
-        made = under.programme()
+        made = under.programme(with_peak=True)
         answer = least(made.programme, made.acceleration)
         near = None if answer.near is None else _motion(problem.on, _q(made.q, answer.near))
-        return Bound(answer.value * made.acceleration_unit_mm_s2, problem.on.count, near)
+        return Bound(min(answer.value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2, problem.on.count, near)
 
     free = acceleration(inf)
     powers, found = [low], [acceleration(low * (1.0 + BISECTED))]

@@ -62,7 +62,7 @@ ROUNDING = 1e-12
 """Relative error that ranges of variables made from other ranges may have, with much to spare."""
 
 MOST_ACCELERATION = 1e4
-"""Peak acceleration in units of crank w^2 beyond which no motion is looked at; an even crank has one or two."""
+"""Peak acceleration in units of crank w^2 beyond which none is told apart; an even crank has one or two."""
 
 
 def motion_programme(
@@ -72,6 +72,7 @@ def motion_programme(
     curve: Ranges | Near | None = None,
     *,
     closed: bool = True,
+    with_peak: bool = False,
     powers_w: tuple[float, float] = (0.0, inf),
     priced: Sequence[Priced] = (),
 ) -> MotionProgramme:
@@ -81,11 +82,12 @@ def motion_programme(
     of q'' <= 2 + 2 sqrt(q) + q'^2/q with q'^2/q bounded from below by its tangent: a motion that keeps it has a convex
     driving curve, but not every such motion keeps it.  That programme finds motions and proves nothing.  Where not
     ``closed``, the cycle may take any driving angle.  ``powers_w`` is the range of peak powers that is looked at where
-    the peak power is not limited.  Figures that are ``priced`` are variables within their ranges, and demands.
+    the peak power is not limited.  The peak of acceleration is a variable ``with_peak``, up to ``MOST_ACCELERATION``,
+    or where it is limited.  Figures that are ``priced`` are variables within their ranges, and demands.
     """
     asked = replace(asked, **{one.name: min(one.most, getattr(asked, one.name)) for one in priced})
     made = _Making(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
-    made.limit_acceleration()
+    made.limit_acceleration(with_peak)
     made.limit_power(powers_w)
     made.limit_curves()
     if isinstance(curve, Ranges):
@@ -192,9 +194,13 @@ class _Making:
         lasting = self.on.work_n_mm * self.speed / (1000.0 * most * self.after_h)
         self.lowest_time = np.clip(lasting, self.lowest_time, self.highest_time)
 
-    def limit_acceleration(self) -> None:
+    def limit_acceleration(self, with_peak: bool) -> None:
         """The peak of the acceleration, over crank w^2."""
         on, most = self.on, self.asked.acceleration_mm_s2 / self.unit
+        self.has_peak = with_peak or not isinf(most)
+        if not self.has_peak:
+            self.peak = Linear(np.zeros((1, 1), dtype=int), np.zeros((1, 1)), np.zeros(1))
+            return
         self.most_acceleration = top = min(most, MOST_ACCELERATION)
         self.peak = self.programme.variable(np.zeros(1), np.full(1, top))
         self.programme.positive(top - self.peak)
@@ -414,6 +420,8 @@ class _Making:
             lean = self.asked.steepness * self.after_h[cells] / 2.0
             wide = np.expm1(lean) / lean
             self.programme.product(self.time[cells], wide * ends[cells] + (wide - 1.0), one[cells])
+        if not self.has_peak:
+            return
         # A cell's mean of half the squared speed is under the roof that the peak of acceleration leaves
         per = 1.0 / self.length
         here, there = self.energy * per, self.energy[self.next] * per

@@ -22,9 +22,11 @@ class Problem:
     asked: Demands
     on: Cycle
 
-    def programme(self, curve: Ranges | Near | None = None, *, closed: bool = True) -> MotionProgramme:
+    def programme(
+        self, curve: Ranges | Near | None = None, *, closed: bool = True, with_peak: bool = False
+    ) -> MotionProgramme:
         """The conic programme of the motions."""
-        return motion_programme(self.task, self.on, self.asked, curve, closed=closed)
+        return motion_programme(self.task, self.on, self.asked, curve, closed=closed, with_peak=with_peak)
 
     @cached_property
     def closing(self) -> float:
@@ -49,7 +51,7 @@ class Problem:
     def least_peak(self, name: str) -> float:
         """The least value of a demand, by its name in ``Demands``; zero or less where no single programme gives it."""
         free = self.under(**{name: inf})
-        made = free.programme()
+        made = free.programme(with_peak=True)
         if name == "acceleration_mm_s2":
             return least(made.programme, made.acceleration).value * made.acceleration_unit_mm_s2
         if name == "power_w" and self.task.masses is None:

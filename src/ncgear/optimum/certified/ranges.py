@@ -1,14 +1,15 @@
-"""The driving curve's convexity in the certified limit: how far q can be from that of the best motion known.
+"""Ranges of q = s^2 that all motions below a target keep; with them two relations that are not convex enter the limit.
 
-The relation of the driving curve is not convex in q = s^2, but nearly so where q is known within a narrow range.  At
-checkpoints, the least and the greatest q of all motions whose goal is below a target are found.  Between two of them
-the driven curve bounds q from above, the driving curve from below: with i = 1/s = i12 and y = ln q, both are convex
-where
+They are the convexity of the driving curve and, with masses, the time of each cell (see ``motion``).  At checkpoints
+the least and the greatest q of all motions whose goal is below the target are found.  Between two of them the driven
+curve bounds q from above, the driving curve from below: with i = 1/s = i12 and y = ln q, both are convex where
 
     1 + s + s'' >= 0     and     y'' <= 2 i + 2 i^2
 
-Then the relation can be added with these ranges, and the next ranges are narrower.  The target is a limit if the
-programme's least value is no less; otherwise that value is.
+Then the relations can be added with these ranges, and the next ranges are narrower.  The target is a limit if the
+programme's least value is no less, or if there is no q at all; otherwise that value is.  This is the tightening of
+bounds by optimization of global optimization (Belotti et al., "Branching and bounds tightening techniques for
+non-convex MINLP", Optim. Methods Softw. 24 (2009)); what holds between the checkpoints is ours.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ ENOUGH = 0.001
 SHARES = (1.0, 0.9, 0.8, 0.6, 0.4)
 """Shares of the way from the limit without the driving curve to this value: aimed at until one is met."""
 
-LOWER = .04
+LOWER = 0.04
 """By how much ln q may lie lower between two checkpoints than the chord through them."""
 
 ROUNDS = 9
@@ -208,9 +209,7 @@ def _checkpoints(on: Cycle, stretch: Stretch) -> list[int]:
     return list(dict.fromkeys(places[np.minimum(numbers, places.size - 1)].tolist()))
 
 
-def _everywhere(
-    on: Cycle, known: Known, stretches: Sequence[Stretch], checkpoints: Sequence[Sequence[int]]
-) -> Ranges:
+def _everywhere(on: Cycle, known: Known, stretches: Sequence[Stretch], checkpoints: Sequence[Sequence[int]]) -> Ranges:
     """Ranges of q at all places and in all cells of the stretches, from those known and between checkpoints."""
     least, most = np.zeros(on.count), np.full(on.count, inf)
     least_in_cell, most_in_cell = np.zeros(on.count), np.full(on.count, inf)
