@@ -92,7 +92,7 @@ def motion_programme(
     made.limit_curves()
     if isinstance(curve, Ranges):
         made.limit_driving_curve(curve)
-        if is_loaded(task, asked):
+        if closed and needs_times(task, asked):
             made.limit_times(curve)
     if isinstance(curve, Near):
         made.follow_driving_curve(curve)
@@ -114,10 +114,12 @@ def motion_programme(
     )
 
 
-def is_loaded(task: Task, asked: Demands) -> bool:
-    """Whether the programme has rows in which a longer time is no harder: those of energies."""
-    return task.masses is not None or any(
-        not isinf(one) for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm)
+def needs_times(task: Task, asked: Demands) -> bool:
+    """Whether a longer time than the true one eases a row: those of energies, and those of stretches."""
+    return (
+        task.masses is not None
+        or bool(asked.times)
+        or any(not isinf(one) for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm))
     )
 
 
@@ -319,6 +321,8 @@ class _Making:
         bent = np.exp((2.0 * ratio + 2.0 * ratio**2) * self.after_h[cells] ** 2 / 16.0)
         most = (chord[cells] + chord[self.next[cells]]) * (bent / 2.0)
         self.programme.positive(most - self.time[cells])
+        # The times fill the cycle
+        self.programme.positive(self.angle - 1.0)
 
     def limit_speeds(self) -> None:
         """Even speeds over stretches, and ranges of the speed; squared, over crank w."""

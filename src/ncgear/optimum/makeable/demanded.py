@@ -21,7 +21,7 @@ from ncgear.optimum.certified.limit import (
     problem_of,
     raised,
 )
-from ncgear.optimum.certified.motion import is_loaded
+from ncgear.optimum.certified.motion import needs_times
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
 from ncgear.optimum.makeable.motion_wishes import evenness_in_words, speed_in_words, time_in_words
 from ncgear.optimum.makeable.wishes import Wishes
@@ -146,7 +146,7 @@ def raised_limit(task: Task, wishes: Wishes, bound: Bound, law: Figures) -> Boun
         for name, demand in DEMANDS.items()
         if (price := getattr(wishes.prices, name))
     }
-    if not asked.convex or not (is_loaded(task, asked) or len(prices) > 1 or set(prices) & set(OF_LOADS.values())):
+    if not asked.convex or not (needs_times(task, asked) or len(prices) > 1 or set(prices) & set(OF_LOADS.values())):
         return bound
     reached = sum(
         price * getattr(law, name) for name, price in vars(wishes.prices).items() if price and name in DEMANDS
