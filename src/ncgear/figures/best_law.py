@@ -181,14 +181,12 @@ def _limit(best: BestLaw) -> list[str]:
 
 def _about_limit(best: BestLaw) -> list[str]:
     """What the limit does not know, so that the true one may be higher."""
-    unknown = [*best.not_covered]
+    said = []
+    if best.not_covered:
+        said.append(f"  The limit does not know {listed(best.not_covered, 'nor')}: the least of all laws may lie higher.")
     if best.task.masses is not None:
-        unknown.append("the exact power that masses take between the places of its grid")
-    return (
-        [f"  The limit does not know {listed(unknown, 'nor')}: the least of all laws may lie higher."]
-        if unknown
-        else []
-    )
+        said.append("  With masses the limit is a relaxation: part of the distance may be its own.")
+    return said
 
 
 def _table(best: BestLaw) -> list[str]:
