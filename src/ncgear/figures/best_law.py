@@ -183,7 +183,8 @@ def _about_limit(best: BestLaw) -> list[str]:
     """What the limit does not know, so that the true one may be higher."""
     said = []
     if best.not_covered:
-        said.append(f"  The limit does not know {listed(best.not_covered, 'nor')}: the least of all laws may lie higher.")
+        unknown = listed(best.not_covered, "nor")
+        said.append(f"  The limit does not know {unknown}: the least of all laws may lie higher.")
     if best.task.masses is not None:
         said.append("  With masses the limit is a relaxation: part of the distance may be its own.")
     return said
