@@ -13,7 +13,7 @@ from pathlib import Path
 from time import process_time
 
 from foreign import FOREIGN, Asked, asked_by
-from ncgear.optimum.makeable.demanded import certified_limit, start_motion
+from ncgear.optimum.makeable.demanded import certified_limit, raised_limit, start_motion
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import figures
@@ -21,6 +21,13 @@ from ncgear.optimum.task import figures
 ROOT = Path(__file__).parents[1]
 BALERS = ("baler-66", "baler-half", "baler-smooth")
 MACHINES = {**{name: ROOT / "designs" / f"{name}.yaml" for name in BALERS}, **FOREIGN}
+HARDER = {
+    name: ROOT / "designs" / f"{name}.yaml" for name in ("feeder-wishes", "feeder-kept", "pump-both-ways", "baler-real")
+}
+"""Designs with wishes for times, or with masses: their limits are raised towards the law."""
+
+
+UNITS = {Goal.ACCELERATION: "mm/s²", Goal.POWER: "W", Goal.WEIGHTED: ""}
 
 
 @dataclass(frozen=True)
@@ -49,18 +56,21 @@ def reached(asked: Asked) -> Reached:
     start = process_time()
     law = makeable_law(task, wishes, start_motion(task, wishes, bound))
     search_s = process_time() - start
-    return Reached(wishes.prices.of(figures(task, law.train(task.lobes))), bound.value, limit_s, search_s)
+    found = figures(task, law.train(task.lobes))
+    start = process_time()
+    raised = raised_limit(task, wishes, bound, found)
+    return Reached(wishes.prices.of(found), raised.value, limit_s + process_time() - start, search_s)
 
 
 def page() -> str:
     """The whole page."""
     rows = []
-    for name, path in MACHINES.items():
+    for name, path in {**MACHINES, **HARDER}.items():
         asked = asked_by(path)
         found = reached(asked)
-        unit = "W" if asked.wishes.goal is Goal.POWER else "mm/s²"
+        unit = UNITS[asked.wishes.goal]
         rows.append(
-            f"| {name} | {found.law:.1f} {unit} | {found.limit:.1f} {unit} | {100.0 * found.gap:.2f} "
+            f"| {name} | {found.law:.5g} {unit} | {found.limit:.5g} {unit} | {100.0 * found.gap:.2f} "
             f"| {found.limit_s:.1f} | {found.search_s:.1f} |"
         )
     return "\n".join(
@@ -69,7 +79,7 @@ def page() -> str:
             "",
             f"Written by `python benchmarks/law_to_limit.py`: {os.cpu_count()} cores, Python "
             f"{platform.python_version()}. Pitch curves are convex; "
-            "the machines are in `designs` and `benchmarks/foreign`.",
+            "the machines are in `designs` and `benchmarks/foreign`. The last four have wishes for times, or masses.",
             "",
             "| machine | law | no law is below | gap, % | limit, s | search, s |",
             "|---|---|---|---|---|---|",

@@ -64,7 +64,7 @@ ENOUGH = 0.001
 SHARES = (1.0, 0.9, 0.8, 0.6, 0.4)
 """Shares of the way from the limit without the driving curve to this value: aimed at until one is met."""
 
-LOWER = 0.04
+LOWER = 0.02
 """By how much ln q may lie lower between two checkpoints than the chord through them."""
 
 ROUNDS = 9
