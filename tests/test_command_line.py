@@ -221,7 +221,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
     "profile": (changed(STROKE, "profile: A ", "profile: E "), "profile: E", "gears.rack.profile", "A, B, C or D is"),
     "pressure angle": (
         changed(STROKE, "pressure_angle_deg: 20", "pressure_angle_deg: 40"),
-        "pressure_angle_deg",
+        "pressure_angle_deg: 40",
         "gears.rack.pressure_angle_deg",
         "under 40",
     ),

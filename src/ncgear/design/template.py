@@ -97,7 +97,7 @@ resistance:                # the force against the slider; left out: none
 """
 
 _WISHES = """\
-# wishes:                  # of the motion: ncgear check says what is kept, ncgear optimize finds a law that keeps all
+# wishes:                  # for the slider; ncgear check says what is kept, ncgear optimize finds a law that keeps all
 #   constant_speed: [{from_mm: 400, to_mm: 700, tolerance: 0.005}]   # within half a percent; or stroke: return
 #   time_ratio: {at_least: 1.2}                                      # time of the working stroke over the return's
 #   dwell: [{at: extended, within_mm: 2, for_deg: 20}]               # close to an end; or at: retracted
@@ -110,7 +110,7 @@ _WISHES = """\
 #   limits: {peak_power_w: 5000, ratio_min: 0.4, ratio_max: 2.5, pressure_angle_deg: 55}
 """
 
-_WISHED = "wishes:                    # of the motion: ncgear check says what is kept"
+_WISHED = "wishes:                    # for the slider; ncgear check says what is kept"
 
 _BEST = """
 optimize:                  # ncgear optimize finds a law that keeps all wishes
