@@ -18,7 +18,8 @@ from time import perf_counter
 
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.optimum.certified.demands import Demands
-from ncgear.optimum.certified.limit import Bound, Weights, least_acceleration, least_power, least_weighted_sum
+from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
+from ncgear.optimum.certified.sums import Weights, least_weighted_sum
 from speed_against_error.baler import TASK
 
 ROOT = Path(__file__).parents[1]

@@ -11,14 +11,8 @@ import pytest
 from kept_laws import FILES, KeptLaw, kept
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.optimum.certified.demands import Demands
-from ncgear.optimum.certified.limit import (
-    Weights,
-    least_acceleration,
-    least_acceleration_roughly,
-    least_of,
-    least_power,
-    least_weighted_sum,
-)
+from ncgear.optimum.certified.limit import least_acceleration, least_acceleration_roughly, least_of, least_power
+from ncgear.optimum.certified.sums import Weights, least_weighted_sum
 from ncgear.optimum.task import Figures, Task
 
 Limit = Callable[[Task, Demands], float]

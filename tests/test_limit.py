@@ -20,9 +20,10 @@ from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.cycle import cycle
 from ncgear.optimum.certified.demands import Demands, StretchTime
-from ncgear.optimum.certified.limit import Bound, Weights, least_acceleration, least_power, least_weighted_sum
+from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.refusals import turning_point
+from ncgear.optimum.certified.sums import Weights, least_weighted_sum
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes

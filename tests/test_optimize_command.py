@@ -16,8 +16,9 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.certified.demands import Demands
-from ncgear.optimum.certified.limit import Weights, least_acceleration, least_weighted_sum
+from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.proof import Answer
+from ncgear.optimum.certified.sums import Weights, least_weighted_sum
 from ncgear.optimum.task import Task
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive

@@ -23,7 +23,8 @@ from functools import cache, partial
 from mpmath import findroot, mp, mpf, polyval, sqrt
 
 from ncgear.optimum.certified.demands import Demands
-from ncgear.optimum.certified.limit import PLACES_ROUGH, TOLERANCE, Bound, least_acceleration
+from ncgear.optimum.certified.limit import PLACES_ROUGH, Bound, least_acceleration
+from ncgear.optimum.certified.sums import TOLERANCE
 from speed_against_error.baler import COEFFICIENTS_N, DIGITS, LINKAGE, TASK, Real
 from speed_against_error.study import Method, Study
 

@@ -10,19 +10,10 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.wishes import CrankStretch, Dwell, EvenSpeed, SpeedWithin, TimeWithin, Wish, nearest_dwell_mm
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
-from ncgear.optimum.certified.limit import (
-    Bound,
-    Motion,
-    Weights,
-    least_acceleration,
-    least_of,
-    least_power,
-    least_weighted_sum,
-    problem_of,
-    raised,
-)
+from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
 from ncgear.optimum.certified.motion import needs_times
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
+from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
 from ncgear.optimum.makeable.motion_wishes import evenness_in_words, speed_in_words, time_in_words
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task
@@ -151,6 +142,8 @@ def raised_limit(task: Task, wishes: Wishes, bound: Bound, law: Figures) -> Boun
     reached = sum(
         price * getattr(law, name) for name, price in vars(wishes.prices).items() if price and name in DEMANDS
     )
+    if not reached > bound.value:
+        return bound
     return replace(bound, value=max(bound.value, raised(task, asked, prices, reached)))
 
 

@@ -1,0 +1,167 @@
+"""The certified limit of weighted sums of figures, and limits that are raised towards a law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import reduce
+from heapq import heappop, heappush
+from math import inf, pi, sqrt
+from operator import add
+
+import numpy as np
+
+from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
+from ncgear.optimum.certified.limit import (
+    BISECTED,
+    Bound,
+    least_acceleration,
+    least_of,
+    least_power,
+    motion_of,
+    problem_of,
+    q_of,
+    tried,
+)
+from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, motion_programme
+from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.proof import Linear, least
+from ncgear.optimum.certified.ranges import Solved, Trials, Tried, halves, within_ranges
+from ncgear.optimum.task import Task
+
+PLACES_RAISED = 120
+"""Places where ranges are looked for all around the turn."""
+
+TOLERANCE = 5e-3
+"""Relative width to which the least sum is enclosed."""
+
+MOST_SPLITS = 60
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What 1 mm/s^2 of peak acceleration and 1 W of peak power cost; both positive."""
+
+    per_mm_s2: float
+    per_w: float
+
+
+def least_weighted_sum(
+    task: Task, asked: Demands, weights: Weights, places: int | None = None, tolerance: float = TOLERANCE
+) -> Bound:
+    """Least weighted sum of both peaks; demands on the two peaks themselves are not looked at.
+
+    The programme knows the square of the power P.  Between P1 and P2 the chord, (P^2 + P1 P2)/(P1 + P2), is at most P.
+    Intervals of powers are split, the one with the lowest sum first, until it is within ``tolerance`` of the best sum
+    found.  The driving curve is left free.  Raises NoSuchMechanism as ``least_acceleration`` does.
+    """
+    free = replace(asked, acceleration_mm_s2=inf, power_w=inf)
+    problem = problem_of(task, free, places)
+    if task.masses is not None:
+        return _sum_with_masses(problem, weights, tolerance)
+    least_w = least_power(task, free, places, proven=False).value
+    fastest = least_acceleration(task, free, places, proven=False)
+    # At the places no motion within the ratios has more power
+    top = problem.programme().power_unit_w / asked.ratio_min
+    best, motion = inf, fastest.motion
+    alone = weights.per_mm_s2 * fastest.value + weights.per_w * least_w
+    queue: list[tuple[float, float, float]] = []
+
+    def add(low: float, high: float) -> None:
+        nonlocal best, motion
+        made = motion_programme(task, problem.on, free, powers_w=(low, high), with_peak=True)
+        unit, span = made.power_unit_w, low + high
+        goal = weights.per_mm_s2 * made.acceleration_unit_mm_s2 * made.acceleration
+        goal = goal + (weights.per_w * unit**2 / span) * made.power_squared + weights.per_w * low * high / span
+        answer = least(made.programme, goal)
+        # Beyond the greatest peak that is looked at, and where the solver is rough, the sum of both alone is certain
+        beyond = weights.per_mm_s2 * MOST_ACCELERATION * made.acceleration_unit_mm_s2 + weights.per_w * low
+        heappush(queue, (max(min(answer.value, beyond), alone), low, high))
+        if answer.near is not None and answer.value < inf:
+            peak = float(answer.near[made.acceleration.columns[0, 0]]) * made.acceleration_unit_mm_s2
+            power = unit * sqrt(max(float(answer.near[made.power_squared.columns[0, 0]]), 0.0))
+            total = weights.per_mm_s2 * peak + weights.per_w * power
+            if total < best:
+                best, motion = total, motion_of(problem.on, q_of(made.q, answer.near))
+
+    add(least_w, top)
+    for _ in range(MOST_SPLITS):
+        value, low, high = queue[0]
+        if value >= best * (1.0 - tolerance):
+            break
+        heappop(queue)
+        middle = sqrt(low * high) if low > 0.0 else high / 2.0
+        add(low, middle)
+        add(middle, high)
+    return Bound(queue[0][0], problem.on.count, motion)
+
+
+def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bound:
+    """The least sum by intervals of powers at each of whose ends the least acceleration is known."""
+    task, asked = problem.task, problem.asked
+    low = least_of(task, asked, "power_w").value
+
+    def acceleration(power_w: float) -> Bound:
+        under = problem.under(power_w=power_w)
+        made = under.programme(with_peak=True)
+        answer = least(made.programme, made.acceleration)
+        near = None if answer.near is None else motion_of(problem.on, q_of(made.q, answer.near))
+        return Bound(min(answer.value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2, problem.on.count, near)
+
+    free = acceleration(inf)
+    powers, found = [low], [acceleration(low * (1.0 + BISECTED))]
+    while powers[-1] < 1e3 * low and found[-1].value > free.value * (1.0 + tolerance):
+        powers.append(powers[-1] * (1.0 + 4.0 * tolerance))
+        found.append(acceleration(powers[-1]))
+    # The acceleration never grows with the power: between two powers the sum is no less than its ends give
+    ends = [*found[1:], free]
+    sums = [
+        weights.per_mm_s2 * max(end.value, 0.0) + weights.per_w * power for power, end in zip(powers, ends, strict=True)
+    ]
+    best = int(np.argmin(sums))
+    return Bound(sums[best], problem.on.count, ends[best].motion)
+
+
+def raised(task: Task, asked: Demands, prices: dict[str, float], law: float, places: int = PLACES_RAISED) -> float:
+    """A certain least sum of priced figures, by their names in ``Demands``, from the sum that a law has.
+
+    Ranges of q all around the turn, and of the figures, are narrowed: with masses, sums that are far above the limits
+    of single figures are shown to be out of reach.  Both pitch curves must be convex.  Raises NoSuchMechanism where
+    the demands themselves cannot be kept.
+    """
+    problem = problem_of(task, asked, places)
+    motion = least_acceleration(task, asked, places, proven=False).motion
+    assert motion is not None
+    known = dict.fromkeys(prices, 0.0)
+
+    def programme(curve: Ranges | Near | None, below: float) -> tuple[MotionProgramme, Linear]:
+        others = sum(price * known[name] for name, price in prices.items())
+        priced = [
+            Priced(name, price, known[name], (below - others) / price + known[name]) for name, price in prices.items()
+        ]
+        made = motion_programme(task, problem.on, asked, curve, priced=priced)
+        total = reduce(add, (made.figures[name] * (price / below) for name, price in prices.items()))
+        made.programme.positive(1.0 - total)
+        return made, total
+
+    def least_value(curve: Ranges | Near | None) -> Tried:
+        for name in prices:
+            made, _ = programme(curve, law)
+            value = least(made.programme, made.figures[name]).value
+            if value == inf:
+                return Tried(inf, None)
+            known[name] = max(known[name], value)
+        made, total = programme(curve, law)
+        # No figure is negative
+        return tried(made, total, lambda value: max(value, 0.0) * law)
+
+    def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
+        made, _ = programme(ranges, below)
+        q = made.q[place : place + 1]
+        return least(made.programme, q).value, -least(made.programme, -q).value
+
+    trials = Trials(problem.on, least_value, extremes)
+    without = least_value(None)
+    q = np.interp(problem.on.crank_angle_rad, motion.crank_angle_rad, motion.turning, period=2.0 * pi) ** 2
+    if not without.value < law:
+        return law
+    return within_ranges(trials, halves(problem.on), Solved(without.value, q), Solved(law, q), asked.ratio_max)
