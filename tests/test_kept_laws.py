@@ -12,7 +12,7 @@ from kept_laws import FILES, KeptLaw, kept
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import least_acceleration, least_acceleration_roughly, least_of, least_power
-from ncgear.optimum.certified.sums import Weights, least_weighted_sum
+from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
 from ncgear.optimum.task import Figures, Task
 
 Limit = Callable[[Task, Demands], float]
@@ -172,6 +172,39 @@ def test_no_limit_is_above_a_law(name: str) -> None:
 @pytest.mark.parametrize("name", [*NEAR, *(name for name in LAWS if "baler-masses" in name)])
 def test_no_limit_of_a_machine_with_masses_is_above_a_law(name: str) -> None:
     assert over(kept(name).with_masses(), WITH_MASSES) == {}
+
+
+RAISED = ({"acceleration_mm_s2": 1.0}, {"power_w": 1.0}, {"power_w": 1.0, "braking_w": 1.0}, {"torque_n_mm": 1.0})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("prices", RAISED, ids=" and ".join)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "designs/pump-both-ways",
+        pytest.param("designs/baler-real", marks=pytest.mark.long),
+        pytest.param("designs/feeder-kept", marks=pytest.mark.long),
+    ],
+)
+def test_no_limit_is_raised_above_a_law(name: str, prices: dict[str, float]) -> None:
+    """Towards a sum a fifth above the law's own, of which this limit must not know."""
+    law = kept(name).with_masses()
+    asked = law.demands()
+    own = sum(price * getattr(asked, figure) for figure, price in prices.items())
+    free = replace(asked, **dict.fromkeys(prices, inf))
+    assert raised(law.task, free, prices, 1.2 * own) <= own
+
+
+@pytest.mark.slow
+def test_a_limit_raised_for_less_than_the_law_feels_is_above_it() -> None:
+    """Negative control: friction that the law does not have, 4 % of the force."""
+    law = kept("designs/pump-both-ways")
+    rubbing = replace(law.task, load=replace(law.task.load, friction_n=law.task.load.friction_n + 20.0))
+    own = law.demands()
+    asked = Demands(own.ratio_min, own.ratio_max, convex=True, acceleration_mm_s2=own.acceleration_mm_s2)
+    assert raised(law.task, asked, {"power_w": 1.0}, 1.2 * own.power_w) <= own.power_w
+    assert raised(rubbing, asked, {"power_w": 1.0}, 1.2 * own.power_w) > own.power_w
 
 
 def tighter(asked: Demands) -> Demands:
