@@ -9,14 +9,16 @@ from __future__ import annotations
 import os
 import platform
 from dataclasses import dataclass
+from math import radians
 from pathlib import Path
 from time import process_time
 
 from foreign import FOREIGN, Asked, asked_by
 from ncgear.optimum.makeable.demanded import certified_limit, raised_limit, start_motion
 from ncgear.optimum.makeable.law import makeable_law
-from ncgear.optimum.makeable.wishes import Goal
-from ncgear.optimum.task import figures
+from ncgear.optimum.makeable.wishes import Goal, Wishes
+from ncgear.optimum.task import Limits, figures
+from speed_against_error.baler import TASK
 
 ROOT = Path(__file__).parents[1]
 BALERS = ("baler-66", "baler-half", "baler-smooth")
@@ -26,6 +28,10 @@ HARDER = {
 }
 """Designs with wishes for times, or with masses: their limits are raised towards the law."""
 
+
+RACK_RAD = radians(20.0)
+KNOTS = (180, 720)
+ANGLES = ((6300.0, 60.0), (6300.0, 55.0), (6300.0, 50.0), (9375.0, 50.0), (9375.0, 45.0), (9375.0, 40.0))
 
 UNITS = {Goal.ACCELERATION: "mm/s²", Goal.POWER: "W", Goal.WEIGHTED: ""}
 
@@ -62,6 +68,15 @@ def reached(asked: Asked) -> Reached:
     return Reached(wishes.prices.of(found), raised.value, limit_s + process_time() - start, search_s)
 
 
+def angle_row(power_w: float, angle_deg: float) -> str:
+    """The limit and laws of few and many knots under a pressure angle, as a row."""
+    own = radians(angle_deg) - RACK_RAD
+    limits = Limits(0.2, 5.0, peak_power_w=power_w, pressure_angle_rad=own, rack_angle_rad=RACK_RAD)
+    found = [reached(Asked(TASK, Wishes(limits, knots=knots))) for knots in KNOTS]
+    laws = " | ".join(f"{one.law:.0f}" for one in found)
+    return f"| {power_w:.0f} W | {angle_deg:.0f}° | {found[0].limit:.0f} | {laws} |"
+
+
 def page() -> str:
     """The whole page."""
     rows = []
@@ -84,6 +99,13 @@ def page() -> str:
             "| machine | law | no law is below | gap, % | limit, s | search, s |",
             "|---|---|---|---|---|---|",
             *rows,
+            "",
+            "The baler at 60 r/min under a greatest pressure angle, the rack's 20 degrees included, in mm/s². Near the",
+            "least angle more knots pay.",
+            "",
+            f"| power | angle | no law is below | {' | '.join(f'law of {knots} knots' for knots in KNOTS)} |",
+            "|" + "---|" * (3 + len(KNOTS)),
+            *(angle_row(power_w, angle_deg) for power_w, angle_deg in ANGLES),
             "",
         ]
     )
