@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate
 
 from ncgear.drawings.plots.frontier_plot import frontier as frontier_plot
 from ncgear.drawings.plots.frontier_plot import rows
@@ -19,7 +20,10 @@ PICTURE = "frontier.png"
 def frontier_files(found: Frontier, best: BestLaw) -> dict[str, bytes]:
     """CSV, JSON and picture."""
     caps = [(point.cap_w, point.limit_mm_s2) for point in found.laws]
-    limit = sorted([*caps, *(point for point in best.limit_points if caps[0][0] < point[0] < caps[-1][0])])
+    points = sorted([*caps, *(point for point in best.limit_points if caps[0][0] < point[0] < caps[-1][0])])
+    # What needs so much acceleration at one power needs no less at a smaller one
+    heights = [*accumulate((acceleration for _, acceleration in reversed(points)), max)][::-1]
+    limit = [(power, height) for (power, _), height in zip(points, heights, strict=True)]
     laws = [(point.law.peak_power_w, point.law.peak_acceleration_mm_s2) for point in found.laws]
     family = [(one.cap_w, peak) for one in found.families if (peak := one.peak_acceleration_mm_s2) is not None]
     return {
