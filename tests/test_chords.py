@@ -75,7 +75,10 @@ def dense(name: str, number: int) -> Array:
 @pytest.mark.tiers(thorough=["0.01-waves-straddled", "0.01-arcs-sampled", "0.01-waves-sampled"], rest="quick")
 @pytest.mark.parametrize("sampling", [sampled, straddled])
 @pytest.mark.parametrize("name", SHAPES)
-@pytest.mark.parametrize("tolerance", [1e-2, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-4, 1e-6))])
+@pytest.mark.parametrize(
+    "tolerance",
+    [1e-2, pytest.param(1e-4, marks=pytest.mark.slow), pytest.param(1e-6, marks=[pytest.mark.slow, pytest.mark.long])],
+)
 def test_chords_and_curves_are_nowhere_farther_apart_than_the_tolerance(
     sampling: Sampling, name: str, tolerance: float
 ) -> None:

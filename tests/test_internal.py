@@ -423,7 +423,7 @@ def test_transmission_error_is_that_of_the_chords() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("law", "teeth"), [("1:2", 60), ("4:5", 40), pytest.param("10:11", 40, marks=pytest.mark.slow)]
+    ("law", "teeth"), [("1:2", 60), ("4:5", 40), pytest.param("10:11", 40, marks=[pytest.mark.slow, pytest.mark.long])]
 )
 def test_tips_overlap_as_far_as_their_circles_cross(law: str, teeth: int) -> None:
     pitch, pair = made(law, teeth)

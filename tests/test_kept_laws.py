@@ -14,6 +14,7 @@ from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import least_acceleration, least_acceleration_roughly, least_of, least_power
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
 from ncgear.optimum.task import Figures, Task
+from tiers import long_but
 
 Limit = Callable[[Task, Demands], float]
 
@@ -151,17 +152,11 @@ def test_no_quick_limit_is_above_a_law(name: str) -> None:
     assert over(kept(name).without_masses(), [("roughly", "all"), ("power", "dents")]) == {}
 
 
-SLOWEST = "designs/baler-a1-at-law-speed"
-"""The limit of its sum takes a minute: ratios from 0.12 to 7.6."""
-
-
-def some_long(names: list[str]) -> list[object]:
-    marked = [(name, name not in NEAR or name == SLOWEST) for name in names]
-    return [pytest.param(name, marks=pytest.mark.long if long else []) for name, long in marked]
+AT_ONCE = [f"designs/{name}" for name in ("baler-66", "baler-half", "baler-smooth", "baler", "pusher", "press")]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", some_long(LAWS))
+@pytest.mark.parametrize("name", long_but([*AT_ONCE, *(name for name in LAWS if "foreign" in name)], LAWS))
 def test_no_limit_is_above_a_law(name: str) -> None:
     law = kept(name).without_masses()
     assert over(law, [kind for kind in OF_ALL if kind[0] != "sum" or law.figures.peak_power_w > 0.0]) == {}

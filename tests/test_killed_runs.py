@@ -55,6 +55,7 @@ def test_killed_at_each_step_the_folder_is_whole_and_the_next_run_clears_up(
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.attack
 def test_a_run_killed_over_and_over_at_any_step_never_leaves_a_mixture(tmp_path: Path) -> None:
     """Nobody clears up between the kills: each run meets what the others have left, and may die while it mends it."""
@@ -135,6 +136,7 @@ def test_builds_killed_at_random_moments_leave_one_build_whole(
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.attack
 def test_runs_killed_while_they_publish_leave_one_build_whole(
     tmp_path: Path, designs: dict[Path, tuple[float, dict[str, Any]]]

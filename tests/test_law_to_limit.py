@@ -18,7 +18,14 @@ def test_the_law_is_within_a_hundredth_of_its_limit(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "gap"), [("feeder-kept", 0.015), ("pump-both-ways", 0.05), ("baler-real", 0.1)])
+@pytest.mark.parametrize(
+    ("name", "gap"),
+    [
+        ("feeder-kept", 0.015),
+        ("pump-both-ways", 0.05),
+        pytest.param("baler-real", 0.1, marks=pytest.mark.long),
+    ],
+)
 def test_limits_with_wishes_and_masses_are_raised_towards_the_law(name: str, gap: float) -> None:
     """Without ranges of the ratio the gaps are 20 % and more."""
     assert -1e-9 < reached(asked_by(HARDER[name])).gap <= gap

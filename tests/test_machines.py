@@ -14,6 +14,7 @@ from commands import Run
 from ncgear.design.keys.design import Design
 from ncgear.design.machines import MachineName, machine_template
 from ncgear.project.drive import Drive, load, loads
+from tiers import long_but
 
 pytestmark = pytest.mark.judges("design")
 
@@ -70,7 +71,7 @@ def test_a_machine_of_other_sizes_and_wishes_keeps_them(run: Run, tmp_path: Path
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("machine", MachineName)
+@pytest.mark.parametrize("machine", long_but([MachineName.PUMP, MachineName.PRESS_FEEDER], MachineName))
 def test_every_machine_is_optimised_and_built_with_all_its_wishes_kept(
     run: Run, tmp_path: Path, machine: MachineName
 ) -> None:

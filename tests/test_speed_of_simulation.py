@@ -9,6 +9,7 @@ from speed_against_error.simulation import ENOUGH_RAD, Simulated
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.long
 def test_each_level_leaves_out_less() -> None:
     simulated = Simulated("baler-half-dynamics")
     errors = [simulated.error_rad(found) for found in (simulated.rigid(), simulated.quasi_static())]

@@ -12,7 +12,8 @@ Each is a list of ids of parameters, where * is any text; the first that fits co
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import pytest
 
@@ -37,3 +38,9 @@ def tier_of(
         if any(fits(pattern, name) for pattern in patterns):
             return tier
     return rest
+
+
+def long_but(few: Iterable[str], names: Iterable[str]) -> list[Any]:
+    """Names as parameters of a slow test, all but a few of them ``long``."""
+    chosen = set(few)
+    return [pytest.param(name, marks=[] if name in chosen else pytest.mark.long) for name in names]
