@@ -93,7 +93,7 @@ def report() -> str:
         "# The certified limit: time and value against the grid\n\n"
         f"Written by `python benchmarks/limit.py` ({where}).\n"
         "No law is below any of these values, whatever the grid. ncgear takes 960 places where pitch curves need not\n"
-        "be convex. Where they must be, it takes 180, and more where the driving curve matters. With masses the limit\n"
+        "be convex. Where they must be, it takes 240, and more where the driving curve matters. With masses the limit\n"
         "of power is relaxed: the values are lower than the grid alone makes them."
     )
     return "\n\n".join([intro, *tables, f"## {CONVEX}\n\n{of_convex_curves()}"]) + "\n"
