@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil, log10, pi
 
 import numpy as np
 
@@ -54,6 +54,9 @@ MARGIN = 1e-6
 DECIMALS = 10
 """Decimals of the ratios at the knots, so that the law that is judged is the one that a design file holds."""
 
+ROUNDED_KNOTS = 180
+"""Knots up to which they do: rounding dents a curve by the square of the number of knots, so more need more decimals."""
+
 EVEN_CELLS = 120
 """Cells in which the greatest power of a uniform crank is looked for: it is a unit only."""
 
@@ -88,7 +91,8 @@ class Search:
         """Ratios at the knots as a file holds them, shape (pairs, n)."""
         each = coefficients.reshape(len(self.programme.cycles_rad), -1)
         values: Array = np.exp(np.array([self.programme.knots.values(own) for own in each]))
-        return np.round(values, DECIMALS)
+        more = ceil(2.0 * log10(max(self.programme.knots.count / ROUNDED_KNOTS, 1.0)))
+        return np.round(values, DECIMALS + more)
 
     def reached(self, coefficients: Array) -> Array:
         """Levels of a law with rounded ratios, shape (levels,)."""
