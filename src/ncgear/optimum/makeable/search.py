@@ -55,7 +55,7 @@ DECIMALS = 10
 """Decimals of the ratios at the knots, so that the law that is judged is the one that a design file holds."""
 
 ROUNDED_KNOTS = 180
-"""Knots up to which they do: rounding dents a curve by the square of the number of knots, so more need more decimals."""
+"""Knots up to which they do: rounding dents a curve by the square of the number of knots."""
 
 EVEN_CELLS = 120
 """Cells in which the greatest power of a uniform crank is looked for: it is a unit only."""
