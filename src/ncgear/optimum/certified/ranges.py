@@ -67,6 +67,9 @@ SHARES = (1.0, 0.9, 0.8, 0.6, 0.4)
 LOWER = 0.02
 """By how much ln q may lie lower between two checkpoints than the chord through them."""
 
+NARROW = 1.1
+"""A range of q this narrow leaves next to nothing of what the relations lack."""
+
 ROUNDS = 9
 """Most rounds of narrower ranges for one target; one or two are the rule."""
 
@@ -128,6 +131,8 @@ def _aimed_at(
     checkpoints = [_checkpoints(on, stretch) for stretch in stretches]
     for _ in range(ROUNDS):
         for place in chain.from_iterable(checkpoints):
+            if known.most[place] < NARROW * known.least[place]:
+                continue
             ranges = _everywhere(on, known, stretches, checkpoints)
             least, most = trials.extremes(ranges, place, target)
             if least > most or least == inf:
