@@ -135,9 +135,10 @@ def _aimed_at(
                 continue
             ranges = _everywhere(on, known, stretches, checkpoints)
             least, most = trials.extremes(ranges, place, target)
-            if least > most or least == inf:
-                return known, target
             known = known.within(place, least, most)
+            if known.least[place] > known.most[place]:
+                # No motion at all is below the target
+                return known, target
         ranges = _everywhere(on, known, stretches, checkpoints)
         known = Known(np.maximum(known.least, ranges.least), np.minimum(known.most, ranges.most))
         before, value = value, max(value, trials.least(ranges).value)
