@@ -207,11 +207,15 @@ def _trials(problem: Problem, least_value: LeastValue, name: str) -> Trials:
     """What the search for ranges asks of the programmes."""
 
     def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
-        made = problem.under(**{name: below}).programme(ranges)
-        q = made.q[place : place + 1]
-        return least(made.programme, q).value, -least(made.programme, -q).value
+        return extremes_of(problem.under(**{name: below}).programme(ranges), place)
 
     return Trials(problem.on, lambda curve: least_value(problem, curve), extremes)
+
+
+def extremes_of(made: MotionProgramme, place: int) -> tuple[float, float]:
+    """The least and the greatest q at a place of all motions of a programme."""
+    q = made.q[place : place + 1]
+    return least(made.programme, q).value, -least(made.programme, -q).value
 
 
 def q_of(q: Linear, variables: Array) -> Array:

@@ -31,11 +31,7 @@ class Problem:
     @cached_property
     def closing(self) -> float:
         """Least driving angle of a cycle that keeps all other demands, over what it has; infinite where none does."""
-        return self.closing_with(None)
-
-    def closing_with(self, curve: Ranges | Near | None) -> float:
-        """The same of motions within ranges, or near a motion."""
-        made = self.programme(curve, closed=False)
+        made = self.programme(closed=False)
         return least(made.programme, made.angle).value
 
     @property

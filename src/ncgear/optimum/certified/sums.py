@@ -14,6 +14,7 @@ from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
 from ncgear.optimum.certified.limit import (
     BISECTED,
     Bound,
+    extremes_of,
     least_acceleration,
     least_of,
     least_power,
@@ -155,9 +156,7 @@ def raised(task: Task, asked: Demands, prices: dict[str, float], law: float, pla
         return tried(made, total, lambda value: max(value, 0.0) * law)
 
     def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
-        made, _ = programme(ranges, below)
-        q = made.q[place : place + 1]
-        return least(made.programme, q).value, -least(made.programme, -q).value
+        return extremes_of(programme(ranges, below)[0], place)
 
     trials = Trials(problem.on, least_value, extremes)
     without = least_value(None)
