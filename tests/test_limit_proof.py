@@ -248,7 +248,7 @@ def broken_with_mass(seed: int, named: dict[str, float], tighter: float = 1.0) -
     felt = with_mass(task, law)
     on = cycle(task, (60, 97, 180)[seed % 3])
     exact = {name: tighter * getattr(felt, name) for name in named}
-    priced = [Priced(name, 1.0, 0.6 * exact[name], share * exact[name]) for name, share in named.items()]
+    priced = [Priced(name, 0.6 * exact[name], share * exact[name]) for name, share in named.items()]
     asked = replace(exact_demands(task, law), power_w=inf)
     made = motion_programme(task, on, asked, true_ranges(on, law), priced=priced)
     s, time = law.s(on.crank_angle_rad), law.mean_times(on)

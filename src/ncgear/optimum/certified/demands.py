@@ -99,10 +99,9 @@ class Demands:
 
 @dataclass(frozen=True)
 class Priced:
-    """A figure in a weighted sum, by its name in ``Demands``: its price, and the range that it is looked for in."""
+    """A figure in a weighted sum, by its name in ``Demands``: the range that it is looked for in."""
 
     name: str
-    price: float
     least: float
     most: float
 

@@ -136,9 +136,7 @@ def raised(task: Task, asked: Demands, prices: dict[str, float], law: float, pla
 
     def programme(curve: Ranges | Near | None, below: float) -> tuple[MotionProgramme, Linear]:
         others = sum(price * known[name] for name, price in prices.items())
-        priced = [
-            Priced(name, price, known[name], (below - others) / price + known[name]) for name, price in prices.items()
-        ]
+        priced = [Priced(name, known[name], (below - others) / price + known[name]) for name, price in prices.items()]
         made = motion_programme(task, problem.on, asked, curve, priced=priced)
         total = reduce(add, (made.figures[name] * (price / below) for name, price in prices.items()))
         made.programme.positive(1.0 - total)
