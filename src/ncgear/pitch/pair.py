@@ -18,10 +18,11 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
 from ncgear.pitch import shape
+from ncgear.pitch.continued import continued
 from ncgear.pitch.curve import ArcLength, PitchCurve, arc_length, period_length
 from ncgear.pitch.internal import require_ring, require_room
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.ratio.transmission import Lobes, Piece, Transmission
+from ncgear.ratio.transmission import Lobes, Piece, Range, Transmission
 
 STRAIGHT = 1e-9
 """Curvature times centre distance below which a curve counts as straight: a radius of 1e9 centre distances."""
@@ -129,7 +130,7 @@ class PitchPair:
     def concave_ranges(self, gear: Gear) -> list[tuple[float, float]]:
         """Stretches of the driving angle within one period on which the closed curve is dented, with exact ends."""
         found: list[tuple[float, float]] = []
-        for piece in self.transmission.pieces:
+        for piece in self.transmission.made_pieces:
             for start, end in self._concave_on(piece, gear):
                 if found and start == found[-1][1]:
                     found[-1] = found[-1][0], end
@@ -169,8 +170,7 @@ class PitchPair:
 
     def curvature_jumps(self) -> list[CurvatureJump]:
         """Every joint of the law, the seam at phi1 = 0 first, with the curvatures on both sides."""
-        pieces = self.transmission.pieces
-        return [self._jump(before, after) for before, after in zip((pieces[-1], *pieces[:-1]), pieces, strict=True)]
+        return [self._jump(before, after) for before, after in self.transmission.meeting_pieces]
 
     def _jump(self, before: Piece, after: Piece) -> CurvatureJump:
         slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
@@ -198,14 +198,13 @@ def refuse_corners(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> No
 
     Raises NoSuchMechanism with the driving angle.
     """
-    pieces = transmission.pieces
-    for before, after in zip((pieces[-1], *pieces[:-1]), pieces, strict=True):
+    for before, after in transmission.meeting_pieces:
         slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
         left, right = (atan(float(shape.tangent_slope(slope, mesh).value[0])) for slope in slopes)
         if abs(left - right) <= CORNER_RAD:
             continue
         was, becomes = (float((1.0 / slope).derivative(1)[0]) for slope in slopes)
-        where = ", where the cycle begins again," if after is pieces[0] else ""
+        where = ", where the cycle begins again," if after is transmission.pieces[0] else ""
         raise NoSuchMechanism(
             f"the pitch curves have a corner of {degrees(abs(left - right)):.4g} deg at phi1 = "
             f"{in_words(after.start_rad)}{where} since the slope of the ratio jumps there from {was:.4g} to "
@@ -229,6 +228,9 @@ def sized_pair(
     if mesh is Mesh.INTERNAL:
         require_ring(transmission)
     refuse_corners(transmission, mesh)
+    covered = transmission.lobes.range
+    if covered is not None:
+        return _open_pair(transmission, covered, teeth, module_mm, center_distance_mm)
     arc = arc_length(transmission, mesh)
     size = solved_size(
         transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
@@ -237,6 +239,28 @@ def sized_pair(
     if mesh is Mesh.INTERNAL:
         require_room(pair.driving, pair.driven)
     return pair
+
+
+def _open_pair(
+    transmission: Transmission, covered: Range, teeth: int | None, module_mm: float | None, distance_mm: float | None
+) -> PitchPair:
+    """The pitch curves of an open law, continued to whole turns; ``teeth`` counts the pitches of the range."""
+    length = arc_length(transmission, Mesh.EXTERNAL).period
+    if sum(value is None for value in (teeth, module_mm, distance_mm)) > 1:
+        raise WrongInput("two of teeth, module_mm and center_distance_mm are needed; the third follows", key="gears")
+    if module_mm is None:
+        assert teeth is not None
+        assert distance_mm is not None
+        module_mm = length * distance_mm / (teeth * pi)
+    elif distance_mm is None:
+        assert teeth is not None
+        distance_mm = teeth * pi * module_mm / length
+    elif teeth is not None:
+        _refuse_disagreement(length, teeth, module_mm, distance_mm)
+    whole = continued(transmission, covered, pi * module_mm / distance_mm)
+    arc = arc_length(whole, Mesh.EXTERNAL)
+    pitches = round(arc.period * distance_mm / (pi * module_mm))
+    return PitchPair(whole, arc, Size(pitches, pitches, module_mm, distance_mm), Mesh.EXTERNAL)
 
 
 CONSISTENT = 1e-6

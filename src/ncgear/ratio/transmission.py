@@ -1,8 +1,10 @@
-"""What every motion law is once it is made: a closed function phi2(phi1), its gears, and the mechanism that they drive.
+"""What every motion law is once it is made: a function phi2(phi1), its gears, and the mechanism that they drive.
 
 A ``Transmission`` gives the driven angle with derivatives on consecutive pieces of one period.  With lobes n1:n2 the
 driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes 2 pi / n1 of the driving
-angle and 2 pi / n2 of the driven angle.  A ``Train`` is one pair of gears, or two in series, between the driving shaft
+angle and 2 pi / n2 of the driven angle.  An open law, of gears that turn to and fro over less than a turn, has a range
+of both angles in place of lobes; gears get their teeth on its continuation to whole turns (ncgear.pitch.continued),
+which is closed, and of which only the range is made.  A ``Train`` is one pair of gears, or two in series, between the driving shaft
 and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
 """
 
@@ -11,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import fsum, pi
+from math import degrees, fsum, pi
 from operator import attrgetter
 
 import numpy as np
@@ -64,6 +66,68 @@ class Lobes:
         """Driven angle of one period."""
         return 2.0 * pi / self.driven
 
+    @property
+    def range(self) -> Range | None:
+        """What an open law, or its continuation, covers of both angles; None where gears turn on and on."""
+        return None
+
+    @property
+    def repeats(self) -> bool:
+        """Whether the law goes on after a period as it began; an open law ends."""
+        return True
+
+
+@dataclass(frozen=True)
+class Range(Lobes):
+    """What an open law covers: both angles from 0 to these, which take the place of a period."""
+
+    driving_rad: float = field(kw_only=True)
+    driven_rad: float = field(kw_only=True)
+
+    @property
+    def driving_period_rad(self) -> float:
+        """The driving angle that is covered."""
+        return self.driving_rad
+
+    @property
+    def driven_period_rad(self) -> float:
+        """The driven angle that is covered."""
+        return self.driven_rad
+
+    @property
+    def range(self) -> Range:
+        """The range itself."""
+        return self
+
+    @property
+    def repeats(self) -> bool:
+        """An open law ends."""
+        return False
+
+
+@dataclass(frozen=True)
+class WholeTurns(Lobes):
+    """The period of an open law's continuation: whole turns of both gears, of which ``of`` is made."""
+
+    of: Range = field(kw_only=True)
+    driving_turns: int = field(kw_only=True)
+    driven_turns: int = field(kw_only=True)
+
+    @property
+    def driving_period_rad(self) -> float:
+        """Driving angle of one period."""
+        return 2.0 * pi * self.driving_turns
+
+    @property
+    def driven_period_rad(self) -> float:
+        """Driven angle of one period."""
+        return 2.0 * pi * self.driven_turns
+
+    @property
+    def range(self) -> Range:
+        """What is made of it."""
+        return self.of
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -106,7 +170,7 @@ class DrivenGearStops(NoSuchMechanism):
 
 @dataclass(frozen=True, eq=False)
 class Transmission:
-    """A closed law phi2(phi1); raises NoSuchMechanism where the ratio is not positive and finite."""
+    """A law phi2(phi1); raises NoSuchMechanism where the ratio is not positive and finite."""
 
     pieces: tuple[Piece, ...]
     lobes: Lobes
@@ -119,7 +183,10 @@ class Transmission:
 
     def __repr__(self) -> str:
         low, high = (extremum.value for extremum in self.ratio_range)
+        covered = self.lobes.range
         lobes = f"{self.lobes.driving}:{self.lobes.driven} lobes"
+        if covered is not None:
+            lobes = f"open, {degrees(covered.driving_rad):.4g} to {degrees(covered.driven_rad):.4g} deg"
         return f"Transmission(ratio {low:.4g} to {high:.4g}, {lobes}, {len(self.pieces)} pieces)"
 
     @property
@@ -127,6 +194,22 @@ class Transmission:
         """Driving angles between which the law is analytic: ends of pieces and their knots, from 0 to the period."""
         starts = [angle for piece in self.pieces for angle in (piece.start_rad, *piece.knots_rad)]
         return np.array([*starts, self.pieces[-1].end_rad])
+
+    @property
+    def made_pieces(self) -> tuple[Piece, ...]:
+        """The pieces on which gears are made: all, but for the continuation of an open law those of its range."""
+        covered = self.lobes.range
+        if covered is None or not self.lobes.repeats:
+            return self.pieces
+        return tuple(piece for piece in self.pieces if piece.end_rad <= covered.driving_rad)
+
+    @property
+    def meeting_pieces(self) -> list[tuple[Piece, Piece]]:
+        """The pieces that gears are made on and that meet, the one before first; across the seam where one is made."""
+        pieces = self.made_pieces
+        if self.lobes.range is not None:
+            return list(zip(pieces, pieces[1:], strict=False))
+        return list(zip((pieces[-1], *pieces[:-1]), pieces, strict=True))
 
     @property
     def cycle_rad(self) -> float:
@@ -151,8 +234,8 @@ class Transmission:
         return self.extremes(lambda piece: lambda phi1: piece.slope(phi1, 1))
 
     def extremes(self, quantity: Callable[[Piece], Callable[[Array], Jet]]) -> tuple[Extremum, Extremum]:
-        """Smallest and largest value over one period of a quantity given piece by piece."""
-        lows, highs = zip(*(piece.extremes(quantity(piece)) for piece in self.pieces), strict=True)
+        """Smallest and largest value of a quantity given piece by piece, over the pieces that gears are made on."""
+        lows, highs = zip(*(piece.extremes(quantity(piece)) for piece in self.made_pieces), strict=True)
         value = attrgetter("value")
         return min(lows, key=value), max(highs, key=value)
 
@@ -163,9 +246,14 @@ class Transmission:
         return Extremum(1.0 / fastest.value, fastest.at), Extremum(1.0 / slowest.value, slowest.at)
 
     def driven_angle(self, phi1: Array, order: int = 0) -> Jet:
-        """phi2 in rad, with derivatives by phi1, at any driving angles (shape (n,)); right-hand limits at joints."""
+        """phi2 in rad, with derivatives by phi1, at any driving angles (shape (n,)); right-hand limits at joints.
+
+        An open law goes on beyond its ends as its first and last piece do.
+        """
         points = np.asarray(phi1, dtype=float)
         cycles, local = np.divmod(points, self.lobes.driving_period_rad)
+        if not self.lobes.repeats:
+            cycles, local = np.zeros_like(points), points
         starts = [piece.start_rad for piece in self.pieces]
         index = np.maximum(np.searchsorted(starts, local, side="right") - 1, 0)
         masks = [(index == number, piece) for number, piece in enumerate(self.pieces)]

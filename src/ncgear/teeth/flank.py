@@ -73,7 +73,8 @@ class Flanks:
     into its fillet.  The fillet is left by ``tool``, with a tip rounded by ``root_radius_mm``.  ``turn_rad`` is the
     angle by which a flank stands turned about the gear's axis, counter-clockwise; fillets stand like their flanks, but
     turn over to the other side of the space where ``sweep`` says so.  With ``equivalent`` flanks roll on the circle of
-    curvature at their crossing instead of on the pitch curve.
+    curvature at their crossing instead of on the pitch curve.  Of a gear that turns less than once, only the first
+    ``made`` teeth are made.
     """
 
     curve: PitchCurve
@@ -87,11 +88,17 @@ class Flanks:
     turn_rad: Array
     equivalent: bool = False
     sweep: Sweep | None = None
+    made: int | None = None
 
     @property
     def count(self) -> int:
         """Number of flanks, twice the number of teeth."""
         return len(self.crossing_mm)
+
+    @property
+    def teeth(self) -> int:
+        """Number of teeth that are made."""
+        return self.count // 2 if self.made is None else self.made
 
     @property
     def tooth(self) -> IndexArray:
@@ -331,6 +338,7 @@ def flanks_of(
     idle_turn_rad: float = 0.0,
     *,
     equivalent: bool = False,
+    made: int | None = None,
 ) -> Flanks:
     """The flanks of a gear with ``teeth`` teeth at full height and depth.
 
@@ -355,6 +363,7 @@ def flanks_of(
         tool,
         np.where(side < 0.0, idle_turn_rad, 0.0),
         equivalent,
+        made=made,
     )
 
 

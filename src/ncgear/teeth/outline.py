@@ -25,6 +25,7 @@ from ncgear.teeth.sides import Sides
 from ncgear.teeth.stretch import Curve, Stretch, joined, parted, split
 from ncgear.teeth.tips import Tips
 from ncgear.teeth.tool import RackLine
+from ncgear.teeth.toothed_arc import kept_teeth
 
 
 @dataclass(frozen=True)
@@ -113,10 +114,15 @@ def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
 
 
 def whole_curves(tips: Tips, sides: Sides) -> list[Stretch]:
-    """All curves of the outline, whole between its corners: flanks, fillets, tip lands, root lands, in this order."""
+    """All curves of the outline, whole between its corners: flanks, fillets, tip lands, root lands, in this order.
+
+    Gears that turn less than once have the first root land and the heel besides.  Raises NoSuchMechanism where there is
+    no room for that.
+    """
     flanks = tips.flanks
     sides_runs = [_side_runs(flanks, sides, kind) for kind in (FLANK, FILLET)]
-    return [*sides_runs, _tip_lands(flanks, sides), _root_lands(flanks, sides)]
+    curves = [*sides_runs, _tip_lands(flanks, sides), _root_lands(flanks, sides)]
+    return curves if flanks.made is None else kept_teeth(curves, flanks, flanks.made)
 
 
 def _real(flanks: Flanks, stretch: Stretch) -> Stretch:

@@ -65,11 +65,11 @@ def integrated_law(slopes: Sequence[Slope], lobes: Lobes, *, scale_to_close: boo
     """
     starts = np.cumsum([0.0, *(slope.integral.final for slope in slopes)])
     factor = _closing_factor(float(starts[-1]), lobes, scale_to_close, key)
-    pieces = [_piece(slope, float(start), factor) for slope, start in zip(slopes, starts, strict=False)]
+    pieces = [stretched(slope, float(start), factor) for slope, start in zip(slopes, starts, strict=False)]
     return Transmission(tuple(pieces), lobes)
 
 
-def _piece(slope: Slope, start: float, factor: float) -> Piece:
+def stretched(slope: Slope, start: float, factor: float) -> Piece:
     """The integral of a slope from the value ``start``, everything times a factor."""
 
     def driven_angle(phi1: Array, order: int) -> Jet:

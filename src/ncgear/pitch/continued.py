@@ -1,0 +1,271 @@
+"""The pitch curves of gears that turn less than once, continued to closed ones, on which teeth can be made as always.
+
+An open law covers a range of both angles.  Teeth mesh a little beyond both its ends, and everything that makes and
+judges teeth goes around closed curves.  So the law is continued beyond its range until both gears have turned by whole
+turns, one to three of each, and everything closes.  Where a gear has turned more than once, its curve lies over itself
+like the threads of a screw: only the teeth of the range are made, and those lie within one turn.
+
+The logarithm u of dphi2/dphi1 goes on with all its first three derivatives at both ends, levels off, and changes over.
+Two bumps are added: one closes the driven angle, the other makes the whole curve a whole number of tooth pitches long.
+So an open pair may have any module at any centre distance, as gears whose teeth need not fill their curves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil, floor, pi
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics import chebyshev, jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import in_words
+from ncgear.pitch import shape
+from ncgear.pitch.shape import Gear, Mesh
+from ncgear.ratio.laws.integrated import Slope, stretched
+from ncgear.ratio.transmission import Piece, Range, Transmission, WholeTurns
+
+MOST_TURNS = 3
+"""Most turns of a gear in the continuation: more only make its curves longer."""
+
+LEAST_WAY_RAD = pi / 3.0
+"""Least angle of either gear over which the law is continued: over less, its curves would bend too sharply."""
+
+LEVELLING_SHARE, MOST_LEVELLING_RAD = 0.25, 1.0
+"""Share of the continuation, and largest driving angle, over which u levels off at each end of the range."""
+
+WAVES = np.linspace(-1.0, 1.0, 21)
+"""Sizes of the second bump that are tried for a whole number of pitches."""
+
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(96)
+"""Gauss points of a part of the continuation; u is a polynomial of degree 12 or less there."""
+
+GENTLE = 0.6
+"""Slope of u, by the driving angle, up to which a continuation counts as gentle, however gentle the range is."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """u on a part of the continuation: a polynomial of x, which runs from -1 at ``start_rad`` to 1 at its end."""
+
+    start_rad: float
+    width_rad: float
+    coefficients: Array
+
+    def slope(self, phi1: Array, order: int) -> Jet:
+        """dphi2/dphi1 with derivatives by phi1."""
+        x = (Jet.variable(phi1, order) - self.start_rad) * (2.0 / self.width_rad) - 1.0
+        return jet.exp(jet.polynomial(self.coefficients, x))
+
+    @property
+    def points_rad(self) -> Array:
+        """The Gauss points."""
+        return self.start_rad + self.width_rad * (1.0 + POINTS) / 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """A continuation by given turns, from the end of the range to its beginning a number of turns later."""
+
+    turns: tuple[int, int]
+    run_out: _Part
+    over: _Part
+    run_in: _Part
+    driven_rad: float
+    """What the driven gear turns on it."""
+
+    def with_bumps(self, lift: float, wave: float) -> tuple[_Part, _Part, _Part]:
+        """The parts with u raised by ``lift`` and ``wave`` times the bumps on the middle part."""
+        raised = np.zeros(WAVE.size)
+        raised[: self.over.coefficients.size] = self.over.coefficients
+        raised[: LIFT.size] += lift * LIFT
+        middle = _Part(self.over.start_rad, self.over.width_rad, raised + wave * WAVE)
+        return self.run_out, middle, self.run_in
+
+
+_X = np.polynomial.Polynomial([0.0, 1.0])
+
+_BUMP = (1.0 - _X**2) ** 4
+"""With it u keeps three continuous derivatives."""
+
+LIFT: Array = _BUMP.coef
+WAVE: Array = (_BUMP * (1.0 - 8.0 * _X**2 + 8.0 * _X**4)).coef
+"""The bump, and the bump times the fourth Chebyshev polynomial, by powers of x."""
+
+CHANGE = np.array([16.0, 35.0, 0.0, -35.0, 0.0, 21.0, 0.0, -5.0]) / 32.0
+"""The polynomial from 0 to 1 with three derivatives that vanish at both ends."""
+
+
+def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmission:
+    """An open law that covers a range, continued to whole turns of both gears, whose pitch curves are a whole number of pitches long.
+
+    ``pitch_share`` is the tooth pitch at unit centre distance.  The law on the range is untouched.  Raises
+    NoSuchMechanism where no continuation is gentle enough.
+    """
+    known = _length(law)
+    gentle = max(GENTLE, _steepest_on(law))
+    found: list[tuple[float, _Way, float, int]] = []
+    for way in sorted(_ways(law, covered), key=lambda way: sum(way.turns)):
+        for wave, pitches in _whole(way, pitch_share, known):
+            steepness = max(_steepest(part) for part in way.with_bumps(_lift(way, wave), wave))
+            found.append((max(steepness / gentle, 1.0), way, wave, pitches))
+        if found and min(found, key=_steepness)[0] == 1.0:
+            break
+    if not found:
+        raise NoSuchMechanism(
+            f"the pitch curves cannot be continued beyond the range from {in_words(0.0)} to "
+            f"{in_words(covered.driving_rad)}: their slope changes too fast at its ends, or too few tooth pitches are "
+            "left for it; a gentler law or a smaller module is right",
+            key="motion",
+        )
+    _, way, near, pitches = min(found, key=_steepness)
+
+    def missing(wave: float) -> float:
+        return _count(way, _lift(way, wave), wave, pitch_share, known) - pitches
+
+    step = WAVES[1] - WAVES[0]
+    wave = float(brentq(missing, near, near + step, xtol=1e-15, rtol=4 * np.finfo(float).eps))
+    parts = way.with_bumps(_lift(way, wave), wave)
+    lobes = WholeTurns(of=covered, driving_turns=way.turns[0], driven_turns=way.turns[1])
+    ends = *(part.start_rad for part in parts[1:]), lobes.driving_period_rad
+    slopes = [_slope(part, end) for part, end in zip(parts, ends, strict=True)]
+    pieces: list[Piece] = []
+    start = covered.driven_rad
+    for slope in slopes:
+        pieces.append(stretched(slope, start, 1.0))
+        start += slope.integral.final
+    return Transmission((*law.pieces, *pieces), lobes)
+
+
+def _steepness(found: tuple[float, _Way, float, int]) -> tuple[float, float]:
+    """What to choose by: the steepness beyond what is gentle, then the size of the wave."""
+    return found[0], abs(found[2])
+
+
+def _slope(part: _Part, end_rad: float) -> Slope:
+    breaks = [part.start_rad, end_rad]
+    return Slope(part.slope, chebyshev.fitted(lambda phi1: part.slope(phi1, 0).value, breaks).integrated())
+
+
+def _ways(law: Transmission, covered: Range) -> Iterator[_Way]:
+    """The continuations by one to three turns of each gear, without bumps."""
+    first, last = law.pieces[0], law.pieces[-1]
+    leaving = jet.log(last.slope(np.array([last.end_rad]), 3)).coefficients[:, 0]
+    entering = jet.log(first.slope(np.array([first.start_rad]), 3)).coefficients[:, 0]
+    for driving_turns in range(1, MOST_TURNS + 1):
+        for driven_turns in range(1, MOST_TURNS + 1):
+            driving = 2.0 * pi * driving_turns - covered.driving_rad
+            driven = 2.0 * pi * driven_turns - covered.driven_rad
+            if min(driving, driven) < LEAST_WAY_RAD:
+                continue
+            width = min(LEVELLING_SHARE * driving, MOST_LEVELLING_RAD)
+            out = _levelling(leaving, width)
+            # Seen backwards, odd derivatives change their sign.
+            back = _levelling(entering * np.array([1.0, -1.0, 1.0, -1.0]), width)
+            level, other = float(out.sum()), float(back.sum())
+            start = covered.driving_rad
+            over = CHANGE * (other - level)
+            over[0] += level
+            yield _Way(
+                (driving_turns, driven_turns),
+                _Part(start, width, _composed(out, (_X + 1.0) / 2.0)),
+                _Part(start + width, driving - 2.0 * width, over),
+                _Part(start + driving - width, width, _composed(back, (1.0 - _X) / 2.0)),
+                driven,
+            )
+
+
+def _composed(coefficients: Array, of: np.polynomial.Polynomial) -> Array:
+    """Coefficients by x of a polynomial of a polynomial of x."""
+    powers: Array = np.polynomial.Polynomial(coefficients)(of).coef
+    return powers
+
+
+def _levelling(taylor: Array, width: float) -> Array:
+    """Coefficients of u by the share of a way of ``width`` rad, from given Taylor coefficients to a level stretch.
+
+    du/dt is the polynomial of degree 5 with the given values and two derivatives at t = 0, and zeros at t = 1.
+    """
+    slope, bend, third = taylor[1] * width, 2.0 * taylor[2] * width**2, 6.0 * taylor[3] * width**3
+    by_powers = np.array(
+        [
+            slope,
+            bend,
+            third / 2.0,
+            -10.0 * slope - 6.0 * bend - 1.5 * third,
+            15.0 * slope + 8.0 * bend + 1.5 * third,
+            -6.0 * slope - 3.0 * bend - 0.5 * third,
+        ]
+    )
+    return np.concatenate([[taylor[0]], by_powers / np.arange(1.0, 7.0)])
+
+
+def _integral(part: _Part, function: Array) -> float:
+    return float(WEIGHTS @ function) * part.width_rad / 2.0
+
+
+def _lift(way: _Way, wave: float) -> float:
+    """The size of the first bump with which the driven gear comes round; its angle grows with the bump."""
+    ends = (_integral(part, part.slope(part.points_rad, 0).value) for part in (way.run_out, way.run_in))
+    rest = way.driven_rad - sum(ends)
+
+    def missing(lift: float) -> float:
+        middle = way.with_bumps(lift, wave)[1]
+        return _integral(middle, middle.slope(middle.points_rad, 0).value) - rest
+
+    low, high = -MOST_LIFT, MOST_LIFT
+    if not (rest > 0.0 and missing(low) < 0.0 < missing(high)):
+        return np.nan
+    return float(brentq(missing, low, high, xtol=1e-15, rtol=4 * np.finfo(float).eps))
+
+
+MOST_LIFT = 4.0
+"""Most that u is raised or lowered: a factor of 55 of the ratio, with which no teeth stand."""
+
+
+def _whole(way: _Way, pitch_share: float, known: float) -> Iterator[tuple[float, int]]:
+    """The tried waves just before those with which the curve is a whole number of pitches long, and these numbers."""
+    lifts = [_lift(way, wave) for wave in WAVES]
+    counts = [
+        _count(way, lift, wave, pitch_share, known) if np.isfinite(lift) else np.nan
+        for lift, wave in zip(lifts, WAVES, strict=True)
+    ]
+    for wave, before, after in zip(WAVES, counts, counts[1:], strict=False):
+        if not (np.isfinite(before) and np.isfinite(after)):
+            continue
+        low, high = min(before, after), max(before, after)
+        for pitches in range(ceil(low), floor(high) + 1):
+            if low < high:
+                yield float(wave), pitches
+
+
+def _count(way: _Way, lift: float, wave: float, pitch_share: float, known: float) -> float:
+    """Tooth pitches in the whole curve."""
+    length = known
+    for part in way.with_bumps(lift, wave):
+        length += _integral(part, shape.speed(part.slope(part.points_rad, 1), Gear.DRIVING, Mesh.EXTERNAL).value)
+    return length / pitch_share
+
+
+def _length(law: Transmission) -> float:
+    """Length of the driving curve on the range at unit centre distance."""
+    speed = chebyshev.fitted(
+        lambda phi1: shape.speed(law.driven_angle(phi1, 2).differentiated(), Gear.DRIVING, Mesh.EXTERNAL).value, law.joints_rad
+    )
+    return speed.integrated().final
+
+
+def _steepest(part: _Part) -> float:
+    """Largest slope of u by the driving angle on a part, at 96 points: it only chooses among continuations."""
+    slope = np.polynomial.Polynomial(part.coefficients).deriv()(POINTS)
+    return float(np.max(np.abs(slope))) * 2.0 / part.width_rad
+
+
+def _steepest_on(law: Transmission) -> float:
+    """Largest slope of u on the range."""
+    low, high = law.extremes(lambda piece: lambda phi1: jet.log(piece.slope(phi1, 2)).differentiated())
+    return max(abs(low.value), abs(high.value))

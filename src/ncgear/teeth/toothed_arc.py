@@ -1,0 +1,179 @@
+"""The teeth that are made of gears that turn less than once, and how the body goes on behind the last of them.
+
+Teeth are made on the continued curves (ncgear.pitch.continued), and of these the ones that any flank of the range can
+touch: all whose middle crosses the pitch point within 1.25 pitches of the range, as flanks touch over one pitch at most
+to either side and stand a quarter of a pitch from the middle.  Beside the first and the last tooth stands the root land
+of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.  Its radius is
+that of the lower of both ends: there the mate's highest tips pass by with the clearance of the roots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import asin, cos, degrees, floor, pi, sin
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.units import in_words
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.teeth.flank import Flanks
+from ncgear.teeth.stretch import Stretch
+
+BESIDE_IN_PITCHES = 1.25
+"""How far from the range a tooth's middle may cross the pitch point and the tooth still touch in the range."""
+
+BEFORE = 1
+"""Teeth of each gear before the ones that cross the pitch point first within the range."""
+
+LEAST_WALL = 0.25
+"""Least height of a wall in modules; a lower step is evened out along the heel."""
+
+LEAST_GAP_RAD = pi / 18.0
+"""Least angle that must be left for the heel, so that its corners can be made."""
+
+
+@dataclass(frozen=True)
+class ToothedArc:
+    """The teeth that are made of each gear, and the rolled length of the range."""
+
+    driving_teeth: int
+    driven_teeth: int
+    range_mm: float
+
+    def of(self, gear: Gear) -> int:
+        """The number of teeth of a gear."""
+        return self.driving_teeth if gear is Gear.DRIVING else self.driven_teeth
+
+
+def toothed_arc(pitch: PitchPair) -> ToothedArc | None:
+    """What is made of the gears of an open law; None where all teeth are.
+
+    Driving teeth stand at whole pitches of the rolled length, driven teeth half a pitch on.
+    """
+    covered = pitch.transmission.lobes.range
+    if covered is None:
+        return None
+    rolled = float(pitch.arc.length(np.array([covered.driving_rad]))[0]) * pitch.center_distance_mm
+    pitches = rolled / (pi * pitch.size.module_mm)
+    last = floor(pitches + BESIDE_IN_PITCHES), floor(pitches + BESIDE_IN_PITCHES - 0.5)
+    return ToothedArc(last[0] + BEFORE + 1, last[1] + BEFORE + 1, rolled)
+
+
+def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch]:
+    """Of the curves of ``whole_curves`` those of the first ``made`` teeth, and the heel that closes the outline.
+
+    Raises NoSuchMechanism where the toothed arc leaves no room for a heel.
+    """
+    runs, fillets, tips, roots = curves
+    last = 2 * made - 1
+    sides = [stretch.kept(stretch.owner <= last) for stretch in (runs, fillets, tips)]
+    before = roots.kept(roots.owner == flanks.count - 1)
+    before = Stretch(before.curve, before.owner, before.start, before.end, before.rolled, before.rank * 0.0 - 8.0,
+                     before.span, before.most_turning, before.kind)  # fmt: skip
+    after = roots.kept(roots.owner == last)
+    between = roots.kept(roots.owner <= last)
+    return [*sides, between, before, _heel(flanks, after, before)]
+
+
+def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
+    """From the end of the last root land around the axis to the beginning of the first one."""
+    only = np.zeros(1, dtype=int)
+    end, start = (complex(*land.at(only, np.array([share]))[0][0]) for land, share in ((after, 1.0), (before, 0.0)))
+    clockwise = flanks.curve.gear is Gear.DRIVING
+    way = -1.0 if clockwise else 1.0
+    left = 2.0 * pi - _covered_rad(flanks, after, before)
+    if left < LEAST_GAP_RAD:
+        _refuse(flanks, left, after)
+    module, low = flanks.rack.module_mm, min(abs(end), abs(start))
+    # Where the step is low, the heel's radius goes from one end to the other.
+    radii = [low if abs(point) - low > LEAST_WALL * module else abs(point) for point in (end, start)]
+    rounding = [_rounding(abs(point), radius, module, left) for point, radius in zip((end, start), radii, strict=True)]
+    used = [asin(rho / (radius + rho)) for rho, radius in zip(rounding, radii, strict=True)]
+    outward = end / abs(end), start / abs(start)
+
+    def wall(side: int, share: Array) -> tuple[Array, Array]:
+        rho, radius = rounding[side], radii[side]
+        foot = (radius + rho) * cos(used[side])
+        near, far = (abs(end), foot) if side == 0 else (foot, abs(start))
+        return outward[side] * (near + (far - near) * share), outward[side] * (far - near) * np.ones_like(share)
+
+    def corner(side: int, share: Array) -> tuple[Array, Array]:
+        rho, radius = rounding[side], radii[side]
+        inwards = 1.0 if side == 0 else -1.0
+        center = outward[side] * np.exp(1j * way * inwards * used[side]) * (radius + rho)
+        turned = pi / 2.0 + used[side]
+        # From the wall's foot, where it is across the wall, to the heel, where it is towards the axis.
+        along = turned * (share if side == 0 else 1.0 - share)
+        arm = -outward[side] * 1j * way * inwards * np.exp(1j * way * inwards * along) * rho
+        speed = 1j * way * inwards * turned * (1.0 if side == 0 else -1.0)
+        return center + arm, arm * speed
+
+    def heel(share: Array) -> tuple[Array, Array]:
+        turned = left - used[0] - used[1]
+        angle = np.exp(1j * way * (used[0] + turned * share)) * outward[0]
+        radius, rise = radii[0] + (radii[1] - radii[0]) * share, radii[1] - radii[0]
+        return radius * angle, (rise + 1j * way * turned * radius) * angle
+
+    parts = [
+        lambda share: wall(0, share),
+        lambda share: corner(0, share),
+        heel,
+        lambda share: corner(1, share),
+        lambda share: wall(1, share),
+    ]
+    walls = [abs(point) - radius > LEAST_WALL * module for point, radius in zip((end, start), radii, strict=True)]
+    rows = np.array([number for number, there in enumerate([walls[0], walls[0], True, walls[1], walls[1]]) if there])
+
+    def curve(owner: IndexArray, share: Array) -> tuple[Array, Array]:
+        owner, share = np.broadcast_arrays(owner, share)
+        points, slopes = np.empty((*share.shape, 2)), np.empty((*share.shape, 2))
+        for number in np.unique(owner):
+            chosen = owner == number
+            point, slope = parts[int(number)](share[chosen])
+            points[chosen], slopes[chosen] = np.column_stack([point.real, point.imag]), np.column_stack(
+                [slope.real, slope.imag]
+            )
+        return points, slopes
+
+    ones = np.ones(rows.size)
+    rank = float(after.rank[0]) + 1.0 + rows
+    # It rolls over nothing; arc lengths beyond the turns beside the first one have no joint of the pitch curve.
+    rolled = 4.0 * flanks.curve.length_mm + np.array([rows, rows + 1.0])
+    return Stretch(curve, rows, 0.0 * ones, ones, rolled, rank, ones, np.inf * ones, np.zeros_like(rows))
+
+
+def _rounding(end_mm: float, radius_mm: float, module_mm: float, left_rad: float) -> float:
+    """Radius of the corner between a wall and the heel: a module, or what has room on the wall and along the heel."""
+    if end_mm - radius_mm <= LEAST_WALL * module_mm:
+        return 0.0
+    share = sin(min(left_rad / 4.0, pi / 4.0))
+    return min(module_mm, (end_mm - radius_mm) / 2.0, radius_mm * share / (1.0 - share))
+
+
+def _covered_rad(flanks: Flanks, after: Stretch, before: Stretch) -> float:
+    """The angle about the gear's axis from the beginning of the first root land to the end of the last one."""
+    curve = flanks.curve
+    first, last = float(before.rolled[0, 0]) - curve.length_mm, float(after.rolled[1, 0])
+    phi1 = curve.driving_angle(np.array([first, last]))
+    own = phi1 if curve.gear is Gear.DRIVING else curve.transmission.driven_angle(phi1).value
+    turned = float(own[1] - own[0])
+    # The lands' ends stand beside the pitch curve: their own directions say the rest.
+    only = np.zeros(1, dtype=int)
+    end, start = (complex(*land.at(only, np.array([share]))[0][0]) for land, share in ((after, 1.0), (before, 0.0)))
+    seen = float(np.angle(end / start)) * (-1.0 if curve.gear is Gear.DRIVING else 1.0)
+    return seen + 2.0 * pi * round((turned - seen) / (2.0 * pi))
+
+
+def _refuse(flanks: Flanks, left_rad: float, after: Stretch) -> None:
+    gear = flanks.curve.gear.value
+    covered = 2.0 * pi - left_rad
+    raise NoSuchMechanism(
+        f"the teeth of the {gear} gear reach over {degrees(covered):.4g} deg, with a tooth beyond each end of the range, "
+        f"and {degrees(LEAST_GAP_RAD):.3g} deg must be left of a turn (the last tooth crosses the pitch point at phi1 = "
+        f"{in_words(float(flanks.curve.driving_angle(after.rolled[0, :1])[0]))}); a smaller range or smaller teeth "
+        "are right",
+        key="motion",
+    )
