@@ -9,7 +9,7 @@ that of the lower of both ends: there the mate's highest tips pass by with the c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import asin, cos, degrees, floor, pi, sin
 
 import numpy as np
@@ -71,8 +71,7 @@ def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch
     last = 2 * made - 1
     sides = [stretch.kept(stretch.owner <= last) for stretch in (runs, fillets, tips)]
     before = roots.kept(roots.owner == flanks.count - 1)
-    before = Stretch(before.curve, before.owner, before.start, before.end, before.rolled, before.rank * 0.0 - 8.0,
-                     before.span, before.most_turning, before.kind)  # fmt: skip
+    before = replace(before, rank=np.full(1, -8.0))  # before the ranks of tooth 1
     after = roots.kept(roots.owner == last)
     between = roots.kept(roots.owner <= last)
     return [*sides, between, before, _heel(flanks, after, before)]
@@ -104,11 +103,11 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         rho, radius = rounding[side], radii[side]
         inwards = 1.0 if side == 0 else -1.0
         center = outward[side] * np.exp(1j * way * inwards * used[side]) * (radius + rho)
-        turned = pi / 2.0 + used[side]
+        turned = pi / 2.0 - used[side]
         # From the wall's foot, where it is across the wall, to the heel, where it is towards the axis.
         along = turned * (share if side == 0 else 1.0 - share)
-        arm = -outward[side] * 1j * way * inwards * np.exp(1j * way * inwards * along) * rho
-        speed = 1j * way * inwards * turned * (1.0 if side == 0 else -1.0)
+        arm = -outward[side] * 1j * way * inwards * np.exp(-1j * way * inwards * along) * rho
+        speed = -1j * way * inwards * turned * (1.0 if side == 0 else -1.0)
         return center + arm, arm * speed
 
     def heel(share: Array) -> tuple[Array, Array]:
