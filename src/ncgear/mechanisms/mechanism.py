@@ -15,8 +15,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self
+from math import degrees, pi
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
 import numpy as np
 
@@ -27,8 +27,55 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Term, Vector
+from ncgear.numerics.units import N_M_PER_N_MM
 
 Point = tuple[float, float]
+
+
+class Unit(NamedTuple):
+    """A unit in which people read a quantity: the end of its keys, its text, and how many of it one of the code's is."""
+
+    ending: str
+    text: str
+    factor: float = 1.0
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a mechanism moves: its name in messages and tables, and whether it turns.
+
+    An output that slides has places in mm, loads in N and masses in kg.  One that turns has places in rad, loads in N mm
+    and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power in W.
+    Names of the contract end in the units of an output that slides.
+    """
+
+    name: str
+    angular: bool = False
+
+    @property
+    def place(self) -> Unit:
+        """The unit of places and ways: mm, or deg."""
+        return Unit("deg", "deg", degrees(1.0)) if self.angular else Unit("mm", "mm")
+
+    @property
+    def speed(self) -> Unit:
+        """The unit of speeds: mm/s, or rad/s."""
+        return Unit("rad_s", "rad/s") if self.angular else Unit("mm_s", "mm/s")
+
+    @property
+    def acceleration(self) -> Unit:
+        """The unit of accelerations: mm/s2, or rad/s2."""
+        return Unit("rad_s2", "rad/s2") if self.angular else Unit("mm_s2", "mm/s2")
+
+    @property
+    def load(self) -> Unit:
+        """The unit of loads: N, or N m."""
+        return Unit("n_m", "N m", N_M_PER_N_MM) if self.angular else Unit("n", "N")
+
+    @property
+    def load_name(self) -> str:
+        """What the load is called: force or torque."""
+        return "torque" if self.angular else "force"
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +159,18 @@ class Mechanism(Mechanisms[float]):
 
     NAME: ClassVar[str]
     """Its name in messages, with the article: "a crank-slider"."""
+
+    OUTPUT: ClassVar[Output] = Output("slider")
+    """What it moves."""
+
+    RETURNS: ClassVar[bool] = True
+    """Whether the output comes back by itself as the driven shaft turns on.
+
+    Where it does not, all of its way is its working stroke, and it has no dead centres.
+    """
+
+    UNIFORM: ClassVar[str] = "uniform crank"
+    """What the mechanism is called where its driven shaft turns evenly."""
 
     STROKE_KEY: ClassVar[str] = "crank_mm"
     """The length that follows where a law gives the stroke."""
