@@ -45,8 +45,8 @@ class Output:
     """What a mechanism moves: its name in messages and tables, and whether it turns.
 
     An output that slides has places in mm, loads in N and masses in kg.  One that turns has places in rad, loads in
-    N mm and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power in W.
-    Names of the contract end in the units of an output that slides.
+    N mm and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power
+    in W.  Names of the contract end in the units of an output that slides.
     """
 
     name: str
