@@ -12,8 +12,9 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import Model
+from ncgear.design.keys.linkages import LeverKeys, RackKeys, RockerKeys, YokeKeys
 from ncgear.design.keys.machine import Linkage
-from ncgear.design.keys.masses import Masses, MechanismMasses
+from ncgear.design.keys.masses import LeverMasses, Masses, RockerMasses, ShaftMasses, SlidingMasses
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Entry:
 
     load: Callable[[], type[Mechanism]]
     linkage: type[Model]
-    masses: type[MechanismMasses] = MechanismMasses
+    masses: type[ShaftMasses] = SlidingMasses
 
     @property
     def stroke_key(self) -> str:
@@ -49,8 +50,36 @@ def _crank_slider() -> type[Mechanism]:
     return CrankSlider
 
 
+def _scotch_yoke() -> type[Mechanism]:
+    from ncgear.mechanisms.scotch_yoke import ScotchYoke
+
+    return ScotchYoke
+
+
+def _crank_rocker() -> type[Mechanism]:
+    from ncgear.mechanisms.crank_rocker import CrankRocker
+
+    return CrankRocker
+
+
+def _slotted_lever() -> type[Mechanism]:
+    from ncgear.mechanisms.slotted_lever import SlottedLever
+
+    return SlottedLever
+
+
+def _rack_pinion() -> type[Mechanism]:
+    from ncgear.mechanisms.rack_pinion import RackPinion
+
+    return RackPinion
+
+
 MECHANISMS: dict[str, Entry] = {
     "crank_slider": Entry(_crank_slider, Linkage, Masses),
+    "scotch_yoke": Entry(_scotch_yoke, YokeKeys),
+    "crank_rocker": Entry(_crank_rocker, RockerKeys, RockerMasses),
+    "slotted_lever": Entry(_slotted_lever, LeverKeys, LeverMasses),
+    "rack_pinion": Entry(_rack_pinion, RackKeys),
 }
 """All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""
 

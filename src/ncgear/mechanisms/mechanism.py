@@ -7,7 +7,8 @@ one working stroke (retracted to extended) and one return.
 
 A mechanism is a frozen dataclass whose fields are its lengths, named like their keys under ``linkage`` in design
 files.  Its formulas (``Mechanisms``) hold for one mechanism and for many at once.  A new mechanism is a class in a
-module of its own, a model of its keys, and one line in ``ncgear.design.mechanisms``; tests/scotch_yoke.py is one.
+module of its own, a model of its keys, and one line in ``ncgear.design.mechanisms``; ``mechanisms.scotch_yoke`` is
+the shortest.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import pi
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self
+from math import degrees, pi
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
 import numpy as np
 
@@ -27,8 +28,55 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Term, Vector
+from ncgear.numerics.units import N_M_PER_N_MM
 
 Point = tuple[float, float]
+
+
+class Unit(NamedTuple):
+    """A unit in which people read a quantity: the end of its keys, its text, and how many of it one of the code's is."""
+
+    ending: str
+    text: str
+    factor: float = 1.0
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a mechanism moves: its name in messages and tables, and whether it turns.
+
+    An output that slides has places in mm, loads in N and masses in kg.  One that turns has places in rad, loads in N mm
+    and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power in W.
+    Names of the contract end in the units of an output that slides.
+    """
+
+    name: str
+    angular: bool = False
+
+    @property
+    def place(self) -> Unit:
+        """The unit of places and ways: mm, or deg."""
+        return Unit("deg", "deg", degrees(1.0)) if self.angular else Unit("mm", "mm")
+
+    @property
+    def speed(self) -> Unit:
+        """The unit of speeds: mm/s, or rad/s."""
+        return Unit("rad_s", "rad/s") if self.angular else Unit("mm_s", "mm/s")
+
+    @property
+    def acceleration(self) -> Unit:
+        """The unit of accelerations: mm/s2, or rad/s2."""
+        return Unit("rad_s2", "rad/s2") if self.angular else Unit("mm_s2", "mm/s2")
+
+    @property
+    def load(self) -> Unit:
+        """The unit of loads: N, or N m."""
+        return Unit("n_m", "N m", N_M_PER_N_MM) if self.angular else Unit("n", "N")
+
+    @property
+    def load_name(self) -> str:
+        """What the load is called: force or torque."""
+        return "torque" if self.angular else "force"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +102,16 @@ class MovingMass:
 
 @dataclass(frozen=True)
 class Shape:
-    """How a link is drawn in its own frame, in mm: bars, each along a line from point to point, and eyes about pins."""
+    """How a link is drawn in its own frame, in mm.
 
-    bars: tuple[tuple[Point, Point], ...]
+    Bars lie each along a line from point to point, eyes are about pins; a block slides along each slot, which also is a
+    line from point to point, with walls around it.  ``areas`` are closed outlines.
+    """
+
+    bars: tuple[tuple[Point, Point], ...] = ()
     eyes: tuple[Point, ...] = ()
+    slots: tuple[tuple[Point, Point], ...] = ()
+    areas: tuple[tuple[Point, ...], ...] = ()
 
 
 class Mechanisms(ABC, Generic[Number]):
@@ -98,6 +152,11 @@ class Mechanisms(ABC, Generic[Number]):
     def displacement(self, crank_angle: Jet) -> Jet:
         """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively accurate near both zeros."""
 
+    @property
+    def half_way(self) -> Number:
+        """A size in mm, or rad, of the order of half the stroke: the unit in which programmes count the output's way."""
+        return self.crank_mm
+
     @abstractmethod
     def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
         """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
@@ -113,11 +172,26 @@ class Mechanism(Mechanisms[float]):
     NAME: ClassVar[str]
     """Its name in messages, with the article: "a crank-slider"."""
 
+    OUTPUT: ClassVar[Output] = Output("slider")
+    """What it moves."""
+
+    RETURNS: ClassVar[bool] = True
+    """Whether the output comes back by itself as the driven shaft turns on.
+
+    Where it does not, all of its way is its working stroke, and it has no dead centres.
+    """
+
+    UNIFORM: ClassVar[str] = "uniform crank"
+    """What the mechanism is called where its driven shaft turns evenly."""
+
     STROKE_KEY: ClassVar[str] = "crank_mm"
     """The length that follows where a law gives the stroke."""
 
+    POINTS: ClassVar[tuple[str, ...]] = ("slider",)
+    """Bodies that do not turn, whose masses a design file gives by keys under ``masses``: ``slider`` by ``slider_kg``."""
+
     RODS: ClassVar[tuple[str, ...]] = ()
-    """Bodies between slider and crank whose masses a design file gives, by their keys under ``masses``."""
+    """Bodies that turn, the crank apart, whose masses a design file gives, by their keys under ``masses``."""
 
     MASSES: ClassVar[type[Masses]] = Masses
     """The class of its masses."""
@@ -176,14 +250,20 @@ class Mechanism(Mechanisms[float]):
 
     @abstractmethod
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
-        """All bodies at crank angles in rad: ``slider`` first, ``crank`` next, then the others from back to front.
+        """All bodies at crank angles in rad: the output by its name, ``crank`` next, the others from back to front.
 
-        The slider's own frame does not turn; at the retracted dead centre its origin is at ``nearest_mm``.
+        The own frame of an output that slides does not turn; at the retracted dead centre its origin is at
+        ``nearest_mm``.
         """
 
     def shapes(self) -> Mapping[str, Shape]:
-        """How the links are drawn, except the crank, and the slider where it is a mere piston."""
+        """How the links are drawn, except a plain crank, and an output that slides where it is a mere piston."""
         return {}
+
+    @property
+    def pivots_mm(self) -> tuple[Point, ...]:
+        """Axes in the frame, the crank's apart, about which links turn."""
+        return ()
 
     @abstractmethod
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
@@ -193,7 +273,8 @@ class Mechanism(Mechanisms[float]):
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
         """Forces that a motion needs against the weights and a resistance in N that acts on the slider along -x.
 
-        ``masses`` are of ``MASSES``.
+        On an output that turns, the resistance is a torque in N mm towards the retracted dead centre.  ``masses`` are
+        of ``MASSES``.
         """
 
 

@@ -1,0 +1,97 @@
+"""The Scotch yoke: a pin of the crank moves the slider's yoke by a slot across the slider's line.
+
+The displacement is r (1 - cos phi2).  ``mechanisms.mechanism`` describes frame and pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+from typing import ClassVar, Self
+
+import numpy as np
+
+from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force
+from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Shape
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Term, Vector
+
+SLOT_REACH, BAR = 1.2, 2.7
+"""Half the length of the slot, and the distance from the slot to the slider, in lengths of the crank, for pictures."""
+
+
+@dataclass(frozen=True)
+class ScotchYoke(Mechanism):
+    """One yoke, or many whose cranks have shape (n,).  The block between pin and slot has no mass of its own."""
+
+    NAME: ClassVar[str] = "a Scotch yoke"
+    JOINTS: ClassVar[Mapping[str, str]] = {"pin": "crank pin"}
+    PINS: ClassVar[Mapping[str, str]] = {"crank-pin": "block"}
+
+    crank_mm: float
+
+    @classmethod
+    def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
+        """The yoke whose crank is half the stroke."""
+        return cls(stroke_mm / 2.0)
+
+    @property
+    def stroke_mm(self) -> float:
+        """Twice the crank."""
+        return 2.0 * self.crank_mm
+
+    @property
+    def nearest_mm(self) -> float:
+        """Place of the retracted slider, which is drawn beyond the crank."""
+        return (BAR - 1.0) * self.crank_mm
+
+    @property
+    def working_angle_rad(self) -> float:
+        """Half a turn."""
+        return pi + 0.0 * self.crank_mm
+
+    def displacement(self, crank_angle: Jet) -> Jet:
+        """2 r sin^2(phi2/2)."""
+        half_sine, _ = jet.sin_cos(crank_angle * 0.5)
+        return 2.0 * self.crank_mm * (half_sine * half_sine)
+
+    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+        """tan^2(phi2/2) = x / (2 r - x)."""
+        return 2.0 * jet.arctan2(root_displaced, root_remaining)
+
+    def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
+        """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
+        working = 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(self.stroke_mm - displacement_mm))
+        return np.where(returning, 2.0 * pi - working, working)
+
+    def links(self, crank_angle: Jet) -> Mapping[str, Link]:
+        """Slider with its yoke, crank, and the block about the crank's pin."""
+        still = 0.0 * crank_angle
+        pin = self.crank_body(crank_angle, 0.0).pin
+        slider = Vector(self.displacement(crank_angle) + self.nearest_mm, still)
+        return {"slider": Link(slider, still), "crank": self.crank_link(crank_angle), "block": Link(pin, still)}
+
+    def shapes(self) -> Mapping[str, Shape]:
+        """The yoke with its slot and the bar to the slider."""
+        bar, reach = BAR * self.crank_mm, SLOT_REACH * self.crank_mm
+        return {
+            "slider": Shape((((-bar, 0.0), (0.0, 0.0)),), slots=(((-bar, -reach), (-bar, reach)),)),
+            "block": Shape(eyes=((0.0, 0.0),)),
+        }
+
+    def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
+        """The slider alone."""
+        slider = self.links(crank_angle)["slider"]
+        return (MovingMass(masses.slider_kg, slider.origin, slider.angle),)
+
+    def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
+        """The slot pushes the slider along its line alone; the guide bears its weight across."""
+        slider = moving_force(masses, pace, masses.slider_kg, self.links(crank_angle)["slider"].origin)
+        pin = Vector(slider.x + resistance_n, 0.0 * slider.x)
+        crank = self.crank_body(crank_angle, masses.crank_center_mm)
+        crank_axis, torque = crank_forces(crank, masses, pace, pin)
+        return JointForces({"pin": pin}, crank_axis, slider.y, torque)
