@@ -18,6 +18,7 @@ from ncgear.design.laws.ratio_expression import RatioExpression
 from ncgear.design.laws.registry import LawName
 from ncgear.design.laws.table import MOST_POINTS, TableLaw
 from ncgear.design.laws.three_segment_stroke import SOLVED_KEY, ThreeSegmentStroke
+from ncgear.design.mechanisms import MECHANISMS
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.design.reading.text import plain_value
 from ncgear.design.reading.yaml import read_yaml
@@ -314,7 +315,7 @@ def test_points_beside_a_file_are_refused(tmp_path: Path) -> None:
 def descriptions_missing(schema: Any) -> list[str]:
     """Paths of the properties in a JSON Schema that nothing is said about."""
     found = []
-    for model, definition in {**schema["$defs"], "Design": schema}.items():
+    for model, definition in schema["$defs"].items():
         for name, field in definition["properties"].items():
             if "description" not in field:
                 found.append(f"{model}.{name}")
@@ -324,15 +325,19 @@ def descriptions_missing(schema: Any) -> list[str]:
 def test_json_schema_describes_every_key() -> None:
     schema = json_schema()
     assert schema["title"] == "ncgear design file"
-    assert set(schema["required"]) == {"name", "linkage", "operation", "motion"}
-    assert set(schema["properties"]) == set(Design.model_fields)
-    assert schema["additionalProperties"] is False
+    assert len(schema["anyOf"]) == len(MECHANISMS)
+    for one in schema["anyOf"]:
+        design = schema["$defs"][one["$ref"].rpartition("/")[2]]
+        assert set(design["required"]) == {"name", "linkage", "operation", "motion"}
+        assert set(design["properties"]) == set(Design.model_fields)
+        assert design["additionalProperties"] is False
     assert descriptions_missing(schema) == []
 
 
 def test_json_schema_knows_the_laws_and_the_keys_as_written() -> None:
     schema = json_schema()
-    assert set(schema["properties"]["motion"]["discriminator"]["mapping"]) == set(LawName)
+    motion = schema["$defs"]["Design"]["properties"]["motion"]
+    assert set(motion["discriminator"]["mapping"]) == set(LawName)
     assert {"return", "theta1_pi", "law_speed_rpm"} <= set(schema["$defs"]["ThreeSegmentStroke"]["properties"])
     assert schema["$defs"]["Linkage"]["required"] == ["rod_mm"]
 

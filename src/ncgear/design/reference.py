@@ -84,7 +84,10 @@ class Key:
 def keys_of(root: type[BaseModel]) -> list[Key]:
     """All keys of a file whose model is ``root``, a group before its keys; for designs, the keys of all mechanisms."""
     models = design_models().values() if root is Design else [root]
-    found = {(key.path, key.law): key for model in models for key in _keys(model, "", "")}
+    found: dict[tuple[str, str], Key] = {}
+    for model in models:
+        for key in _keys(model, "", ""):
+            found.setdefault((key.path, key.law), key)
     return list(found.values())
 
 

@@ -34,6 +34,7 @@ from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Term, Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
+from ncgear.numerics.zeros import zeros_between
 
 SINC = tuple((-1.0) ** k / factorial(2 * k + 1) for k in range(12))
 """Coefficients of sin(z)/z in powers of z^2; exact to rounding up to z = pi/2, which is beyond half of any stroke."""
@@ -186,6 +187,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
 
     NAME: ClassVar[str] = "a crank-rocker"
     OUTPUT: ClassVar[Output] = Output("rocker", angular=True)
+    PISTON: ClassVar[bool] = False
     POINTS: ClassVar[tuple[str, ...]] = ()
     RODS: ClassVar[tuple[str, ...]] = ("rocker", "coupler")
     MASSES: ClassVar[type[Masses]] = RockerMasses
@@ -226,7 +228,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
     @classmethod
     def many(cls, **lengths: Array) -> CrankRockers[Array]:
         """Many crank-rockers; ``turns_fully`` tells which can be one."""
-        return CrankRockers(**lengths)
+        return CrankRockers(**{"side": np.ones_like(lengths["crank_mm"]), **lengths})
 
     @classmethod
     def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
@@ -235,8 +237,6 @@ class CrankRocker(CrankRockers[float], Mechanism):
         With the crank the angle grows from 0; the crank is found in a bracket.  Raises WrongInput where no crank gives
         the angle.
         """
-        from scipy.optimize import brentq
-
         others = [lengths[name] for name in ("coupler_mm", "rocker_mm", "ground_mm")]
         most = min(*others, sum(others) - 2.0 * max(others))
         longest = most * (1.0 - 1e-9)
@@ -246,8 +246,13 @@ class CrankRocker(CrankRockers[float], Mechanism):
                 "a shorter rocker_mm swings further",
                 key="linkage.rocker_mm",
             )
-        found = brentq(lambda crank: cls(crank, **lengths).stroke_mm - stroke_mm, 1e-9 * most, longest, xtol=1e-15)
-        return cls(float(found), **lengths)
+        columns = {name: np.array([value]) for name, value in lengths.items()}
+        found = zeros_between(
+            lambda crank: cls.many(crank_mm=crank, **columns).stroke_mm - stroke_mm,
+            np.zeros(1),
+            np.array([longest]),
+        )
+        return cls(float(found[0]), **lengths)
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
         """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke] in rad, both of shape (n,)."""

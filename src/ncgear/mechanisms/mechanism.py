@@ -202,6 +202,9 @@ class Mechanism(Mechanisms[float]):
     PINS: ClassVar[Mapping[str, str]] = {}
     """Pins that are drawn: the name of each, with the link at whose origin it is."""
 
+    PISTON: ClassVar[bool] = True
+    """Whether the output is drawn as a piston that slides along its line in a guide, with what it works against."""
+
     offset_mm: float = 0.0
     """Distance of the slider's line from the crank's axis."""
 
@@ -263,6 +266,11 @@ class Mechanism(Mechanisms[float]):
     @property
     def pivots_mm(self) -> tuple[Point, ...]:
         """Axes in the frame, the crank's apart, about which links turn."""
+        return ()
+
+    @property
+    def guides_mm(self) -> tuple[tuple[Point, Point], ...]:
+        """Straight guides that stand, a piston's apart, each from point to point with the frame on its left."""
         return ()
 
     @abstractmethod

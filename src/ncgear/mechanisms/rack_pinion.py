@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import cos, pi, sin, tan, radians
+from math import cos, pi, radians, sin, tan
 from typing import ClassVar, Self
 
 from ncgear.errors import WrongInput
@@ -24,6 +24,9 @@ from ncgear.numerics.plane import Term, Vector
 TEETH = 20
 """Teeth of the drawn pinion; a design file does not give them."""
 
+BACK = 3.0
+"""Distance of the drawn rack's back from its pitch line in modules."""
+
 
 @dataclass(frozen=True)
 class RackPinion(Mechanism):
@@ -32,6 +35,7 @@ class RackPinion(Mechanism):
     NAME: ClassVar[str] = "a rack and pinion"
     OUTPUT: ClassVar[Output] = Output("rack")
     RETURNS: ClassVar[bool] = False
+    PISTON: ClassVar[bool] = False
     STROKE_KEY: ClassVar[str] = "radius_mm"
     JOINTS: ClassVar[Mapping[str, str]] = {"teeth": "rack's teeth"}
 
@@ -97,8 +101,14 @@ class RackPinion(Mechanism):
         """A pinion with twenty straight teeth, and a rack long enough for one turn."""
         return {"rack": Shape(areas=(self._rack(),)), "crank": Shape(areas=(self._pinion(),))}
 
+    @property
+    def guides_mm(self) -> tuple[tuple[Point, Point], ...]:
+        """The guide behind the rack."""
+        back, half = self.radius_mm * (1.0 + 2.0 * BACK / TEETH), 1.3 * self.radius_mm
+        return (((-half, back), (half, back)),)
+
     def _pinion(self) -> tuple[Point, ...]:
-        """The pinion in its own frame, in which a tooth that points up at the start lies on -y: a space is there."""
+        """The pinion in its own frame; at the start one of its teeth points up, where the rack has a space."""
         module, points = 2.0 * self.radius_mm / TEETH, list[Point]()
         half = pi / (2.0 * TEETH)
         for tooth in range(TEETH):
@@ -109,7 +119,7 @@ class RackPinion(Mechanism):
         return tuple(points)
 
     def _rack(self) -> tuple[Point, ...]:
-        """The rack in its own frame: straight flanks of 20 deg along the pitch line, from -one turn to a little ahead."""
+        """The rack in its own frame: flanks of 20 deg along the pitch line, from a turn behind it to a little ahead."""
         module = 2.0 * self.radius_mm / TEETH
         pitch, lean = pi * module, tan(radians(20.0))
         points: list[Point] = []
@@ -122,7 +132,7 @@ class RackPinion(Mechanism):
                 (middle + low, -module),
                 (middle + high, 1.2 * module),
             ]
-        return (*points, (points[-1][0], 3.0 * module), (points[0][0], 3.0 * module))
+        return (*points, (points[-1][0], BACK * module), (points[0][0], BACK * module))
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
         """The rack alone."""

@@ -150,9 +150,9 @@ def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
     masses: Any = entry.masses | None
     description = f"which mechanism the driven gear turns; left out: {usual}"
     told: Any = Field(default=usual, description=description) if name == usual else Field(description=description)
-    linkage = create_model("Linkage", __base__=entry.linkage, kind=(named, told))
+    linkage = create_model(entry.linkage.__name__, __base__=entry.linkage, kind=(named, told))
     return create_model(
-        "Design",
+        "Design" if name == usual else f"Design of {name}",
         __base__=Design,
         linkage=(linkage, Field(description="the mechanism that the driven gear turns")),
         masses=(masses, Field(default=None, description=Design.model_fields["masses"].description)),
