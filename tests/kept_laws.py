@@ -110,7 +110,7 @@ class KeptLaw:
     def speeds_mm_s(self, start_rad: float, end_rad: float) -> tuple[float, float]:
         """Least and greatest speed of the slider between two crank angles."""
         start, end = self.machine.driving_angles(np.array([start_rad, end_rad])).tolist()
-        speed = np.abs(self.machine.motion(np.linspace(start, end, SAMPLES)).velocity_mm_s)
+        speed = np.abs(self.machine.motion(np.linspace(start, end, SAMPLES)).velocity)
         return float(speed.min()), float(speed.max())
 
 

@@ -58,7 +58,7 @@ def test_what_does_not_exist_is_refused_in_these_words(name: str) -> None:
 def test_what_is_made_closes_and_no_peak_is_passed_by(name: str) -> None:
     drive = ALL[name].drive()
     assert abs(drive.transmission.closure_error_rad) <= CLOSED
-    assert drive.check.peak_acceleration_cycle_mm_s2.value >= sampled_peak(drive, 2003) * (1.0 - 1e-10)
+    assert drive.check.peak_acceleration_cycle.value >= sampled_peak(drive, 2003) * (1.0 - 1e-10)
     assert told(name)[-1] == "made"
 
 

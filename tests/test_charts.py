@@ -13,7 +13,7 @@ import drives
 import ncgear.plots
 import reports
 from ncgear.drawings.animation.moving_picture import CHART_LOOK
-from ncgear.drawings.charts.chart import Across, Chart, Line, Role
+from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import POWER, over_displacement, slider_chart
 from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
@@ -67,10 +67,10 @@ def test_over_the_displacement_the_values_stay() -> None:
     drive = drives.drive("baler")
     chart, motions = slider_chart(drive, POWER), (drive.motion, drive.uniform_motion)
     across = over_displacement(chart, motions)
-    assert (across.across, across.names_extreme, across.joints_deg.size) == (Across.DISPLACEMENT, False, 0)
+    assert (across.across, across.names_extreme, across.joints_deg.size) == ("displacement in mm", False, 0)
     for line, before, motion in zip(across.lines, chart.lines, motions, strict=True):
         np.testing.assert_array_equal(line.values, before.values)
-        np.testing.assert_array_equal(line.x, motion.displacement_mm)
+        np.testing.assert_array_equal(line.x, motion.displacement)
 
 
 def test_an_extreme_that_rounds_to_zero_has_no_sign() -> None:

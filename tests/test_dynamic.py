@@ -336,15 +336,15 @@ def test_a_history_is_the_motion_beside_its_law() -> None:
     machine = Machine(LAWS["sine"](), LINKAGE, SliderLoad(PolynomialResistance((500.0,))), SPEED)
     out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.5)
     shown = history(out, RigidMachine(machine, MASSES, PLACE), even_times_s(out, 2000))
-    np.testing.assert_allclose(shown.law.velocity_mm_s, machine.motion(shown.phi1_rad).velocity_mm_s, atol=1e-9)
-    assert np.abs(shown.slide.displacement_mm - shown.law.displacement_mm).max() < 0.3
+    np.testing.assert_allclose(shown.law.velocity, machine.motion(shown.phi1_rad).velocity, atol=1e-9)
+    assert np.abs(shown.slide.displacement - shown.law.displacement).max() < 0.3
     # Velocity and acceleration are the derivatives of what is shown beside them.
     step = shown.time_s[1]
-    velocity = np.gradient(shown.slide.displacement_mm, step)[1:-1]
-    np.testing.assert_allclose(velocity, shown.slide.velocity_mm_s[1:-1], atol=1e-3 * np.abs(velocity).max())
-    acceleration = np.gradient(shown.slide.velocity_mm_s, step)[1:-1]
+    velocity = np.gradient(shown.slide.displacement, step)[1:-1]
+    np.testing.assert_allclose(velocity, shown.slide.velocity[1:-1], atol=1e-3 * np.abs(velocity).max())
+    acceleration = np.gradient(shown.slide.velocity, step)[1:-1]
     typical = np.abs(acceleration).max()
-    assert np.quantile(np.abs(acceleration - shown.slide.acceleration_mm_s2[1:-1]), 0.9) < 1e-2 * typical
+    assert np.quantile(np.abs(acceleration - shown.slide.acceleration[1:-1]), 0.9) < 1e-2 * typical
 
 
 @pytest.mark.slow

@@ -137,7 +137,7 @@ def test_the_bearings_feel_the_columns_of_the_loads() -> None:
     """Weights and resistance are in it, and the teeth are not; the columns are judged in test_machine_loads.py."""
     machine, (phi1, _, _) = swaying(), sampled()
     driven = machine.transmission.driven_angle(phi1, 2)
-    loads = machine_loads(machine.linkage, WHOLE, driven.value, machine.motion(phi1).force_n)
+    loads = machine_loads(machine.linkage, WHOLE, driven.value, machine.motion(phi1).load)
     q, rate = driven.derivative(1) ** 2, 2.0 * driven.derivative(2)
     force = np.linalg.norm(loads.bearing_n.at(q, rate, machine.speed_rad_s), axis=1)
     assert found().bearing_force_n == pytest.approx(force.max(), rel=1e-6)

@@ -604,7 +604,7 @@ def test_bodies_that_do_not_belong_to_the_mesh_are_refused(
 
 def test_a_ratio_too_small_is_refused_at_the_key_of_the_mesh(tmp_path: Path) -> None:
     drive = Drive(load(design_with(tmp_path, "2 + 0.4*cos(phi)", "2 + 1.4*cos(phi)")).design)
-    assert drive.check.peak_speed_mm_s.value > 0.0
+    assert drive.check.peak_speed.value > 0.0
     with pytest.raises(NoSuchMechanism, match=r"falls to 0\.84") as caught:
         _ = drive.pitch
     assert caught.value.key == "gears.mesh"

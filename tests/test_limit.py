@@ -178,7 +178,7 @@ def test_a_tangent_next_to_a_right_angle_is_none() -> None:
 def test_the_uniform_crank_is_within_its_own_limits_and_a_hundredth_less_is_not() -> None:
     check = kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 5.0))
     task = Task(BALER_LINKAGE, PRESS, 5.0)
-    own = {"power_w": check.peak_power_w.value, "acceleration_mm_s2": check.peak_acceleration_cycle_mm_s2.value}
+    own = {"power_w": check.peak_power_w.value, "acceleration_mm_s2": check.peak_acceleration_cycle.value}
     problem = Problem(task, Demands(1.0 - 1e-6, 1.0 + 1e-6, **{k: v * 1.0001 for k, v in own.items()}), cycle(task))
     assert problem.is_open
     for name, value in own.items():

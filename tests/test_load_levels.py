@@ -178,7 +178,7 @@ def least_size_n(of: str) -> float:
         angle = step * (ends + side) + (1e-9 if side == 0.0 else -1e-9)
         inside = np.mod(angle, 2.0 * pi)
         slid = Machine(uniform_law(Lobes()), BALER_LINKAGE, HEAVY.load, speed).motion(inside)
-        force: Affine = getattr(machine_loads(BALER_LINKAGE, WHOLE, inside, slid.force_n), of)
+        force: Affine = getattr(machine_loads(BALER_LINKAGE, WHOLE, inside, slid.load), of)
         for k in ends.tolist():
             entries = [(none, none, -np.ones(1))]
             for axis in (0, 1):

@@ -308,7 +308,7 @@ def test_without_masses_the_resistance_alone_loads_the_teeth() -> None:
     assert drive.tooth_load.load == "resistance"
     motion = drive.machine.motion(found.phi1_rad)
     ratio = drive.transmission.driven_angle(found.phi1_rad, 1).derivative(1)
-    asked = motion.force_n * motion.velocity_mm_s / (drive.machine.speed_rad_s * ratio)
+    asked = motion.load * motion.velocity / (drive.machine.speed_rad_s * ratio)
     np.testing.assert_allclose(found.torque_n_mm, asked, atol=1e-6 * asked.max())
     working = drive.machine.working(drive.transmission.driven_angle(found.contacts.phi1_rad).value)
     assert working.all()

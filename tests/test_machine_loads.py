@@ -37,7 +37,7 @@ def of_law(machine: Machine, phi1: Array) -> tuple[Array, Array, Array]:
 
 def loads_of(machine: Machine, masses: Masses, angle: Array) -> MachineLoads:
     slid = machine.motion(machine.driving_angles(np.mod(angle, 2.0 * pi)))
-    return machine_loads(machine.linkage, masses, angle, slid.force_n)
+    return machine_loads(machine.linkage, masses, angle, slid.load)
 
 
 @pytest.mark.judges("optimum")

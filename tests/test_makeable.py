@@ -80,7 +80,7 @@ def peak_jerk(wishes: Wishes) -> float:
 def peak_moving_power(wishes: Wishes, task: Task) -> float:
     """With the slider's mass alone, of dense samples."""
     motion = machine(wishes, task).motion(np.linspace(0.0, 2.0 * pi, 40_001))
-    inertia = task.moving.slider_kg * motion.acceleration_mm_s2 * motion.velocity_mm_s * 1e-6
+    inertia = task.moving.slider_kg * motion.acceleration * motion.velocity * 1e-6
     return float((motion.power_w + inertia).max())
 
 

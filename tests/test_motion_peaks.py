@@ -96,8 +96,8 @@ def test_no_time_shows_more_than_the_peaks() -> None:
         (peaks.pushing_n, shown.pushing_n),
         (peaks.back_n, shown.back_n),
         (peaks.most_torque_n_mm, shown.torque_n_mm),
-        (peaks.acceleration_mm_s2, np.abs(shown.slide.acceleration_mm_s2)),
-        (peaks.velocity_error_mm_s, np.abs(shown.slide.velocity_mm_s - shown.law.velocity_mm_s)),
+        (peaks.acceleration, np.abs(shown.slide.acceleration)),
+        (peaks.velocity_error, np.abs(shown.slide.velocity - shown.law.velocity)),
         *((peaks.forces_n[name], np.hypot(force.x, force.y)) for name, force in shown.forces.items()),
     ):
         assert values.max() <= peak.value * (1.0 + 1e-9)
@@ -134,11 +134,11 @@ def test_the_laws_motion_is_the_one_at_the_driving_gears_own_speed() -> None:
     step = 1e-6
     time_s = np.linspace(step, out.time_s[-1] - step, 40)
     shown, before, after = (history(out, machine, time_s + shift) for shift in (0.0, -step, step))
-    rate = (after.law.displacement_mm - before.law.displacement_mm) / (2.0 * step)
-    np.testing.assert_allclose(shown.law.velocity_mm_s, rate, rtol=1e-5, atol=1e-4)
+    rate = (after.law.displacement - before.law.displacement) / (2.0 * step)
+    np.testing.assert_allclose(shown.law.velocity, rate, rtol=1e-5, atol=1e-4)
     peaks = motion_peaks(out, machine)
     # The driven gear keeps the law but for the depth of its teeth
-    assert peaks.velocity_error_mm_s.value < 0.02 * np.abs(shown.law.velocity_mm_s).max()
+    assert peaks.velocity_error.value < 0.02 * np.abs(shown.law.velocity).max()
 
 
 @pytest.mark.tiers(thorough=["0.003"], rest="quick")

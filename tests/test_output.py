@@ -29,7 +29,7 @@ from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, ove
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.csv_text import LAW_COLUMNS, law_csv, outline_csv, rows_text
+from ncgear.figures.csv_text import law_csv, outline_csv, rows_text
 from ncgear.figures.numbers import json_text, shown
 from ncgear.figures.summary.build_summary import pitch_summary
 from ncgear.figures.tables import cell_text
@@ -38,7 +38,8 @@ from ncgear.files.build import build
 from ncgear.files.manifest import MANIFEST, publish_run
 from ncgear.files.publish import STAGING_PREFIX, prepare
 from ncgear.files.workshop.formats import Format
-from ncgear.kinematics.motion import SliderMotion
+from ncgear.kinematics.motion import OutputMotion
+from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.units import label_and_unit
 from ncgear.project.frontier_run import POINTS_FILE
 from plane import wave_ring
@@ -46,21 +47,21 @@ from plane import wave_ring
 FILES = {"a.txt": b"first", "b.txt": b"second", "summary.json": b"{}"}
 
 
-def motion(rows: int = 2001, amplitude: float = 1.0) -> SliderMotion:
+def motion(rows: int = 2001, amplitude: float = 1.0) -> OutputMotion:
     """A made-up motion of realistic size, 20 r/min."""
     phi = np.linspace(0.0, 2.0 * pi, rows)
     speed = 2.0 * pi / 3.0
     displacement = 380.0 * (1.0 - np.cos(phi)) + 20.0 * amplitude * np.sin(phi) ** 2
     velocity = speed * (380.0 * np.sin(phi) + 20.0 * amplitude * np.sin(2.0 * phi))
     force = np.where(velocity > 0.0, 1e-9 * displacement**4, 0.0)
-    return SliderMotion(
+    return OutputMotion(
         phi1_rad=phi,
         phi2_rad=phi - 0.1 * amplitude * np.sin(phi),
         ratio=1.0 / (1.0 - 0.1 * amplitude * np.cos(phi)),
-        displacement_mm=displacement,
-        velocity_mm_s=velocity,
-        acceleration_mm_s2=speed**2 * (380.0 * np.cos(phi) + 40.0 * amplitude * np.cos(2.0 * phi)),
-        force_n=force,
+        displacement=displacement,
+        velocity=velocity,
+        acceleration=speed**2 * (380.0 * np.cos(phi) + 40.0 * amplitude * np.cos(2.0 * phi)),
+        load=force,
         power_w=force * velocity / 1e3,
     )
 
@@ -75,9 +76,9 @@ def read(text: str) -> tuple[str, np.ndarray]:
 
 def test_law_table_reads_back_exactly() -> None:
     table = motion()
-    header, values = read(law_csv(table))
+    header, values = read(law_csv(table, Output("slider")))
     assert header == ("phi1_rad,phi2_rad,ratio,displacement_mm,velocity_mm_s,acceleration_mm_s2,force_n,power_w")
-    np.testing.assert_array_equal(values, np.column_stack([getattr(table, name) for name in LAW_COLUMNS]))
+    np.testing.assert_array_equal(values, np.column_stack(list(vars(table).values())))
 
 
 def test_outline_table_reads_back_exactly() -> None:
@@ -531,12 +532,12 @@ def test_gears_turn_opposite_ways() -> None:
     np.testing.assert_allclose(gears.turned(np.array([[1.0, 0.0]]), pi / 2.0), [[0.0, 1.0]], atol=1e-15)
 
 
-def motion_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: np.ndarray = EMPTY) -> bytes:
+def motion_png(own: OutputMotion, uniform: OutputMotion, title: str, joints_deg: np.ndarray = EMPTY) -> bytes:
     charts = [motion_chart(quantity, own, uniform, joints_deg) for quantity in MOTION]
     return column_png(charts, title, MOTION_LOOK, MOTION_COLUMN)
 
 
-def power_png(own: SliderMotion, uniform: SliderMotion, title: str, joints_deg: np.ndarray = EMPTY) -> bytes:
+def power_png(own: OutputMotion, uniform: OutputMotion, title: str, joints_deg: np.ndarray = EMPTY) -> bytes:
     charts = [motion_chart(quantity, own, uniform, joints_deg) for quantity in LOAD]
     return beside_png([(chart, over_displacement(chart, (own, uniform))) for chart in charts], title)
 
@@ -552,7 +553,7 @@ def test_curves_are_drawn(draw: Any, joints: np.ndarray) -> None:
 
 def test_power_without_resistance_and_a_name_with_dollar_signs_can_be_drawn() -> None:
     idle = motion()
-    idle = SliderMotion(**{**vars(idle), "force_n": 0.0 * idle.force_n, "power_w": 0.0 * idle.power_w})
+    idle = OutputMotion(**{**vars(idle), "load": 0.0 * idle.load, "power_w": 0.0 * idle.power_w})
     assert near(shades(power_png(idle, idle, "a $ and $\\frac")), DRIVING) > 500
 
 

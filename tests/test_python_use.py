@@ -103,7 +103,7 @@ def drive() -> ncgear.Drive:
 REPRS = {
     "law": r"Law\(Transmission\(ratio 0\.4406 to 2\.055, 1:1 lobes, 4 pieces\) on CrankSlider\(crank_mm=380\.0, .*\)\)",
     "machine": r"Machine\(20 r/min, CrankSlider\(.*\),\n  Transmission\(.*\)\)",
-    "motion": r"SliderMotion\(2001 driving angles up to 360 deg\)",
+    "motion": r"OutputMotion\(2001 driving angles up to 360 deg\)",
     "check": r"KinematicCheck\(peaks at 20 r/min:\n  power 6315\.1 W at 202\.1 deg.*",
     "pitch": r"PitchPair\(external, a = 74\.885 mm, 25:25 teeth of module 3 mm\)",
     "teeth": r"ToothedPair\(cutter mate,\n  driving: ToothedGear\(25 teeth, .*\),\n  driven: ToothedGear\(25 .*\)\)",

@@ -29,7 +29,7 @@ from ncgear.drawings.page.page_charts import DIGITS, SIDE_RAD, PageChart, gear_c
 from ncgear.drawings.palette import style_of_colors
 from ncgear.drawings.plots import canvas
 from ncgear.files.manifest import MANIFEST
-from ncgear.kinematics.motion import SliderMotion
+from ncgear.kinematics.motion import OutputMotion
 
 PAGE = ROOT / "src" / "ncgear" / "drawings" / "page"
 CSS = style_of_colors() + (PAGE / "page.css").read_text(encoding="utf-8")
@@ -249,7 +249,7 @@ def error_of_straight_lines(of: PageChart, own: np.ndarray, angles_deg: np.ndarr
     return float(np.max(np.abs(between - own))) * 10.0**of.decimals
 
 
-def motion_at(name: str, angles_deg: np.ndarray) -> SliderMotion:
+def motion_at(name: str, angles_deg: np.ndarray) -> OutputMotion:
     return drives.drive(name).machine.motion(np.radians(angles_deg))
 
 
@@ -275,7 +275,7 @@ def test_even_samples_would_miss_the_jump() -> None:
     machine = drives.drive("baler").machine
     even, dead_centre = np.linspace(0.0, 2.0 * np.pi, 2001), machine.extended_rad
     angles = dead_centre + np.array([-2e-5, 2e-5])
-    missed = np.interp(angles, even, machine.motion(even).force_n) - machine.motion(angles).force_n
+    missed = np.interp(angles, even, machine.motion(even).load) - machine.motion(angles).load
     assert np.max(np.abs(missed)) > 1000.0
 
 

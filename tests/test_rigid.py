@@ -332,7 +332,7 @@ def test_a_narrow_peak_of_a_table_is_neither_passed_over_nor_missed_in_the_work(
     level = rigid_level(rigid)
     made = rigid.machine
     at = brentq(lambda phi1: made.displacement(np.array([phi1]), 0).value[0] - 400.25, 0.1, 3.0, xtol=1e-15)
-    push = 5000.0 + 1e-3 * made.motion(np.array([at])).acceleration_mm_s2[0]
+    push = 5000.0 + 1e-3 * made.motion(np.array([at])).acceleration[0]
     slant = np.hypot(1.0, rigid.at(np.array([at])).guide.value[0] / push)
     assert level.peaks.joints_n["wrist"].value == pytest.approx(push * slant, rel=1e-9)
     # The rod's slant changes at the peak, which moves the top of the wrist's force by 5e-9 rad

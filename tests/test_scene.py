@@ -58,8 +58,8 @@ def test_the_slider_moves_as_the_drive_says(name: str) -> None:
     found, motion = scene(name), drive_of(name).motion
     poses = found.poses(motion.phi1_rad)
     moved = poses.places["slider"].origin_mm[:, 0] - found.machine.linkage.nearest_mm
-    assert np.abs(moved - motion.displacement_mm).max() < rounding_mm(found)
-    assert np.array_equal(poses.motion.velocity_mm_s, motion.velocity_mm_s)
+    assert np.abs(moved - motion.displacement).max() < rounding_mm(found)
+    assert np.array_equal(poses.motion.velocity, motion.velocity)
 
 
 @every_geared
@@ -254,7 +254,7 @@ def test_a_force_on_the_way_back_has_its_material_behind_the_slider() -> None:
     back = found.poses(np.linspace(extended + 1e-9, found.machine.transmission.cycle_rad - 1e-9, 50))
     assert back.material_behind_mm[0] == pytest.approx(60.0, abs=1e-6)
     slider_back = back.places["slider"].origin_mm[:, 0] - found.chamber.face_mm
-    met = back.motion.displacement_mm < 60.0
+    met = back.motion.displacement < 60.0
     assert (slider_back - found.chamber.start_mm)[met] == pytest.approx(back.material_behind_mm[met], abs=1e-9)
     assert np.all((slider_back - found.chamber.start_mm)[~met] >= back.material_behind_mm[~met])
     assert scene("pump-1-2").chamber.behind_mm is None

@@ -107,13 +107,13 @@ def test_a_constant_crank_moves_the_yoke_harmonically() -> None:
     time = made.motion.phi1_rad / OMEGA
     position = RADIUS * (1.0 - np.cos(OMEGA * time))
     velocity = RADIUS * OMEGA * np.sin(OMEGA * time)
-    assert made.motion.displacement_mm == pytest.approx(position, abs=1e-10)
-    assert made.motion.velocity_mm_s == pytest.approx(velocity, abs=1e-10)
-    assert made.motion.acceleration_mm_s2 == pytest.approx(RADIUS * OMEGA**2 * np.cos(OMEGA * time), abs=1e-9)
+    assert made.motion.displacement == pytest.approx(position, abs=1e-10)
+    assert made.motion.velocity == pytest.approx(velocity, abs=1e-10)
+    assert made.motion.acceleration == pytest.approx(RADIUS * OMEGA**2 * np.cos(OMEGA * time), abs=1e-9)
     working = made.motion.phi1_rad < np.pi
     assert made.motion.power_w == pytest.approx(np.where(working, (400.0 + 3.0 * position) * velocity / 1000.0, 0.0))
-    assert made.check.peak_speed_mm_s.value == pytest.approx(RADIUS * OMEGA, rel=1e-12)
-    assert made.check.peak_acceleration_cycle_mm_s2.value == pytest.approx(RADIUS * OMEGA**2, rel=1e-12)
+    assert made.check.peak_speed.value == pytest.approx(RADIUS * OMEGA, rel=1e-12)
+    assert made.check.peak_acceleration_cycle.value == pytest.approx(RADIUS * OMEGA**2, rel=1e-12)
     work_j = (400.0 * 760.0 + 1.5 * 760.0**2) / 1000.0
     assert made.check.mean_power_w == pytest.approx(work_j * OMEGA / (2.0 * np.pi), rel=1e-12)
 
@@ -125,20 +125,20 @@ def test_every_law_closes_and_moves_the_yoke_as_its_crank_turns(law: str) -> Non
     q, speed, change = (driven.derivative(order) for order in range(3))
     assert q[-1] == pytest.approx(2.0 * np.pi, abs=1e-9)
     motion = made.machine.motion(np.linspace(0.0, 2.0 * np.pi, 500))
-    assert motion.displacement_mm == pytest.approx(RADIUS * (1.0 - np.cos(q)), abs=1e-9)
-    assert motion.velocity_mm_s == pytest.approx(RADIUS * np.sin(q) * speed * OMEGA, abs=1e-8)
+    assert motion.displacement == pytest.approx(RADIUS * (1.0 - np.cos(q)), abs=1e-9)
+    assert motion.velocity == pytest.approx(RADIUS * np.sin(q) * speed * OMEGA, abs=1e-8)
     expected = RADIUS * (np.cos(q) * speed**2 + np.sin(q) * change) * OMEGA**2
-    assert motion.acceleration_mm_s2 == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    assert motion.acceleration == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
 def test_a_stroke_turns_the_crank_as_its_displacement_asks() -> None:
     """x is the law's, whatever mechanism makes it, so that cos q = 1 - x/r; the segment of pressing is straight."""
     made, slider = drive("three_segment_stroke"), drive("three_segment_stroke", linkage="{crank_mm: 380, rod_mm: 960}")
     phi1 = np.linspace(0.0, 1.3 * np.pi, 400)
-    position = slider.machine.motion(phi1).displacement_mm
+    position = slider.machine.motion(phi1).displacement
     q = made.transmission.driven_angle(phi1).value
     assert np.cos(q) == pytest.approx(1.0 - position / RADIUS, abs=1e-12)
-    pressing = made.machine.motion(np.linspace(0.7, 1.0, 50) * np.pi).displacement_mm
+    pressing = made.machine.motion(np.linspace(0.7, 1.0, 50) * np.pi).displacement
     assert np.diff(pressing, 2) == pytest.approx(0.0, abs=1e-10)
     assert made.check.peak_power_w.value == pytest.approx(slider.check.peak_power_w.value, rel=1e-9)
 
@@ -381,4 +381,4 @@ def test_the_optimum_is_bounded_by_full_push_and_full_pull(run: Run) -> None:
     assert least * (1.0 - 1e-3) <= certificate["goal"]["limit"] <= 1.01 * least
     written = Drive(load(Path("o/yoke-optimized.yaml")).design)
     assert isinstance(written.linkage, ScotchYoke)
-    assert certificate["goal"]["limit"] <= written.check.peak_acceleration_cycle_mm_s2.value <= 1.1 * least
+    assert certificate["goal"]["limit"] <= written.check.peak_acceleration_cycle.value <= 1.1 * least

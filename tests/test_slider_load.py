@@ -173,16 +173,16 @@ def test_peak_and_mean_power_are_those_of_dense_samples(name: str, linkage: str)
     assert found.mean_power_w == pytest.approx(np.trapezoid(power, phi1) / (2.0 * pi), rel=1e-6)
     sampled = int(np.argmax(power))
     forth = bool(made.working(motion.phi2_rad[sampled : sampled + 1])[0])
-    at = float(motion.displacement_mm[sampled])
+    at = float(motion.displacement[sampled])
     against = by_hand(by_place[forth], LOADS[name].friction_n, at)
-    assert power[sampled] == pytest.approx(against * abs(motion.velocity_mm_s[sampled]) / 1000.0, rel=1e-12)
+    assert power[sampled] == pytest.approx(against * abs(motion.velocity[sampled]) / 1000.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", LOADS)
 def test_friction_and_force_take_power_on_both_ways(name: str) -> None:
     """Where nothing is negative and kept, power is nowhere below zero; with a wrong sign of the return it would be."""
     motion = machine(name).motion(np.linspace(0.0, 2.0 * pi, 2001))
-    signed = motion.force_n * motion.velocity_mm_s
+    signed = motion.load * motion.velocity
     if "kept" not in name:
         assert motion.power_w.min() >= -1e-12  # rounding of the end of the cycle
         assert signed.min() < 0.0  # control
@@ -256,13 +256,13 @@ def test_torque_is_that_of_virtual_work(name: str) -> None:
     extended = made.extended_rad
     phi1 = phi1[np.abs(phi1 - extended) > 1e-2]
     step = 1e-5
-    ahead, behind = (made.motion(phi1 + way).displacement_mm for way in (step, -step))
+    ahead, behind = (made.motion(phi1 + way).displacement for way in (step, -step))
     against = np.array(
         [
             by_hand(
                 LOADS[name].working if angle < extended else LOADS[name].returning, LOADS[name].friction_n, float(x)
             )
-            for angle, x in zip(phi1, made.motion(phi1).displacement_mm, strict=True)
+            for angle, x in zip(phi1, made.motion(phi1).displacement, strict=True)
         ]
     )
     expected = against * np.abs(ahead - behind) / (2.0 * step)
@@ -342,7 +342,7 @@ def test_no_law_is_below_the_limit_of_its_load(name: str) -> None:
     made = machine(name)
     low, high = made.transmission.ratio_range
     check = kinematic_check(made)
-    power, acceleration = check.peak_power_w.value, check.peak_acceleration_cycle_mm_s2.value
+    power, acceleration = check.peak_power_w.value, check.peak_acceleration_cycle.value
     asked = Demands(0.999 * low.value, 1.001 * high.value)
     task = Task(made.linkage, made.load, made.speed_rad_s)
     assert least_acceleration(task, replace(asked, power_w=1.0001 * power)).value <= acceleration

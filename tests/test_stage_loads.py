@@ -57,7 +57,7 @@ def power_of_the_slider(one: Drive, phi1: Array) -> Array:
     motion = one.machine.motion(phi1)
     mass = 0.0 if one.design.masses is None else one.design.masses.slider_kg
     # 1 kg mm/s2 is 1e-3 N.  Velocity and acceleration count the same way out, the force against the working stroke.
-    return motion.force_n * motion.velocity_mm_s + 1e-3 * mass * motion.acceleration_mm_s2 * motion.velocity_mm_s
+    return motion.load * motion.velocity + 1e-3 * mass * motion.acceleration * motion.velocity
 
 
 def passed_on(pair: Drive, angle: Array) -> tuple[Array, Array]:

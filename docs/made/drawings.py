@@ -47,7 +47,7 @@ def inversion() -> bytes:
     motion = pusher().motion
     phi2 = np.linspace(0.0, 2.0 * pi, 361)
     through = pusher().linkage.displacement(Jet.variable(phi2, 0)).value
-    wished.plot(np.degrees(motion.phi1_rad), motion.displacement_mm, color=DRIVING, linewidth=1.8)
+    wished.plot(np.degrees(motion.phi1_rad), motion.displacement, color=DRIVING, linewidth=1.8)
     linkage.plot(np.degrees(phi2), through, color=REFERENCE, linewidth=1.8)
     found.plot(np.degrees(motion.phi1_rad), np.degrees(motion.phi2_rad), color=DRIVEN, linewidth=1.8)
     dress(wished, "driving angle phi1 in deg", "displacement wished in mm")
@@ -66,7 +66,7 @@ def _follow(wished: Axes, linkage: Axes, found: Axes) -> None:
     motion = pusher().motion
     phi1, phi2, way = (
         float(np.interp(SHOWN_RAD, motion.phi1_rad, values))
-        for values in (np.degrees(motion.phi1_rad), np.degrees(motion.phi2_rad), motion.displacement_mm)
+        for values in (np.degrees(motion.phi1_rad), np.degrees(motion.phi2_rad), motion.displacement)
     )
     wished.plot([phi1, phi1, 360.0], [0.0, way, way], **DOTTED)
     linkage.plot([0.0, phi2, phi2], [way, way, 0.0], **DOTTED)

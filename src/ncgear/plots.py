@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import Chart
 from ncgear.drawings.charts.drawer import CONTACT_LOOK, MOTION_LOOK, Look, angle_scale, draw
-from ncgear.drawings.charts.slider_charts import ACCELERATION, DISPLACEMENT, FORCE, POWER, VELOCITY, slider_chart
+from ncgear.drawings.charts.slider_charts import Quantity, slider_chart
 from ncgear.drawings.plots.assembled_pair import (
     ZOOM_IN_MODULES,
     assembled_pitch_curves,
@@ -48,28 +48,28 @@ __all__ = [
 
 
 def displacement(drive: Drive, axes: Axes | None = None) -> Axes:
-    """The slider's displacement over the driving angle, beside the uniform crank."""
-    return _drawn(slider_chart(drive, DISPLACEMENT), MOTION_LOOK, axes)
+    """The output's displacement over the driving angle, beside the uniform crank."""
+    return _drawn(slider_chart(drive, Quantity.DISPLACEMENT), MOTION_LOOK, axes)
 
 
 def velocity(drive: Drive, axes: Axes | None = None) -> Axes:
-    """The slider's velocity over the driving angle, beside the uniform crank at the same speed."""
-    return _drawn(slider_chart(drive, VELOCITY), MOTION_LOOK, axes)
+    """The output's velocity over the driving angle, beside the uniform crank at the same speed."""
+    return _drawn(slider_chart(drive, Quantity.VELOCITY), MOTION_LOOK, axes)
 
 
 def acceleration(drive: Drive, axes: Axes | None = None) -> Axes:
-    """The slider's acceleration over the driving angle, beside the uniform crank at the same speed."""
-    return _drawn(slider_chart(drive, ACCELERATION), MOTION_LOOK, axes)
+    """The output's acceleration over the driving angle, beside the uniform crank at the same speed."""
+    return _drawn(slider_chart(drive, Quantity.ACCELERATION), MOTION_LOOK, axes)
 
 
 def force(drive: Drive, axes: Axes | None = None) -> Axes:
-    """The force against the slider over the driving angle, beside the uniform crank."""
-    return _drawn(slider_chart(drive, FORCE), MOTION_LOOK, axes)
+    """The force or torque against the output over the driving angle, beside the uniform crank."""
+    return _drawn(slider_chart(drive, Quantity.LOAD), MOTION_LOOK, axes)
 
 
 def power(drive: Drive, axes: Axes | None = None) -> Axes:
     """The driving power over the driving angle, beside the uniform crank at the same speed."""
-    return _drawn(slider_chart(drive, POWER), MOTION_LOOK, axes)
+    return _drawn(slider_chart(drive, Quantity.POWER), MOTION_LOOK, axes)
 
 
 def backlash(drive: Drive, axes: Axes | None = None) -> Axes:

@@ -1,8 +1,8 @@
 """The list of mechanisms: one line joins a mechanism's class to its keys in design files, and nothing else names it.
 
-The keys under ``linkage`` have the names of the lengths of the class.  If the list has several mechanisms, the key
-``linkage.kind`` tells which one a design has; without the key, it is the first.  Classes are imported where a mechanism
-is made, so that reading a design file loads no numerical library.
+The keys under ``linkage`` have the names of the lengths of the class.  The key ``linkage.kind`` tells which mechanism a
+design has; without the key, it is the first.  A design without ``linkage`` has gears by themselves.  Classes are
+imported where a mechanism is made, so that reading a design file loads no numerical library.
 """
 
 from __future__ import annotations
@@ -13,8 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.linkages import LeverKeys, RackKeys, RockerKeys, YokeKeys
-from ncgear.design.keys.machine import Linkage
-from ncgear.design.keys.masses import LeverMasses, Masses, RockerMasses, ShaftMasses, SlidingMasses
+from ncgear.design.keys.machine import Linkage, Load, NoLinkage, Resistance, RockerTorque, ShaftTorque, TurningLoad
+from ncgear.design.keys.masses import (
+    DrivenShaftMasses,
+    GearMasses,
+    LeverMasses,
+    Masses,
+    RockerMasses,
+    SlidingMasses,
+)
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
@@ -24,19 +31,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Entry:
-    """A mechanism of design files: a function that imports its class, and its keys under ``linkage`` and ``masses``.
+    """A mechanism of design files: a function that imports its class, and its keys under the groups of the file.
 
-    One key under ``linkage`` has the default None: its length follows if the law gives the stroke.
+    One key under ``linkage`` may have the default None: its length follows if the law gives the stroke.
     """
 
     load: Callable[[], type[Mechanism]]
     linkage: type[Model]
-    masses: type[ShaftMasses] = SlidingMasses
+    masses: type[GearMasses] = SlidingMasses
+    resistance: type[Load] = Resistance
 
     @property
-    def stroke_key(self) -> str:
-        """The key of the length that may be left out if the law gives the stroke."""
-        return next(name for name, field in self.linkage.model_fields.items() if field.default is None)
+    def stroke_key(self) -> str | None:
+        """The key of the length that may be left out if the law gives the stroke; None where no law gives it."""
+        return next((name for name, field in self.linkage.model_fields.items() if field.default is None), None)
+
+    @property
+    def turns(self) -> bool:
+        """Whether its output turns."""
+        return issubclass(self.resistance, TurningLoad)
 
     @property
     def needed_masses(self) -> list[str]:
@@ -74,12 +87,22 @@ def _rack_pinion() -> type[Mechanism]:
     return RackPinion
 
 
+def _driven_shaft() -> type[Mechanism]:
+    from ncgear.mechanisms.driven_shaft import DrivenShaft
+
+    return DrivenShaft
+
+
+NO_LINKAGE = "none"
+"""The name of gears by themselves."""
+
 MECHANISMS: dict[str, Entry] = {
     "crank_slider": Entry(_crank_slider, Linkage, Masses),
     "scotch_yoke": Entry(_scotch_yoke, YokeKeys),
-    "crank_rocker": Entry(_crank_rocker, RockerKeys, RockerMasses),
+    "crank_rocker": Entry(_crank_rocker, RockerKeys, RockerMasses, RockerTorque),
     "slotted_lever": Entry(_slotted_lever, LeverKeys, LeverMasses),
     "rack_pinion": Entry(_rack_pinion, RackKeys),
+    NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque),
 }
 """All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""
 
@@ -103,7 +126,7 @@ def lengths_of(linkage: Model) -> dict[str, Any]:
 def mechanism_of(linkage: Model) -> Mechanism:
     """The mechanism of a group of keys; raises WrongInput where a length is missing or the crank cannot turn."""
     entry, lengths = entry_of(linkage), lengths_of(linkage)
-    if lengths[entry.stroke_key] is None:
+    if entry.stroke_key is not None and lengths[entry.stroke_key] is None:
         key = f"linkage.{entry.stroke_key}"
         raise WrongInput("missing; only a stroke that is solved for gives the crank", key=key)
     return entry.load()(**lengths)
@@ -115,7 +138,7 @@ def mechanism_of_stroke(linkage: Model, stroke_mm: float) -> Mechanism:
     Raises WrongInput where the file also gives the crank, and where no crank gives that stroke.
     """
     entry, lengths = entry_of(linkage), lengths_of(linkage)
-    crank_mm = lengths.pop(entry.stroke_key)
+    crank_mm = lengths.pop(entry.stroke_key) if entry.stroke_key is not None else None
     if crank_mm is not None:
         raise WrongInput(
             f"{crank_mm:g} mm is given, but the crank follows from the stroke that is solved for; leave it out",
@@ -134,6 +157,8 @@ def mechanisms_of(linkages: Sequence[Model]) -> Mechanisms[Array]:
 
 
 def kind_named(linkage: Any) -> str:
-    """The name, as in the file, of the mechanism that the group ``linkage`` asks for."""
+    """The name, as in the file, of the mechanism that the group ``linkage`` asks for; none is left out."""
+    if linkage is None:
+        return NO_LINKAGE
     kind = linkage.get("kind") if isinstance(linkage, Mapping) else None
     return kind if isinstance(kind, str) else next(iter(MECHANISMS))

@@ -43,13 +43,13 @@ def pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
     module = drive.pitch.size.module_mm
     motion, load = ([slider_chart(drive, quantity) for quantity in quantities] for quantities in (MOTION, LOAD))
     motions = drive.motion, drive.uniform_motion
-    load_pairs = [(chart, over_displacement(chart, motions)) for chart in load]
+    load_pairs = [(chart, over_displacement(chart, drive.linkage.OUTPUT, motions)) for chart in load]
     return {
         "pitch_curves.png": pitch_curves_png(*assembled_pitch_curves(drive), f"{pair}: pitch curves at phi1 = 0"),
         "tooth_pair.png": teeth_png(assembled_teeth(drive), module, positions, f"{pair}: tooth outlines in mesh"),
         "motion.png": column_png(motion, titled(drive, "motion"), MOTION_LOOK, MOTION_COLUMN),
         "contact.png": _contact_picture(drive, contact, f"{pair}: contact of the teeth"),
-        "power.png": beside_png(load_pairs, titled(drive, "force and power")),
+        "power.png": beside_png(load_pairs, titled(drive, f"{drive.linkage.OUTPUT.load_name} and power")),
     }
 
 

@@ -34,9 +34,12 @@ def quasi_static_pictures(drive: Drive, rigid_n_m: Array) -> dict[str, bytes]:
 
 def dynamic_pictures(drive: Drive, shown: History, apart_rad: Array) -> dict[str, bytes]:
     """The pictures of the dynamic level; in the stretches ``apart_rad`` (shape (k, 2)) no pushing flanks touch."""
-    apart = np.degrees(apart_rad)
+    apart, output = np.degrees(apart_rad), drive.linkage.OUTPUT
     charts = {
-        "slider_motion.png": (simulation_charts.slider_in_time(shown, apart), "slider"),
+        f"{output.name.replace(' ', '_')}_motion.png": (
+            simulation_charts.output_in_time(shown, output, apart),
+            output.name,
+        ),
         "tooth_force.png": (simulation_charts.teeth_in_time(shown, apart), "teeth and torque"),
         "bearing_forces.png": (simulation_charts.bearings_in_time(drive, shown, apart), "bearings"),
     }

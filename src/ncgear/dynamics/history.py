@@ -21,11 +21,11 @@ PER_TURN = 2000
 
 @dataclass(frozen=True, eq=False)
 class Slide:
-    """The slider's displacement in mm, velocity in mm/s and acceleration in mm/s^2, shape (n,) each."""
+    """Displacement, velocity and acceleration of the output, shape (n,) each, in units of ``OutputMotion``."""
 
-    displacement_mm: Array
-    velocity_mm_s: Array
-    acceleration_mm_s2: Array
+    displacement: Array
+    velocity: Array
+    acceleration: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,10 +37,10 @@ class MotionPeaks:
     ``forces_n`` are the forces in the joints and between the teeth, by their names.
     """
 
-    displacement_error_mm: Peak
-    velocity_error_mm_s: Peak
-    acceleration_mm_s2: Peak
-    law_acceleration_mm_s2: Peak
+    displacement_error: Peak
+    velocity_error: Peak
+    acceleration: Peak
+    law_acceleration: Peak
     pushing_n: Peak
     back_n: Peak
     most_torque_n_mm: Peak
@@ -76,10 +76,10 @@ FORCE = " force"
 def _sizes(shown: History) -> dict[str, Array]:
     """What peaks are sought of, shape (n,) each; the least torque with the other sign."""
     return {
-        "displacement_error_mm": np.abs(shown.slide.displacement_mm - shown.law.displacement_mm),
-        "velocity_error_mm_s": np.abs(shown.slide.velocity_mm_s - shown.law.velocity_mm_s),
-        "acceleration_mm_s2": np.abs(shown.slide.acceleration_mm_s2),
-        "law_acceleration_mm_s2": np.abs(shown.law.acceleration_mm_s2),
+        "displacement_error": np.abs(shown.slide.displacement - shown.law.displacement),
+        "velocity_error": np.abs(shown.slide.velocity - shown.law.velocity),
+        "acceleration": np.abs(shown.slide.acceleration),
+        "law_acceleration": np.abs(shown.law.acceleration),
         "pushing_n": shown.pushing_n,
         "back_n": shown.back_n,
         "most_torque_n_mm": shown.torque_n_mm,

@@ -5,36 +5,66 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable, Sequence
 from io import StringIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from ncgear.figures.numbers import finite
-from ncgear.kinematics.motion import SliderMotion
+from ncgear.kinematics.motion import OutputMotion
+from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array, IndexArray
 
 if TYPE_CHECKING:
     from ncgear.contact.pair import PairContact
 
-LAW_COLUMNS = (
-    "phi1_rad",
-    "phi2_rad",
-    "ratio",
-    "displacement_mm",
-    "velocity_mm_s",
-    "acceleration_mm_s2",
-    "force_n",
-    "power_w",
-)
 OUTLINE_COLUMNS = ("x_mm", "y_mm")
 
 
-def law_csv(motion: SliderMotion) -> str:
+def law_csv(motion: OutputMotion, output: Output) -> str:
     """The motion law over one turn, one row per driving angle, columns named with their units.
 
-    Raises ValueError when a column holds something other than finite numbers, or columns differ in length.
+    Places of an output that turns are in rad there, its torques in N m.  Raises ValueError when a column holds something
+    other than finite numbers, or columns differ in length.
     """
-    return csv_text(LAW_COLUMNS, [getattr(motion, name) for name in LAW_COLUMNS])
+    columns = {
+        "phi1_rad": motion.phi1_rad,
+        "phi2_rad": motion.phi2_rad,
+        "ratio": motion.ratio,
+        **motion_columns(motion, output),
+        **load_column(motion, output),
+        "power_w": motion.power_w,
+    }
+    return csv_text(list(columns), list(columns.values()))
+
+
+class Moved(Protocol):
+    """Places, velocities and accelerations of an output, shape (n,) each."""
+
+    @property
+    def displacement(self) -> Array:
+        """Places in mm or rad."""
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities in mm/s or rad/s."""
+
+    @property
+    def acceleration(self) -> Array:
+        """Accelerations in mm/s^2 or rad/s^2."""
+
+
+def motion_columns(motion: Moved, output: Output) -> dict[str, Array]:
+    """Places, velocities and accelerations by names that end in their units."""
+    return {
+        "displacement_rad" if output.angular else "displacement_mm": motion.displacement,
+        f"velocity_{output.speed.ending}": motion.velocity,
+        f"acceleration_{output.acceleration.ending}": motion.acceleration,
+    }
+
+
+def load_column(motion: OutputMotion, output: Output) -> dict[str, Array]:
+    """The load by its name, which ends in its unit."""
+    return {f"{output.load_name}_{output.load.ending}": motion.load * output.load.factor}
 
 
 def outline_csv(outline_mm: Array) -> str:

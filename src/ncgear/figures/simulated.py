@@ -21,6 +21,9 @@ from ncgear.dynamics.peaks import MotionPeaks, Peak, motion_peaks
 from ncgear.dynamics.rigid import Loads, Rigid
 from ncgear.dynamics.touching import parted_s, pushing_parted_s
 from ncgear.errors import NoSuchMechanism
+from ncgear.figures.csv_text import load_column, motion_columns
+from ncgear.figures.summary.check_summary import uniform_key
+from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.plane import Vector
@@ -34,10 +37,12 @@ KG_M2 = 1e-6
 
 def rigid_table(drive: Drive, own: Loads, uniform: Loads) -> dict[str, Array]:
     """The motion, the loads of the design's own machine, and those of the uniform crank."""
-    motion = drive.motion
-    names = "phi1_rad", "phi2_rad", "displacement_mm", "velocity_mm_s", "acceleration_mm_s2", "force_n"
+    motion, output = drive.motion, drive.linkage.OUTPUT
     return {
-        **{name: getattr(motion, name) for name in names},
+        "phi1_rad": motion.phi1_rad,
+        "phi2_rad": motion.phi2_rad,
+        **motion_columns(motion, output),
+        **load_column(motion, output),
         **_load_columns(own),
         **{f"uniform_{name}": column for name, column in _load_columns(uniform).items()},
     }
@@ -70,7 +75,7 @@ def rigid_figures(drive: Drive) -> dict[str, Any]:
         **_about(drive, Level.RIGID),
         "masses": _masses(drive),
         "this_design": _loads(drive.rigid, design.masses.flywheel.speed_fluctuation),
-        "uniform_crank": _loads(drive.uniform_rigid, design.masses.flywheel.speed_fluctuation),
+        uniform_key(drive): _loads(drive.uniform_rigid, design.masses.flywheel.speed_fluctuation),
     }
 
 
@@ -189,11 +194,11 @@ def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:
     }
 
 
-def dynamic_table(history: History) -> dict[str, Array]:
+def dynamic_table(history: History, output: Output) -> dict[str, Array]:
     """The motion in time, the motion by the law, and the forces between the teeth and in the joints."""
     columns = {"time_s": history.time_s, "phi1_rad": history.phi1_rad, "phi2_rad": history.phi2_rad}
     for prefix, slide in (("", history.slide), ("law_", history.law)):
-        columns.update({f"{prefix}{name}": values for name, values in vars(slide).items()})
+        columns.update({f"{prefix}{name}": values for name, values in motion_columns(slide, output).items()})
     joints: dict[str, Array] = {}
     for name, force in history.forces.items():
         joints.update({f"{name}_x_n": force.x, f"{name}_y_n": force.y})
@@ -210,15 +215,17 @@ def dynamic_table(history: History) -> dict[str, Array]:
 
 def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
     """The slider beside its law, the bearings, and the teeth, with the driving angle of each peak."""
-    course, work = drive.course, drive.course.states[4:, -1]
+    course, work, output = drive.course, drive.course.states[4:, -1], drive.linkage.OUTPUT
     pushing_parted, parted = pushing_parted_s(course), parted_s(course)
     return {
         **_about(drive, Level.DYNAMIC),
-        "slider": {
-            **_peak_at("largest_displacement_error", "mm", peaks.displacement_error_mm),
-            **_peak_at("largest_velocity_error", "mm_s", peaks.velocity_error_mm_s),
-            **_peak_at("peak_acceleration", "mm_s2", peaks.acceleration_mm_s2),
-            **_peak_at("peak_acceleration_of_law", "mm_s2", peaks.law_acceleration_mm_s2),
+        output.name.replace(" ", "_"): {
+            **_peak_at(
+                "largest_displacement_error", output.place.ending, peaks.displacement_error, output.place.factor
+            ),
+            **_peak_at("largest_velocity_error", output.speed.ending, peaks.velocity_error),
+            **_peak_at("peak_acceleration", output.acceleration.ending, peaks.acceleration),
+            **_peak_at("peak_acceleration_of_law", output.acceleration.ending, peaks.law_acceleration),
         },
         "bearings": {
             key: value
@@ -256,12 +263,13 @@ BAND_ACCURACY = 1e-5
 
 def _motion_with(drive: Drive, factor: float) -> dict[str, float | None]:
     """The peaks of the motion if all pairs were as many times as stiff; None where it cannot be followed."""
-    names = "peak_pushing_force_n", "peak_back_force_n", "peak_mesh_force_n", "peak_acceleration_mm_s2"
+    acceleration = f"peak_acceleration_{drive.linkage.OUTPUT.acceleration.ending}"
+    names = "peak_pushing_force_n", "peak_back_force_n", "peak_mesh_force_n", acceleration
     try:
         peaks = motion_peaks(drive.course_with(factor, BAND_ACCURACY), drive.rigid.machine)
     except NoSuchMechanism:
         return {"stiffness_factor": factor, **dict.fromkeys(names)}
-    found = peaks.pushing_n, peaks.back_n, peaks.forces_n["mesh"], peaks.acceleration_mm_s2
+    found = peaks.pushing_n, peaks.back_n, peaks.forces_n["mesh"], peaks.acceleration
     return {"stiffness_factor": factor, **{name: peak.value for name, peak in zip(names, found, strict=True)}}
 
 

@@ -23,9 +23,10 @@ BEST = 5
 """Number of designs that the text lists for each figure."""
 
 RANKED = {
-    "least acceleration": "check.peak_acceleration_cycle_mm_s2",
-    "least power": "check.peak_power_w",
+    "least acceleration": "check.peak_acceleration_cycle_",
+    "least power": "check.peak_power_",
 }
+"""How the names begin of the figures that the best designs have least of; they end in the unit."""
 
 WIDTH, COUNT_WIDTH = 110, 7
 
@@ -44,10 +45,15 @@ def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path],
     made = int(found.made.sum())
     blocks = [f"{len(found.made)} designs, of which {made} can be made"]
     if made:
-        blocks += [_best(title, figure, varied, found) for title, figure in RANKED.items()]
+        blocks += [_best(title, figure, varied, found) for title, figure in _ranked(found).items()]
     if made < len(found.made):
         blocks.append("\n".join(["Refused", *_refused(varied, found)]))
     return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
+
+
+def _ranked(found: Screened) -> dict[str, str]:
+    """The figures that the best designs have least of, in the units of what moves."""
+    return {title: name for title, start in RANKED.items() for name in found.figures if name.startswith(start)}
 
 
 def _values(varied: Sequence[Varied]) -> list[tuple[float, ...]]:
@@ -59,7 +65,7 @@ def _order(figure: str, found: Screened) -> IndexArray:
 
     Rows whose figure shows the same digits, such as laws with one working stroke, are ordered by the other figures.
     """
-    others = [found.figures[name] for name in RANKED.values() if name != figure]
+    others = [found.figures[name] for name in _ranked(found).values() if name != figure]
     read = np.array([float(shown(float(value))) for value in found.figures[figure]])
     return np.lexsort((*others, read))[:BEST]
 
@@ -68,9 +74,12 @@ def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) ->
     """A table of the designs with the least of a figure."""
     order = _order(figure, found)
     values, numbers = _values(varied), found.numbers
-    heads = [*(one.key for one in varied), *RANKED.values()]
+    heads = [*(one.key for one in varied), *_ranked(found).values()]
     lines = [
-        [*map(shown, values[numbers[number]]), *(shown(float(found.figures[name][number])) for name in RANKED.values())]
+        [
+            *map(shown, values[numbers[number]]),
+            *(shown(float(found.figures[name][number])) for name in heads[len(varied) :]),
+        ]
         for number in order.tolist()
     ]
     return "\n".join([f"Best by {title}", *aligned([heads, *lines])])

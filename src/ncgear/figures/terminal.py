@@ -56,7 +56,7 @@ TITLES = {
 ELSEWHERE = ("motion", "wishes", "comparison", "warnings", "remarks", "timing_s")
 """Keys of a summary that are not written as sections."""
 
-SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank"}
+SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank", "even_gears": "even gears"}
 """Keys of sections that are written side by side, and their heads."""
 
 COMPARED_LABELS = {
@@ -65,9 +65,16 @@ COMPARED_LABELS = {
     "mean_power_w": "mean power",
     "peak_acceleration_cycle_mm_s2": "peak accel., cycle",
     "peak_speed_mm_s": "peak speed",
+    "peak_acceleration_cycle_rad_s2": "peak accel., cycle",
+    "peak_speed_rad_s": "peak speed",
 }
-COMPARED = {key: Column(label, label_and_unit(key)[1]) for key, label in COMPARED_LABELS.items()}
-"""Columns of a comparison of mechanisms by key of its rows."""
+
+
+def compared_columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, Column]:
+    """The columns of a comparison of mechanisms by key of its rows, in the units of what they move."""
+    keys = [key for key in COMPARED_LABELS if any(key in row for row in rows)]
+    return {key: Column(COMPARED_LABELS[key], label_and_unit(key)[1]) for key in keys}
+
 
 SAME_SPEED = "Comparison at equal driving speed"
 MIXED_SPEEDS = "At other driving speeds: mixes speeds, so this proves nothing about equal productivity"
@@ -179,7 +186,7 @@ def _indented(line: str) -> list[str]:
 def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
     """One block of lines for the mechanisms at equal speed, and one for mechanisms at other speeds.
 
-    Each row has ``name``, the keys of COMPARED (None where unknown), ``same_speed`` and ``note``.
+    Each row has ``name``, keys of COMPARED_LABELS (None where unknown), ``same_speed`` and ``note``.
     """
     name_width = max((len(line) for row in rows for line in _name_lines(row)), default=0)
     blocks = []
@@ -192,12 +199,13 @@ def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
 
 def _compared(rows: Sequence[Mapping[str, Any]], name_width: int) -> list[str]:
     """The lines of a comparison; long names continue below themselves, and notes are below their rows."""
+    columns = compared_columns(rows)
     cells = [
-        ["", *(column.label for column in COMPARED.values())],
-        ["", *(column.unit for column in COMPARED.values())],
-        *([_name_lines(row)[0], *(shown(row.get(key)) for key in COMPARED)] for row in rows),
+        ["", *(column.label for column in columns.values())],
+        ["", *(column.unit for column in columns.values())],
+        *([_name_lines(row)[0], *(shown(row.get(key)) for key in columns)] for row in rows),
     ]
-    table = aligned(cells, left=1, least=[name_width, *[LEAST_WIDTH] * len(COMPARED)])
+    table = aligned(cells, left=1, least=[name_width, *[LEAST_WIDTH] * len(columns)])
     lines, indent = table[:2], " " * 6
     for row, line in zip(rows, table[2:], strict=True):
         note = wrap(row.get("note") or "", WIDTH, initial_indent=indent, subsequent_indent=indent)

@@ -19,6 +19,7 @@ from ncgear.kinematics.wishes import (
     Wish,
     WorkingStroke,
 )
+from ncgear.mechanisms.mechanism import Mechanism
 
 DIGITS = 4
 """Significant digits of what is achieved; what is missed has three."""
@@ -47,38 +48,40 @@ SCALES: dict[type[Wish], Scale] = {
 }
 
 
-def motion_line(found: Achieved, stroke_mm: float) -> str:
+def motion_line(found: Achieved, linkage: Mechanism) -> str:
     """What a motion achieves, in one line."""
-    even = found.even[Stroke.WORKING].length_mm
+    even, place = found.even[Stroke.WORKING].length_mm, linkage.OUTPUT.place
+    share, near = to_digits(100.0 * even / linkage.stroke_mm, 3), to_digits(place.factor * found.near_mm, 6)
     dwells = ", ".join(f"{to_digits(degrees(found.dwell_rad[end]), 3)} deg {end.value}" for end in reversed(End))
     return (
-        f"constant within {100.0 * EVEN:g} % over {to_digits(even, 3)} mm, {to_digits(100.0 * even / stroke_mm, 3)} % "
-        f"of the stroke; time ratio {to_digits(found.time_ratio, 3)}; dwell within {found.near_mm:g} mm for {dwells}"
+        f"constant within {100.0 * EVEN:g} % over {to_digits(place.factor * even, 3)} {place.text}, {share} % of the "
+        f"stroke; time ratio {to_digits(found.time_ratio, 3)}; dwell within {near} {place.text} for {dwells}"
     )
 
 
-def motion_summary(found: Achieved, stroke_mm: float) -> dict[str, Any]:
+def motion_summary(found: Achieved, linkage: Mechanism) -> dict[str, Any]:
     """The figures of ``motion_line`` and those of the return, by keys that end in their unit."""
-    even = {f"even_{stroke.value}": _even(found, stroke, stroke_mm) for stroke in Stroke}
+    even, place = {f"even_{stroke.value}": _even(found, stroke, linkage) for stroke in Stroke}, linkage.OUTPUT.place
     dwells = {f"dwell_{end.value}_deg": degrees(found.dwell_rad[end]) for end in End}
     return {
-        "in_words": motion_line(found, stroke_mm),
+        "in_words": motion_line(found, linkage),
         "even_within_percent": 100.0 * EVEN,
         **even,
         "time_ratio": found.time_ratio,
-        "dwell_within_mm": found.near_mm,
+        f"dwell_within_{place.ending}": place.factor * found.near_mm,
         **dwells,
     }
 
 
-def _even(found: Achieved, stroke: Stroke, stroke_mm: float) -> dict[str, float]:
-    stretch = found.even[stroke]
+def _even(found: Achieved, stroke: Stroke, linkage: Mechanism) -> dict[str, float]:
+    stretch, output = found.even[stroke], linkage.OUTPUT
+    unit, factor = output.place.ending, output.place.factor
     return {
-        "length_mm": stretch.length_mm,
-        "length_percent": 100.0 * stretch.length_mm / stroke_mm,
-        "from_mm": min(stretch.start_mm, stretch.end_mm),
-        "to_mm": max(stretch.start_mm, stretch.end_mm),
-        "speed_mm_s": stretch.speed_mm_s,
+        f"length_{unit}": factor * stretch.length_mm,
+        "length_percent": 100.0 * stretch.length_mm / linkage.stroke_mm,
+        f"from_{unit}": factor * min(stretch.start_mm, stretch.end_mm),
+        f"to_{unit}": factor * max(stretch.start_mm, stretch.end_mm),
+        f"speed_{output.speed.ending}": stretch.speed_mm_s,
     }
 
 
@@ -104,9 +107,9 @@ def wish_line(row: dict[str, Any]) -> str:
     return f"{'kept' if row['kept'] else 'missed'}: {row['in_words']}"
 
 
-def achieved_lines(found: Achieved, stroke_mm: float) -> list[str]:
+def achieved_lines(found: Achieved, linkage: Mechanism) -> list[str]:
     """What a motion achieves in one line, and then one line for each wish."""
-    return [motion_line(found, stroke_mm), *map(wish_line, wish_rows(found))]
+    return [motion_line(found, linkage), *map(wish_line, wish_rows(found))]
 
 
 def outcome_line(outcome: Outcome) -> str:

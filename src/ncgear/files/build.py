@@ -130,7 +130,7 @@ def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, by
             getattr(drive, attribute)
     with _timed(drive, "files", on_step):
         files = {
-            "law.csv": law_csv(drive.motion).encode(),
+            "law.csv": law_csv(drive.motion, drive.linkage.OUTPUT).encode(),
             "driving.csv": outline_csv(drive.teeth.driving.outline_mm).encode(),
             "driven.csv": outline_csv(drive.teeth.driven.outline_mm).encode(),
             "pitch.csv": pitch_csv(drive).encode(),

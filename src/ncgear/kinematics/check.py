@@ -10,6 +10,7 @@ from math import degrees, fsum
 import numpy as np
 
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
+from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import NO_KNOTS, Extremum, extremes
 from ncgear.numerics.jet import Jet
@@ -18,24 +19,27 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 
 @dataclass(frozen=True)
 class KinematicCheck:
-    """Peaks over one cycle of the slider, each with the driving angle at which it occurs.
+    """Peaks over one cycle of the output, each with the driving angle at which it occurs.
 
-    Accelerations are magnitudes; ``working`` means from the retracted to the extended dead centre.
+    Speeds and accelerations are in mm/s and mm/s^2, or in rad/s and rad/s^2 where the output turns.  Accelerations are
+    magnitudes; ``working`` means from the retracted to the extended dead centre, or all of the cycle of an output that
+    never returns.
     """
 
+    output: Output
     speed_rpm: float
     peak_power_w: Extremum
     mean_power_w: float
-    peak_speed_mm_s: Extremum
-    peak_acceleration_working_mm_s2: Extremum
-    peak_acceleration_cycle_mm_s2: Extremum
+    peak_speed: Extremum
+    peak_acceleration_working: Extremum
+    peak_acceleration_cycle: Extremum
 
     def __repr__(self) -> str:
         rows = (
             f"power {_at(self.peak_power_w, 'W')}, on average {self.mean_power_w:.4g} W",
-            f"speed {_at(self.peak_speed_mm_s, 'mm/s')}",
-            f"acceleration {_at(self.peak_acceleration_cycle_mm_s2, 'mm/s2')}",
-            f"acceleration of the working stroke {_at(self.peak_acceleration_working_mm_s2, 'mm/s2')}",
+            f"speed {_at(self.peak_speed, self.output.speed.text)}",
+            f"acceleration {_at(self.peak_acceleration_cycle, self.output.acceleration.text)}",
+            f"acceleration of the working stroke {_at(self.peak_acceleration_working, self.output.acceleration.text)}",
         )
         return f"KinematicCheck(peaks at {self.speed_rpm:.4g} r/min:\n  " + "\n  ".join(rows) + ")"
 
@@ -46,17 +50,19 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     cycle = stretches(machine)
     working = [stretch for stretch in cycle if stretch.working]
     returning = [stretch for stretch in cycle if not stretch.working]
-    accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in (working, returning)]
+    halves = [half for half in (working, returning) if half]
+    accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in halves]
     acceleration = max(accelerations, key=lambda extremum: extremum.value)
     speed = _peak(cycle, Jet.differentiated)
     work_j = machine.load.cycle_work_n_mm(machine.linkage.stroke_mm) / 1000.0
     return KinematicCheck(
+        output=machine.linkage.OUTPUT,
         speed_rpm=omega / RAD_S_PER_RPM,
         peak_power_w=_scaled(_peak_power(machine, cycle), omega / 1000.0),
         mean_power_w=work_j * omega / machine.transmission.cycle_rad,
-        peak_speed_mm_s=_scaled(speed, omega),
-        peak_acceleration_working_mm_s2=_scaled(accelerations[0], omega**2),
-        peak_acceleration_cycle_mm_s2=_scaled(acceleration, omega**2),
+        peak_speed=_scaled(speed, omega),
+        peak_acceleration_working=_scaled(accelerations[0], omega**2),
+        peak_acceleration_cycle=_scaled(acceleration, omega**2),
     )
 
 

@@ -28,21 +28,25 @@ from ncgear.ratio.transmission import CLOSED, Piece, Transmission
 
 
 @dataclass(frozen=True, eq=False)
-class SliderMotion:
-    """Samples over the driving angle, all of shape (n,); the force is the one against the motion, on both strokes."""
+class OutputMotion:
+    """Samples over the driving angle, all of shape (n,); the load is the one against the motion, on both strokes.
+
+    Places, speeds, accelerations and loads are in mm, mm/s, mm/s^2 and N, or in rad, rad/s, rad/s^2 and N mm where the
+    mechanism's output turns.
+    """
 
     phi1_rad: Array
     phi2_rad: Array
     ratio: Array
-    displacement_mm: Array
-    velocity_mm_s: Array
-    acceleration_mm_s2: Array
-    force_n: Array
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+    load: Array
     power_w: Array
 
     def __repr__(self) -> str:
         last = float(np.degrees(self.phi1_rad[-1]))
-        return f"SliderMotion({self.phi1_rad.size} driving angles up to {last:.4g} deg)"
+        return f"OutputMotion({self.phi1_rad.size} driving angles up to {last:.4g} deg)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +67,9 @@ class Machine:
 
     @cached_property
     def extended_rad(self) -> float:
-        """Driving angle in the first cycle at which the slider is at its extended dead centre."""
+        """Driving angle in the first cycle at which the working stroke ends: all of it where the output never returns."""
+        if not self.linkage.RETURNS:
+            return self.transmission.cycle_rad
         return float(self.driving_angles(np.array([self.linkage.working_angle_rad]))[0])
 
     def driving_angles(self, crank_rad: Array) -> Array:
@@ -85,23 +91,25 @@ class Machine:
         A dead centre belongs to the stroke that follows.  It counts as reached where the law misses it by no more than
         CLOSED, the closure error that a law may have.
         """
+        if not self.linkage.RETURNS:
+            return np.ones(phi2.shape, dtype=bool)
         return np.mod(phi2 + CLOSED, 2.0 * pi) < self.linkage.working_angle_rad
 
-    def motion(self, phi1: Array) -> SliderMotion:
+    def motion(self, phi1: Array) -> OutputMotion:
         """The motion at driving angles in rad, shape (n,)."""
         driven = self.transmission.driven_angle(phi1, 2)
         displacement = self.linkage.displacement(driven)
         velocity = displacement.derivative(1) * self.speed_rad_s
         returning = ~self.working(driven.value)
         force = self.load.against_n(displacement.value, returning)
-        return SliderMotion(
+        return OutputMotion(
             phi1_rad=phi1,
             phi2_rad=driven.value,
             ratio=1.0 / driven.derivative(1),
-            displacement_mm=displacement.value,
-            velocity_mm_s=velocity,
-            acceleration_mm_s2=displacement.derivative(2) * self.speed_rad_s**2,
-            force_n=force,
+            displacement=displacement.value,
+            velocity=velocity,
+            acceleration=displacement.derivative(2) * self.speed_rad_s**2,
+            load=force,
             power_w=np.where(returning, 0.0 - force, force) * velocity / 1000.0,
         )
 

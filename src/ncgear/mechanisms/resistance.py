@@ -204,6 +204,8 @@ NO_JUMP = 1e-9
 class FormulaResistance(Resistance):
     """Force in N as an expression in ``x``; it may have corners, as ``max`` makes them, but no jumps.
 
+    Of an output that is ``turning`` the expression is a torque in N m over the angle in rad.
+
     Raises WrongInput for what is no expression, or no continuous function over the stroke, smooth but for corners;
     ``key`` is the one of the design file that it names.
     """
@@ -211,10 +213,11 @@ class FormulaResistance(Resistance):
     text: str
     keep_negative: bool = False
     key: str = "resistance.expression_n"
+    turning: bool = False
 
     @cached_property
     def _formula(self) -> Formula:
-        return composed(self.text, self.key, "x")
+        return composed(f"1000*({self.text})" if self.turning else self.text, self.key, "x")
 
     def fitted_n(self, displacement: Jet) -> Jet:
         """The expression itself, with derivatives."""
@@ -252,30 +255,28 @@ class _Forms:
 @lru_cache(maxsize=16)
 def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
     text = resistance.text if len(resistance.text) <= SHOWN else f"{resistance.text[:SHOWN]}..."
-    right = f"one over the whole stroke, 0 to {stroke_mm:g} mm, or a table, is right"
+    place, load, factor = ("rad", "N m", 1e-3) if resistance.turning else ("mm", "N", 1.0)
+    right = f"one over the whole stroke, 0 to {stroke_mm:g} {place}, or a table, is right"
     try:
         parts = smooth_parts(resistance._formula, 0.0, stroke_mm)
         forces = [proven(part, start, end) for start, end, part in parts]
         slopes = [slope for start, end, part in parts for slope in _slopes(part, start, end)]
     except NotSmooth as fault:
-        problem = (
-            f"{text!r} is no smooth function near x = {fault.at:.6g} mm, or changes there faster than can be followed"
-        )
+        problem = f"{text!r} is no smooth function near x = {fault.at:.6g} {place}, or changes there faster than can be followed"
         raise WrongInput(f"{problem}; {right}", key=resistance.key) from fault
     corners = np.array([start for start, _, _ in parts[1:]])
     whole = joined(forces)
     for corner, before, after in zip(corners, forces, forces[1:], strict=False):
         low, high = before.final, float(after(np.array([corner]))[0])
         if not abs(high - low) <= NO_JUMP * np.abs(whole.coefficients).max():
-            raise WrongInput(
-                f"{text!r} jumps from {low:.6g} to {high:.6g} N at x = {corner:.6g} mm; {right}", key=resistance.key
-            )
+            jump = f"from {factor * low:.6g} to {factor * high:.6g} {load} at x = {corner:.6g} {place}"
+            raise WrongInput(f"{text!r} jumps {jump}; {right}", key=resistance.key)
     steepest = max(slope.steepest for slope in slopes)
     turns = np.unique(np.concatenate([corners, *(slope.turns_mm(steepest) for slope in slopes)]))
     # Forms that meet at a turn may both have it.
     turns = turns[np.diff(turns, prepend=-np.inf) > SAME * stroke_mm]
     if turns.size > MOST_TURNS:
-        problem = f"{text!r} turns up or down {turns.size} times over the stroke of {stroke_mm:g} mm"
+        problem = f"{text!r} turns up or down {turns.size} times over the stroke of {stroke_mm:g} {place}"
         raise WrongInput(f"{problem}; at most {MOST_TURNS} turns are followed", key=resistance.key)
     panels = np.unique(np.concatenate([slope.at_mm(slope.form.breaks) for slope in slopes]))
     return _Forms(whole, turns, within(panels, stroke_mm))

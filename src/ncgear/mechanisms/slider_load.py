@@ -30,12 +30,15 @@ class SliderLoad:
     """What acts against the slider: ``working`` on its way out, ``returning`` on its way back, ``friction_n`` on both.
 
     ``returning`` in the arguments of methods says which stroke is meant: true on the way back.  Displacements are in mm
-    from the retracted end.  Raises WrongInput for a friction that is negative or not finite.
+    from the retracted end.  ``repeats_after`` is the way after which the load begins again, for an output that goes on
+    and on; stretches of that way are counted from 0 to it.  Raises WrongInput for a friction that is negative or not
+    finite.
     """
 
     working: Resistance = NO_RESISTANCE
     returning: Resistance = NO_RESISTANCE
     friction_n: float = 0.0
+    repeats_after: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.friction_n < inf:
@@ -56,9 +59,16 @@ class SliderLoad:
 
         It is negative only where a resistance keeps its negative values and drives the slider.
         """
-        there = np.asarray(displacement_mm, dtype=float)
+        there = self._within(np.asarray(displacement_mm, dtype=float))
         force: Array = np.where(returning, self.returning.force_n(there), self.working.force_n(there)) + self.friction_n
         return force
+
+    def _within(self, displacement: Array) -> Array:
+        """The displacement within the way after which the load repeats."""
+        if self.repeats_after is None:
+            return displacement
+        there: Array = np.mod(displacement, self.repeats_after)
+        return there
 
     def backwards_n(self, displacement_mm: Array, returning: Mask | bool) -> Array:
         """Force in N on the slider along -x, towards its retracted end; times the velocity it is the power.
@@ -73,7 +83,8 @@ class SliderLoad:
 
         One-sided at a corner of the resistance, where ``corners_mm`` are.
         """
-        out, back = (self.on(way).force_jet_n(displacement) + self.friction_n for way in (False, True))
+        there = Jet(np.vstack([self._within(displacement.value)[None, :], displacement.coefficients[1:]]))
+        out, back = (self.on(way).force_jet_n(there) + self.friction_n for way in (False, True))
         return Jet(np.where(returning, 0.0 - back.coefficients, out.coefficients))
 
     def smooth_curves_n(self, returning: bool) -> tuple[Callable[[Jet], Jet], ...]:

@@ -51,6 +51,7 @@ UNITS = {
     "pi": "multiples of pi",
     "rad": "rad",
     "rad_s": "rad/s",
+    "rad_s2": "rad/s2",
     "rpm": "r/min",
     "s": "s",
     "um": "\u00b5m",

@@ -119,7 +119,7 @@ class FamilyOptimum:
     def peak(self, peak: Peak) -> float:
         """Exact peak over the whole cycle in mm/s^2 or W."""
         check = self.check
-        return (check.peak_acceleration_cycle_mm_s2 if peak is Peak.ACCELERATION else check.peak_power_w).value
+        return (check.peak_acceleration_cycle if peak is Peak.ACCELERATION else check.peak_power_w).value
 
 
 def sampled_laws(family: Family, points: Array) -> SampledLaws:

@@ -218,8 +218,8 @@ def figures(task: Task, train: Train) -> Figures:
     lowest, highest = train.whole.ratio_range
     of_motion = Figures(
         peak_power_w=check.peak_power_w.value,
-        peak_acceleration_mm_s2=check.peak_acceleration_cycle_mm_s2.value,
-        peak_speed_mm_s=check.peak_speed_mm_s.value,
+        peak_acceleration_mm_s2=check.peak_acceleration_cycle.value,
+        peak_speed_mm_s=check.peak_speed.value,
         ratio_min=lowest.value,
         ratio_max=highest.value,
         working_rad=machine.extended_rad,

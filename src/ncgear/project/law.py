@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from math import pi
+
+import numpy as np
+
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.machine import StrokeForce
+from ncgear.design.keys.machine import RockerTorque, ShaftTorque, StrokeForce, TurningLoad
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
+from ncgear.errors import WrongInput
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
 from ncgear.ratio.transmission import Law, Lobes
@@ -31,20 +36,57 @@ def load_of(design: Design) -> SliderLoad:
     given = design.resistance
     if given is None:
         return SliderLoad()
-    return SliderLoad(
-        working=_resistance_of(given, "resistance"),
-        returning=_resistance_of(given.returning, "resistance.returning"),
-        friction_n=given.friction_n,
-    )
+    working = _resistance_of(given, "resistance")
+    match given:
+        case ShaftTorque():
+            _refuse_a_seam(working)
+            return SliderLoad(working, repeats_after=2.0 * pi)
+        case RockerTorque():
+            friction = N_MM_PER_N_M * given.friction_n_m
+        case _:
+            friction = given.friction_n
+    return SliderLoad(working, _resistance_of(given.returning, "resistance.returning"), friction)
 
 
-def _resistance_of(given: StrokeForce | None, key: str) -> Resistance:
+SAME_TORQUE = 1e-9
+"""Difference of the torque after a turn, relative to both, that counts as none."""
+
+
+def _refuse_a_seam(torque: Resistance) -> None:
+    """Refuse a torque on the driven shaft that is not the same after a turn; raises WrongInput."""
+    first, last = torque.force_n(np.array([0.0, 2.0 * pi]))
+    if abs(last - first) > SAME_TORQUE * max(abs(first), abs(last)):
+        raise WrongInput(
+            f"the torque is {first / N_MM_PER_N_M:.6g} N m at 0 deg and {last / N_MM_PER_N_M:.6g} N m at 360 deg, but it "
+            "repeats every turn of the driven shaft; the same value at both is right",
+            key="resistance",
+        )
+
+
+N_MM_PER_N_M = 1000.0
+
+
+def _resistance_of(given: StrokeForce | TurningLoad | None, key: str) -> Resistance:
     """The resistance of one stroke, whose keys are below ``key``."""
     if given is None:
         return NO_RESISTANCE
+    if isinstance(given, TurningLoad):
+        return _torque_of(given, key)
     keep = given.where_negative == "keep"
     if given.table is not None:
         return TableResistance(given.table.displacement_mm or (), given.table.force_n or (), keep)
     if given.expression_n is not None:
         return FormulaResistance(given.expression_n, keep, f"{key}.expression_n")
     return PolynomialResistance(given.polynomial_n, keep) if given.polynomial_n else NO_RESISTANCE
+
+
+def _torque_of(given: TurningLoad, key: str) -> Resistance:
+    """The torque in N mm over the output's angle in rad."""
+    keep = given.where_negative == "keep"
+    if given.table is not None:
+        angles = tuple(np.radians(given.table.angle_deg or ()).tolist())
+        return TableResistance(angles, tuple(N_MM_PER_N_M * one for one in given.table.torque_n_m or ()), keep)
+    if given.expression_n_m is not None:
+        return FormulaResistance(given.expression_n_m, keep, f"{key}.expression_n_m", turning=True)
+    coefficients = tuple(N_MM_PER_N_M * one for one in given.polynomial_n_m or ())
+    return PolynomialResistance(coefficients, keep) if coefficients else NO_RESISTANCE

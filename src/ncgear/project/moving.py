@@ -8,7 +8,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.errors import Places, WrongInput
 from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
-from ncgear.kinematics.motion import Machine, SliderMotion, sample_angles
+from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.kinematics.outcomes import Achieved, achieved
 from ncgear.kinematics.wishes import Wish
 from ncgear.mechanisms.mechanism import Mechanism
@@ -93,13 +93,13 @@ class Moving:
         return replace(self.machine, transmission=uniform_law(self.transmission.lobes))
 
     @computed
-    def motion(self) -> SliderMotion:
+    def motion(self) -> OutputMotion:
         """The slider's motion at the operating speed, sampled."""
         with self.stopwatch("motion"):
             return self.machine.motion(sample_angles(self.transmission))
 
     @computed
-    def uniform_motion(self) -> SliderMotion:
+    def uniform_motion(self) -> OutputMotion:
         """The uniform crank's motion at the same angles."""
         with self.stopwatch("motion"):
             return self.uniform_machine.motion(self.motion.phi1_rad)
@@ -116,15 +116,17 @@ class Moving:
         return motion_wishes_of(self.design, self.linkage, self.transmission.cycle_rad)
 
     @computed
-    def achieved(self) -> Achieved:
-        """What the motion achieves, whatever is wished, and of every wish."""
+    def achieved(self) -> Achieved | None:
+        """What the motion achieves, whatever is wished, and of every wish; None of an output that never returns."""
+        if not self.linkage.RETURNS:
+            return None
         wishes = self.motion_wishes
         with self.stopwatch("wishes"):
             return achieved(self.machine, wishes)
 
     @computed
-    def stroke_residual_mm(self) -> float:
-        """What the motion misses of the stroke: the slider's integrated speed, or a law's own parts, whichever more."""
+    def stroke_residual(self) -> float:
+        """What the motion misses of the stroke, in mm or rad: the output's integrated speed, or a law's own parts."""
         prescribed = abs(self.law.stroke.closing_error_mm) if self.law.stroke else 0.0
         with self.stopwatch("check"):
             return max(abs(stroke_error_mm(self.machine)), prescribed)

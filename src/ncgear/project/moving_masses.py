@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from math import cos, radians, sin
 
-from ncgear.design.keys.masses import Gravity, ShaftMasses
+from ncgear.design.keys.masses import DrivenShaftMasses, Gravity, ShaftMasses
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 
 
 def masses_of(
-    given: ShaftMasses,
+    given: ShaftMasses | DrivenShaftMasses,
     mechanism: Mechanism,
     driving_body_kg_mm2: float = 0.0,
     driven_body_kg_mm2: float = 0.0,

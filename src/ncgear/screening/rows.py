@@ -114,21 +114,30 @@ def single_figures(design: Design) -> dict[str, float]:
     """Every figure of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
     drive = Drive(design)
     low, high = drive.transmission.ratio_range
-    check = drive.check
+    check, output = drive.check, drive.linkage.OUTPUT
+    speed, acceleration = output.speed.ending, output.acceleration.ending
     figures = {
         "drive.law_speed_rpm": drive.law_speed_rpm,
         "closure.residual_rad": abs(drive.transmission.closure_error_rad),
-        "closure.stroke_residual_mm": drive.stroke_residual_mm,
+        **_stroke_residual(drive),
         "ratio.min": low.value,
         "ratio.max": high.value,
         "check.peak_power_w": check.peak_power_w.value,
         "check.mean_power_w": check.mean_power_w,
-        "check.peak_speed_mm_s": check.peak_speed_mm_s.value,
-        "check.peak_acceleration_working_mm_s2": check.peak_acceleration_working_mm_s2.value,
-        "check.peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
+        f"check.peak_speed_{speed}": check.peak_speed.value,
+        f"check.peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
+        f"check.peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
     }
     # With two stages each pair has its own curves, and only a build tells them apart.
     return figures if design.gears is None or design.stages > 1 else {**figures, **_pitch(drive)}
+
+
+def _stroke_residual(drive: Drive) -> dict[str, float]:
+    """What the motion misses of the stroke; nothing of an output that never returns."""
+    if not drive.linkage.RETURNS:
+        return {}
+    place = drive.linkage.OUTPUT.place
+    return {f"closure.stroke_residual_{place.ending}": place.factor * drive.stroke_residual}
 
 
 def _pitch(drive: Drive) -> dict[str, float]:

@@ -20,7 +20,7 @@ from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
-from ncgear.design.mechanisms import mechanisms_of
+from ncgear.design.mechanisms import entry_of, mechanisms_of
 from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.mechanisms.resistance import Resistance, TableResistance
 from ncgear.numerics.arrays import Array, Mask, repeated
@@ -77,7 +77,8 @@ class Kind:
 def kind_of(design: Design) -> Kind | None:
     """The batch that a design belongs to; None where it must be computed by itself."""
     law = _law(design)
-    if law is None or (design.gears is not None and design.gears.mesh == "internal"):
+    # Batches know outputs that slide and return.
+    if law is None or entry_of(design.linkage).turns or (design.gears is not None and design.gears.mesh == "internal"):
         return None
     load = load_of(design)
     if load.loads_return or isinstance(load.working, TableResistance):

@@ -12,14 +12,14 @@ from pydantic import Field, TypeAdapter, create_model, model_validator
 from ncgear.design.keys.base import Model, fault
 from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.gears import Gears
-from ncgear.design.keys.machine import Comparison, Linkage, Operation, Output, Resistance
+from ncgear.design.keys.machine import Comparison, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
-from ncgear.design.mechanisms import MECHANISMS, entry_of, kind_named
+from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
 from ncgear.design.naming import NAME_PATTERN
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -41,11 +41,13 @@ class Design(Model):
 
     name: str = Field(pattern=NAME_PATTERN, description="name of the design and of its output folder")
     description: str = Field(default="", max_length=10_000, description="free text")
-    linkage: Linkage = Field(description="the crank-slider that the driven gear turns")
+    linkage: Linkage = Field(description="the mechanism that the driven gear turns; left out: gears by themselves")
     operation: Operation = Field(description="how the machine is run")
     motion: Motion
     gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
-    resistance: Resistance | None = Field(default=None, description="the force against the slider; left out: none")
+    resistance: Resistance | None = Field(
+        default=None, description="the force or torque against the output; left out: none"
+    )
     wishes: Wishes = Field(
         default_factory=Wishes,
         description="what the motion shall do: a check says whether it does, ncgear optimize looks for a law that does",
@@ -74,8 +76,6 @@ class Design(Model):
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         """Pickle a model that was made for a mechanism by its data, because it cannot be found by its name."""
-        if type(self) is Design:
-            return super().__reduce_ex__(protocol)
         return _restored, (self.model_dump(by_alias=True, exclude_unset=True),)
 
     @property
@@ -86,8 +86,23 @@ class Design(Model):
     @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
         key = entry_of(self.linkage).stroke_key
-        if getattr(self.linkage, key) is None and not self.motion.gives_stroke:
+        if key is not None and getattr(self.linkage, key) is None and not self.motion.gives_stroke:
             raise fault(f"linkage.{key}", "missing; only motion.solve_for: stroke can do without the crank's length")
+        return self
+
+    @model_validator(mode="after")
+    def _gears_by_themselves_move_no_slider(self) -> Self:
+        if not isinstance(self.linkage, NoLinkage):
+            return self
+        if self.motion.gives_slider:
+            raise fault(
+                "linkage",
+                f"missing; motion.law {self.motion.law} tells how a slider moves: give linkage, or a law of the ratio or "
+                "of the driven angle",
+            )
+        for name in ("wishes", "optimize", "comparison"):
+            if name in self.model_fields_set and getattr(self, name) is not None:
+                raise fault(name, "given, but without linkage nothing moves to and fro; leave it out, or give linkage")
         return self
 
     @model_validator(mode="after")
@@ -123,10 +138,7 @@ class Design(Model):
 
 
 def design_model(data: Any) -> type[Design]:
-    """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names.
-
-    With only one mechanism in the list, design files have no such key, and the model is ``Design`` itself.
-    """
+    """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names."""
     models = design_models()
     return models.get(
         kind_named(data.get("linkage") if isinstance(data, Mapping) else None), next(iter(models.values()))
@@ -136,7 +148,7 @@ def design_model(data: Any) -> type[Design]:
 def design_models() -> dict[str, type[Design]]:
     """The model of design files for each mechanism, by its name."""
     names = tuple(MECHANISMS)
-    return {name: Design if len(names) == 1 else _design_of(name, names) for name in names}
+    return {name: _design_of(name, names) for name in names}
 
 
 def _restored(data: dict[str, Any]) -> Design:
@@ -148,21 +160,28 @@ def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
     entry, usual = MECHANISMS[name], names[0]
     named: Any = Literal[names]
     masses: Any = entry.masses | None
+    resistance: Any = entry.resistance | None
     description = f"which mechanism the driven gear turns; left out: {usual}"
     told: Any = Field(default=usual, description=description) if name == usual else Field(description=description)
-    linkage = create_model(entry.linkage.__name__, __base__=entry.linkage, kind=(named, told))
+    linkage: Any = create_model(entry.linkage.__name__, __base__=entry.linkage, kind=(named, told))
+    words = {key: field.description for key, field in Design.model_fields.items()}
+    # Gears by themselves have the group only where a file says so in as many words.
+    group: Any = Field(description=words["linkage"])
+    if name == NO_LINKAGE:
+        group = Field(default_factory=lambda: linkage(kind=NO_LINKAGE), description=words["linkage"])
     return create_model(
         "Design" if name == usual else f"Design of {name}",
         __base__=Design,
-        linkage=(linkage, Field(description="the mechanism that the driven gear turns")),
-        masses=(masses, Field(default=None, description=Design.model_fields["masses"].description)),
+        linkage=(linkage, group),
+        masses=(masses, Field(default=None, description=words["masses"])),
+        resistance=(resistance, Field(default=None, description=words["resistance"])),
     )
 
 
 def json_schema(of: type[Model] = Design) -> dict[str, Any]:
     """The JSON Schema of a design file or another one, for editors that complete and check while typing."""
     title = f"ncgear {of.__name__.lower()} file"
-    if of is Design and len(MECHANISMS) > 1:
+    if of is Design:
         either: Any = reduce(or_, design_models().values())
         return {"$schema": JSON_SCHEMA_DIALECT, **TypeAdapter(either).json_schema(), "title": title}
     return {"$schema": JSON_SCHEMA_DIALECT, **of.model_json_schema(), "title": title}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, Strict, model_validator
 
@@ -21,6 +21,7 @@ from ncgear.design.keys.base import (
     listed,
     require_one,
 )
+from ncgear.numerics.units import label_and_unit
 
 FIGURES = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
 """Figures of a published mechanism, each with the power of the driving speed that it is proportional to."""
@@ -39,6 +40,10 @@ class Linkage(Model):
         le=LONGEST_MM,
         description="distance of the slider's line from the crank axis in mm",
     )
+
+
+class NoLinkage(Model):
+    """Gears by themselves: the driven shaft is the output."""
 
 
 class Operation(Model):
@@ -102,11 +107,42 @@ Displacements = Annotated[tuple[Displacement, ...], Strict(False), Points]
 Forces = Annotated[tuple[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)], ...], Strict(False), Points]
 
 
-FORMS = ("polynomial_n", "table", "expression_n")
+class LoadTable(Model):
+    """Points of a load over the way of the output: two columns of one length, whose places rise strictly."""
+
+    COLUMNS: ClassVar[tuple[str, str]]
+    """The keys of the places and of the loads."""
+
+    @model_validator(mode="after")
+    def _columns(self) -> Self:
+        for key in self.COLUMNS:
+            if getattr(self, key) is None:
+                needed = listed(self.COLUMNS, "and")
+                raise fault(key, f"missing; a table needs {needed}, or a file that has both")
+        places, loads = (len(getattr(self, key) or ()) for key in self.COLUMNS)
+        if places != loads:
+            name = label_and_unit(self.COLUMNS[0])[0]
+            raise fault(self.COLUMNS[1], f"{loads} values for {places} {name}s; give as many")
+        return self
+
+    @model_validator(mode="after")
+    def _places_rise(self) -> Self:
+        key = self.COLUMNS[0]
+        name, unit = label_and_unit(key)
+        points = getattr(self, key) or ()
+        for i in range(1, len(points)):
+            if not points[i] > points[i - 1]:
+                raise fault(f"{key}.{i}", f"{points[i]:g} follows {points[i - 1]:g}; the {name}s must rise strictly")
+            if points[i] - points[i - 1] < NEAREST_MM:
+                problem = f"{points[i]:g} follows {points[i - 1]:g}; at least {NEAREST_MM:g} {unit} apart is right"
+                raise fault(f"{key}.{i}", problem)
+        return self
 
 
-class ResistanceTable(Model):
+class ResistanceTable(LoadTable):
     """Points of the force. Points from a CSV file stand in the same columns once the file is loaded."""
+
+    COLUMNS: ClassVar[tuple[str, str]] = ("displacement_mm", "force_n")
 
     displacement_mm: Displacements | None = Field(
         default=None, description="displacements in mm from the retracted end, strictly rising"
@@ -118,31 +154,65 @@ class ResistanceTable(Model):
         description="CSV file with both columns instead, its header naming them; its path counts from the design file",
     )
 
-    @model_validator(mode="after")
-    def _columns(self) -> Self:
-        for key in ("displacement_mm", "force_n"):
-            if getattr(self, key) is None:
-                raise fault(key, "missing; a table needs displacement_mm and force_n, or a file that has both")
-        points, forces = len(self.displacement_mm or ()), len(self.force_n or ())
-        if points != forces:
-            raise fault("force_n", f"{forces} values for {points} displacements; give as many")
-        return self
+
+class TorqueTable(LoadTable):
+    """Points of the torque. Points from a CSV file stand in the same columns once the file is loaded."""
+
+    COLUMNS: ClassVar[tuple[str, str]] = ("angle_deg", "torque_n_m")
+
+    angle_deg: Displacements | None = Field(
+        default=None, description="angles of the output in deg from its start or its retracted end, strictly rising"
+    )
+    torque_n_m: Forces | None = Field(default=None, description="torques in N m, one for each angle")
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="CSV file with both columns instead, its header naming them; its path counts from the design file",
+    )
+
+
+class Load(Model):
+    """A load over the way of the output in one of three forms, whose keys ``FORMS`` names."""
+
+    FORMS: ClassVar[tuple[str, str, str]]
+    """The keys of a polynomial, a table and an expression."""
 
     @model_validator(mode="after")
-    def _displacements_rise(self) -> Self:
-        points = self.displacement_mm or ()
-        for i in range(1, len(points)):
-            if not points[i] > points[i - 1]:
-                problem = f"{points[i]:g} follows {points[i - 1]:g}; the displacements must rise strictly"
-                raise fault(f"displacement_mm.{i}", problem)
-            if points[i] - points[i - 1] < NEAREST_MM:
-                problem = f"{points[i]:g} follows {points[i - 1]:g}; at least {NEAREST_MM:g} mm apart is right"
-                raise fault(f"displacement_mm.{i}", problem)
+    def _one_form(self) -> Self:
+        require_one(self, self.FORMS)
         return self
 
 
-class StrokeForce(Model):
+class TurningLoad(Load):
+    """The torque against an output that turns; one of polynomial_n_m, table and expression_n_m."""
+
+    FORMS: ClassVar[tuple[str, str, str]] = ("polynomial_n_m", "table", "expression_n_m")
+
+    polynomial_n_m: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = Field(
+        default=None, description="coefficients of the torque in N m, in rising powers of the output's angle in rad"
+    )
+    table: TorqueTable | None = Field(
+        default=None, description="the torque point by point; it keeps its end values beyond the table's ends"
+    )
+    expression_n_m: Expression | None = Field(
+        default=None,
+        description='torque in N m as a formula of x (= angle of the output in rad): "12 + 3*sin(2*x)", '
+        f"{FORMULA}; it may have corners, but no jumps",
+    )
+    where_negative: Literal["zero", "keep"] = Field(
+        default="keep",
+        description="where the torque is negative: keep, it drives the output there, or zero",
+    )
+
+
+class ShaftTorque(TurningLoad):
+    """The torque against the driven shaft over one turn of it; it repeats every turn."""
+
+
+class StrokeForce(Load):
     """The force against the slider over one of its strokes; one of polynomial_n, table and expression_n."""
+
+    FORMS: ClassVar[tuple[str, str, str]] = ("polynomial_n", "table", "expression_n")
 
     polynomial_n: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = Field(
         default=None, description="coefficients of the force in N, in rising powers of the displacement in mm"
@@ -159,11 +229,6 @@ class StrokeForce(Model):
         default="zero", description="where the force is negative: zero (a fit says nothing there) or keep"
     )
 
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
-        require_one(self, FORMS)
-        return self
-
 
 class Resistance(StrokeForce):
     """The force against the slider: over its working stroke, over its way back, and a friction on both."""
@@ -179,8 +244,27 @@ class Resistance(StrokeForce):
     @model_validator(mode="after")
     def _one_form(self) -> Self:
         if self.returning is None and "friction_n" not in self.model_fields_set:
-            require_one(self, FORMS)
-        allow_one(self, FORMS)
+            require_one(self, self.FORMS)
+        allow_one(self, self.FORMS)
+        return self
+
+
+class RockerTorque(TurningLoad):
+    """The torque against an output that swings: over its working stroke, over its way back, and a friction on both."""
+
+    returning: TurningLoad | None = Field(
+        default=None,
+        description="torque against the output on its way back, over the angle like the other; left out: none",
+    )
+    friction_n_m: float = Field(
+        default=0.0, ge=0.0, description="constant torque in N m against the output's motion, on both strokes"
+    )
+
+    @model_validator(mode="after")
+    def _one_form(self) -> Self:
+        if self.returning is None and "friction_n_m" not in self.model_fields_set:
+            require_one(self, self.FORMS)
+        allow_one(self, self.FORMS)
         return self
 
 

@@ -112,10 +112,15 @@ class RodMass(Model):
     rod: Rod = Field(description="the connecting rod")
 
 
-class ShaftMasses(Model):
-    """What turns with the crank and with the driving shaft, and gravity."""
+class CrankMass(Model):
+    """The crank of a mechanism."""
 
     crank: Crank = Field(description="the crank with all that turns with it, the driven gear apart")
+
+
+class GearMasses(Model):
+    """What turns with both gears."""
+
     driving_gear_kg_mm2: Inertia | None = Field(
         default=None,
         description="moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: "
@@ -132,12 +137,44 @@ class ShaftMasses(Model):
         description="density of both gears in kg/m3; left out: those of gears.material, 7850 where none is named",
     )
     flywheel: Flywheel = Field(default_factory=Flywheel, description="flywheel on the driving shaft; left out: none")
-    gravity: Gravity | None = Field(default=None, description="gravity; left out: none")
 
     @property
     def tells_gears(self) -> bool:
         """Whether the moments of inertia of both gears are given."""
         return self.driving_gear_kg_mm2 is not None and self.driven_gear_kg_mm2 is not None
+
+
+class Weights(Model):
+    """Which way is down."""
+
+    gravity: Gravity | None = Field(default=None, description="gravity; left out: none")
+
+
+# Keys come from the last base to the first: so the crank is before the gears.
+class ShaftMasses(Weights, GearMasses, CrankMass):
+    """What turns with the crank and with the driving shaft, and gravity."""
+
+
+class DrivenShaftMass(Model):
+    """What turns with the driven shaft where it is the output."""
+
+    shaft_kg_mm2: Inertia = Field(
+        description="moment of inertia in kg mm2 of the driven shaft and all it drives, the driven gear apart"
+    )
+
+
+class DrivenShaftMasses(GearMasses, DrivenShaftMass):
+    """What turns with both shafts of gears without a linkage, as moments of inertia."""
+
+    @property
+    def crank(self) -> Crank:
+        """The driven shaft with what it drives, balanced."""
+        return Crank(mass_kg=0.0, center_mm=0.0, inertia_kg_mm2=self.shaft_kg_mm2)
+
+    @property
+    def gravity(self) -> None:
+        """Weights do nothing where all bodies turn about their centres."""
+        return
 
 
 # Keys come from the last base to the first: so the rod is between the slider and the crank.

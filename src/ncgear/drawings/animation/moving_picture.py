@@ -35,12 +35,13 @@ from ncgear.drawings.animation.artists import (
 )
 from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.drawings.charts.drawer import Look, draw
-from ncgear.drawings.charts.slider_charts import DISPLACEMENT, VELOCITY, Quantity, motion_chart
+from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, dress, figure
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, wall_mm
 from ncgear.figures.numbers import fixed, rounded
-from ncgear.kinematics.motion import SliderMotion
+from ncgear.kinematics.motion import OutputMotion
+from ncgear.mechanisms.mechanism import Mechanism
 
 
 def look_at(axes: Axes, box: Box) -> float:
@@ -123,11 +124,13 @@ def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
     """Displacement and velocity over the loop on two axes, with the present value in words."""
     phi1 = np.linspace(0.0, scene.loop_rad, CURVE_POINTS)
     motion = scene.machine.motion(phi1)
-    return [_chart(axes, motion, quantity) for axes, quantity in zip(both, (DISPLACEMENT, VELOCITY), strict=True)]
+    shown = Quantity.DISPLACEMENT, Quantity.VELOCITY
+    linkage = scene.machine.linkage
+    return [_chart(axes, linkage, motion, quantity) for axes, quantity in zip(both, shown, strict=True)]
 
 
-def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
-    chart = motion_chart(quantity, motion)
+def _chart(axes: Axes, linkage: Mechanism, motion: OutputMotion, quantity: Quantity) -> Moving:
+    chart = motion_chart(quantity, linkage, motion)
     draw(axes, chart, CHART_LOOK)
     decimals = decimals_of(float(np.abs(chart.own.values).max()), DIGITS)
     dot = Line2D([], [], zorder=4, **looks.PITCH_POINT)
@@ -135,7 +138,7 @@ def _chart(axes: Axes, motion: SliderMotion, quantity: Quantity) -> Moving:
     axes.add_artist(dot)
 
     def pose(poses: Poses, row: int) -> None:
-        value = rounded(quantity.values(poses.motion)[row], decimals)
+        value = rounded(quantity.values(poses.motion, linkage.OUTPUT)[row], decimals)
         dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
         words.set_text(f"{chart.name} {fixed(value, decimals)} {chart.unit}")
 

@@ -43,11 +43,8 @@ class Role(StrEnum):
     """The reference for this design: the uniform crank, circular gears, or the law without elasticity."""
 
 
-class Across(StrEnum):
-    """The quantity of the horizontal axis, as its label."""
-
-    DRIVING_ANGLE = "driving angle phi1 in deg"
-    DISPLACEMENT = "displacement in mm"
+DRIVING_ANGLE = "driving angle phi1 in deg"
+"""The label of the usual horizontal axis."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +59,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Lines of one quantity in one unit, from 0 to ``end`` of the horizontal axis (deg or mm).
+    """Lines of one quantity in one unit, from 0 to ``end`` of the horizontal axis, whose label is ``across``.
 
     Lines that cover only the first ``period`` of a longer axis are repeated when they are drawn.  ``joints_deg`` (shape
     (k,)) are the joints of the law, which are marked; ``apart_deg`` (shape (k, 2)) are the stretches in which no
@@ -81,7 +78,7 @@ class Chart:
     names_extreme: bool = False
     counts: bool = False
     axis_label: str = ""
-    across: Across = Across.DRIVING_ANGLE
+    across: str = DRIVING_ANGLE
 
     @property
     def own(self) -> Line:

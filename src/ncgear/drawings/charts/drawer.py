@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from ncgear.drawings.charts.chart import Across, Chart, Line, Role
+from ncgear.drawings.charts.chart import DRIVING_ANGLE, Chart, Line, Role
 from ncgear.drawings.plots.canvas import (
     DRIVEN,
     DRIVING,
@@ -185,7 +185,7 @@ def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
     step = 45 * max(round(end_deg / 360.0), 1)
     column[-1].set_xlim(0.0, end_deg)
     column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
-    column[-1].set_xlabel(Across.DRIVING_ANGLE.value, size=NORMAL, color=INK)
+    column[-1].set_xlabel(DRIVING_ANGLE, size=NORMAL, color=INK)
     legend_above(column[0])
 
 
@@ -245,5 +245,5 @@ def beside_png(pairs: Sequence[tuple[Chart, Chart]], title: str) -> bytes:
         row[1].set_ylabel("")
     angle_scale(left, pairs[0][0].end)
     align(left, size[0])
-    grid[-1, 1].set_xlabel(Across.DISPLACEMENT.value, size=NORMAL, color=INK)
+    grid[-1, 1].set_xlabel(pairs[-1][1].across, size=NORMAL, color=INK)
     return png(made)

@@ -12,6 +12,7 @@ from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.dynamics.history import History
 from ncgear.dynamics.rigid import Loads
 from ncgear.figures.numbers import MICRORAD
+from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_M_PER_N_MM
@@ -75,7 +76,7 @@ def _load_chart(drive: Drive, name: str, unit: str, own: Array, uniform: Array) 
     """A load of the rigid level at the driving angles of the drive's motion, beside the uniform crank's."""
     phi1 = drive.motion.phi1_rad
     joints = np.degrees(joints_up_to(drive.transmission, float(phi1[-1])))
-    lines = ("this design", own), ("uniform crank, same speed", uniform)
+    lines = ("this design", own), (f"{drive.linkage.UNIFORM}, same speed", uniform)
     return simulated_chart(name, unit, phi1, *lines, joints_deg=joints)
 
 
@@ -98,13 +99,13 @@ def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:
 SIMULATED = "simulated"
 
 
-def slider_in_time(shown: History, apart_deg: Array) -> list[Chart]:
-    """The slider's motion beside that of the law; ``apart_deg`` (shape (k, 2)) is that of ``Chart``."""
+def output_in_time(shown: History, output: Output, apart_deg: Array) -> list[Chart]:
+    """The output's motion beside that of the law; ``apart_deg`` (shape (k, 2)) is that of ``Chart``."""
     charts = []
     for quantity in MOTION:
-        own, law = (getattr(slide, quantity.column) for slide in (shown.slide, shown.law))
-        lines = (SIMULATED, own), ("law", law)
-        charts.append(simulated_chart(quantity.name, quantity.unit, shown.phi1_rad, *lines, apart_deg=apart_deg))
+        own, law = (quantity.values(slide, output) for slide in (shown.slide, shown.law))
+        lines, unit = ((SIMULATED, own), ("law", law)), quantity.unit_of(output).text
+        charts.append(simulated_chart(quantity.name_of(output), unit, shown.phi1_rad, *lines, apart_deg=apart_deg))
     return charts
 
 

@@ -1,78 +1,118 @@
-"""Charts of the slider's motion, force, power and ratio, beside the uniform crank at the same speed."""
+"""Charts of the output's motion, load, power and ratio, beside the uniform law at the same speed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from enum import Enum
 from math import degrees
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import EMPTY, Across, Chart, Line, Role, joints_up_to
-from ncgear.kinematics.motion import SliderMotion
+from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
+from ncgear.dynamics.history import Slide
+from ncgear.kinematics.motion import OutputMotion
+from ncgear.mechanisms.mechanism import Mechanism, Output, Unit
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A column of the motion table, with the name and the unit that it has in a chart."""
+class Quantity(Enum):
+    """A column of the motion table that a chart shows."""
 
-    column: str
-    name: str
-    unit: str
-    names_extreme: bool = True
+    DISPLACEMENT = "displacement"
+    VELOCITY = "velocity"
+    ACCELERATION = "acceleration"
+    LOAD = "load"
+    POWER = "power_w"
+    RATIO = "ratio"
 
-    def values(self, motion: SliderMotion) -> Array:
-        """The values in ``unit``, shape (n,)."""
-        values: Array = getattr(motion, self.column)
+    def name_of(self, output: Output) -> str:
+        """What the quantity of an output is called."""
+        match self:
+            case Quantity.LOAD:
+                return output.load_name
+            case Quantity.POWER:
+                return "driving power"
+            case Quantity.RATIO:
+                return "ratio i\u2081\u2082"
+        return str(self.value)
+
+    def unit_of(self, output: Output) -> Unit:
+        """The unit in which the quantity of an output is drawn."""
+        acceleration = output.acceleration
+        return {
+            Quantity.DISPLACEMENT: output.place,
+            Quantity.VELOCITY: output.speed,
+            Quantity.ACCELERATION: acceleration._replace(text=acceleration.text.replace("s2", "s\u00b2")),
+            Quantity.LOAD: output.load,
+            Quantity.POWER: WATT,
+            Quantity.RATIO: NO_UNIT,
+        }[self]
+
+    def key_of(self, output: Output) -> str:
+        """The quantity's name in tables and on the page, which ends in its unit."""
+        name = output.load_name if self is Quantity.LOAD else self.value
+        ending = "" if self is Quantity.POWER else self.unit_of(output).ending
+        return f"{name}_{ending}" if ending else name
+
+    def values(self, motion: OutputMotion | Slide, output: Output) -> Array:
+        """The values in the unit of ``unit_of``, shape (n,); a motion in time has no load, power and ratio."""
+        values: Array = getattr(motion, self.value) * self.unit_of(output).factor
         return values
 
 
-DISPLACEMENT = Quantity("displacement_mm", "displacement", "mm", names_extreme=False)
-VELOCITY = Quantity("velocity_mm_s", "velocity", "mm/s")
-ACCELERATION = Quantity("acceleration_mm_s2", "acceleration", "mm/s\u00b2")
-FORCE = Quantity("force_n", "force", "N")
-POWER = Quantity("power_w", "driving power", "W")
-RATIO = Quantity("ratio", "ratio i\u2081\u2082", "")
+WATT, NO_UNIT = Unit("w", "W"), Unit("", "")
 
-MOTION = (DISPLACEMENT, VELOCITY, ACCELERATION)
-LOAD = (FORCE, POWER)
+MOTION = (Quantity.DISPLACEMENT, Quantity.VELOCITY, Quantity.ACCELERATION)
+LOAD = (Quantity.LOAD, Quantity.POWER)
 
 
 def slider_chart(drive: Drive, quantity: Quantity) -> Chart:
-    """A quantity of a drive's motion table, beside the uniform crank's, with the joints of the law."""
+    """A quantity of a drive's motion table, beside the uniform law's, with the joints of the law."""
     joints = np.degrees(joints_up_to(drive.transmission, float(drive.motion.phi1_rad[-1])))
-    return motion_chart(quantity, drive.motion, drive.uniform_motion, joints)
+    return motion_chart(quantity, drive.linkage, drive.motion, drive.uniform_motion, joints)
 
 
 def motion_chart(
-    quantity: Quantity, own: SliderMotion, uniform: SliderMotion | None = None, joints_deg: Array = EMPTY
+    quantity: Quantity,
+    linkage: Mechanism,
+    own: OutputMotion,
+    uniform: OutputMotion | None = None,
+    joints_deg: Array = EMPTY,
 ) -> Chart:
-    """A quantity of a motion over the driving angle, beside the uniform crank unless that is None.
+    """A quantity of a motion over the driving angle, beside the uniform law unless that is None.
 
     ``joints_deg`` (shape (k,)) are the joints of the law, which are marked.
     """
-    lines = [Line(Role.OWN, "this design", np.degrees(own.phi1_rad), quantity.values(own))]
+    output = linkage.OUTPUT
+    lines = [Line(Role.OWN, "this design", np.degrees(own.phi1_rad), quantity.values(own, output))]
     if uniform is not None:
-        angle, values = np.degrees(uniform.phi1_rad), quantity.values(uniform)
-        lines.append(Line(Role.UNIFORM, "uniform crank, same speed", angle, values))
+        angle, values = np.degrees(uniform.phi1_rad), quantity.values(uniform, output)
+        lines.append(Line(Role.UNIFORM, f"{linkage.UNIFORM}, same speed", angle, values))
     return Chart(
-        quantity.name,
-        quantity.unit,
+        quantity.name_of(output),
+        quantity.unit_of(output).text,
         tuple(lines),
         degrees(own.phi1_rad[-1]),
         joints_deg=joints_deg,
-        names_extreme=quantity.names_extreme,
+        names_extreme=quantity is not Quantity.DISPLACEMENT,
     )
 
 
-def over_displacement(chart: Chart, motions: Sequence[SliderMotion]) -> Chart:
+def over_displacement(chart: Chart, output: Output, motions: Sequence[OutputMotion]) -> Chart:
     """A chart of motions over their displacement instead of the driving angle, with no marks.
 
     ``motions`` are those of the chart's lines, in their order.
     """
-    places = [motion.displacement_mm for motion in motions]
+    places = [Quantity.DISPLACEMENT.values(motion, output) for motion in motions]
     lines = tuple(replace(line, x=x) for line, x in zip(chart.lines, places, strict=True))
     end = max(float(x.max()) for x in places)
-    return replace(chart, lines=lines, end=end, joints_deg=EMPTY, names_extreme=False, across=Across.DISPLACEMENT)
+    return replace(
+        chart,
+        lines=lines,
+        end=end,
+        joints_deg=EMPTY,
+        names_extreme=False,
+        across=f"displacement in {output.place.text}",
+    )

@@ -78,7 +78,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "has_gears": drive.design.gears is not None,
         "staged": drive.design.stages > 1,
         "speed": shown(drive.design.operation.speed_rpm),
-        "achieved": achieved_lines(drive.achieved, drive.linkage.stroke_mm),
+        "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
         "comparison": comparison_tables(drive),
         "text": loaded.text,
         "file_name": loaded.path.name,

@@ -18,7 +18,7 @@ import numpy as np
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import Chart, Line, Role, decimals_of, joints_up_to
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, RATIO, motion_chart
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
 from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
@@ -75,12 +75,16 @@ def motion_charts(drive: Drive, end_rad: float) -> list[PageChart]:
     own, uniform = drive.machine.motion(phi1), drive.uniform_machine.motion(phi1)
     joints = np.degrees(joints_up_to(drive.transmission, end_rad))
     charts = []
-    for quantity in (*MOTION, *(LOAD if drive.design.resistance is not None else ()), RATIO):
-        chart = motion_chart(quantity, own, uniform, joints)
+    for quantity in (*MOTION, *(LOAD if drive.design.resistance is not None else ()), Quantity.RATIO):
+        chart = motion_chart(quantity, drive.linkage, own, uniform, joints)
         this, other = chart.lines
-        lines = this, replace(other, label="uniform crank")
+        lines = this, replace(other, label=drive.linkage.UNIFORM)
         period = degrees(drive.transmission.cycle_rad)
-        charts.append(PageChart(quantity.column, replace(chart, lines=lines, end=degrees(end_rad), period=period)))
+        charts.append(
+            PageChart(
+                quantity.key_of(drive.linkage.OUTPUT), replace(chart, lines=lines, end=degrees(end_rad), period=period)
+            )
+        )
     return charts
 
 
@@ -176,4 +180,4 @@ def _ratio(drive: Drive, contact: PairContact) -> Chart:
     angle = split_angles(end, joints_up_to(law, end).tolist())
     values = 1.0 / law.driven_angle(angle, 1).derivative(1)
     line = Line(Role.OWN, "this design", np.degrees(angle), values)
-    return Chart(RATIO.name, RATIO.unit, (line,), degrees(end))
+    return Chart(Quantity.RATIO.name_of(drive.linkage.OUTPUT), "", (line,), degrees(end))

@@ -15,7 +15,7 @@ from ncgear.figures.strong import weakest_table
 from ncgear.figures.summary.build_summary import contact_summary
 from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table
-from ncgear.figures.terminal import COMPARED, MIXED_SPEEDS, SAME_SPEED, labelled
+from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, compared_columns, labelled
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict, known_verdict
 
@@ -31,8 +31,9 @@ def comparison_tables(drive: Drive) -> list[Table]:
 
 
 def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
-    cells = [(str(row["name"]), *(shown(row[key]) for key in COMPARED)) for row in rows]
-    columns = (Column("mechanism"), *COMPARED.values())
+    compared = compared_columns(rows)
+    cells = [(str(row["name"]), *(shown(row[key]) for key in compared)) for row in rows]
+    columns = (Column("mechanism"), *compared.values())
     return Table(title, columns, tuple(cells), row_notes=tuple(row["note"] for row in rows))
 
 
@@ -83,16 +84,19 @@ def versions() -> Table:
 def facts(drive: Drive) -> list[tuple[str, str]]:
     """Names and values of the machine's main figures; the peak power where the design has a resistance."""
     low, high = drive.transmission.ratio_range
+    linkage, output = drive.linkage, drive.linkage.OUTPUT
+    stroke = [("stroke", f"{shown(output.place.factor * linkage.stroke_mm)} {output.place.text}")]
+    acceleration = output.acceleration.text.replace("s2", "s\u00b2")
     power = []
     if drive.design.resistance is not None:
         power = [("peak power", f"{shown(drive.check.peak_power_w.value)} W")]
     return [
         ("law", drive.design.motion.law.replace("_", " ")),
         ("speed", f"{shown(drive.design.operation.speed_rpm)} r/min"),
-        ("stroke", f"{shown(drive.linkage.stroke_mm)} mm"),
+        *(stroke if linkage.RETURNS else []),
         ("ratio", f"{to_digits(low.value, 3)} to {to_digits(high.value, 3)}"),
         *power,
-        ("peak acceleration", f"{shown(drive.check.peak_acceleration_cycle_mm_s2.value)} mm/s\u00b2"),
+        ("peak acceleration", f"{shown(drive.check.peak_acceleration_cycle.value)} {acceleration}"),
     ]
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, output_shape
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs
-from ncgear.kinematics.motion import Machine, SliderMotion
+from ncgear.kinematics.motion import Machine, OutputMotion
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import turned
@@ -33,7 +33,7 @@ class Poses:
     ``material_behind_mm`` that of the material behind the slider.
     """
 
-    motion: SliderMotion
+    motion: OutputMotion
     shaft_angles_rad: Array
     places: Mapping[str, Places]
     pitch_points_mm: tuple[Array, ...]
@@ -122,7 +122,7 @@ class Scene:
             angles,
             {**gears, **self._link_places(angles[-1])},
             tuple(pair.pitch_point_mm(angles) for pair in self.pairs),
-            *self._material_mm(motion.displacement_mm, working),
+            *self._material_mm(motion.displacement, working),
         )
 
     def _material_mm(self, displacement_mm: Array, working: Mask) -> tuple[Array, Array]:

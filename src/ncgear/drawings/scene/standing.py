@@ -1,7 +1,7 @@
 """The standing parts of a scene, the boxes of its views, and contours with as many points as a picture needs.
 
-The walls beside a slider, the supports of axes and other guides are hatched like the ground in a drawing.  The material in front of the slider has a grain,
-which shows how the slider presses it.
+The walls beside a slider, the supports of axes and other guides are hatched like the ground in a drawing.  The
+material in front of the slider has a grain, which shows how the slider presses it.
 """
 
 from __future__ import annotations

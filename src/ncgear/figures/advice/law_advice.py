@@ -35,6 +35,7 @@ def ratio_range(drive: Drive) -> Advice | None:
         return None
     words = design_law(LawName(drive.design.motion.law)).narrower_ratio
     narrower = (Remedy(words),) if words else ()
+    best = optimised(drive, ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)
     return Advice(
         Kind.RATIO_RANGE,
         (Where(angles_deg=tuple((degrees(end.at),) * 2 for end in (low, high))),),
@@ -42,7 +43,7 @@ def ratio_range(drive: Drive) -> Advice | None:
         f"{to_digits(high.value, 3)} (at {to_digits(degrees(high.at), 4)} deg)",
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
         "the shaft of the small side is thin",
-        (*narrower, *tempered(drive, _too_wide), optimised(ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)),
+        (*narrower, *tempered(drive, _too_wide), *best),
     )
 
 
@@ -73,13 +74,15 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
     stretches = resistance.negative_stretches_mm(drive.linkage.stroke_mm)
     if not stretches:
         return None
-    named = ", ".join(f"{to_digits(low, 3)}..{to_digits(high, 3)}" for low, high in stretches)
+    place = drive.linkage.OUTPUT.place
+    ends = [[to_digits(place.factor * end, 3) for end in stretch] for stretch in stretches]
+    named = ", ".join(f"{low}..{high}" for low, high in ends)
     kept = resistance.keep_negative
     other = "take it as zero there" if kept else "count it, where the load really pulls the slider"
     return Advice(
         Kind.NEGATIVE_RESISTANCE,
         (Where(),),
-        f"the resistance{way} is negative for displacements of {named} mm",
+        f"the resistance{way} is negative for displacements of {named} {place.text}",
         "it is kept, so that it drives the slider" if kept else "it is taken as zero there",
         (
             Remedy("give a resistance that is nowhere under zero, as a table or a formula"),
@@ -113,7 +116,7 @@ def _less_steep(drive: Drive, angle: float) -> tuple[Remedy, ...]:
     flatter = flatter_rack(drive, angle - STEEPEST_DEG)
     words = "take a rack with a smaller pressure angle, of which more teeth may be undercut"
     other_rack = (Remedy(words, changed(flatter)),) if flatter else ()
-    sought = (optimised(pressure_angle_deg=STEEPEST_DEG),) if mesh is Mesh.EXTERNAL else ()
+    sought = optimised(drive, pressure_angle_deg=STEEPEST_DEG) if mesh is Mesh.EXTERNAL else ()
     return (*other_rack, *tempered(drive, steep), *sought)
 
 
@@ -136,7 +139,7 @@ def crank_pin(drive: Drive) -> list[Advice]:
     The crank is carried by the last driven shaft.  Its pin, of which a design says nothing, is taken to be as thick as
     that shaft or, where that has no bore, as the driving one.
     """
-    if drive.stage not in (None, drive.design.stages):
+    if drive.stage not in (None, drive.design.stages) or not drive.linkage.RETURNS:
         return []
     gears, crank = drive.gears, drive.linkage.crank_mm
     pin = (gears.driven.bore_mm or gears.driving.bore_mm or 0.0) / 2.0
@@ -196,14 +199,19 @@ def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
         low, high = transmission.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, mesh))
         return (-high.value if shape.is_ring(gear, mesh) else low.value) < -STRAIGHT
 
-    sought = (optimised(convex=True),) if mesh is Mesh.EXTERNAL else ()
+    sought = optimised(drive, convex=True) if mesh is Mesh.EXTERNAL else ()
     return (*tempered(drive, dented), *sought)
 
 
-def optimised(**limits: float | bool) -> Remedy:
-    """The remedy of an optimised law within limits, which are given by their keys under ``optimize.limits``."""
+def optimised(drive: Drive, **limits: float | bool) -> tuple[Remedy, ...]:
+    """The remedy of an optimised law within limits, which are given by their keys under ``optimize.limits``.
+
+    Empty where the output never returns, since there is nothing to optimise then.
+    """
+    if not drive.linkage.RETURNS:
+        return ()
     changes = changed({f"optimize.limits.{key}": value for key, value in limits.items()})
-    return Remedy("let the best law within this limit be found", changes, OPTIMIZE)
+    return (Remedy("let the best law within this limit be found", changes, OPTIMIZE),)
 
 
 def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Remedy, ...]:
@@ -211,5 +219,5 @@ def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Rem
     percent = kept_percent(drive.design, harmful)
     if percent == 0:
         return ()
-    text = f"keep {percent} % of the law's swing, which moves the slider more evenly"
+    text = f"keep {percent} % of the law's swing, which moves the {drive.linkage.OUTPUT.name} more evenly"
     return (Remedy(text, changed(gentler(drive.design, percent / STEPS))),)

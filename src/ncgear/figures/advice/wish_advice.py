@@ -9,14 +9,15 @@ from ncgear.project.drive import Drive
 
 def missed_wishes(drive: Drive) -> Advice | None:
     """The hard wishes that the motion misses, and by how much."""
-    missed = [outcome for outcome in drive.achieved.outcomes if outcome.wish.hard and not outcome.kept]
+    outcomes = drive.achieved.outcomes if drive.achieved else ()
+    missed = [outcome for outcome in outcomes if outcome.wish.hard and not outcome.kept]
     if not missed:
         return None
     named = ", ".join(f"{outcome.wish.key} (by {missed_by(outcome)})" for outcome in missed)
     return Advice(
         Kind.MISSED_WISH,
         (Where(),),
-        f"the motion misses {len(missed)} of {len(drive.achieved.outcomes)} wishes: {named}",
-        "the slider moves otherwise than is wished",
+        f"the motion misses {len(missed)} of {len(outcomes)} wishes: {named}",
+        f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished",
         (Remedy("let ncgear optimize look for a law that keeps every hard wish"),),
     )

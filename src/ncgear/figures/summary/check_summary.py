@@ -10,6 +10,7 @@ from ncgear.figures.advice.collected import check_advice, rough_advice
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.figures.wished import motion_summary, wish_rows
 from ncgear.kinematics.check import KinematicCheck
+from ncgear.mechanisms.mechanism import Output
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
 
@@ -22,32 +23,50 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
         "drive": _drive(drive),
         **stages_summary(drive),
-        "closure": {
-            "residual_rad": abs(drive.transmission.closure_error_rad),
-            "stroke_residual_mm": drive.stroke_residual_mm,
-        },
+        "closure": _closure(drive),
         "ratio": {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at},
         "check": _check(drive),
-        "motion": motion_summary(drive.achieved, drive.linkage.stroke_mm),
-        "wishes": wish_rows(drive.achieved),
+        **_achieved(drive),
         "comparison": comparison_rows(drive),
         "warnings": [advice.line for advice in (*check_advice(drive), *rough_advice(drive))],
     }
 
 
+def _closure(drive: Drive) -> dict[str, float]:
+    found = {"residual_rad": abs(drive.transmission.closure_error_rad)}
+    if not drive.linkage.RETURNS:
+        return found
+    place = drive.linkage.OUTPUT.place
+    return {**found, f"stroke_residual_{place.ending}": place.factor * drive.stroke_residual}
+
+
+def _achieved(drive: Drive) -> dict[str, Any]:
+    """What the motion achieves of what may be wished of it; nothing of an output that never returns."""
+    found = drive.achieved
+    return {} if found is None else {"motion": motion_summary(found, drive.linkage), "wishes": wish_rows(found)}
+
+
 def _drive(drive: Drive) -> dict[str, Any]:
+    """Speeds, lobes, and the linkage where there is one."""
     lobes = drive.transmission.lobes
-    linkage = drive.linkage
     return {
         "speed_rpm": drive.design.operation.speed_rpm,
         "law_speed_rpm": drive.law_speed_rpm,
         "lobes_driving": lobes.driving,
         "lobes_driven": lobes.driven,
+        **(_strokes(drive) if drive.linkage.RETURNS else {}),
+        **(drive.law.stroke.facts if drive.law.stroke else {}),
+    }
+
+
+def _strokes(drive: Drive) -> dict[str, float]:
+    """The crank and both strokes."""
+    linkage, place = drive.linkage, drive.linkage.OUTPUT.place
+    return {
         "crank_mm": linkage.crank_mm,
-        "stroke_mm": linkage.stroke_mm,
+        f"stroke_{place.ending}": place.factor * linkage.stroke_mm,
         "working_crank_angle_deg": degrees(linkage.working_angle_rad),
         "working_driving_angle_deg": degrees(drive.machine.extended_rad),
-        **(drive.law.stroke.facts if drive.law.stroke else {}),
     }
 
 
@@ -82,32 +101,42 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
 
 
 def _check(drive: Drive) -> dict[str, Any]:
-    result = peaks(drive.check)
+    result = peaks(drive.check, returns=drive.linkage.RETURNS)
     factor = drive.law_speed_rpm / drive.design.operation.speed_rpm
+    speed, acceleration = drive.check.output.speed.ending, drive.check.output.acceleration.ending
     if drive.law.stroke is not None:
         result["at_law_speed"] = {
             "speed_rpm": drive.law_speed_rpm,
             "peak_power_w": drive.check.peak_power_w.value * factor,
-            "peak_speed_mm_s": drive.check.peak_speed_mm_s.value * factor,
-            "peak_acceleration_working_mm_s2": drive.check.peak_acceleration_working_mm_s2.value * factor**2,
-            "peak_acceleration_cycle_mm_s2": drive.check.peak_acceleration_cycle_mm_s2.value * factor**2,
+            f"peak_speed_{speed}": drive.check.peak_speed.value * factor,
+            f"peak_acceleration_working_{acceleration}": drive.check.peak_acceleration_working.value * factor**2,
+            f"peak_acceleration_cycle_{acceleration}": drive.check.peak_acceleration_cycle.value * factor**2,
         }
-    result["uniform_crank"] = peaks(drive.uniform_check)
+    result[uniform_key(drive)] = peaks(drive.uniform_check, returns=drive.linkage.RETURNS)
     return result
 
 
-def peaks(check: KinematicCheck) -> dict[str, Any]:
-    """Peaks of a check with the driving angle of each."""
+def uniform_key(drive: Drive) -> str:
+    """The key of the figures of the same machine where the driven gear turns evenly."""
+    return drive.linkage.UNIFORM.replace(" ", "_")
+
+
+def peaks(check: KinematicCheck, *, returns: bool) -> dict[str, Any]:
+    """Peaks of a check with the driving angle of each; those of a working stroke only where there is a return."""
+    speed, acceleration = check.output.speed.ending, check.output.acceleration.ending
+    working = {
+        f"peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
+        "peak_acceleration_working_at_rad": check.peak_acceleration_working.at,
+    }
     return {
         "peak_power_w": check.peak_power_w.value,
         "peak_power_at_rad": check.peak_power_w.at,
         "mean_power_w": check.mean_power_w,
-        "peak_speed_mm_s": check.peak_speed_mm_s.value,
-        "peak_speed_at_rad": check.peak_speed_mm_s.at,
-        "peak_acceleration_working_mm_s2": check.peak_acceleration_working_mm_s2.value,
-        "peak_acceleration_working_at_rad": check.peak_acceleration_working_mm_s2.at,
-        "peak_acceleration_cycle_mm_s2": check.peak_acceleration_cycle_mm_s2.value,
-        "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle_mm_s2.at,
+        f"peak_speed_{speed}": check.peak_speed.value,
+        "peak_speed_at_rad": check.peak_speed.at,
+        **(working if returns else {}),
+        f"peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
+        "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle.at,
     }
 
 
@@ -121,7 +150,9 @@ def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
     published = drive.design.comparison.published if drive.design.comparison else ()
     return [
         _checked("this design", drive.check, speed, ""),
-        _checked("uniform crank", drive.uniform_check, speed, _against(drive, drive.uniform_check.peak_power_w.value)),
+        _checked(
+            drive.linkage.UNIFORM, drive.uniform_check, speed, _against(drive, drive.uniform_check.peak_power_w.value)
+        ),
         *(_scaled(drive, mechanism) for mechanism in published),
         *(row for mechanism in published for row in _mixed(drive, mechanism)),
     ]
@@ -136,21 +167,21 @@ def _against(drive: Drive, other_power_w: float | None) -> str:
 
 
 def _checked(name: str, check: KinematicCheck, speed: float, note: str) -> dict[str, Any]:
-    acceleration, velocity = check.peak_acceleration_cycle_mm_s2.value, check.peak_speed_mm_s.value
-    row = _row(name, speed, check.peak_power_w.value, acceleration, velocity)
+    acceleration, velocity = check.peak_acceleration_cycle.value, check.peak_speed.value
+    row = _row(check.output, name, speed, check.peak_power_w.value, acceleration, velocity)
     return {**row, "mean_power_w": check.mean_power_w, "same_speed": True, "note": note}
 
 
 def _row(
-    name: str, speed: float, power: float | None, acceleration: float | None, velocity: float | None
+    output: Output, name: str, speed: float, power: float | None, acceleration: float | None, velocity: float | None
 ) -> dict[str, Any]:
     return {
         "name": name,
         "speed_rpm": speed,
         "peak_power_w": power,
         "mean_power_w": None,
-        "peak_acceleration_cycle_mm_s2": acceleration,
-        "peak_speed_mm_s": velocity,
+        f"peak_acceleration_cycle_{output.acceleration.ending}": acceleration,
+        f"peak_speed_{output.speed.ending}": velocity,
     }
 
 
@@ -159,7 +190,8 @@ def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
     found = published.at_speed(drive.design.operation.speed_rpm)
     power, pressing = found.peak_power_w, found.compression_speed_mm_s
     notes = [_against(drive, power), f"compression speed {to_digits(pressing, 4)} mm/s" if pressing else ""]
-    row = _row(found.name, found.speed_rpm, power, found.peak_acceleration_mm_s2, found.peak_speed_mm_s)
+    output = drive.linkage.OUTPUT
+    row = _row(output, found.name, found.speed_rpm, power, found.peak_acceleration_mm_s2, found.peak_speed_mm_s)
     return {**row, "same_speed": True, "note": "; ".join(note for note in notes if note)}
 
 
@@ -168,8 +200,11 @@ def _mixed(drive: Drive, published: Published) -> list[dict[str, Any]]:
     if published.quoted_power_w is None or published.quoted_speed_rpm is None:
         return []
     acceleration, velocity = published.peak_acceleration_mm_s2, published.peak_speed_mm_s
-    theirs = _row(published.name, published.speed_rpm, published.peak_power_w, acceleration, velocity)
-    quoted = _row("set against it in the publication", published.quoted_speed_rpm, published.quoted_power_w, None, None)
+    output = drive.linkage.OUTPUT
+    theirs = _row(output, published.name, published.speed_rpm, published.peak_power_w, acceleration, velocity)
+    quoted = _row(
+        output, "set against it in the publication", published.quoted_speed_rpm, published.quoted_power_w, None, None
+    )
     same = drive.check.peak_power_w.value * published.speed_rpm / drive.design.operation.speed_rpm
     note = f"at {published.speed_rpm:g} r/min this design needs {shown(same)} W"
     if published.peak_power_w:

@@ -1,0 +1,95 @@
+"""The driven shaft by itself: gears without a linkage, whose output is the turning shaft.
+
+Its place is the driven angle; it goes on for ever, has no dead centre, and bears a torque that repeats every turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+from typing import ClassVar, Self
+
+import numpy as np
+
+from ncgear.errors import WrongInput
+from ncgear.mechanisms.forces import CrankBody, JointForces, Pace, crank_forces
+from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Output
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Term, Vector
+
+
+@dataclass(frozen=True)
+class DrivenShaft(Mechanism):
+    """The shaft of the driven gear; its stroke is one turn in rad."""
+
+    NAME: ClassVar[str] = "the driven shaft by itself"
+    OUTPUT: ClassVar[Output] = Output("driven shaft", angular=True)
+    RETURNS: ClassVar[bool] = False
+    UNIFORM: ClassVar[str] = "even gears"
+    PISTON: ClassVar[bool] = False
+    POINTS: ClassVar[tuple[str, ...]] = ()
+    JOINTS: ClassVar[Mapping[str, str]] = {}
+
+    @classmethod
+    def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
+        """Raises WrongInput: a shaft has no stroke that could follow from a law."""
+        raise WrongInput("there is no linkage, and so no stroke to solve for; give linkage", key="motion.solve_for")
+
+    @property
+    def crank_mm(self) -> float:
+        """A shaft has no crank: 0."""
+        return 0.0
+
+    @property
+    def turns_fully(self) -> Mask:
+        """A shaft always turns fully."""
+        return np.asarray(True)
+
+    @property
+    def stroke_mm(self) -> float:
+        """One turn in rad."""
+        return 2.0 * pi
+
+    @property
+    def nearest_mm(self) -> float:
+        """The angle from which it is counted: 0."""
+        return 0.0
+
+    @property
+    def working_angle_rad(self) -> float:
+        """All of a turn."""
+        return 2.0 * pi
+
+    def displacement(self, crank_angle: Jet) -> Jet:
+        """The driven angle itself."""
+        return crank_angle
+
+    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+        """The displacement itself."""
+        return displacement
+
+    def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
+        """The displacement itself."""
+        return displacement_mm
+
+    def crank_body(self, crank_angle: Jet, center_mm: float) -> CrankBody:
+        """The shaft, with nothing out of its axis."""
+        still = 0.0 * crank_angle
+        return CrankBody(crank_angle, Vector(still, still), Vector(still, still))
+
+    def links(self, crank_angle: Jet) -> Mapping[str, Link]:
+        """Nothing is drawn besides the gears."""
+        return {}
+
+    def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
+        """Nothing moves besides what turns with the shaft."""
+        return ()
+
+    def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
+        """No joints; the shaft's torque is that of the load and of what turns with it."""
+        body = self.crank_body(crank_angle, 0.0)
+        axis, torque = crank_forces(body, masses, pace, Vector(0.0 * resistance_n, 0.0 * resistance_n))
+        return JointForces({}, axis, 0.0 * resistance_n, torque + resistance_n)
