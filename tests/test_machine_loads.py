@@ -12,12 +12,12 @@ from mechanisms import AMPLITUDE, OFFSET, oracle, sampled, uneven
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.loads import MachineLoads, machine_loads
 from oracles import newton_euler
 from published import BALER_LINKAGE, PRESS, RPM
-from scotch_yoke import ScotchYoke
 from test_rigid import HEAVY, felt, scene
 
 ANY = np.linspace(0.2, 2.0 * pi + 0.2, 41)

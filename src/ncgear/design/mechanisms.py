@@ -12,8 +12,16 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import Model
-from ncgear.design.keys.machine import Linkage, Load, NoLinkage, Resistance, ShaftTorque, TurningLoad
-from ncgear.design.keys.masses import DrivenShaftMasses, GearMasses, Masses, MechanismMasses
+from ncgear.design.keys.linkages import LeverKeys, RackKeys, RockerKeys, YokeKeys
+from ncgear.design.keys.machine import Linkage, Load, NoLinkage, Resistance, RockerTorque, ShaftTorque, TurningLoad
+from ncgear.design.keys.masses import (
+    DrivenShaftMasses,
+    GearMasses,
+    LeverMasses,
+    Masses,
+    RockerMasses,
+    SlidingMasses,
+)
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
@@ -30,8 +38,7 @@ class Entry:
 
     load: Callable[[], type[Mechanism]]
     linkage: type[Model]
-    masses: type[GearMasses] = MechanismMasses
-
+    masses: type[GearMasses] = SlidingMasses
     resistance: type[Load] = Resistance
 
     @property
@@ -56,6 +63,30 @@ def _crank_slider() -> type[Mechanism]:
     return CrankSlider
 
 
+def _scotch_yoke() -> type[Mechanism]:
+    from ncgear.mechanisms.scotch_yoke import ScotchYoke
+
+    return ScotchYoke
+
+
+def _crank_rocker() -> type[Mechanism]:
+    from ncgear.mechanisms.crank_rocker import CrankRocker
+
+    return CrankRocker
+
+
+def _slotted_lever() -> type[Mechanism]:
+    from ncgear.mechanisms.slotted_lever import SlottedLever
+
+    return SlottedLever
+
+
+def _rack_pinion() -> type[Mechanism]:
+    from ncgear.mechanisms.rack_pinion import RackPinion
+
+    return RackPinion
+
+
 def _driven_shaft() -> type[Mechanism]:
     from ncgear.mechanisms.driven_shaft import DrivenShaft
 
@@ -67,6 +98,10 @@ NO_LINKAGE = "none"
 
 MECHANISMS: dict[str, Entry] = {
     "crank_slider": Entry(_crank_slider, Linkage, Masses),
+    "scotch_yoke": Entry(_scotch_yoke, YokeKeys),
+    "crank_rocker": Entry(_crank_rocker, RockerKeys, RockerMasses, RockerTorque),
+    "slotted_lever": Entry(_slotted_lever, LeverKeys, LeverMasses),
+    "rack_pinion": Entry(_rack_pinion, RackKeys),
     NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque),
 }
 """All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""

@@ -29,6 +29,8 @@ class DrivenShaft(Mechanism):
     OUTPUT: ClassVar[Output] = Output("driven shaft", angular=True)
     RETURNS: ClassVar[bool] = False
     UNIFORM: ClassVar[str] = "even gears"
+    PISTON: ClassVar[bool] = False
+    POINTS: ClassVar[tuple[str, ...]] = ()
     JOINTS: ClassVar[Mapping[str, str]] = {}
 
     @classmethod

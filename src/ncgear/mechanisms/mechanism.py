@@ -7,7 +7,8 @@ one working stroke (retracted to extended) and one return.
 
 A mechanism is a frozen dataclass whose fields are its lengths, named like their keys under ``linkage`` in design
 files.  Its formulas (``Mechanisms``) hold for one mechanism and for many at once.  A new mechanism is a class in a
-module of its own, a model of its keys, and one line in ``ncgear.design.mechanisms``; tests/scotch_yoke.py is one.
+module of its own, a model of its keys, and one line in ``ncgear.design.mechanisms``; ``mechanisms.scotch_yoke`` is
+the shortest.
 """
 
 from __future__ import annotations
@@ -101,10 +102,16 @@ class MovingMass:
 
 @dataclass(frozen=True)
 class Shape:
-    """How a link is drawn in its own frame, in mm: bars, each along a line from point to point, and eyes about pins."""
+    """How a link is drawn in its own frame, in mm.
 
-    bars: tuple[tuple[Point, Point], ...]
+    Bars lie each along a line from point to point, eyes are about pins; a block slides along each slot, which also is a
+    line from point to point, with walls around it.  ``areas`` are closed outlines.
+    """
+
+    bars: tuple[tuple[Point, Point], ...] = ()
     eyes: tuple[Point, ...] = ()
+    slots: tuple[tuple[Point, Point], ...] = ()
+    areas: tuple[tuple[Point, ...], ...] = ()
 
 
 class Mechanisms(ABC, Generic[Number]):
@@ -145,6 +152,11 @@ class Mechanisms(ABC, Generic[Number]):
     def displacement(self, crank_angle: Jet) -> Jet:
         """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively accurate near both zeros."""
 
+    @property
+    def half_way(self) -> Number:
+        """A size in mm, or rad, of the order of half the stroke: the unit in which programmes count the output's way."""
+        return self.crank_mm
+
     @abstractmethod
     def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
         """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
@@ -175,8 +187,11 @@ class Mechanism(Mechanisms[float]):
     STROKE_KEY: ClassVar[str] = "crank_mm"
     """The length that follows where a law gives the stroke."""
 
+    POINTS: ClassVar[tuple[str, ...]] = ("slider",)
+    """Bodies that do not turn, whose masses a design file gives by keys under ``masses``: ``slider`` by ``slider_kg``."""
+
     RODS: ClassVar[tuple[str, ...]] = ()
-    """Bodies between slider and crank whose masses a design file gives, by their keys under ``masses``."""
+    """Bodies that turn, the crank apart, whose masses a design file gives, by their keys under ``masses``."""
 
     MASSES: ClassVar[type[Masses]] = Masses
     """The class of its masses."""
@@ -186,6 +201,9 @@ class Mechanism(Mechanisms[float]):
 
     PINS: ClassVar[Mapping[str, str]] = {}
     """Pins that are drawn: the name of each, with the link at whose origin it is."""
+
+    PISTON: ClassVar[bool] = True
+    """Whether the output is drawn as a piston that slides along its line in a guide, with what it works against."""
 
     offset_mm: float = 0.0
     """Distance of the slider's line from the crank's axis."""
@@ -235,14 +253,25 @@ class Mechanism(Mechanisms[float]):
 
     @abstractmethod
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
-        """All bodies at crank angles in rad: ``slider`` first, ``crank`` next, then the others from back to front.
+        """All bodies at crank angles in rad: the output by its name, ``crank`` next, the others from back to front.
 
-        The slider's own frame does not turn; at the retracted dead centre its origin is at ``nearest_mm``.
+        The own frame of an output that slides does not turn; at the retracted dead centre its origin is at
+        ``nearest_mm``.
         """
 
     def shapes(self) -> Mapping[str, Shape]:
-        """How the links are drawn, except the crank, and the slider where it is a mere piston."""
+        """How the links are drawn, except a plain crank, and an output that slides where it is a mere piston."""
         return {}
+
+    @property
+    def pivots_mm(self) -> tuple[Point, ...]:
+        """Axes in the frame, the crank's apart, about which links turn."""
+        return ()
+
+    @property
+    def guides_mm(self) -> tuple[tuple[Point, Point], ...]:
+        """Straight guides that stand, a piston's apart, each from point to point with the frame on its left."""
+        return ()
 
     @abstractmethod
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
@@ -252,7 +281,8 @@ class Mechanism(Mechanisms[float]):
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
         """Forces that a motion needs against the weights and a resistance in N that acts on the slider along -x.
 
-        ``masses`` are of ``MASSES``.
+        On an output that turns, the resistance is a torque in N mm towards the retracted dead centre.  ``masses`` are
+        of ``MASSES``.
         """
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from math import cos, radians, sin
 
-from ncgear.design.keys.masses import Gravity, MechanismMasses
+from ncgear.design.keys.masses import DrivenShaftMasses, Gravity, ShaftMasses
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 
 
 def masses_of(
-    given: MechanismMasses,
+    given: ShaftMasses | DrivenShaftMasses,
     mechanism: Mechanism,
     driving_body_kg_mm2: float = 0.0,
     driven_body_kg_mm2: float = 0.0,
@@ -19,7 +19,7 @@ def masses_of(
     driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
     rods = {name: getattr(given, name) for name in mechanism.RODS}
     return mechanism.MASSES(
-        slider_kg=given.slider_kg,
+        **{f"{name}_kg": getattr(given, f"{name}_kg") for name in mechanism.POINTS},
         **{f"{name}_kg": rod.mass_kg for name, rod in rods.items()},
         **{f"{name}_center_mm": rod.center_mm for name, rod in rods.items()},
         **{f"{name}_inertia_kg_mm2": rod.inertia_kg_mm2 for name, rod in rods.items()},

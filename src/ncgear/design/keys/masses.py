@@ -63,6 +63,16 @@ class Crank(Model):
         return self
 
 
+class Swinging(Crank):
+    """A rocker or a lever with all that turns with it, as a rigid body on an axis of its own."""
+
+    mass_kg: Mass = Field(description="its mass in kg")
+    center_mm: Coordinate = Field(
+        description="distance of its centre of mass from its axis towards its pin in mm; negative beyond the axis"
+    )
+    inertia_kg_mm2: Inertia = Field(description="moment of inertia about its axis in kg mm2")
+
+
 class Flywheel(Model):
     """A flywheel on the driving shaft: its inertia, and how evenly the shaft shall turn."""
 
@@ -168,12 +178,34 @@ class DrivenShaftMasses(GearMasses, DrivenShaftMass):
 
 
 # Keys come from the last base to the first: so the rod is between the slider and the crank.
-class MechanismMasses(ShaftMasses, SliderMass):
-    """What moves in any mechanism, as masses and moments of inertia."""
+class SlidingMasses(ShaftMasses, SliderMass):
+    """What moves where the crank moves the slider without a link between them, as masses and moments of inertia."""
 
 
-class Masses(MechanismMasses, RodMass, SliderMass):
+class Masses(SlidingMasses, RodMass, SliderMass):
     """What moves, as masses and moments of inertia."""
+
+
+class SwingingMasses(Model):
+    """Rocker and coupler."""
+
+    rocker: Swinging = Field(description="the rocker of a crank_rocker with all that turns with it")
+    coupler: Rod = Field(description="the coupler of a crank_rocker; its centre from the crank pin to the rocker's")
+
+
+class RockerMasses(ShaftMasses, SwingingMasses):
+    """What moves of a crank-rocker, as masses and moments of inertia."""
+
+
+class BlockAndLever(Model):
+    """Lever and block."""
+
+    lever: Swinging = Field(description="the lever of a slotted_lever")
+    block_kg: Mass = Field(default=0.0, description="mass of a slotted_lever's block in kg")
+
+
+class LeverMasses(ShaftMasses, BlockAndLever, SliderMass):
+    """What moves of a slotted lever, as masses and moments of inertia; the slider is the ram."""
 
 
 STEEPEST = 10.0

@@ -117,6 +117,8 @@ def _path(contours: Sequence[Array]) -> Path:
 def material_artists(axes: Axes, scene: Scene) -> Iterator[Moving]:
     """The material before the slider, up to the chamber's wall, and the material behind it, where there is any."""
     chamber = scene.chamber
+    if chamber is None:
+        return
     if chamber.begins_mm is not None:
         yield _strip(axes, chamber, lambda poses: poses.material_mm, -1.0, chamber.end_mm)
     if chamber.behind_mm is not None:
@@ -158,6 +160,14 @@ def pin_artists(axes: Axes, scene: Scene) -> Moving:
 def axis_artist(axes: Axes, scene: Scene, style: Style, to_screen: Transform) -> Moving:
     """The axes of rotation in one style; they stand still, but are drawn over the moving bodies."""
     line = Line2D(*np.array(scene.axes_mm).T, transform=to_screen, **style)
+    axes.add_artist(line)
+    return Moving((line,), lambda poses, row: None)
+
+
+def pivot_artist(axes: Axes, scene: Scene) -> Moving:
+    """The fixed axes of links, the crank's apart."""
+    pivots = np.array(scene.machine.linkage.pivots_mm).reshape(-1, 2)
+    line = Line2D(*pivots.T, transform=axes.transData, **SHAFT)
     axes.add_artist(line)
     return Moving((line,), lambda poses, row: None)
 

@@ -30,6 +30,7 @@ from ncgear.drawings.animation.artists import (
     gear_artists,
     material_artists,
     pin_artists,
+    pivot_artist,
     pitch_point_artist,
 )
 from ncgear.drawings.charts.chart import Chart, Role, decimals_of
@@ -37,7 +38,7 @@ from ncgear.drawings.charts.drawer import Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, dress, figure
 from ncgear.drawings.scene.scene import Poses, Scene
-from ncgear.drawings.scene.standing import Box, hatches_mm, views, wall_mm
+from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, wall_mm
 from ncgear.figures.numbers import fixed, rounded
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Mechanism
@@ -55,22 +56,30 @@ def look_at(axes: Axes, box: Box) -> float:
 
 
 def draw_standing(axes: Axes, scene: Scene) -> None:
-    """Walls, the mark of the ground, and the circle of the crank pin."""
-    wall = wall_mm(scene.chamber)
-    sides = [wall] if scene.chamber.begins_mm is not None else [wall[:2], wall[2:]]
-    axes.add_collection(LineCollection(list(hatches_mm(scene.chamber)), **looks.HATCHING), autolim=False)
-    axes.add_collection(LineCollection(sides, **looks.WALL), autolim=False)
+    """Walls, supports, the mark of the ground, and the circle of the crank pin."""
+    linkage, chamber = scene.machine.linkage, scene.chamber
+    if not scene.links:
+        return
+    lines, hatches = supports_mm(linkage), [*support_hatches_mm(linkage)]
+    if chamber is not None:
+        wall = wall_mm(chamber)
+        lines += [wall] if chamber.begins_mm is not None else [wall[:2], wall[2:]]
+        hatches += list(hatches_mm(chamber))
+    axes.add_collection(LineCollection(hatches, **looks.HATCHING), autolim=False)
+    axes.add_collection(LineCollection(lines, **looks.WALL), autolim=False)
     axes.add_artist(Circle((0.0, 0.0), scene.machine.linkage.crank_mm, fill=False, **looks.ORBIT))
 
 
 def machine(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
     """All moving parts of the whole machine, from the back to the front."""
-    slider, *links = (body_artist(axes, body, pixel_mm, axes.transData) for body in scene.links)
+    bodies = [body_artist(axes, body, pixel_mm, axes.transData) for body in scene.links]
+    output, links = bodies[:1], bodies[1:]
     yield from material_artists(axes, scene)
-    yield slider
+    yield from output
     others = tuple(_gears(axes, scene, pixel_mm, axes.transData))
     yield from (*links, *others) if scene.crank_is_behind else (*others, *links)
     yield pin_artists(axes, scene)
+    yield pivot_artist(axes, scene)
     yield axis_artist(axes, scene, looks.SHAFT, axes.transData)
 
 

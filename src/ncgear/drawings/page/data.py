@@ -15,6 +15,7 @@ import numpy as np
 
 from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.page.chart_svg import ChartFigure
+from ncgear.drawings.scene.bodies import Chamber
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import views
@@ -72,20 +73,13 @@ LINK_DECIMALS = 9
 def scene_data(scene: Scene) -> dict[str, Any]:
     """All data that move the SVG of ``scene_svg``, ready for JSON; angles in rad, lengths in mm."""
     shafts = [*(pair.transmission for pair in scene.train.pairs[:-1]), scene.train.whole]
-    chamber = scene.chamber
     return {
         "loop": scene.loop_rad,
         "shafts": [angle_table(transmission) for transmission in shafts],
         "gears": [_gear(gear) for gear in scene.gears],
         "pairs": [_pair(pair) for pair in scene.pairs],
         "linkage": _linkage(scene),
-        "chamber": {
-            "face": chamber.face_mm,
-            "start": chamber.start_mm,
-            "end": chamber.end_mm,
-            "begins": chamber.begins_mm,
-            "behind": chamber.behind_mm,
-        },
+        "chamber": None if scene.chamber is None else _chamber(scene.chamber),
         "views": {name: list(box) for name, box in views(scene).items()},
     }
 
@@ -131,6 +125,16 @@ def _error(curve: JetFunction, at: Array, value: Array, slope: Array, share: flo
     return error
 
 
+def _chamber(chamber: Chamber) -> dict[str, Any]:
+    return {
+        "face": chamber.face_mm,
+        "start": chamber.start_mm,
+        "end": chamber.end_mm,
+        "begins": chamber.begins_mm,
+        "behind": chamber.behind_mm,
+    }
+
+
 def _gear(gear: SceneGear) -> dict[str, Any]:
     mounting = gear.mounting
     return {
@@ -155,6 +159,7 @@ def _linkage(scene: Scene) -> dict[str, Any]:
     return {
         "links": {name: _link_tables(linkage, name) for name in linkage.links(Jet(np.zeros((1, 1))))},
         "pins": dict(linkage.PINS),
+        "output": linkage.OUTPUT.name,
         "offset": linkage.offset_mm,
         "nearest": linkage.nearest_mm,
         "stroke": linkage.stroke_mm,

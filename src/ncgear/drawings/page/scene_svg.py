@@ -16,7 +16,15 @@ import numpy as np
 from ncgear.drawings.scene.bodies import Body, pin_radius_mm
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
-from ncgear.drawings.scene.standing import hatches_mm, simplified, straws, views, wall_mm
+from ncgear.drawings.scene.standing import (
+    hatches_mm,
+    simplified,
+    straws,
+    support_hatches_mm,
+    supports_mm,
+    views,
+    wall_mm,
+)
 from ncgear.numerics.arrays import Array
 
 PLACES_PER_TOLERANCE = 5.0
@@ -73,14 +81,20 @@ def scene_svg(scene: Scene) -> str:
 
 
 def _standing(scene: Scene) -> Iterator[str]:
-    chamber, grid = scene.chamber, grid_mm(_link_tolerance_mm(scene))
-    wall = wall_mm(chamber)
-    for name, met_mm in (("material", chamber.begins_mm), ("material-behind", chamber.behind_mm)):
-        yield _group("", name, _material(chamber.height_mm)) if met_mm is not None else ""
-    yield _scaled(grid, f'<path class="hatching" d="{strokes_path(hatches_mm(chamber), grid)}"/>')
-    yield f'<circle class="orbit" r="{scene.machine.linkage.crank_mm:.6g}"/>'
-    sides = wall if chamber.begins_mm is not None else wall[[[0, 1], [3, 2]]]
-    yield _scaled(grid, f'<path class="wall" d="{strokes_path(sides.reshape(-1, *sides.shape[-2:]), grid)}"/>')
+    chamber, linkage = scene.chamber, scene.machine.linkage
+    if not scene.links:
+        return
+    grid = grid_mm(_link_tolerance_mm(scene))
+    lines, hatches = supports_mm(linkage), support_hatches_mm(linkage)
+    if chamber is not None:
+        for name, met_mm in (("material", chamber.begins_mm), ("material-behind", chamber.behind_mm)):
+            yield _group("", name, _material(chamber.height_mm)) if met_mm is not None else ""
+        wall = wall_mm(chamber)
+        lines += [wall] if chamber.begins_mm is not None else [wall[:2], wall[:1:-1]]
+        hatches = np.concatenate([hatches, hatches_mm(chamber)])
+    yield _scaled(grid, f'<path class="hatching" d="{strokes_path(hatches, grid)}"/>')
+    yield f'<circle class="orbit" r="{linkage.crank_mm:.6g}"/>'
+    yield _scaled(grid, f'<path class="wall" d="{"".join(strokes_path(line[None], grid) for line in lines)}"/>')
 
 
 def _material(height_mm: float) -> str:
@@ -95,11 +109,10 @@ def _material(height_mm: float) -> str:
 
 
 def _bodies(scene: Scene) -> Iterator[str]:
-    slider, *between = scene.links
     tolerance = _link_tolerance_mm(scene)
-    links = [_body(link, tolerance) for link in between]
+    output, links = ([_body(link, tolerance) for link in some] for some in (scene.links[:1], scene.links[1:]))
     gears = [_gear(pair, gear) for pair in scene.pairs for gear in (pair.driving, pair.driven)]
-    yield _body(slider, tolerance)
+    yield from output
     yield from (*links, *gears) if scene.crank_is_behind else (*gears, *links)
 
 
@@ -124,7 +137,7 @@ def _marks(scene: Scene) -> Iterator[str]:
     for pair in scene.pairs:
         start, end = pair.mounting.driving_axis_mm, pair.mounting.driven_axis_mm
         yield f'<path class="centres" d="M{start[0]:.6g} {start[1]:.6g}L{end[0]:.6g} {end[1]:.6g}"/>'
-    for x, y in scene.axes_mm:
+    for x, y in (*scene.axes_mm, *scene.machine.linkage.pivots_mm):
         yield f'<path class="shaft" d="M{x:.6g} {y:.6g}h0"/>'
     for name in scene.machine.linkage.PINS:
         yield _group("", name, f'<circle class="pin" r="{pin_radius_mm(scene.machine.linkage):.6g}"/>')

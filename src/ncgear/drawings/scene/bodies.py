@@ -1,10 +1,10 @@
 """The moving bodies of the mechanism with their shapes, and the chamber in which the slider works.
 
 Each link has a shape in its own frame.  A design file gives only lengths, so the shapes are drawn for the picture.  The
-crank lies along +x from its axis.  The slider has its pin at the origin and its face in front of it in +x.  The
-mechanism says where the bars and eyes of the other links are.
+crank lies along +x from its axis.  A slider has its pin at the origin and its face in front of it in +x.  The
+mechanism says where the bars, eyes and slots of the other links are.
 
-The slider moves in a guide.  Where it works against a force, the guide is a chamber with material in it.  A design file
+A slider moves in a guide.  Where it works against a force, the guide is a chamber with material in it.  A design file
 gives the force, but not the chamber.  So the height of the chamber, the length of the slider and the least depth of the
 material are chosen in proportion to the stroke.  The material reaches from the place where the force first acts to the
 end of the chamber.  On its way back the slider leaves it pressed; the next stroke begins with new material.  Where a
@@ -19,13 +19,17 @@ from enum import Enum
 
 import numpy as np
 import shapely
-from shapely import Point, Polygon
+from shapely import LineString, Point, Polygon
 from shapely.geometry.polygon import orient
 
-from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.mechanisms.mechanism import Mechanism, Shape
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, Mask
+
+
+Contours = tuple[Array, ...]
+"""Contours in mm, shape (n, 2) each, first point not repeated: the outer one counter-clockwise, then the holes."""
 
 
 class Kind(Enum):
@@ -48,7 +52,7 @@ class Body:
 
     name: str
     kind: Kind
-    contours_mm: tuple[Array, ...]
+    contours_mm: Contours
     edges_mm: tuple[Array, ...] = ()
 
     @property
@@ -82,32 +86,39 @@ def pin_radius_mm(linkage: Mechanism) -> float:
     return PIN * linkage.crank_mm
 
 
-def crank_shape(linkage: Mechanism) -> Array:
-    """The crank's outline in mm, shape (n, 2), counter-clockwise."""
+def crank_shape(linkage: Mechanism) -> Contours:
+    """The crank's contours in mm: a plain crank, or what the mechanism says of it."""
+    if "crank" in linkage.shapes():
+        return link_shape(linkage, "crank")
     length = linkage.crank_mm
     eyes = _disc(0.0, CRANK_EYE * length), _disc(length, PIN_EYE * length)
-    return _outline(shapely.union_all(eyes).convex_hull)
+    return _contours(shapely.union_all(eyes).convex_hull)
 
 
-def link_shape(linkage: Mechanism, name: str) -> Array:
-    """The outline of a link between slider and crank in mm, shape (n, 2), counter-clockwise."""
-    return _outline(shapely.union_all(_parts(linkage, name)))
+def link_shape(linkage: Mechanism, name: str) -> Contours:
+    """The contours of a link in mm; the widths of its bars are in proportion to the crank's length."""
+    return _contours(_shaped(linkage, linkage.shapes()[name]))
 
 
-def slider_shape(chamber: Chamber) -> Array:
-    """The slider's outline in mm, shape (n, 2), counter-clockwise: a piston, and the parts that the mechanism adds."""
+def output_shape(linkage: Mechanism, chamber: Chamber | None) -> Contours:
+    """The output's contours in mm: a piston in its chamber, the parts that the mechanism adds, or these alone."""
+    shape = linkage.shapes().get(linkage.OUTPUT.name, Shape())
+    if chamber is None:
+        return _contours(_shaped(linkage, shape))
     face, half = chamber.face_mm, chamber.height_mm / 2.0
     piston = np.array([[-face, -half], [face, -half], [face, half], [-face, half]])
-    if "slider" not in chamber.linkage.shapes():
-        return piston
-    return _outline(shapely.union_all([Polygon(piston), *_parts(chamber.linkage, "slider")]))
+    return (piston,) if shape == Shape() else _contours(_shaped(linkage, shape, Polygon(piston)))
 
 
-def _parts(linkage: Mechanism, name: str) -> list[Polygon]:
-    """The bars and eyes of a link; their widths are in proportion to the crank's length."""
-    shape, eye = linkage.shapes()[name], PIN_EYE * linkage.crank_mm
-    bars = [_bar(np.array(start), np.array(end), ROD_WIDTH / 2.0 * linkage.crank_mm) for start, end in shape.bars]
-    return [*bars, *(_disc(x, eye, y) for x, y in shape.eyes)]
+def _shaped(linkage: Mechanism, shape: Shape, *more: Polygon) -> Polygon:
+    """A link as one area: its bars, eyes, areas and walls of slots, and ``more``, less what its slots leave free."""
+    eye, half = PIN_EYE * linkage.crank_mm, ROD_WIDTH / 2.0 * linkage.crank_mm
+    bars = [_bar(np.array(start), np.array(end), half) for start, end in shape.bars]
+    eyes = [_disc(x, eye, y) for x, y in shape.eyes]
+    walls = [LineString(slot).buffer(eye + half, quad_segs=QUARTER) for slot in shape.slots]
+    free = [LineString(slot).buffer(eye, quad_segs=QUARTER) for slot in shape.slots]
+    whole = shapely.union_all([*more, *bars, *eyes, *walls, *map(Polygon, shape.areas)])
+    return whole if not free else whole.difference(shapely.union_all(free))
 
 
 def _bar(start: Array, end: Array, half: float) -> Polygon:
@@ -120,9 +131,9 @@ def _disc(x: float, radius: float, y: float = 0.0) -> Polygon:
     return Point(x, y).buffer(radius, quad_segs=QUARTER)
 
 
-def _outline(polygon: Polygon) -> Array:
-    points: Array = shapely.get_coordinates(orient(polygon).exterior)[:-1]
-    return points
+def _contours(polygon: Polygon) -> Contours:
+    turned = orient(polygon)
+    return tuple(shapely.get_coordinates(ring)[:-1] for ring in (turned.exterior, *turned.interiors))
 
 
 SLIDER_LENGTH = 0.30
@@ -178,8 +189,10 @@ class Chamber:
         return np.where(working, 0.0, np.minimum(displacement_mm, self.behind_mm))
 
 
-def chamber_of(linkage: Mechanism, load: SliderLoad) -> Chamber:
-    """The chamber of a mechanism that works against a load; an empty guide where no force but friction acts."""
+def chamber_of(linkage: Mechanism, load: SliderLoad) -> Chamber | None:
+    """The chamber of a mechanism whose piston works against a load; an empty guide where no force but friction acts."""
+    if not linkage.PISTON:
+        return None
     out, back = (_acting_mm(force, linkage.stroke_mm) for force in (load.working, load.returning))
     return Chamber(linkage, out and out[0], back and back[1])
 

@@ -13,11 +13,12 @@ from math import gcd, pi
 
 import numpy as np
 
-from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, slider_shape
+from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, output_shape
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs
 from ncgear.kinematics.motion import Machine, OutputMotion
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import turned
 from ncgear.project.drive import Drive
 from ncgear.ratio.transmission import Train
 
@@ -40,6 +41,10 @@ class Poses:
     material_behind_mm: Array
 
 
+SWEEP = 73
+"""Crank angles of a cycle at which the way of the links is looked at for the box of a view."""
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """All visible parts of a machine; ``pairs`` are in their order from the driving shaft, and empty without gears."""
@@ -48,7 +53,7 @@ class Scene:
     machine: Machine
     train: Train
     pairs: tuple[ScenePair, ...]
-    chamber: Chamber
+    chamber: Chamber | None
 
     @property
     def loop_rad(self) -> float:
@@ -58,14 +63,30 @@ class Scene:
 
     @cached_property
     def links(self) -> tuple[Body, ...]:
-        """Slider, crank, and the links between them from back to front."""
+        """The output, the crank, and the links between them from back to front; none of a shaft by itself."""
         linkage = self.machine.linkage
-        between = [name for name in linkage.links(Jet(np.zeros((1, 1)))) if name not in ("slider", "crank")]
-        return (
-            Body("slider", Kind.SLIDER, (slider_shape(self.chamber),)),
-            Body("crank", Kind.CRANK, (crank_shape(linkage),)),
-            *(Body(name, Kind.ROD, (link_shape(linkage, name),)) for name in between),
-        )
+        names = list(linkage.links(Jet(np.zeros((1, 1)))))
+        if not names:
+            return ()
+        output, *others = names
+        made = [Body(output, Kind.SLIDER, output_shape(linkage, self.chamber))]
+        for name in others:
+            crank = name == "crank"
+            contours = crank_shape(linkage) if crank else link_shape(linkage, name)
+            made.append(Body(name, Kind.CRANK if crank else Kind.ROD, contours))
+        return tuple(made)
+
+    @cached_property
+    def swept_mm(self) -> Array:
+        """Points that the links pass in a cycle, shape (n, 2)."""
+        driven = self.machine.transmission.driven_angle(np.array([self.machine.transmission.cycle_rad])).value[0]
+        places = self._link_places(np.linspace(0.0, driven, SWEEP))
+        found = [np.empty((0, 2))]
+        for body in self.links:
+            at = places[body.name]
+            moved = turned(body.contours_mm[0], at.angle_rad[:, None]) + at.origin_mm[:, None, :]
+            found.append(moved.reshape(-1, 2))
+        return np.concatenate(found)
 
     @property
     def gears(self) -> tuple[SceneGear, ...]:
@@ -102,9 +123,15 @@ class Scene:
             angles,
             {**gears, **self._link_places(angles[-1])},
             tuple(pair.pitch_point_mm(angles) for pair in self.pairs),
-            self.chamber.material_mm(motion.displacement, working),
-            self.chamber.material_behind_mm(motion.displacement, working),
+            *self._material_mm(motion.displacement, working),
         )
+
+    def _material_mm(self, displacement_mm: Array, working: Mask) -> tuple[Array, Array]:
+        if self.chamber is None:
+            return np.zeros_like(displacement_mm), np.zeros_like(displacement_mm)
+        found = self.chamber.material_mm, self.chamber.material_behind_mm
+        before, behind = (depth(displacement_mm, working) for depth in found)
+        return before, behind
 
     def _link_places(self, phi2_rad: Array) -> dict[str, Places]:
         return {

@@ -1,7 +1,7 @@
 """The standing parts of a scene, the boxes of its views, and contours with as many points as a picture needs.
 
-The walls beside the slider are hatched like the ground in a drawing.  The material in front of the slider has a grain,
-which shows how the slider presses it.
+The walls beside a slider, the supports of axes and other guides are hatched like the ground in a drawing.  The
+material in front of the slider has a grain, which shows how the slider presses it.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from shapely import Polygon
 
 from ncgear.drawings.scene.bodies import CRANK_EYE, Chamber
 from ncgear.drawings.scene.scene import Scene
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 
 
@@ -64,6 +65,37 @@ def hatches_mm(chamber: Chamber) -> Array:
     return np.concatenate(strokes)
 
 
+SUPPORT = 0.16
+"""Height of a support and half its width, as a share of the crank's length."""
+
+SUPPORT_HATCHES = 6
+"""Strokes under a support; a guide has so many in a length of the crank."""
+
+
+def supports_mm(linkage: Mechanism) -> list[Array]:
+    """The lines of the supports of fixed axes and of guides that stand, in mm, shape (n, 2) each."""
+    size, lines = SUPPORT * linkage.crank_mm, list[Array]()
+    for x, y in linkage.pivots_mm:
+        left, right = (x - size, y - size), (x + size, y - size)
+        lines += [np.array([left, (x, y), right]), np.array([left, right]) + [[-0.4 * size, 0.0], [0.4 * size, 0.0]]]
+    return [*lines, *map(np.array, linkage.guides_mm)]
+
+
+def support_hatches_mm(linkage: Mechanism) -> Array:
+    """Slanting strokes that mark supports and guides as parts of the frame, in mm, shape (n, 2, 2)."""
+    size = SUPPORT * linkage.crank_mm
+    grounds = [((x + 1.4 * size, y - size), (x - 1.4 * size, y - size)) for x, y in linkage.pivots_mm]
+    strokes = [np.empty((0, 2, 2))]
+    for start, end in map(np.array, (*grounds, *linkage.guides_mm)):
+        length = float(np.hypot(*(end - start)))
+        along = (end - start) / length
+        count = max(SUPPORT_HATCHES, round(SUPPORT_HATCHES * length / linkage.crank_mm))
+        foot = start + np.linspace(0.0, length, count + 1)[1:, None] * along
+        slant = 0.4 * size * (np.array([-along[1], along[0]]) - along)
+        strokes.append(np.stack([foot, foot + slant], axis=1))
+    return np.concatenate(strokes)
+
+
 def straws() -> Array:
     """Strokes of the material's grain, shape (n, 2, 2): x in shares of its depth, y in shares of the chamber's height.
 
@@ -92,13 +124,16 @@ def views(scene: Scene) -> dict[str, Box]:
 
     The box of the mesh is about the origin; it has to be moved to the pitch point.
     """
-    reach = scene.machine.linkage.crank_mm * (1.0 + CRANK_EYE)
-    crank = np.array([[-reach, -reach], [reach, reach]])
-    standing = np.vstack([wall_mm(scene.chamber), hatches_mm(scene.chamber).reshape(-1, 2)])
+    linkage, chamber = scene.machine.linkage, scene.chamber
+    reach = linkage.crank_mm * (1.0 + CRANK_EYE)
+    crank = np.array([[-reach, -reach], [reach, reach]]) if scene.links else np.empty((0, 2))
+    standing = [*supports_mm(linkage), support_hatches_mm(linkage).reshape(-1, 2), scene.swept_mm]
+    if chamber is not None:
+        standing += [wall_mm(chamber), hatches_mm(chamber).reshape(-1, 2)]
     # Two corners of the square in which each gear turns.
     corners = [np.array(gear.axis_mm) + side * gear.body.reach_mm for gear in scene.gears for side in (-1.0, 1.0)]
     gears = np.array(corners).reshape(-1, 2)
-    found = {"machine": _box_around(np.vstack([crank, standing, gears]))}
+    found = {"machine": _box_around(np.vstack([crank, *standing, gears]))}
     if scene.pairs:
         found["gears"] = _box_around(gears)
         size = MESH_IN_MODULES * max(pair.module_mm for pair in scene.pairs)

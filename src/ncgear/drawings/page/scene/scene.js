@@ -28,7 +28,8 @@ function placed(place) {
 }
 
 function showMaterial(groups, data, places, phi2) {
-  const depths = depthsAt(data, places.slider.x - data.linkage.nearest, phi2);
+  if (!data.chamber) return;
+  const depths = depthsAt(data, places[data.linkage.output].x - data.linkage.nearest, phi2);
   const strips = { material: data.chamber.end - depths.material, "material-behind": data.chamber.start };
   for (const [name, at] of Object.entries(strips)) {
     if (!groups[name]) continue;

@@ -1,6 +1,6 @@
-"""A second mechanism, which ncgear itself has not: a Scotch yoke, whose slider a pin moves in a slot across its line.
+"""The Scotch yoke: a pin of the crank moves the slider's yoke by a slot across the slider's line.
 
-The displacement is r (1 - cos phi2).  ``MECHANISMS["scotch_yoke"] = SCOTCH_YOKE`` is the one line that makes it known.
+The displacement is r (1 - cos phi2).  ``mechanisms.mechanism`` describes frame and pose.
 """
 
 from __future__ import annotations
@@ -11,10 +11,7 @@ from math import pi
 from typing import ClassVar, Self
 
 import numpy as np
-from pydantic import Field
 
-from ncgear.design.keys.base import Length, Model
-from ncgear.design.mechanisms import Entry
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Shape
@@ -23,80 +20,78 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Term, Vector
 
-
-class YokeKeys(Model):
-    """The Scotch yoke that the driven gear turns."""
-
-    radius_mm: Length | None = Field(default=None, description="from the crank's axis to its pin in mm")
-    bar_mm: Length = Field(default=500.0, description="from the slot to the slider in mm, for pictures")
+SLOT_REACH, BAR = 1.2, 2.7
+"""Half the length of the slot, and the distance from the slot to the slider, in lengths of the crank, for pictures."""
 
 
 @dataclass(frozen=True)
 class ScotchYoke(Mechanism):
-    """One yoke, or many whose lengths have shape (n,)."""
+    """One yoke, or many whose cranks have shape (n,).  The block between pin and slot has no mass of its own."""
 
     NAME: ClassVar[str] = "a Scotch yoke"
-    STROKE_KEY: ClassVar[str] = "radius_mm"
     JOINTS: ClassVar[Mapping[str, str]] = {"pin": "crank pin"}
     PINS: ClassVar[Mapping[str, str]] = {"crank-pin": "block"}
 
-    radius_mm: float
-    bar_mm: float = 500.0
+    crank_mm: float
 
     @classmethod
     def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
-        return cls(stroke_mm / 2.0, **lengths)
-
-    @property
-    def crank_mm(self) -> float:
-        return self.radius_mm
+        """The yoke whose crank is half the stroke."""
+        return cls(stroke_mm / 2.0)
 
     @property
     def stroke_mm(self) -> float:
-        return 2.0 * self.radius_mm
+        """Twice the crank."""
+        return 2.0 * self.crank_mm
 
     @property
     def nearest_mm(self) -> float:
-        return self.bar_mm - self.radius_mm
+        """Place of the retracted slider, which is drawn beyond the crank."""
+        return (BAR - 1.0) * self.crank_mm
 
     @property
     def working_angle_rad(self) -> float:
-        return pi + 0.0 * self.radius_mm
+        """Half a turn."""
+        return pi + 0.0 * self.crank_mm
 
     def displacement(self, crank_angle: Jet) -> Jet:
+        """2 r sin^2(phi2/2)."""
         half_sine, _ = jet.sin_cos(crank_angle * 0.5)
-        return 2.0 * self.radius_mm * (half_sine * half_sine)
+        return 2.0 * self.crank_mm * (half_sine * half_sine)
 
     def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+        """tan^2(phi2/2) = x / (2 r - x)."""
         return 2.0 * jet.arctan2(root_displaced, root_remaining)
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
+        """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
         working = 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(self.stroke_mm - displacement_mm))
         return np.where(returning, 2.0 * pi - working, working)
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
+        """Slider with its yoke, crank, and the block about the crank's pin."""
         still = 0.0 * crank_angle
         pin = self.crank_body(crank_angle, 0.0).pin
         slider = Vector(self.displacement(crank_angle) + self.nearest_mm, still)
         return {"slider": Link(slider, still), "crank": self.crank_link(crank_angle), "block": Link(pin, still)}
 
     def shapes(self) -> Mapping[str, Shape]:
-        top, foot = (-self.bar_mm, 1.2 * self.radius_mm), (-self.bar_mm, -1.2 * self.radius_mm)
+        """The yoke with its slot and the bar to the slider."""
+        bar, reach = BAR * self.crank_mm, SLOT_REACH * self.crank_mm
         return {
-            "slider": Shape((((-self.bar_mm, 0.0), (0.0, 0.0)), (foot, top))),
-            "block": Shape((), ((0.0, 0.0),)),
+            "slider": Shape((((-bar, 0.0), (0.0, 0.0)),), slots=(((-bar, -reach), (-bar, reach)),)),
+            "block": Shape(eyes=((0.0, 0.0),)),
         }
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
+        """The slider alone."""
         slider = self.links(crank_angle)["slider"]
         return (MovingMass(masses.slider_kg, slider.origin, slider.angle),)
 
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
+        """The slot pushes the slider along its line alone; the guide bears its weight across."""
         slider = moving_force(masses, pace, masses.slider_kg, self.links(crank_angle)["slider"].origin)
         pin = Vector(slider.x + resistance_n, 0.0 * slider.x)
         crank = self.crank_body(crank_angle, masses.crank_center_mm)
         crank_axis, torque = crank_forces(crank, masses, pace, pin)
         return JointForces({"pin": pin}, crank_axis, slider.y, torque)
-
-
-SCOTCH_YOKE = Entry(lambda: ScotchYoke, YokeKeys)

@@ -1,0 +1,282 @@
+"""The slotted lever: a block on the crank's pin slides along a swinging lever, whose far pin drives a ram (a shaper).
+
+It is the oscillating form of Whitworth's quick return, in its simplest form: the lever's far pin engages a slot of the
+ram across the ram's line, so that the ram has the lever pin's place along the line, without a link between them.
+
+Frame and pose: the crank's axis O is at the origin and the crank turns clockwise; the lever's axis P is at (0, -d), and
+the ram moves along +x above.  The lever swings by psi = asin(r/d) to both sides.  Its way out is the slow one: it takes
+pi + 2 asin(r/d) of the crank, the way back pi - 2 asin(r/d) (e.g. R. L. Norton, "Design of Machinery", 5th edition,
+2012, section 3.6).
+
+With chi the lever's angle from the retracted dead centre and l = sqrt(d^2 - r^2),
+
+    tan(chi) = r (1 - cos(phi2)) / (l + r sin(phi2)),    x = L (sin(chi - psi) + sin(psi))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import asin, cos, hypot, log, pi, sqrt
+from typing import ClassVar, Self
+
+import numpy as np
+
+from ncgear.errors import WrongInput
+from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
+from ncgear.mechanisms.masses import LeverMasses, Masses
+from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array, Mask, Number
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Term, Vector
+from ncgear.numerics.units import N_PER_KG_MM_S2
+
+BAR = 1.35
+"""Distance of the ram's origin from its slot in strokes, for pictures: its guide begins beyond the lever."""
+
+PLAY = 0.2
+"""Length of the slots beyond the way of their pins, in lengths of the crank, for pictures."""
+
+
+@dataclass(frozen=True, eq=False)
+class SlottedLevers(Mechanisms[Number]):
+    """What follows from the lengths of one slotted lever, or of one for each point where they have shape (n,)."""
+
+    crank_mm: Number
+    pivot_mm: Number
+    lever_mm: Number
+
+    @property
+    def turns_fully(self) -> Mask:
+        """Where the crank is shorter than the distance of the axes, and the lever reaches beyond the block's way."""
+        turning: Mask = (self.crank_mm < self.pivot_mm) & (self.crank_mm + self.pivot_mm < self.lever_mm)
+        return turning
+
+    @property
+    def stroke_mm(self) -> Number:
+        """2 L sin(psi)."""
+        return 2.0 * self.lever_mm * self.crank_mm / self.pivot_mm
+
+    @property
+    def nearest_mm(self) -> Number:
+        """Place of the retracted ram, which is drawn beyond the lever."""
+        return (BAR - 0.5) * self.stroke_mm
+
+    @property
+    def working_angle_rad(self) -> Number:
+        """pi + 2 psi."""
+        return pi + 2.0 * self._swing_rad
+
+    @property
+    def _swing_rad(self) -> Number:
+        """psi, by which the lever swings to both sides."""
+        swing: Number = np.arcsin(self.crank_mm / self.pivot_mm)
+        return swing
+
+    @property
+    def _foot_mm(self) -> Number:
+        """Distance of the block from the lever's axis at the dead centres, l."""
+        foot: Number = np.sqrt((self.pivot_mm - self.crank_mm) * (self.pivot_mm + self.crank_mm))
+        return foot
+
+    def _block(self, crank_angle: Jet) -> tuple[Jet, Jet, Jet]:
+        """The block's distance from the lever's axis, and it times the sine and the versine of chi, in mm.
+
+        The versine's product, distance less l + r sin(phi2), is taken in the form that does not cancel.
+        """
+        half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
+        across = half_sine * half_sine * (2.0 * self.crank_mm)
+        along = half_sine * half_cosine * (2.0 * self.crank_mm) + self._foot_mm
+        _, beside = jet.sin_cos((crank_angle - (0.5 * pi + self._swing_rad)) * 0.5)
+        distance = jet.sqrt(
+            beside * beside * (4.0 * self.crank_mm * self.pivot_mm) + (self.pivot_mm - self.crank_mm) ** 2
+        )
+        ahead = along.value >= 0.0
+        rise = Jet(np.where(ahead, (across * across).coefficients, (distance - along).coefficients))
+        one = 0.0 * across + 1.0
+        run = Jet(np.where(ahead, (distance + along).coefficients, one.coefficients))
+        return distance, across, rise / run
+
+    def displacement(self, crank_angle: Jet) -> Jet:
+        """The ram's displacement in mm, with derivatives, at a crank angle in rad; relatively accurate near both zeros.
+
+        x = L (cos(psi) sin(chi) + sin(psi) (1 - cos(chi))), where no term is negative.
+        """
+        distance, sine, versine = self._block(crank_angle)
+        foot, crank = self._foot_mm, self.crank_mm
+        return (sine * foot + versine * crank) * (self.lever_mm / self.pivot_mm) / distance
+
+    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+        """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
+
+        At the block, lever and crank make the angle pi - eta, and d sin(lever's angle) = r sin(eta); the crank has
+        turned by chi + eta + pi/2, and tan^2((eta + pi/2)/2) = x/(stroke - x).
+        """
+        return 2.0 * jet.arctan2(root_displaced, root_remaining) + self._lever_angle(displacement)
+
+    def _lever_angle(self, displacement: Jet) -> Jet:
+        """chi in rad at a displacement: tan(chi/2) = (sin + sin(psi))/(cos + cos(psi)) of the lever's angle."""
+        gone = displacement * (1.0 / self.lever_mm)
+        share = self.crank_mm / self.pivot_mm
+        # 1 - sin^2 of the lever's angle, whose sine is gone - share
+        cosine = jet.sqrt((1.0 + share - gone) * (gone + (1.0 - share)))
+        return 2.0 * jet.arctan(gone / (cosine + self._foot_mm / self.pivot_mm))
+
+
+@dataclass(frozen=True)
+class SlottedLever(SlottedLevers[float], Mechanism):
+    """A slotted lever; raises WrongInput for lengths that are not positive, or with which it does not swing."""
+
+    NAME: ClassVar[str] = "a slotted lever"
+    OUTPUT: ClassVar[Output] = Output("ram")
+    POINTS: ClassVar[tuple[str, ...]] = ("slider", "block")
+    RODS: ClassVar[tuple[str, ...]] = ("lever",)
+    MASSES: ClassVar[type[Masses]] = LeverMasses
+    JOINTS: ClassVar[Mapping[str, str]] = {
+        "ram_pin": "ram pin",
+        "lever_bearing": "lever's bearing",
+        "slot": "lever slot",
+        "pin": "crank pin",
+    }
+    PINS: ClassVar[Mapping[str, str]] = {"crank-pin": "block", "ram-pin": "lever"}
+
+    crank_mm: float
+    pivot_mm: float
+    lever_mm: float
+
+    def __post_init__(self) -> None:
+        for name in ("crank_mm", "pivot_mm", "lever_mm"):
+            if not getattr(self, name) > 0.0:
+                problem = f"{getattr(self, name):g} is not a length; a positive one is needed"
+                raise WrongInput(problem, key=f"linkage.{name}")
+        if not self.crank_mm < self.pivot_mm:
+            raise WrongInput(
+                f"the lever would turn round instead of swinging: its axis is {self.pivot_mm:g} mm from the crank's, "
+                f"which must be over the crank's {self.crank_mm:g} mm",
+                key="linkage.pivot_mm",
+            )
+        if not self.turns_fully:
+            raise WrongInput(
+                f"the block slides along the lever up to {self.crank_mm + self.pivot_mm:g} mm from its axis, and the "
+                f"pin of the ram is {self.lever_mm:g} mm from it; a longer lever is needed",
+                key="linkage.lever_mm",
+            )
+
+    @classmethod
+    def many(cls, **lengths: Array) -> SlottedLevers[Array]:
+        """Many slotted levers; ``turns_fully`` tells which can be one."""
+        return SlottedLevers(**lengths)
+
+    @classmethod
+    def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
+        """The slotted lever with the crank stroke d / (2 L); raises WrongInput where it would not swing."""
+        crank = stroke_mm * lengths["pivot_mm"] / (2.0 * lengths["lever_mm"])
+        if not 0.0 < crank < min(lengths["pivot_mm"], lengths["lever_mm"] - lengths["pivot_mm"]):
+            raise WrongInput(
+                f"a lever of {lengths['lever_mm']:g} mm cannot give the stroke of {stroke_mm:.6g} mm that follows from "
+                "the law; a longer one can",
+                key="linkage.lever_mm",
+            )
+        return cls(crank, **lengths)
+
+    @property
+    def offset_mm(self) -> float:  # type: ignore[override]
+        """The ram's line goes through the lever pin's highest place."""
+        return self.lever_mm - self.pivot_mm
+
+    def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
+        """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
+        working = 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(self.stroke_mm - displacement_mm))
+        lever = self._lever_angle(Jet(displacement_mm[None, :])).value
+        return np.where(returning, 2.0 * pi - working + lever, working + lever)
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """The crank angle at which the block is next to the lever's axis; the block is at it at i ln(d/r) from there."""
+        return ((1.5 * pi + self._swing_rad, log(self.pivot_mm / self.crank_mm)),)
+
+    @property
+    def crank_start_rad(self) -> float:
+        """Across the lever."""
+        return pi + asin(self.crank_mm / self.pivot_mm)
+
+    @property
+    def pivots_mm(self) -> tuple[Point, ...]:
+        """The lever's axis."""
+        return ((0.0, -self.pivot_mm),)
+
+    def links(self, crank_angle: Jet) -> Mapping[str, Link]:
+        """Ram, crank, lever, and the block on the crank's pin, which turns with the lever.
+
+        The lever's own frame has its origin at its far pin and its axis on +x.
+        """
+        pin = self.crank_body(crank_angle, 0.0).pin
+        still, angle, tip = 0.0 * crank_angle, self._angle(crank_angle), self._on_lever(crank_angle, self.lever_mm)
+        ram = Vector(self.displacement(crank_angle) + self.nearest_mm, still + self.offset_mm)
+        return {
+            "ram": Link(ram, still),
+            "crank": self.crank_link(crank_angle),
+            "lever": Link(tip, angle + pi),
+            "block": Link(pin, angle),
+        }
+
+    def _angle(self, crank_angle: Jet) -> Jet:
+        """Direction of the lever from its axis, counter-clockwise from +x."""
+        _, sine, versine = self._block(crank_angle)
+        distance = self._block(crank_angle)[0]
+        # tan(chi/2) = sin(chi)/(1 + cos(chi)); the lever swings by less than half a turn
+        chi = 2.0 * jet.arctan(sine / (2.0 * distance - versine))
+        return (0.5 * pi + self._swing_rad) - chi
+
+    def _on_lever(self, crank_angle: Jet, distance_mm: float) -> Vector:
+        """The point of the lever at a distance from its axis."""
+        sine, cosine = jet.sin_cos(self._angle(crank_angle))
+        return Vector(distance_mm * cosine, distance_mm * sine - self.pivot_mm)
+
+    def shapes(self) -> Mapping[str, Shape]:
+        """The ram with its slot and the bar to its guide; the lever with the slot of the block."""
+        bar, play = -BAR * self.stroke_mm, PLAY * self.crank_mm
+        sinks = self.lever_mm * (1.0 - cos(self._swing_rad)) + play
+        away = self.lever_mm - (self.pivot_mm + self.crank_mm)
+        slot = (max(away - play, 0.6 * away), 0.0), (self.lever_mm - (self.pivot_mm - self.crank_mm) + play, 0.0)
+        return {
+            "ram": Shape((((bar, 0.0), (0.0, 0.0)),), slots=(((bar, -sinks), (bar, play)),)),
+            "lever": Shape((((0.0, 0.0), slot[0]), (slot[1], (self.lever_mm, 0.0))), ((0.0, 0.0), (self.lever_mm, 0.0)), (slot,)),
+            "block": Shape(eyes=((0.0, 0.0),)),
+        }
+
+    def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
+        """Ram, lever and block."""
+        assert isinstance(masses, LeverMasses)
+        links, angle = self.links(crank_angle), self._angle(crank_angle)
+        own = masses.lever_inertia_kg_mm2 - masses.lever_kg * masses.lever_center_mm**2
+        return (
+            MovingMass(masses.slider_kg, links["ram"].origin, links["ram"].angle),
+            MovingMass(masses.lever_kg, self._on_lever(crank_angle, masses.lever_center_mm), angle, own),
+            MovingMass(masses.block_kg, links["block"].origin, angle),
+        )
+
+    def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
+        """Forces by the equations of ram, lever, block and crank, one after the other.
+
+        The ram pin's force acts on the ram along its line, the bearing's and the slot's on the lever, the slot's across
+        it, the crank pin's on the block.
+        """
+        assert isinstance(masses, LeverMasses)
+        ram, lever, block = self.moving_masses(crank_angle, masses)
+        crank = self.crank_body(crank_angle, masses.crank_center_mm)
+        still = 0.0 * crank_angle
+        axis = Vector(still, still - self.pivot_mm)
+        slides, swings, moves = (moving_force(masses, pace, one.mass_kg, one.center) for one in (ram, lever, block))
+        ram_pin = Vector(slides.x + resistance_n, 0.0 * slides.x)
+        sine, cosine = (pace.now(one) for one in jet.sin_cos(lever.angle))
+        turned = pace.second(lever.angle) * (N_PER_KG_MM_S2 * lever.inertia_kg_mm2)
+        turned = turned + place(pace, lever.center - axis).cross(swings)
+        turned = turned + place(pace, self._on_lever(crank_angle, self.lever_mm) - axis).cross(ram_pin)
+        push = turned * (1.0 / pace.now(self._block(crank_angle)[0]))
+        slot = Vector(0.0 - push * sine, push * cosine)
+        pin = moves + slot
+        crank_axis, torque = crank_forces(crank, masses, pace, pin)
+        joints = {"ram_pin": ram_pin, "lever_bearing": swings + ram_pin - slot, "slot": slot, "pin": pin}
+        return JointForces(joints, crank_axis, slides.y, torque)
