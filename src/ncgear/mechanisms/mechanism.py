@@ -184,6 +184,12 @@ class Mechanism(Mechanisms[float]):
     UNIFORM: ClassVar[str] = "uniform crank"
     """What the mechanism is called where its driven shaft turns evenly."""
 
+    CRANK: ClassVar[str] = "crank"
+    """What the driven shaft carries, in the names of bearings and moments of inertia."""
+
+    GUIDED: ClassVar[bool] = True
+    """Whether a guide bears its output."""
+
     STROKE_KEY: ClassVar[str] = "crank_mm"
     """The length that follows where a law gives the stroke."""
 

@@ -50,8 +50,7 @@ class SlottedLevers(Mechanisms[Number]):
     @property
     def turns_fully(self) -> Mask:
         """Where the crank is shorter than the distance of the axes, and the lever reaches beyond the block's way."""
-        turning: Mask = (self.crank_mm < self.pivot_mm) & (self.crank_mm + self.pivot_mm < self.lever_mm)
-        return turning
+        return np.asarray((self.crank_mm < self.pivot_mm) & (self.crank_mm + self.pivot_mm < self.lever_mm))
 
     @property
     def stroke_mm(self) -> Number:
@@ -242,7 +241,9 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         slot = (max(away - play, 0.6 * away), 0.0), (self.lever_mm - (self.pivot_mm - self.crank_mm) + play, 0.0)
         return {
             "ram": Shape((((bar, 0.0), (0.0, 0.0)),), slots=(((bar, -sinks), (bar, play)),)),
-            "lever": Shape((((0.0, 0.0), slot[0]), (slot[1], (self.lever_mm, 0.0))), ((0.0, 0.0), (self.lever_mm, 0.0)), (slot,)),
+            "lever": Shape(
+                (((0.0, 0.0), slot[0]), (slot[1], (self.lever_mm, 0.0))), ((0.0, 0.0), (self.lever_mm, 0.0)), (slot,)
+            ),
             "block": Shape(eyes=((0.0, 0.0),)),
         }
 
