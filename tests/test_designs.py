@@ -108,6 +108,9 @@ PINNED = {
         ("teeth.undercut_driven", [], 0),
         ("warnings", [], 0),
     ],
+    # Volumes of the spaces beside the gears: tests/test_pumped.py.
+    "oval-flow-meter": [("displacement.per_turn_cm3", 102.113, 0.01), ("warnings", [], 0)],
+    "desk-toy": [("pitch.center_distance_mm", 90.0, 0.0), ("warnings", [], 0)],
     "feeder-table": [("drive.working_driving_angle_deg", 210.0, 1e-9), ("pitch.center_distance_mm", 120.0, 0.0)],
 }
 

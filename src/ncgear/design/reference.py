@@ -234,7 +234,8 @@ def _range(rule: dict[str, Any]) -> str:
 def default_words(key: Key) -> str:
     """The default of a key, in words."""
     if key.field.is_required():
-        return "none: it must be given"
+        # Another model takes the place of this one where the group is left out.
+        return "may be left out" if "; left out:" in key.meaning else "none: it must be given"
     value = key.default
     if value is None or value == ():
         return "may be left out"
@@ -265,6 +266,9 @@ KNOWN = {
     "file": "points.csv",
     "design": "design.yaml",
     "expression_n": '"200 + 3*exp(x/90)"',
+    "expression_n_m": '"12 + 3*sin(2*x)"',
+    "table.angle_deg": "[0, 180, 360]",
+    "table.torque_n_m": "[12, 15, 12]",
     "tolerances.standard": "ISO 1328-1",
     "comparison.published": "[{name: author and year, speed_rpm: 60, peak_power_w: 18750}]",
     "published.name": "author and year",

@@ -50,6 +50,7 @@ TITLES = {
     "masses": "Moving masses",
     "strength": "Strength of the teeth",
     "pto": "Power take-off",
+    "displacement": "Displacement as a flow meter or pump",
 }
 """Headings of sections; the heading of any other section is its key."""
 

@@ -21,6 +21,8 @@ STANDARD_GRAVITY_M_S2 = 9.80665
 
 UNITS = {
     "c": "\u00b0C",
+    "cm3": "cm3",
+    "l_min": "l/min",
     "deg": "deg",
     "g": "g",
     "gpa": "GPa",

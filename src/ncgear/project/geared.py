@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.gears import Gears
 from ncgear.design.mechanisms import entry_of
@@ -19,6 +21,7 @@ from ncgear.teeth.form import BasicRack
 if TYPE_CHECKING:
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
+    from ncgear.pitch.pumped import Pumped
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
     from ncgear.strength.conditions import Conditions, Running
@@ -95,6 +98,19 @@ class Geared(Moving):
         pitch, form = self.pitch, self.tooth_form
         with self.stopwatch("teeth"):
             return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
+
+    @computed
+    def pumped(self) -> Pumped | None:
+        """What the gears displace in their housing; None where the design has none."""
+        from ncgear.pitch.pumped import pumped
+
+        given, teeth = self.gears.housing, self.teeth
+        if given is None:
+            return None
+        greatest = (float(np.linalg.norm(teeth.of(gear).outline_mm, axis=1).max()) for gear in Gear)
+        first, second = (radius + given.clearance_mm for radius in greatest)
+        transmission, distance = self.pair.transmission, self.pitch.center_distance_mm
+        return pumped(transmission, distance, (first, second), self.gears.face_width_mm)
 
     @computed
     def section_contact_ratio(self) -> float:

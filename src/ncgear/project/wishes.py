@@ -26,8 +26,14 @@ RACK_ANGLE_DEG = 20.0
 
 
 def task_of(design: Design) -> task.Task:
-    """The machine: mechanism, load, masses, speed and lobes."""
+    """The machine: mechanism, load, masses, speed and lobes.
+
+    Raises WrongInput for a mechanism whose output never returns: limits and laws of strokes know dead centres.
+    """
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
+    if not linkage.RETURNS:
+        problem = f"{linkage.NAME} moves nothing to and fro, and the best law is sought for strokes only"
+        raise WrongInput(f"{problem}; a mechanism with dead centres is right", key="linkage")
     speed = design.operation.speed_rpm * RAD_S_PER_RPM
     return task.Task(
         linkage,

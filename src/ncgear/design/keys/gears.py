@@ -115,6 +115,14 @@ class Rack(Model):
         return self
 
 
+class Housing(Model):
+    """A close housing, in which the gears are a flow meter or a pump."""
+
+    clearance_mm: float = Field(
+        gt=0.0, le=100.0, description="gap in mm between the greatest radius of each gear and the housing"
+    )
+
+
 class Helix(Model):
     """Teeth that advance along the pitch curves from section to section."""
 
@@ -272,6 +280,9 @@ class Gears(Model):
         "through is then moved out of the material, since the cutter takes half its kerf on either side of the line. "
         "Outline tables and contact are those of the gears as they shall come out",
     )
+    housing: Housing | None = Field(
+        default=None, description="a close housing: a build tells what the gears displace in it; left out: none"
+    )
     material: WrittenMaterials | None = Field(
         default=None,
         description="material of both gears by its name in docs/materials.md, as 42CrMo4 or POM, of one by the keys "
@@ -299,6 +310,20 @@ class Gears(Model):
             raise fault(f"driven.{name}", f"given, but {why}; leave {all_given} out")
         if not ring and driven.rim_mm is not None:
             raise fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
+        return self
+
+    @model_validator(mode="after")
+    def _a_housing_is_about_both_gears(self) -> Self:
+        if self.housing is None:
+            return self
+        if self.mesh == "internal":
+            raise fault("housing", "given, but what a ring and the gear in it displace is not computed; leave it out")
+        if min(self.lobes.driving, self.lobes.driven) < 2:
+            raise fault(
+                "housing",
+                f"given, but with {self.lobes.driving}:{self.lobes.driven} lobes a gear is not at the housing all the "
+                "time between both ports; two lobes or more of each gear are right",
+            )
         return self
 
     @model_validator(mode="after")

@@ -104,6 +104,15 @@ def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
     """Names and values of the main figures of a pair of gears; the names begin with its stage where there are two."""
     designed = contact.as_designed
     size, stage = drive.pitch.size, f"stage {drive.stage}: " if drive.stage else ""
+    displaced = drive.pumped
+    pumped = (
+        []
+        if displaced is None
+        else [
+            (f"{stage}displacement", f"{shown(1e-3 * displaced.per_turn_mm3)} cm\u00b3 a turn"),
+            (f"{stage}pulsation", f"{to_digits(100.0 * displaced.pulsation, 3)} %"),
+        ]
+    )
     steepest = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
     return [
         (f"{stage}teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
@@ -111,4 +120,5 @@ def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
         (f"{stage}centre distance", f"{shown(size.center_distance_mm)} mm"),
         (f"{stage}pressure angle", f"up to {to_digits(steepest, 3)}\u00b0"),
         (f"{stage}contact ratio", f"{to_digits(designed.contact_ratio, 3)}, least {to_digits(designed.least_arc, 3)}"),
+        *pumped,
     ]

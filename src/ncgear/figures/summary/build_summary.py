@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from math import degrees, isfinite
+from math import degrees, isfinite, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,6 +62,7 @@ def build_summary(drive: Drive, contact: PairContact, outline_errors_mm: Mapping
             **_overlap(drive, contact),
         },
         **_strength(drive),
+        **_pumped(drive),
         "bodies": bodies_summary(drive),
         "files": {f"{kind}_outline_error_max_mm": error for kind, error in outline_errors_mm.items()},
         "comparison": comparison,
@@ -77,6 +78,28 @@ def _strength(drive: Drive) -> dict[str, Any]:
     if isinstance(verdict, DesignError):
         return {"strength": {"refused": verdict.problem}}
     return {} if verdict is None else {"strength": strength_summary(verdict)}
+
+
+CM3_PER_MM3, L_PER_MM3 = 1e-3, 1e-6
+
+
+def _pumped(drive: Drive) -> dict[str, Any]:
+    """What the gears displace in their housing; nothing where the design has none."""
+    found = drive.pumped
+    if found is None:
+        return {}
+    per_minute = L_PER_MM3 * drive.design.operation.speed_rpm
+    return {
+        "displacement": {
+            "per_turn_cm3": CM3_PER_MM3 * found.per_turn_mm3,
+            "mean_flow_l_min": per_minute * found.per_turn_mm3,
+            "least_flow_l_min": per_minute * 2.0 * pi * found.least.value,
+            "least_flow_at_rad": found.least.at,
+            "largest_flow_l_min": per_minute * 2.0 * pi * found.most.value,
+            "largest_flow_at_rad": found.most.at,
+            "pulsation_percent": 100.0 * found.pulsation,
+        }
+    }
 
 
 def _under_load(drive: Drive) -> dict[str, float]:
