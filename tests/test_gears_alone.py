@@ -102,6 +102,7 @@ def test_driving_torque_is_lagranges(torque: str) -> None:
     assert turn.work_n_mm / 1000.0 == pytest.approx(made.check.mean_power_w * 2.0 * np.pi / OMEGA, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_the_table_of_the_motion_is_in_units_of_a_shaft(run: Run) -> None:
     Path("d.yaml").write_text(text(TORQUES["formula"], GEARS, MASSES), encoding="utf-8")
     assert run("build", "d.yaml", "--out", "b")[0] == 0
@@ -121,10 +122,10 @@ def test_the_table_of_the_motion_is_in_units_of_a_shaft(run: Run) -> None:
         assert word not in told, word
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["rigid"], rest="slow")
 @pytest.mark.parametrize("level", ["rigid", "quasi_static", "dynamic"])
 def test_simulations_name_no_crank(run: Run, level: str) -> None:
-    Path("d.yaml").write_text(text(TORQUES["formula"], GEARS, MASSES), encoding="utf-8")
+    Path("d.yaml").write_text(text(TORQUES["formula"], GEARS, MASSES, "simulation: {turns: 0.1}"), encoding="utf-8")
     status, out, err = run("simulate", "d.yaml", "--level", level, "--out", "s")
     assert (status, err) == (0, "")
     with Path("s/simulation.csv").open(encoding="utf-8", newline="") as file:
@@ -134,13 +135,15 @@ def test_simulations_name_no_crank(run: Run, level: str) -> None:
         assert word not in told, word
 
 
-@pytest.mark.thorough
-def test_a_motion_in_time_keeps_to_the_law_and_its_energy(run: Run) -> None:
-    made = alone(TORQUES["formula"], GEARS, MASSES)
+@pytest.mark.slow
+def test_a_motion_in_time_keeps_its_energy() -> None:
+    """What the drive puts in over half a turn is the work of the torque and the loss, as shafts turn then as before."""
+    made = alone(TORQUES["formula"], GEARS, MASSES, "simulation: {turns: 0.5}")
     course = made.course
     assert course.energy_error < 1e-6
-    work = float(course.states[4, -1]) / 1000.0
-    assert work == pytest.approx(made.check.mean_power_w * 2.0 * np.pi / OMEGA, rel=0.02)
+    work, loss = (float(row) / 1000.0 for row in course.states[4:6, -1])
+    # Impacts at the start leave the driven shaft a little off its speed.
+    assert work - loss == pytest.approx(12.0 * np.pi, rel=0.02)
 
 
 @pytest.mark.thorough
