@@ -17,7 +17,7 @@ from ncgear.design.laws.ellipse import Ellipse
 from ncgear.design.laws.ratio_expression import RatioExpression
 from ncgear.design.laws.registry import LawName
 from ncgear.design.laws.table import MOST_POINTS, TableLaw
-from ncgear.design.laws.three_segment_stroke import SOLVED_KEY, ThreeSegmentStroke
+from ncgear.design.laws.three_segment_stroke import SOLVED_KEYS, ThreeSegmentStroke
 from ncgear.design.mechanisms import MECHANISMS
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.design.reading.text import plain_value
@@ -130,13 +130,13 @@ def test_theta2_and_theta3_may_coincide(tmp_path: Path) -> None:
     assert motion.theta3 == motion.theta2
 
 
-@pytest.mark.parametrize(("solved", "key"), SOLVED_KEY.items())
+@pytest.mark.parametrize(("solved", "key"), [(name, keys[0]) for name, keys in SOLVED_KEYS.items()])
 def test_each_quantity_can_be_solved_for(tmp_path: Path, solved: str, key: str) -> None:
     text = template("baler").replace("solve_for: law_speed ", f"solve_for: {solved} ")
     text = text.replace("# law_speed_rpm: ", "law_speed_rpm: 50 ") if key != "law_speed_rpm" else text
     motion = loaded(tmp_path, text.replace(f"  {key}:", f"  # {key}:")).design.motion
     assert isinstance(motion, ThreeSegmentStroke)
-    assert [name for name in SOLVED_KEY.values() if getattr(motion, name) is None] == [key]
+    assert [name for name in (keys[0] for keys in SOLVED_KEYS.values()) if getattr(motion, name) is None] == [key]
 
 
 def test_both_formulas_are_allowed_alone(tmp_path: Path) -> None:

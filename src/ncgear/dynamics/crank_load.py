@@ -109,13 +109,13 @@ class CrankLoad:
 
 def crank_load(linkage: Mechanism, masses: Masses, load: SliderLoad) -> CrankLoad:
     """The load of a mechanism; raises WrongInput where nothing has inertia, as at a dead centre without a gear."""
-    strokes = [_Stroke(linkage, load, returning) for returning in (False, True)]
+    strokes = [_Stroke(linkage, load, returning) for returning in ((False, True) if linkage.RETURNS else (False,))]
     parts = [stroke.knots_rad() for stroke in strokes]
     narrow = np.concatenate([stroke.narrow_rad(knots) for stroke, knots in zip(strokes, parts, strict=True)])
     work = [stroke.work(knots) for stroke, knots in zip(strokes, parts, strict=True)]
     out = load.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm, returning=False)
-    work[1] = out + work[1][0], work[1][1]
-    knots = np.concatenate([parts[0], parts[1][1:]])
+    work[1:] = [(out + value, slope) for value, slope in work[1:]]
+    knots = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
     angle = Jet.variable(knots, 2)
     moving = linkage.moving_masses(angle, masses)
     inertia, change = reduced_inertia(moving, masses)
@@ -127,7 +127,9 @@ def crank_load(linkage: Mechanism, masses: Masses, load: SliderLoad) -> CrankLoa
         )
     crank = linkage.crank_body(angle, masses.crank_center_mm).center
     weight = _potential([*moving, MovingMass(masses.crank_kg, crank, angle)], masses)
-    work_value, work_slope = (np.concatenate([work[0][row], work[1][row][1:]]) for row in (0, 1))
+    work_value, work_slope = (
+        np.concatenate([work[0][row], *(back[row][1:] for back in work[1:])]) for row in (0, 1)
+    )
     values = np.column_stack([N_PER_KG_MM_S2 * inertia, work_value + weight.value])
     slopes = np.column_stack([N_PER_KG_MM_S2 * change, work_slope + weight.derivative(1)])
     table = cubics(np.diff(knots), (values[:-1], slopes[:-1]), (values[1:], slopes[1:]))

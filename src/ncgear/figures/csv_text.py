@@ -23,8 +23,8 @@ OUTLINE_COLUMNS = ("x_mm", "y_mm")
 def law_csv(motion: OutputMotion, output: Output) -> str:
     """The motion law over one turn, one row per driving angle, columns named with their units.
 
-    Places of an output that turns are in rad there, its torques in N m.  Raises ValueError when a column holds something
-    other than finite numbers, or columns differ in length.
+    Places of an output that turns are in rad there, its torques in N m.  Raises ValueError when a column holds
+    something other than finite numbers, or columns differ in length.
     """
     columns = {
         "phi1_rad": motion.phi1_rad,

@@ -67,7 +67,7 @@ class Machine:
 
     @cached_property
     def extended_rad(self) -> float:
-        """Driving angle in the first cycle at which the working stroke ends: all of it where the output never returns."""
+        """Driving angle in the first cycle at which the working stroke ends; the cycle's where no return follows."""
         if not self.linkage.RETURNS:
             return self.transmission.cycle_rad
         return float(self.driving_angles(np.array([self.linkage.working_angle_rad]))[0])

@@ -85,8 +85,9 @@ class DrivenShaft(Mechanism):
         return {}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
-        """Nothing moves besides what turns with the shaft."""
-        return ()
+        """One without mass in the axis: nothing moves besides what turns with the shaft."""
+        still = 0.0 * crank_angle
+        return (MovingMass(0.0, Vector(still, still), crank_angle),)
 
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
         """No joints; the shaft's torque is that of the load and of what turns with it."""

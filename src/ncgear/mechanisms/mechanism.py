@@ -34,7 +34,7 @@ Point = tuple[float, float]
 
 
 class Unit(NamedTuple):
-    """A unit in which people read a quantity: the end of its keys, its text, and how many of it one of the code's is."""
+    """A unit that people read a quantity in: the end of its keys, its text, and how many of it one of the code's is."""
 
     ending: str
     text: str
@@ -45,8 +45,8 @@ class Unit(NamedTuple):
 class Output:
     """What a mechanism moves: its name in messages and tables, and whether it turns.
 
-    An output that slides has places in mm, loads in N and masses in kg.  One that turns has places in rad, loads in N mm
-    and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power in W.
+    An output that slides has places in mm, loads in N and masses in kg.  One that turns has places in rad, loads in
+    N mm and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power in W.
     Names of the contract end in the units of an output that slides.
     """
 

@@ -57,8 +57,8 @@ def _refuse_a_seam(torque: Resistance) -> None:
     first, last = torque.force_n(np.array([0.0, 2.0 * pi]))
     if abs(last - first) > SAME_TORQUE * max(abs(first), abs(last)):
         raise WrongInput(
-            f"the torque is {first / N_MM_PER_N_M:.6g} N m at 0 deg and {last / N_MM_PER_N_M:.6g} N m at 360 deg, but it "
-            "repeats every turn of the driven shaft; the same value at both is right",
+            f"the torque is {first / N_MM_PER_N_M:.6g} N m at 0 deg and {last / N_MM_PER_N_M:.6g} N m at 360 deg, "
+            "but it repeats every turn of the driven shaft; the same value at both is right",
             key="resistance",
         )
 

@@ -97,8 +97,8 @@ class Design(Model):
         if self.motion.gives_slider:
             raise fault(
                 "linkage",
-                f"missing; motion.law {self.motion.law} tells how a slider moves: give linkage, or a law of the ratio or "
-                "of the driven angle",
+                f"missing; motion.law {self.motion.law} tells how a slider moves: give linkage, or a law of the ratio "
+                "or of the driven angle",
             )
         for name in ("wishes", "optimize", "comparison"):
             if name in self.model_fields_set and getattr(self, name) is not None:

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import FULL_TURN, Numbers, fault, given, in_rad, require_one, require_rising, spellings
 from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -20,7 +21,7 @@ NEAREST_TURNS = 1e-10
 digits to the splines through them."""
 
 ANGLE_COLUMNS = spellings("phi1")
-VALUE_COLUMNS = ("displacement_mm", "ratio")
+VALUE_COLUMNS = ("displacement_mm", "displacement_deg", "ratio")
 
 Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 
@@ -36,6 +37,10 @@ class TableLaw(LawKeys):
     )
     displacement_mm: Column | None = Field(
         default=None, description="slider displacements in mm from the retracted end, one for each angle"
+    )
+    displacement_deg: Column | None = Field(
+        default=None,
+        description="displacements in deg of an output that turns, from its retracted end, one for each angle",
     )
     ratio: Column | None = Field(default=None, description="transmission ratios i12 = dphi1/dphi2, one for each angle")
     file: str | None = Field(
@@ -83,7 +88,7 @@ class TableLaw(LawKeys):
     @property
     def gives_slider(self) -> bool:
         """Points of the displacement prescribe the slider's motion, points of the ratio do not."""
-        return self.displacement_mm is not None
+        return self.displacement_mm is not None or self.displacement_deg is not None
 
     @property
     def prescribed(self) -> str:
@@ -98,8 +103,15 @@ class TableLaw(LawKeys):
         from ncgear.ratio.laws.table import displacement_table_law, ratio_table_law
 
         phi1 = np.array(self.phi1)
-        if self.displacement_mm is not None:
-            return displacement_table_law(phi1, np.array(self.displacement_mm), linkage, lobes)
+        if self.gives_slider:
+            key = f"displacement_{linkage.OUTPUT.place.ending}"
+            places = getattr(self, key)
+            if places is None:
+                wrong, does = given(self, VALUE_COLUMNS)[0], "turns" if linkage.OUTPUT.angular else "slides"
+                problem = f"given, but the {linkage.OUTPUT.name} of {linkage.NAME} {does}; {key} is right"
+                raise WrongInput(problem, key=f"motion.{wrong}")
+            displacement = np.array(places) / linkage.OUTPUT.place.factor
+            return displacement_table_law(phi1, displacement, linkage, lobes)
         return ratio_table_law(phi1, np.array(self.ratio), lobes, scale_to_close=self.scale_to_close)
 
 
@@ -121,5 +133,6 @@ motion:                    # the law point by point
         "phi1_deg": "[0, 90, 180, 270]",
         "phi1_pi": "[0, 0.5, 1, 1.5]",
         "displacement_mm": "[0, 380, 760, 380]",
+        "displacement_deg": "[0, 20, 40, 20]",
     },
 )

@@ -5,7 +5,7 @@ All quantities together would over-determine the stroke, so a file leaves one of
 
 from __future__ import annotations
 
-from math import degrees, isclose, pi
+from math import degrees, isclose, pi, radians
 from sys import float_info
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -38,14 +38,14 @@ SAME_STROKE = 1e-6
 
 SolveFor = Literal["law_speed", "v1", "v2", "a1", "stroke"]
 
-SOLVED_KEY: dict[str, str] = {
-    "law_speed": "law_speed_rpm",
-    "v1": "v1_mm_s",
-    "v2": "v2_mm_s",
-    "a1": "a1_mm_s2",
-    "stroke": "stroke_mm",
+SOLVED_KEYS: dict[str, tuple[str, str]] = {
+    "law_speed": ("law_speed_rpm", "law_speed_rpm"),
+    "v1": ("v1_mm_s", "v1_rad_s"),
+    "v2": ("v2_mm_s", "v2_rad_s"),
+    "a1": ("a1_mm_s2", "a1_rad_s2"),
+    "stroke": ("stroke_mm", "stroke_deg"),
 }
-"""The key that is left out for each value of ``solve_for``."""
+"""The key that is left out for each value of ``solve_for``, for an output that slides and for one that turns."""
 
 
 def _number_or_word(value: Any) -> Any:
@@ -132,7 +132,32 @@ class ThreeSegmentStroke(LawKeys):
     )
     law_speed_rpm: Speed | None = Field(default=None, description="driving speed in r/min at which v1 and v2 hold")
     stroke_mm: Length | None = Field(default=None, description="stroke in mm; left out: the stroke of the linkage")
+    v1_rad_s: Positive | None = Field(
+        default=None, description="speed v1 in rad/s of an output that turns, in the place of v1_mm_s"
+    )
+    v2_rad_s: Positive | None = Field(
+        default=None, description="speed v2 in rad/s of an output that turns, in the place of v2_mm_s"
+    )
+    a1_rad_s2: float | None = Field(
+        default=None, description="acceleration a1 in rad/s2 of an output that turns, in the place of a1_mm_s2"
+    )
+    stroke_deg: float | None = Field(
+        default=None,
+        gt=0.0,
+        lt=360.0,
+        description="stroke in deg of an output that turns; left out: the stroke of the linkage",
+    )
     return_: ReturnOptions = Field(default_factory=ReturnOptions, alias="return", description="the return stroke")
+
+    @property
+    def turns(self) -> bool:
+        """Whether the keys are those of an output that turns."""
+        return bool(given(self, [turning for sliding, turning in SOLVED_KEYS.values() if turning != sliding]))
+
+    @property
+    def stroke(self) -> float | None:
+        """The stroke in mm or rad; None where it is left out."""
+        return radians(self.stroke_deg) if self.stroke_deg is not None else self.stroke_mm
 
     @property
     def theta1(self) -> float:
@@ -178,11 +203,15 @@ class ThreeSegmentStroke(LawKeys):
 
     @model_validator(mode="after")
     def _only_the_solved_one_is_absent(self) -> Self:
-        solved = SOLVED_KEY[self.solve_for]
+        keys = [pair[self.turns] for pair in SOLVED_KEYS.values()]
+        other = given(self, [pair[not self.turns] for pair in SOLVED_KEYS.values() if pair[0] != pair[1]])
+        if other:
+            raise fault(other[0], "given beside keys of an output that turns; keep keys in rad or keys in mm")
+        solved = SOLVED_KEYS[self.solve_for][self.turns]
         if getattr(self, solved) is not None:
             raise fault(solved, f"given, but solve_for: {self.solve_for} says to find it; leave {solved} out")
         # The stroke can always be left out, because the mechanism has one.
-        needed = [key for key in SOLVED_KEY.values() if key not in (solved, "stroke_mm")]
+        needed = [key for key in keys if key not in (solved, SOLVED_KEYS["stroke"][self.turns])]
         absent = [key for key in needed if getattr(self, key) is None]
         if absent:
             raise fault(absent[0], f"missing; solve_for: {self.solve_for} needs {listed(needed, 'and')}")
@@ -218,12 +247,12 @@ class ThreeSegmentStroke(LawKeys):
         from ncgear.ratio.transmission import Law, PrescribedStroke, single
 
         law = self.stroke_law(linkage, lobes)
-        stroke, back = law.stroke, law.return_law
+        stroke, back, output = law.stroke, law.return_law, linkage.OUTPUT
         facts = {
             "solved_for": self.solve_for,
-            "v1_mm_s": stroke.v1_mm_s,
-            "v2_mm_s": stroke.v2_mm_s,
-            "a1_mm_s2": stroke.a1_mm_s2,
+            f"v1_{output.speed.ending}": stroke.v1_mm_s,
+            f"v2_{output.speed.ending}": stroke.v2_mm_s,
+            f"a1_{output.acceleration.ending}": stroke.a1_mm_s2,
             "return_basis": "inverse_ratio" if back.inverse else "ratio",
             "return_constant_e": None if back.inverse else back.extrapolated_ratio,
         }
@@ -234,6 +263,7 @@ class ThreeSegmentStroke(LawKeys):
         """The law with the polynomials of its stroke and its return; raises the errors of ``law_on``."""
         from ncgear.ratio.laws.three_segment import stroke_law
 
+        self._refuse_other_units(linkage)
         if not self.gives_stroke:
             self._refuse_other_stroke(linkage)
         return stroke_law(
@@ -254,9 +284,9 @@ class ThreeSegmentStroke(LawKeys):
             theta2_rad=self.theta2,
             theta3_rad=self.theta3,
             theta4_rad=self.theta4,
-            v1_mm_s=self.v1_mm_s,
-            v2_mm_s=self.v2_mm_s,
-            a1_mm_s2=self.a1_mm_s2,
+            v1_mm_s=self.v1_rad_s if self.turns else self.v1_mm_s,
+            v2_mm_s=self.v2_rad_s if self.turns else self.v2_mm_s,
+            a1_mm_s2=self.a1_rad_s2 if self.turns else self.a1_mm_s2,
             law_speed_rad_s=None if self.law_speed_rpm is None else self.law_speed_rpm * RAD_S_PER_RPM,
             stroke_mm=stroke_mm,
             a1_speed_rad_s=None if self.a1_speed_rpm is None else self.a1_speed_rpm * RAD_S_PER_RPM,
@@ -265,13 +295,27 @@ class ThreeSegmentStroke(LawKeys):
 
     def _refuse_other_stroke(self, linkage: Mechanism) -> None:
         """Refuse a stroke in the file that differs from that of the mechanism."""
-        if self.stroke_mm is not None and not isclose(self.stroke_mm, linkage.stroke_mm, rel_tol=SAME_STROKE):
-            relation = "longer" if self.stroke_mm > linkage.stroke_mm else "shorter"
+        if self.stroke is not None and not isclose(self.stroke, linkage.stroke_mm, rel_tol=SAME_STROKE):
+            relation, place = "longer" if self.stroke > linkage.stroke_mm else "shorter", linkage.OUTPUT.place
+            told, right = (f"{place.factor * stroke:.9g} {place.text}" for stroke in (self.stroke, linkage.stroke_mm))
             raise WrongInput(
-                f"{self.stroke_mm:.9g} mm is {relation} than the linkage's stroke of {linkage.stroke_mm:.9g} mm; give "
+                f"{told} is {relation} than the linkage's stroke of {right}; give "
                 f"that one, leave the key out, or change linkage.{linkage.STROKE_KEY}",
-                key="motion.stroke_mm",
+                key=f"motion.stroke_{place.ending}",
             )
+
+    def _refuse_other_units(self, linkage: Mechanism) -> None:
+        """Refuse speeds in mm/s of an output that turns, and in rad/s of one that slides; raises WrongInput."""
+        if self.turns is linkage.OUTPUT.angular:
+            return
+        for pair in SOLVED_KEYS.values():
+            wrong, right = pair[self.turns], pair[not self.turns]
+            if wrong != right and getattr(self, wrong) is not None:
+                does = "turns" if linkage.OUTPUT.angular else "slides"
+                raise WrongInput(
+                    f"given, but the {linkage.OUTPUT.name} of {linkage.NAME} {does}; {right} is right",
+                    key=f"motion.{wrong}",
+                )
 
 
 LAW = DesignLaw(

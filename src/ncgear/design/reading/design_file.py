@@ -19,7 +19,8 @@ from ncgear.errors import WrongInput
 LARGEST_MB = 5
 
 FORCE_POINTS = CsvKind(
-    Columns((("displacement_mm",), ("force_n",)), MOST_RESISTANCE_POINTS), ("displacement_mm", "force_n")
+    Columns((("displacement_mm", "angle_deg"), ("force_n", "torque_n_m")), MOST_RESISTANCE_POINTS),
+    ("displacement_mm", "force_n", "angle_deg", "torque_n_m"),
 )
 
 FILES = {

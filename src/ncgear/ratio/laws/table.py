@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.mechanisms.mechanism import Mechanism, Output
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
@@ -36,7 +36,8 @@ def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Mec
     The first point must be phi1 = 0 at the retracted end, one point the extended end, displacements rising before and
     falling after it.  Raises WrongInput for points that are not so, NoSuchMechanism where the slider would turn back.
     """
-    key = "motion.displacement_mm"
+    place = linkage.OUTPUT.place
+    key = f"motion.displacement_{place.ending}"
     lobes.require_one_cycle()
     phi1, displacement = _without_closing_row(phi1_rad, displacement_mm, lobes, key)
     crank = linkage.crank_angle(*_strokes(phi1, displacement, linkage, key))
@@ -50,10 +51,10 @@ def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Mec
         return Transmission((Piece(0.0, lobes.driving_period_rad, driven_angle, tuple(phi1[1:].tolist())),), lobes)
 
     def in_file(crank_rad: float) -> float:
-        return float(linkage.displacement(Jet(np.array([[crank_rad]]))).value[0])
+        return place.factor * float(linkage.displacement(Jet(np.array([[crank_rad]]))).value[0])
 
     movable = np.nonzero((displacement > 0.0) & (displacement < np.max(displacement)))[0]
-    points = Points(phi1, crank, movable, phi1 * lobes.driving, in_file, "mm", key)
+    points = Points(phi1, crank, movable, phi1 * lobes.driving, in_file, place.text, key)
     return _with_advice(through, points, lobes)
 
 
@@ -99,24 +100,25 @@ def _strokes(phi1: Array, displacement: Array, linkage: Mechanism, key: str) -> 
     """Displacements snapped to the dead centres, and which of them belong to the return."""
     stroke, near = linkage.stroke_mm, AT_DEAD_CENTRE * linkage.stroke_mm
     top = int(np.argmax(displacement))
+    unit, told = linkage.OUTPUT.place.text, linkage.OUTPUT.place.factor * displacement
     if phi1[0] != 0.0 or abs(displacement[0]) > near:
         raise WrongInput(
-            f"the first point is ({phi1[0]:g} rad, {displacement[0]:g} mm); it must be (0, 0), the retracted end",
+            f"the first point is ({phi1[0]:g} rad, {told[0]:g} {unit}); it must be (0, 0), the retracted end",
             key=key,
         )
     if abs(displacement[top] - stroke) > near:
         raise WrongInput(
-            f"the largest displacement is {displacement[top]:g} mm; one point must be the extended end, "
-            f"{stroke:.9g} mm",
+            f"the largest displacement is {told[top]:g} {unit}; one point must be the extended end, "
+            f"{linkage.OUTPUT.place.factor * stroke:.9g} {unit}",
             key=key,
         )
-    _refuse_turning(phi1, displacement, top, key)
+    _refuse_turning(phi1, told, top, linkage.OUTPUT, key)
     snapped = np.clip(displacement, 0.0, stroke)
     snapped[0], snapped[top] = 0.0, stroke
     return snapped, np.arange(snapped.size) > top
 
 
-def _refuse_turning(phi1: Array, displacement: Array, top: int, key: str) -> None:
+def _refuse_turning(phi1: Array, displacement: Array, top: int, output: Output, key: str) -> None:
     """Displacements must rise to the extended end and fall from there to the end of the cycle, where it is 0 again."""
     closed = np.append(displacement, 0.0)
     steps = np.diff(closed) * np.where(np.arange(displacement.size) < top, 1.0, -1.0)
@@ -127,18 +129,18 @@ def _refuse_turning(phi1: Array, displacement: Array, top: int, key: str) -> Non
     fixed = 0, top, displacement.size
     # Either end of the step can be moved, but for the dead centres: the later one, where its neighbours leave it room.
     moved = next((at for at in (first + 1, first) if at not in fixed and _between(closed, at, top)), None)
-    room = "" if moved is None else f"; at {in_words(phi1[moved])} over {_between(closed, moved, top)} is right"
+    room = "" if moved is None else f"; at {in_words(phi1[moved])} over {_between(closed, moved, top)} {output.place.text} is right"
     if steps[first] < 0.0:
         done = f"turns back after phi1 = {in_words(phi1[first])}; it may only at both ends"
     else:
-        done = f"stands still at {closed[first]:g} mm after phi1 = {in_words(phi1[first])}; no ratio is infinite"
-    raise WrongInput(f"the slider {done}{room}", key=key if moved is None else f"{key}.{moved}")
+        done = f"stands still at {closed[first]:g} {output.place.text} after phi1 = {in_words(phi1[first])}; no ratio is infinite"
+    raise WrongInput(f"the {output.name} {done}{room}", key=key if moved is None else f"{key}.{moved}")
 
 
 def _between(closed: Array, at: int, top: int) -> str:
-    """``30 and under 70 mm``: what lies between a point's neighbours, empty where they leave no room in its stroke."""
+    """``30 and under 70``: what lies between a point's neighbours, empty where they leave no room in its stroke."""
     low, high = (closed[at - 1], closed[at + 1]) if at < top else (closed[at + 1], closed[at - 1])
-    return f"{low:g} and under {high:g} mm" if low < high else ""
+    return f"{low:g} and under {high:g}" if low < high else ""
 
 
 @dataclass(frozen=True, eq=False)
