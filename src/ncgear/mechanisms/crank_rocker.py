@@ -332,9 +332,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
             own,
         )
         center = self._on_coupler(links["coupler"].origin, links["rocker"].origin, masses.coupler_center_mm)
-        return rocker, MovingMass(
-            masses.coupler_kg, center, links["coupler"].angle, masses.coupler_inertia_kg_mm2
-        )
+        return rocker, MovingMass(masses.coupler_kg, center, links["coupler"].angle, masses.coupler_inertia_kg_mm2)
 
     def _on_rocker(self, rocker: Link, distance_mm: float) -> Vector:
         """The point of the rocker at a distance from its axis towards its pin."""
@@ -361,9 +359,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
         axis = self._axis(crank_angle)
         arm, reach = (place(pace, links["rocker"].origin - point) for point in (axis, crank.pin))
         swings, moves = (moving_force(masses, pace, one.mass_kg, one.center) for one in (rocker, coupler))
-        turned, tilted = (
-            pace.second(one.angle) * (N_PER_KG_MM_S2 * one.inertia_kg_mm2) for one in (rocker, coupler)
-        )
+        turned, tilted = (pace.second(one.angle) * (N_PER_KG_MM_S2 * one.inertia_kg_mm2) for one in (rocker, coupler))
         # Counter-clockwise moments of the pin's force about the axis, and of its opposite about the crank's pin
         about_axis = turned + place(pace, rocker.center - axis).cross(swings) - self.side * resistance_n
         about_pin = tilted + place(pace, coupler.center - crank.pin).cross(moves)

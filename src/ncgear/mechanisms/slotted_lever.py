@@ -242,7 +242,9 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         slot = (max(away - play, 0.6 * away), 0.0), (self.lever_mm - (self.pivot_mm - self.crank_mm) + play, 0.0)
         return {
             "ram": Shape((((bar, 0.0), (0.0, 0.0)),), slots=(((bar, -sinks), (bar, play)),)),
-            "lever": Shape((((0.0, 0.0), slot[0]), (slot[1], (self.lever_mm, 0.0))), ((0.0, 0.0), (self.lever_mm, 0.0)), (slot,)),
+            "lever": Shape(
+                (((0.0, 0.0), slot[0]), (slot[1], (self.lever_mm, 0.0))), ((0.0, 0.0), (self.lever_mm, 0.0)), (slot,)
+            ),
             "block": Shape(eyes=((0.0, 0.0),)),
         }
 

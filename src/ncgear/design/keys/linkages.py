@@ -25,7 +25,9 @@ class RockerKeys(Model):
     """The crank-rocker (four-bar linkage) that the driven gear turns."""
 
     crank_mm: Length | None = Field(default=None, description=CRANK)
-    coupler_mm: Length = Field(description="length of the coupler of a crank_rocker, from crank pin to rocker pin, in mm")
+    coupler_mm: Length = Field(
+        description="length of the coupler of a crank_rocker, from crank pin to rocker pin, in mm"
+    )
     rocker_mm: Length = Field(description="length of the rocker of a crank_rocker, from its axis to its pin, in mm")
     ground_mm: Length = Field(description="distance of a crank_rocker's axes, crank to rocker, in mm")
     side: Literal[1, -1] = Field(
