@@ -15,7 +15,7 @@ import reports
 from ncgear.drawings.animation.moving_picture import CHART_LOOK
 from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
-from ncgear.drawings.charts.slider_charts import POWER, over_displacement, slider_chart
+from ncgear.drawings.charts.slider_charts import Quantity, over_displacement, slider_chart
 from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
 from ncgear.drawings.page.page_charts import PageChart
 from ncgear.drawings.plots.balance_plots import spread
@@ -65,8 +65,8 @@ def test_the_notebook_and_the_page_draw_the_same_power() -> None:
 
 def test_over_the_displacement_the_values_stay() -> None:
     drive = drives.drive("baler")
-    chart, motions = slider_chart(drive, POWER), (drive.motion, drive.uniform_motion)
-    across = over_displacement(chart, motions)
+    chart, motions = slider_chart(drive, Quantity.POWER), (drive.motion, drive.uniform_motion)
+    across = over_displacement(chart, drive.linkage.OUTPUT, motions)
     assert (across.across, across.names_extreme, across.joints_deg.size) == ("displacement in mm", False, 0)
     for line, before, motion in zip(across.lines, chart.lines, motions, strict=True):
         np.testing.assert_array_equal(line.values, before.values)

@@ -178,7 +178,7 @@ def test_velocity_and_acceleration_are_derivatives_of_the_displacement(name: str
     phi1 = ((joints[:-1] + joints[1:]) / 2.0)[::3]
     step = min(2e-3, 0.1 * float(np.diff(joints).min()))
     moved = {k: of.motion(phi1 + k * step) for k in (-2, -1, 0, 1, 2)}
-    for fine, coarse in (("displacement_mm", "velocity_mm_s"), ("velocity_mm_s", "acceleration_mm_s2")):
+    for fine, coarse in (("displacement", "velocity"), ("velocity", "acceleration")):
         x = {k: getattr(motion, fine) for k, motion in moved.items()}
         slope = (8.0 * (x[1] - x[-1]) - (x[2] - x[-2])) / (12.0 * step) * of.speed_rad_s
         exact = getattr(moved[0], coarse)

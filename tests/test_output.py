@@ -39,6 +39,7 @@ from ncgear.files.manifest import MANIFEST, publish_run
 from ncgear.files.publish import STAGING_PREFIX, prepare
 from ncgear.files.workshop.formats import Format
 from ncgear.kinematics.motion import OutputMotion
+from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.units import label_and_unit
 from ncgear.project.frontier_run import POINTS_FILE
@@ -532,14 +533,19 @@ def test_gears_turn_opposite_ways() -> None:
     np.testing.assert_allclose(gears.turned(np.array([[1.0, 0.0]]), pi / 2.0), [[0.0, 1.0]], atol=1e-15)
 
 
+CRANK_SLIDER = CrankSlider(380.0, 960.0)
+
+
 def motion_png(own: OutputMotion, uniform: OutputMotion, title: str, joints_deg: np.ndarray = EMPTY) -> bytes:
-    charts = [motion_chart(quantity, own, uniform, joints_deg) for quantity in MOTION]
+    charts = [motion_chart(quantity, CRANK_SLIDER, own, uniform, joints_deg) for quantity in MOTION]
     return column_png(charts, title, MOTION_LOOK, MOTION_COLUMN)
 
 
 def power_png(own: OutputMotion, uniform: OutputMotion, title: str, joints_deg: np.ndarray = EMPTY) -> bytes:
-    charts = [motion_chart(quantity, own, uniform, joints_deg) for quantity in LOAD]
-    return beside_png([(chart, over_displacement(chart, (own, uniform))) for chart in charts], title)
+    charts = [motion_chart(quantity, CRANK_SLIDER, own, uniform, joints_deg) for quantity in LOAD]
+    return beside_png(
+        [(chart, over_displacement(chart, CRANK_SLIDER.OUTPUT, (own, uniform))) for chart in charts], title
+    )
 
 
 @pytest.mark.slow

@@ -130,10 +130,10 @@ def axes() -> Axes:
 
 
 OVER_ANGLE = {
-    "displacement": "displacement_mm",
-    "velocity": "velocity_mm_s",
-    "acceleration": "acceleration_mm_s2",
-    "force": "force_n",
+    "displacement": "displacement",
+    "velocity": "velocity",
+    "acceleration": "acceleration",
+    "force": "load",
     "power": "power_w",
 }
 

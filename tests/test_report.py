@@ -30,6 +30,7 @@ from ncgear.drawings.palette import style_of_colors
 from ncgear.drawings.plots import canvas
 from ncgear.files.manifest import MANIFEST
 from ncgear.kinematics.motion import OutputMotion
+from ncgear.mechanisms.mechanism import Output
 
 PAGE = ROOT / "src" / "ncgear" / "drawings" / "page"
 CSS = style_of_colors() + (PAGE / "page.css").read_text(encoding="utf-8")
@@ -226,7 +227,7 @@ def test_the_page_says_what_the_design_is() -> None:
 
 def test_every_quantity_has_a_chart() -> None:
     of_teeth = ["pressure_angle", "transmission_error", "force_of_a_pair", "root_stress", "contact_pressure"]
-    wanted = [*(q.column for q in (*MOTION, *LOAD)), "ratio", *of_teeth]
+    wanted = [*(q.key_of(Output("slider")) for q in (*MOTION, *LOAD)), "ratio", *of_teeth]
     assert parsed(reports.page("baler")).xpath("//figure/@data-key") == wanted
 
 
@@ -259,14 +260,14 @@ def test_what_is_read_out_is_the_motion(name: str) -> None:
     angles = np.random.default_rng(8).uniform(0.0, charts[0].chart.end, 3000)
     found = motion_at(name, angles)
     for chart, quantity in zip(charts[:3], MOTION, strict=True):
-        assert error_of_straight_lines(chart, quantity.values(found), angles) < 0.5, chart.key
+        assert error_of_straight_lines(chart, quantity.values(found, Output("slider")), angles) < 0.5, chart.key
 
 
 def test_the_force_is_read_out_on_both_sides_of_its_jump() -> None:
     dead_centre = np.degrees(drives.drive("baler").machine.extended_rad)
     angles = dead_centre + np.array([-1e-3, 1e-3])
     force = reports.motion("baler")[3]
-    wanted = LOAD[0].values(motion_at("baler", angles))
+    wanted = LOAD[0].values(motion_at("baler", angles), Output("slider"))
     assert error_of_straight_lines(force, wanted, angles) < 0.5
 
 

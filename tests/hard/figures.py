@@ -41,7 +41,7 @@ def reported(drive: Drive) -> dict[str, Figure]:
         **_driven(drive),
         "ratio min": _peak(low),
         "ratio max": _peak(high),
-        "peak acceleration": _peak(check.peak_acceleration_cycle_mm_s2),
+        "peak acceleration": _peak(check.peak_acceleration_cycle),
         "peak power": _peak(check.peak_power_w),
         "pitch length": Figure(drive.pitch.arc.period),
     }

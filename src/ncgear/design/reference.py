@@ -82,10 +82,12 @@ class Key:
 
 
 def keys_of(root: type[BaseModel]) -> list[Key]:
-    """All keys of a file whose model is ``root``, a group before its keys; for designs, the keys of all mechanisms."""
-    models = design_models().values() if root is Design else [root]
+    """All keys of a file whose model is ``root``, a group before its keys; for designs, the keys of all mechanisms.
+
+    A key that several mechanisms have is that of the first of them.
+    """
     found: dict[tuple[str, str], Key] = {}
-    for model in models:
+    for model in design_models().values() if root is Design else [root]:
         for key in _keys(model, "", ""):
             found.setdefault((key.path, key.law), key)
     return list(found.values())

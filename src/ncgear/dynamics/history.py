@@ -19,6 +19,10 @@ PER_TURN = 2000
 """Samples in a turn of the driving gear."""
 
 
+CRANK_BEARING = "crank_bearing"
+"""The name of the bearing of the shaft that the driven gear turns, among the joints."""
+
+
 @dataclass(frozen=True, eq=False)
 class Slide:
     """Displacement, velocity and acceleration of the output, shape (n,) each, in units of ``OutputMotion``."""
@@ -59,7 +63,7 @@ class History:
     @property
     def forces(self) -> Mapping[str, Vector]:
         """The forces in the joints and between the teeth, by the names that columns and figures give them."""
-        return {**self.joints.joints, "crank_bearing": self.crank_bearing, "mesh": self.mesh}
+        return {**self.joints.joints, CRANK_BEARING: self.crank_bearing, "mesh": self.mesh}
 
 
 def even_times_s(course: Course, least: int = 0) -> Array:

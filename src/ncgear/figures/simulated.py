@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.dynamics.history import History
+from ncgear.dynamics.history import CRANK_BEARING, History
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.peaks import MotionPeaks, Peak, motion_peaks
 from ncgear.dynamics.rigid import Loads, Rigid
@@ -23,7 +23,7 @@ from ncgear.dynamics.touching import parted_s, pushing_parted_s
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns
 from ncgear.figures.summary.check_summary import uniform_key
-from ncgear.mechanisms.mechanism import Output
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.plane import Vector
@@ -43,18 +43,23 @@ def rigid_table(drive: Drive, own: Loads, uniform: Loads) -> dict[str, Array]:
         "phi2_rad": motion.phi2_rad,
         **motion_columns(motion, output),
         **load_column(motion, output),
-        **_load_columns(own),
-        **{f"uniform_{name}": column for name, column in _load_columns(uniform).items()},
+        **_load_columns(drive.linkage, own),
+        **{f"uniform_{name}": column for name, column in _load_columns(drive.linkage, uniform).items()},
     }
 
 
-def _load_columns(loads: Loads) -> dict[str, Array]:
+def bearing_name(linkage: Mechanism) -> str:
+    """The name of the bearing of the shaft that the driven gear turns, in columns and figures."""
+    return f"{linkage.CRANK}_bearing".replace(" ", "_")
+
+
+def _load_columns(linkage: Mechanism, loads: Loads) -> dict[str, Array]:
     columns = {
         "driving_torque_n_m": N_M_PER_N_MM * loads.driving_torque.value,
         "driven_torque_n_m": N_M_PER_N_MM * loads.driven_torque.value,
         **{key: column for name, force in loads.joints.items() for key, column in _components(name, force).items()},
-        **_components("crank_bearing", loads.crank_bearing),
-        "guide_n": loads.guide.value,
+        **_components(bearing_name(linkage), loads.crank_bearing),
+        **({"guide_n": loads.guide.value} if linkage.GUIDED else {}),
     }
     if loads.mesh is None:
         return columns
@@ -89,14 +94,20 @@ def _about(drive: Drive, level: Level) -> dict[str, Any]:
 
 
 def _masses(drive: Drive) -> dict[str, Any]:
-    found = asdict(drive.masses)
+    """The moving masses; what turns with the driven shaft has the mechanism's own name, and none that it has not."""
+    linkage, found = drive.linkage, asdict(drive.masses)
     along, across = found.pop("gravity_m_s2")
+    absent = {name for name in ("slider_kg",) if "slider" not in linkage.POINTS}
+    absent |= {"crank_kg", "crank_center_mm"} if linkage.crank_mm == 0.0 else set()
+    found = {name: value for name, value in found.items() if name not in absent}
+    found = {name.replace("crank_", f"{linkage.CRANK}_".replace(" ", "_")): value for name, value in found.items()}
     gravity = {"gravity_m_s2": hypot(along, across), "gravity_direction_deg": degrees(atan2(across, along))}
     return {**found, **gravity} if gravity["gravity_m_s2"] else found
 
 
 def _loads(rigid: Rigid, coefficient: float) -> dict[str, Any]:
     peaks, swing, speed = rigid.peaks, rigid.fluctuation, rigid.machine.machine.speed_rad_s
+    linkage = rigid.machine.machine.linkage
     return {
         **_peak("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M_PER_N_MM),
         **_peak("least_driving_torque", "n_m", peaks.least_torque_n_mm, N_M_PER_N_MM),
@@ -109,8 +120,8 @@ def _loads(rigid: Rigid, coefficient: float) -> dict[str, Any]:
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),
         **_mesh(rigid),
         **_joint_peaks(rigid),
-        **_peak("peak_crank_bearing_force", "n", peaks.crank_bearing_n),
-        **_peak("peak_guide_force", "n", peaks.guide_n),
+        **_peak(f"peak_{bearing_name(linkage)}_force", "n", peaks.crank_bearing_n),
+        **(_peak("peak_guide_force", "n", peaks.guide_n) if linkage.GUIDED else {}),
     }
 
 
@@ -194,13 +205,14 @@ def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:
     }
 
 
-def dynamic_table(history: History, output: Output) -> dict[str, Array]:
+def dynamic_table(history: History, linkage: Mechanism) -> dict[str, Array]:
     """The motion in time, the motion by the law, and the forces between the teeth and in the joints."""
     columns = {"time_s": history.time_s, "phi1_rad": history.phi1_rad, "phi2_rad": history.phi2_rad}
     for prefix, slide in (("", history.slide), ("law_", history.law)):
-        columns.update({f"{prefix}{name}": values for name, values in motion_columns(slide, output).items()})
+        columns.update({f"{prefix}{name}": values for name, values in motion_columns(slide, linkage.OUTPUT).items()})
     joints: dict[str, Array] = {}
-    for name, force in history.forces.items():
+    for joint, force in history.forces.items():
+        name = bearing_name(linkage) if joint == CRANK_BEARING else joint
         joints.update({f"{name}_x_n": force.x, f"{name}_y_n": force.y})
     return {
         **columns,
@@ -209,13 +221,14 @@ def dynamic_table(history: History, output: Output) -> dict[str, Array]:
         "back_force_n": history.back_n,
         "driving_torque_n_m": N_M_PER_N_MM * history.torque_n_mm,
         **joints,
-        "guide_n": np.asarray(history.joints.guide_n),
+        **({"guide_n": np.asarray(history.joints.guide_n)} if linkage.GUIDED else {}),
     }
 
 
 def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
     """The slider beside its law, the bearings, and the teeth, with the driving angle of each peak."""
     course, work, output = drive.course, drive.course.states[4:, -1], drive.linkage.OUTPUT
+    names = {CRANK_BEARING: bearing_name(drive.linkage)}
     pushing_parted, parted = pushing_parted_s(course), parted_s(course)
     return {
         **_about(drive, Level.DYNAMIC),
@@ -230,7 +243,7 @@ def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
         "bearings": {
             key: value
             for name, peak in peaks.forces_n.items()
-            for key, value in _peak_at(f"peak_{name}_force", "n", peak).items()
+            for key, value in _peak_at(f"peak_{names.get(name, name)}_force", "n", peak).items()
         },
         "motion_in_time": {
             "start_speed_rpm": float(course.states[1, 0]) / RAD_S_PER_RPM,

@@ -105,5 +105,5 @@ def _dynamic(drive: Drive) -> Simulated:
     peaks = motion_peaks(course, rigid)
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
     apart_rad = np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1)
-    table = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage.OUTPUT)
+    table = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage)
     return Simulated(table, dynamic_figures(drive, peaks), dynamic_pictures(drive, drawn, apart_rad))

@@ -31,6 +31,8 @@ class DrivenShaft(Mechanism):
     UNIFORM: ClassVar[str] = "even gears"
     PISTON: ClassVar[bool] = False
     POINTS: ClassVar[tuple[str, ...]] = ()
+    CRANK: ClassVar[str] = "driven shaft"
+    GUIDED: ClassVar[bool] = False
     JOINTS: ClassVar[Mapping[str, str]] = {}
 
     @classmethod

@@ -46,8 +46,8 @@ class Output:
     """What a mechanism moves: its name in messages and tables, and whether it turns.
 
     An output that slides has places in mm, loads in N and masses in kg.  One that turns has places in rad, loads in
-    N mm and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power in W.
-    Names of the contract end in the units of an output that slides.
+    N mm and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power
+    in W.  Names of the contract end in the units of an output that slides.
     """
 
     name: str
@@ -183,6 +183,12 @@ class Mechanism(Mechanisms[float]):
 
     UNIFORM: ClassVar[str] = "uniform crank"
     """What the mechanism is called where its driven shaft turns evenly."""
+
+    CRANK: ClassVar[str] = "crank"
+    """What the driven shaft carries, in the names of bearings and moments of inertia."""
+
+    GUIDED: ClassVar[bool] = True
+    """Whether a guide bears its output."""
 
     STROKE_KEY: ClassVar[str] = "crank_mm"
     """The length that follows where a law gives the stroke."""

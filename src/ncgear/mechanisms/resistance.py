@@ -262,8 +262,9 @@ def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
         forces = [proven(part, start, end) for start, end, part in parts]
         slopes = [slope for start, end, part in parts for slope in _slopes(part, start, end)]
     except NotSmooth as fault:
-        problem = f"{text!r} is no smooth function near x = {fault.at:.6g} {place}, or changes there faster than can be followed"
-        raise WrongInput(f"{problem}; {right}", key=resistance.key) from fault
+        problem = f"{text!r} is no smooth function near x = {fault.at:.6g} {place}"
+        faster = "or changes there faster than can be followed"
+        raise WrongInput(f"{problem}, {faster}; {right}", key=resistance.key) from fault
     corners = np.array([start for start, _, _ in parts[1:]])
     whole = joined(forces)
     for corner, before, after in zip(corners, forces, forces[1:], strict=False):

@@ -50,8 +50,7 @@ class SlottedLevers(Mechanisms[Number]):
     @property
     def turns_fully(self) -> Mask:
         """Where the crank is shorter than the distance of the axes, and the lever reaches beyond the block's way."""
-        turning: Mask = (self.crank_mm < self.pivot_mm) & (self.crank_mm + self.pivot_mm < self.lever_mm)
-        return turning
+        return np.asarray((self.crank_mm < self.pivot_mm) & (self.crank_mm + self.pivot_mm < self.lever_mm))
 
     @property
     def stroke_mm(self) -> Number:

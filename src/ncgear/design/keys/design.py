@@ -171,21 +171,21 @@ def _restored(data: dict[str, Any]) -> Design:
 
 @cache
 def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
-    entry, usual = MECHANISMS[name], names[0]
+    entry, usual, title = MECHANISMS[name], names[0], name.title().replace("_", "")
     named: Any = Literal[names]
     masses: Any = entry.masses | None
     resistance: Any = entry.resistance | None
     wishes: Any = entry.wishes
     description = f"which mechanism the driven gear turns; left out: {usual}"
     told: Any = Field(default=usual, description=description) if name == usual else Field(description=description)
-    linkage: Any = create_model(entry.linkage.__name__, __base__=entry.linkage, kind=(named, told))
+    linkage: Any = create_model(f"{title}Linkage", __base__=entry.linkage, kind=(named, told))
     words = {key: field.description for key, field in Design.model_fields.items()}
     # Gears by themselves have the group only where a file says so in as many words.
     group: Any = Field(description=words["linkage"])
     if name == NO_LINKAGE:
         group = Field(default_factory=lambda: linkage(kind=NO_LINKAGE), description=words["linkage"])
     return create_model(
-        "Design" if name == usual else f"Design of {name}",
+        f"{title}Design",
         __base__=Design,
         linkage=(linkage, group),
         masses=(masses, Field(default=None, description=words["masses"])),

@@ -52,12 +52,14 @@ def joint_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
     """Forces in the bearing of the crank, in the mechanism's joints from the crank on, and in the guide."""
     joints = reversed([*drive.linkage.JOINTS.items()])
     return [
-        _load_chart(drive, "crank bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)),
+        _load_chart(
+            drive, f"{drive.linkage.CRANK} bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)
+        ),
         *(
             _load_chart(drive, words, "N", _size(own.joints[name]), _size(uniform.joints[name]))
             for name, words in joints
         ),
-        _load_chart(drive, "guide", "N", own.guide.value, uniform.guide.value),
+        *([_load_chart(drive, "guide", "N", own.guide.value, uniform.guide.value)] if drive.linkage.GUIDED else []),
     ]
 
 
@@ -125,7 +127,7 @@ def bearings_in_time(drive: Drive, shown: History, apart_deg: Array) -> list[Cha
     """Forces in the joints of the mechanism and between the teeth."""
     forces = {
         **{words: shown.joints.joints[name] for name, words in drive.linkage.JOINTS.items()},
-        "crank bearing": shown.crank_bearing,
+        f"{drive.linkage.CRANK} bearing": shown.crank_bearing,
         "force of all pairs": shown.mesh,
     }
     return [

@@ -80,6 +80,8 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "speed": shown(drive.design.operation.speed_rpm),
         "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
         "comparison": comparison_tables(drive),
+        "uniform": drive.linkage.UNIFORM,
+        "load": drive.linkage.OUTPUT.load_name,
         "text": loaded.text,
         "file_name": loaded.path.name,
         "versions": versions(),

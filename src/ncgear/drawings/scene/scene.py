@@ -65,9 +65,10 @@ class Scene:
     def links(self) -> tuple[Body, ...]:
         """The output, the crank, and the links between them from back to front; none of a shaft by itself."""
         linkage = self.machine.linkage
-        output, *others = linkage.links(Jet(np.zeros((1, 1)))) or [None]
-        if output is None:
+        names = list(linkage.links(Jet(np.zeros((1, 1)))))
+        if not names:
             return ()
+        output, *others = names
         made = [Body(output, Kind.SLIDER, output_shape(linkage, self.chamber))]
         for name in others:
             crank = name == "crank"

@@ -190,7 +190,6 @@ def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Moti
 
 NOT_COVERED = {
     "peak_jerk_mm_s3": "jerk",
-    "peak_jerk_rad_s3": "jerk",
     "curvature_turns": "least radius or undercut",
 }
 

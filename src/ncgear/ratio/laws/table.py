@@ -129,15 +129,13 @@ def _refuse_turning(phi1: Array, displacement: Array, top: int, output: Output, 
     fixed = 0, top, displacement.size
     # Either end of the step can be moved, but for the dead centres: the later one, where its neighbours leave it room.
     moved = next((at for at in (first + 1, first) if at not in fixed and _between(closed, at, top)), None)
-    room = (
-        ""
-        if moved is None
-        else f"; at {in_words(phi1[moved])} over {_between(closed, moved, top)} {output.place.text} is right"
-    )
+    unit = output.place.text
+    between = "" if moved is None else f"{_between(closed, moved, top)} {unit}"
+    room = "" if moved is None else f"; at {in_words(phi1[moved])} over {between} is right"
     if steps[first] < 0.0:
         done = f"turns back after phi1 = {in_words(phi1[first])}; it may only at both ends"
     else:
-        done = f"stands still at {closed[first]:g} {output.place.text} after phi1 = {in_words(phi1[first])}; no ratio is infinite"
+        done = f"stands still at {closed[first]:g} {unit} after phi1 = {in_words(phi1[first])}; no ratio is infinite"
     raise WrongInput(f"the {output.name} {done}{room}", key=key if moved is None else f"{key}.{moved}")
 
 
