@@ -183,7 +183,7 @@ def test_what_cannot_turn_is_refused(kind: str, lengths: tuple[float, ...], key:
 
 
 def test_grashof_by_turning_the_crank() -> None:
-    """At random lengths the crank turns fully exactly where the circles of coupler and rocker meet all the way round."""
+    """The crank turns fully exactly where the circles of coupler and rocker meet all the way round."""
     random, around = np.random.default_rng(19), np.exp(1j * np.linspace(0.0, 2.0 * pi, 721))
     seen = set[bool]()
     for _ in range(300):

@@ -23,7 +23,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ncgear.mechanisms.mechanism import Mechanism, Output
+from ncgear.mechanisms.mechanism import SLIDER, Mechanism, Output
 
 NEGLIGIBLE = 1e-6
 """Share of a wished bound, and angle in rad, by which a wish that counts as kept may be missed: files hold the numbers
@@ -100,7 +100,7 @@ class Wish(ABC):
 
     key: str = ""
     weight: float | None = None
-    output: Output = Output("slider")
+    output: Output = SLIDER
 
     @property
     def hard(self) -> bool:

@@ -191,10 +191,10 @@ def _exact_dwell(key: str, dwell: Dwelling, linkage: Mechanism, ratio_max: float
     output = linkage.OUTPUT
     nearest = output.place.factor * nearest_dwell_mm(linkage, End(dwell.at), dwell.for_angle_rad, ratio_max)
     return NoSuchMechanism(
-        f"0 given, an exact dwell, but gears of a finite ratio never let the crank stand still, and the {output.name} stands "
-        f"still at its {dwell.at} end for an instant only; with ratios up to {ratio_max:g} (optimize.limits.ratio_max) "
-        f"it can stay within {_rounded_up(nearest):g} {output.place.text} for {degrees(dwell.for_angle_rad):g} deg: that or more is "
-        "right",
+        f"0 given, an exact dwell, but gears of a finite ratio never let the crank stand still, and the {output.name} "
+        f"stands still at its {dwell.at} end for an instant only; with ratios up to {ratio_max:g} "
+        f"(optimize.limits.ratio_max) it can stay within {_rounded_up(nearest):g} {output.place.text} for "
+        f"{degrees(dwell.for_angle_rad):g} deg: that or more is right",
         key=key,
     )
 

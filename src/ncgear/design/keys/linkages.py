@@ -32,8 +32,8 @@ class RockerKeys(Model):
     ground_mm: Length = Field(description="distance of a crank_rocker's axes, crank to rocker, in mm")
     side: Literal[1, -1] = Field(
         default=1,
-        description="side of the rocker's pin as seen along +x, the way from the crank's axis to the rocker's, with the "
-        "crank turning clockwise: 1 on the left, -1 on the right",
+        description="side of the rocker's pin as seen from the crank's axis to the rocker's, with the crank turning "
+        "clockwise: 1 on the left, -1 on the right",
     )
 
 

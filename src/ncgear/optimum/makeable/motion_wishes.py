@@ -190,6 +190,6 @@ def time_in_words(wish: Wish, level: float, sign: float, cycle: float) -> str:
             return f"a dwell of {shown_below(degrees(wish.for_rad - level))} deg"
         case Position():
             shown = shown_above if sign > 0.0 else shown_below
-            place = wish.output.place
-            return f"{place.factor * wish.at_mm:g} {place.text} passed at {shown(degrees(wish.phi1_rad + sign * level))} deg"
+            place, angle = wish.output.place, shown(degrees(wish.phi1_rad + sign * level))
+            return f"{place.factor * wish.at_mm:g} {place.text} passed at {angle} deg"
     raise TypeError(f"{type(wish).__name__} asks for no time")
