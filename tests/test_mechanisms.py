@@ -183,7 +183,7 @@ def test_what_cannot_turn_is_refused(kind: str, lengths: tuple[float, ...], key:
 
 
 def test_grashof_by_turning_the_crank() -> None:
-    """At random lengths the crank turns fully exactly where the circles of coupler and rocker meet all the way round."""
+    """The crank turns fully exactly where the circles of coupler and rocker meet all the way round."""
     random, around = np.random.default_rng(19), np.exp(1j * np.linspace(0.0, 2.0 * pi, 721))
     seen = set[bool]()
     for _ in range(300):
@@ -193,9 +193,14 @@ def test_grashof_by_turning_the_crank() -> None:
         # A double crank turns fully too; a crank-rocker's ground is longer than the crank
         meets &= ground > crank + abs(coupler - rocker_mm)
         many = CrankRocker.many(
-            **{name: np.array([value]) for name, value in zip(
-                ("crank_mm", "coupler_mm", "rocker_mm", "ground_mm"), (crank, coupler, rocker_mm, ground), strict=True
-            )}
+            **{
+                name: np.array([value])
+                for name, value in zip(
+                    ("crank_mm", "coupler_mm", "rocker_mm", "ground_mm"),
+                    (crank, coupler, rocker_mm, ground),
+                    strict=True,
+                )
+            }
         )
         assert bool(many.turns_fully[0]) == meets
         seen.add(meets)
@@ -301,9 +306,7 @@ def test_forces_and_moments_on_every_body_are_in_balance(case: Case, row: int) -
         for name, body in bodies.items():
             mass, own, center, _ = exact.bodies(q)[name]
             places = [lambda one, name=name, k=k: exact.bodies(one)[name][k] for k in (2, 3)]
-            moved, turned = (
-                mp.diff(place, q, 2) * SPEED**2 + mp.diff(place, q) * ACCELERATION for place in places
-            )
+            moved, turned = (mp.diff(place, q, 2) * SPEED**2 + mp.diff(place, q) * ACCELERATION for place in places)
             sum_of = sum(force for _, force in body) + mass * mp.mpc(*GRAVITY_M_S2)
             assert abs(sum_of - mass * moved / 1000) < 1e-12 * largest
             moment = sum(mp.im(mp.conj(place - center) * force) for place, force in body) + moments.get(name, 0)

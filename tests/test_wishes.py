@@ -36,9 +36,9 @@ from ncgear.kinematics.wishes import (
     spread,
 )
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import PolynomialResistance
+from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law

@@ -158,9 +158,17 @@ class CrankRocker(Linkage):
         center = pin + self.coupler_center_mm * coupler
         start = self.start() - mp.pi
         return {
-            "rocker": (self.rocker_kg, own, self.ground_mm + self.rocker_center_mm * rocker, -self.side * self.place(q)),
+            "rocker": (
+                self.rocker_kg,
+                own,
+                self.ground_mm + self.rocker_center_mm * rocker,
+                -self.side * self.place(q),
+            ),
             "coupler": (
-                self.coupler_kg, self.coupler_inertia_kg_mm2, center, mp.arg(coupler * mp.expj(-start)) + start
+                self.coupler_kg,
+                self.coupler_inertia_kg_mm2,
+                center,
+                mp.arg(coupler * mp.expj(-start)) + start,
             ),
         }
 

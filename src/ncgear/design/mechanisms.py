@@ -22,6 +22,7 @@ from ncgear.design.keys.masses import (
     RockerMasses,
     SlidingMasses,
 )
+from ncgear.design.keys.wishes import Timing, TurningWishes, Wishes
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ class Entry:
     linkage: type[Model]
     masses: type[GearMasses] = SlidingMasses
     resistance: type[Load] = Resistance
+    wishes: type[Timing] = Wishes
 
     @property
     def stroke_key(self) -> str | None:
@@ -99,7 +101,7 @@ NO_LINKAGE = "none"
 MECHANISMS: dict[str, Entry] = {
     "crank_slider": Entry(_crank_slider, Linkage, Masses),
     "scotch_yoke": Entry(_scotch_yoke, YokeKeys),
-    "crank_rocker": Entry(_crank_rocker, RockerKeys, RockerMasses, RockerTorque),
+    "crank_rocker": Entry(_crank_rocker, RockerKeys, RockerMasses, RockerTorque, TurningWishes),
     "slotted_lever": Entry(_slotted_lever, LeverKeys, LeverMasses),
     "rack_pinion": Entry(_rack_pinion, RackKeys),
     NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque),

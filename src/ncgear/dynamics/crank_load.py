@@ -127,9 +127,7 @@ def crank_load(linkage: Mechanism, masses: Masses, load: SliderLoad) -> CrankLoa
         )
     crank = linkage.crank_body(angle, masses.crank_center_mm).center
     weight = _potential([*moving, MovingMass(masses.crank_kg, crank, angle)], masses)
-    work_value, work_slope = (
-        np.concatenate([work[0][row], *(back[row][1:] for back in work[1:])]) for row in (0, 1)
-    )
+    work_value, work_slope = (np.concatenate([work[0][row], *(back[row][1:] for back in work[1:])]) for row in (0, 1))
     values = np.column_stack([N_PER_KG_MM_S2 * inertia, work_value + weight.value])
     slopes = np.column_stack([N_PER_KG_MM_S2 * change, work_slope + weight.derivative(1)])
     table = cubics(np.diff(knots), (values[:-1], slopes[:-1]), (values[1:], slopes[1:]))

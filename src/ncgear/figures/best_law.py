@@ -33,7 +33,6 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
 
 UNITS = {
-    Goal.ACCELERATION: "mm/s2",
     Goal.POWER: "W",
     Goal.BRAKING_POWER: "W",
     Goal.RMS_TORQUE: "N m",
@@ -52,6 +51,19 @@ ARGUMENT = (
 )
 
 SUFFIX = "-optimized"
+
+
+def _unit(best: BestLaw) -> str:
+    """The unit of what is least."""
+    goal = best.wishes.goal
+    return best.task.linkage.OUTPUT.acceleration.text if goal is Goal.ACCELERATION else UNITS[goal]
+
+
+def _named(values: dict[str, Any], best: BestLaw) -> dict[str, Any]:
+    """Plain values with keys that end in the units of the output: those of the code end in the ones of a slider."""
+    if not best.task.linkage.OUTPUT.angular:
+        return values
+    return {key.replace("_mm_s", "_rad_s"): value for key, value in values.items()}
 
 
 def optimized_design(text: str, best: BestLaw) -> str:
@@ -89,7 +101,7 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "speed_rpm": best.design.operation.speed_rpm,
         "goal": {
             "least": best.wishes.goal.value,
-            "unit": UNITS[best.wishes.goal],
+            "unit": _unit(best),
             "limit": None if bound is None else bound.value,
             "places": None if bound is None else bound.places,
             "not_covered_by_limit": best.not_covered,
@@ -102,12 +114,12 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "not_kept": best.design.motion.prescribed,
         "wishes": best.design.optimize.model_dump(mode="json") if best.design.optimize else {},
         "frontier": [
-            {"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}
+            _named({"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}, best)
             for power, acceleration in best.limit_points
         ],
-        "law": figures_summary(best.figures),
-        "design_as_given": None if given is None else figures_summary(given),
-        "uniform_crank": figures_summary(best.uniform_figures),
+        "law": _named(figures_summary(best.figures), best),
+        "design_as_given": None if given is None else _named(figures_summary(given), best),
+        "uniform_crank": _named(figures_summary(best.uniform_figures), best),
         "made_by": {"ncgear": __version__, "python": platform.python_version()},
     }
 
@@ -128,8 +140,7 @@ def _bring_points(document: CommentedMap, design: Design) -> None:
     for keys, given in strokes:
         table = None if given is None else given.table
         if table is not None and table.file is not None:
-            columns = {"displacement_mm": _row(table.displacement_mm or ()), "force_n": _row(table.force_n or ())}
-            keys["table"] = CommentedMap(columns)
+            keys["table"] = CommentedMap({key: _row(getattr(table, key) or ()) for key in table.COLUMNS})
 
 
 def _row(values: Array | Sequence[float]) -> CommentedSeq:
@@ -138,7 +149,7 @@ def _row(values: Array | Sequence[float]) -> CommentedSeq:
     return row
 
 
-LAW_HEADS = ("peak power, W", "peak accel., mm/s2", "ratio", "pressure angle, deg", "without rack", "convex")
+LAW_HEADS = ("peak power, W", "peak accel., {}", "ratio", "pressure angle, deg", "without rack", "convex")
 """The pressure angle has the rack's own in it, as everywhere; without it, it is that of the pitch curves alone."""
 
 
@@ -154,17 +165,16 @@ def _notes(best: BestLaw, found: str) -> list[str]:
     lost = best.design.motion.prescribed
     notes = []
     if best.design.masses is not None:
-        notes.append(
-            "Powers, torques and forces include all masses, in the return as well; the slider has "
-            f"{best.design.masses.slider_kg:g} kg."
-        )
+        slides = not best.task.linkage.OUTPUT.angular
+        slider = f"; the slider has {best.design.masses.slider_kg:g} kg" if slides else ""
+        notes.append(f"Powers, torques and forces include all masses, in the return as well{slider}.")
     if lost:
         notes.append(f"{found} not keep {lost} of the design as given.")
     return ["", *notes] if notes else []
 
 
 def _limit(best: BestLaw) -> list[str]:
-    goal, bound, unit = best.wishes.goal, best.limit, UNITS[best.wishes.goal]
+    goal, bound, unit = best.wishes.goal, best.limit, _unit(best)
     words = goal.value.replace("_", " ")
     heading = f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min"
     law = f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}"
@@ -197,7 +207,11 @@ def _table(best: BestLaw) -> list[str]:
     rows["uniform crank"] = best.uniform_figures
     rack_rad = best.wishes.limits.rack_angle_rad
     cells = [[name, *_law_cells(found, rack_rad)] for name, found in rows.items()]
-    lines = ["At equal driving speed, whole cycle", *aligned([["", *LAW_HEADS], *cells], left=1)]
+    told = best.task.linkage.OUTPUT.acceleration
+    lines = [
+        "At equal driving speed, whole cycle",
+        *aligned([["", *(one.format(told.text) for one in LAW_HEADS)], *cells], left=1),
+    ]
     if best.task.masses is None:
         return lines
     felt = [name for name in LOAD_HEADS if getattr(best.figures, name) is not None]
@@ -240,7 +254,7 @@ FRONTIER_COLUMNS = (
     "family_acceleration_mm_s2",
 )
 
-FRONTIER_HEADS = ("power cap, W", "limit, mm/s2", "best law, mm/s2", "gap, %", "family, mm/s2")
+FRONTIER_HEADS = ("power cap, W", "limit, {}", "best law, {}", "gap, %", "family, {}")
 FRONTIER_WIDTH = 16
 
 
@@ -270,14 +284,14 @@ def other_mechanisms(best: BestLaw) -> list[OtherMechanism]:
     return found
 
 
-def frontier_csv(found: Frontier) -> str:
+def frontier_csv(found: Frontier, best: BestLaw) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
     rows = []
     for point, family in _points(found):
         law = point.law
         figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
         rows.append([point.cap_w, point.limit_mm_s2, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
-    return rows_text(FRONTIER_COLUMNS, rows)
+    return rows_text(tuple(_named(dict.fromkeys(FRONTIER_COLUMNS), best)), rows)
 
 
 def _points(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
@@ -294,18 +308,21 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
         "masses": None if best.task.masses is None else asdict(best.task.masses),
         "argument_of_limit": ARGUMENT,
         "points": [
-            {
-                "power_cap_w": point.cap_w,
-                "limit_acceleration_mm_s2": point.limit_mm_s2,
-                "law": figures_summary(point.law),
-                "gap": point.law.peak_acceleration_mm_s2 / point.limit_mm_s2 - 1.0,
-                "family_power_w": family.peak_power_w,
-                "family_acceleration_mm_s2": family.peak_acceleration_mm_s2,
-                "family_motion": family.motion,
-            }
+            _named(
+                {
+                    "power_cap_w": point.cap_w,
+                    "limit_acceleration_mm_s2": point.limit_mm_s2,
+                    "law": _named(figures_summary(point.law), best),
+                    "gap": point.law.peak_acceleration_mm_s2 / point.limit_mm_s2 - 1.0,
+                    "family_power_w": family.peak_power_w,
+                    "family_acceleration_mm_s2": family.peak_acceleration_mm_s2,
+                    "family_motion": family.motion,
+                },
+                best,
+            )
             for point, family in _points(found)
         ],
-        "mechanisms": [vars(mechanism) for mechanism in other_mechanisms(best)],
+        "mechanisms": [_named(vars(mechanism), best) for mechanism in other_mechanisms(best)],
     }
     return json_text(content)
 
@@ -315,19 +332,19 @@ FAMILY_WITHOUT_MASS = "The family is left out: its search knows the power of the
 
 def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """A table of the points, the mechanisms, the files written, and those kept."""
-    rows = []
+    rows, unit = [], best.task.linkage.OUTPUT.acceleration.text
     for point, family in _points(found):
         law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
         gap = fixed(100.0 * (law / limit - 1.0), 1)
         rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])
     others = [
-        (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} mm/s2")
+        (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} {unit}")
         for one in other_mechanisms(best)
     ]
     speed = best.design.operation.speed_rpm
     lines = [
         f"{best.design.name}: power against acceleration at {speed:g} r/min",
-        *aligned([FRONTIER_HEADS, *rows], least=FRONTIER_WIDTH),
+        *aligned([[one.format(unit) for one in FRONTIER_HEADS], *rows], least=FRONTIER_WIDTH),
         "",
         "At the same speed",
         *aligned(others, left=1, least=(0, 11, 15)),

@@ -37,15 +37,19 @@ class Scale(NamedTuple):
         return f"{to_digits(self.factor * value, digits)} {self.unit}".rstrip()
 
 
-SCALES: dict[type[Wish], Scale] = {
-    ConstantSpeed: Scale(100.0, "%", "_percent"),
-    SpeedAt: Scale(1.0, "mm/s", "_mm_s"),
-    ExtremeSpeed: Scale(1.0, "mm/s", "_mm_s"),
-    TimeRatio: Scale(1.0, "", ""),
-    WorkingStroke: Scale(degrees(1.0), "deg", "_deg"),
-    Dwell: Scale(degrees(1.0), "deg", "_deg"),
-    Position: Scale(1.0, "mm", "_mm"),
-}
+def scale_of(wish: Wish) -> Scale:
+    """How the figures of a wish are told."""
+    place, speed = wish.output.place, wish.output.speed
+    match wish:
+        case ConstantSpeed():
+            return Scale(100.0, "%", "_percent")
+        case SpeedAt() | ExtremeSpeed():
+            return Scale(speed.factor, speed.text, f"_{speed.ending}")
+        case TimeRatio():
+            return Scale(1.0, "", "")
+        case Position():
+            return Scale(place.factor, place.text, f"_{place.ending}")
+    return Scale(degrees(1.0), "deg", "_deg")
 
 
 def motion_line(found: Achieved, linkage: Mechanism) -> str:
@@ -91,7 +95,7 @@ def wish_rows(found: Achieved) -> list[dict[str, Any]]:
 
 
 def _row(outcome: Outcome) -> dict[str, Any]:
-    scale = SCALES[type(outcome.wish)]
+    scale = scale_of(outcome.wish)
     return {
         "key": outcome.wish.key,
         "hard": outcome.wish.hard,
@@ -114,29 +118,34 @@ def achieved_lines(found: Achieved, linkage: Mechanism) -> list[str]:
 
 def outcome_line(outcome: Outcome) -> str:
     """A wish, what the motion achieves of it, what is wished, and by how much that is missed."""
-    scale = SCALES[type(outcome.wish)]
+    scale = scale_of(outcome.wish)
     missed = "" if outcome.kept else f", missed by {missed_by(outcome)}"
     return f"{_wish(outcome.wish)}: {_achieved(outcome, scale)}, {_wanted(outcome, scale)} wished{missed}"
 
 
 def missed_by(outcome: Outcome) -> str:
     """How far what is achieved lies beyond the bounds of the wish."""
-    return SCALES[type(outcome.wish)].said(outcome.missed_by, 3)
+    return scale_of(outcome.wish).said(outcome.missed_by, 3)
 
 
 def _wish(wish: Wish) -> str:
     """A wish by its kind and its place."""
+    unit = wish.output.place
+
+    def at(place: float) -> str:
+        return shown(unit.factor * place)
+
     match wish:
         case ConstantSpeed():
-            return f"constant speed from {shown(wish.from_mm)} to {shown(wish.to_mm)} mm{_of(wish.stroke)}"
+            return f"constant speed from {at(wish.from_mm)} to {at(wish.to_mm)} {unit.text}{_of(wish.stroke)}"
         case SpeedAt() | ExtremeSpeed():
-            return f"speed at {shown(wish.at_mm)} mm{_of(wish.stroke)}"
+            return f"speed at {at(wish.at_mm)} {unit.text}{_of(wish.stroke)}"
         case TimeRatio():
             return "time ratio of working stroke and return"
         case WorkingStroke():
             return "driving angle of the working stroke"
         case Dwell():
-            return f"dwell within {shown(wish.within_mm)} mm of the {wish.end.value} end"
+            return f"dwell within {at(wish.within_mm)} {unit.text} of the {wish.end.value} end"
         case Position():
             return f"place at {to_digits(degrees(wish.phi1_rad), DIGITS)} deg{_of(wish.stroke)}"
     raise TypeError(f"{type(wish).__name__} is no known kind of wish")
@@ -149,7 +158,7 @@ def _of(stroke: Stroke) -> str:
 def _achieved(outcome: Outcome, scale: Scale) -> str:
     said = scale.said(outcome.achieved)
     if outcome.speed_mm_s is not None:
-        return f"within {said} of {to_digits(outcome.speed_mm_s, DIGITS)} mm/s"
+        return f"within {said} of {to_digits(outcome.speed_mm_s, DIGITS)} {outcome.wish.output.speed.text}"
     return f"{said} in the other stroke" if outcome.other_stroke else said
 
 

@@ -27,7 +27,7 @@ def frontier_files(found: Frontier, best: BestLaw) -> dict[str, bytes]:
     laws = [(point.law.peak_power_w, point.law.peak_acceleration_mm_s2) for point in found.laws]
     family = [(one.cap_w, peak) for one in found.families if (peak := one.peak_acceleration_mm_s2) is not None]
     return {
-        "frontier.csv": frontier_csv(found).encode(),
+        "frontier.csv": frontier_csv(found, best).encode(),
         "frontier.json": frontier_json(found, best).encode(),
         PICTURE: _picture(best, limit, laws, family, "power against acceleration"),
     }
@@ -43,4 +43,5 @@ def _picture(best: BestLaw, limit: Points, laws: Points, family: Points, what: s
     """PNG of points of power in W and acceleration in mm/s2, with the mechanisms to compare with."""
     others = [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in other_mechanisms(best)]
     title = f"{best.design.name}: {what}, all at {best.design.operation.speed_rpm:.4g} r/min"
-    return frontier_plot(rows(limit), rows(laws), rows(family), others, title)
+    unit = best.task.linkage.OUTPUT.acceleration.text
+    return frontier_plot(rows(limit), rows(laws), rows(family), others, title, unit)

@@ -23,7 +23,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.mechanisms.mechanism import SLIDER, Mechanism, Output
 
 NEGLIGIBLE = 1e-6
 """Share of a wished bound, and angle in rad, by which a wish that counts as kept may be missed: files hold the numbers
@@ -89,6 +89,8 @@ Requirement = SpeedWithin | EvenSpeed | TimeWithin
 class Wish(ABC):
     """A wish: ``key`` is its dotted key in a design file, ``weight`` is None for a hard wish.
 
+    ``output`` is what moves: where it turns, places are in rad and speeds in rad/s in place of mm and mm/s.
+
     A soft wish that is missed by p percent, of the speed or of the cycle's driving angle, counts in the goal of an
     optimised law like ``weight`` times p percent of what is to be least.
     """
@@ -98,6 +100,7 @@ class Wish(ABC):
 
     key: str = ""
     weight: float | None = None
+    output: Output = SLIDER
 
     @property
     def hard(self) -> bool:

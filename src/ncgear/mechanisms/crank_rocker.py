@@ -1,10 +1,10 @@
 """The crank-rocker: a four-bar linkage whose crank turns fully and whose rocker, the output, swings to and fro.
 
-Frame and pose: the crank's axis O is at the origin and the crank turns clockwise; the rocker's axis C is at (d, 0), its
-pin B above the line of the axes (``side`` 1) or below it (``side`` -1).  The place of the rocker is the angle gamma at C
-from CO to CB, which lies between 0 and pi, and grows from the retracted dead centre, where crank and coupler lie over
-each other, to the extended one, where they lie in one line.  Loads of the output are torques in N mm that act towards
-the retracted dead centre.
+Frame and pose: the crank's axis O is at the origin and the crank turns clockwise; the rocker's axis C is at (d, 0),
+its pin B above the line of the axes (``side`` 1) or below it (``side`` -1).  The place of the rocker is the angle gamma
+at C from CO to CB, which lies between 0 and pi, and grows from the retracted dead centre, where crank and coupler lie
+over each other, to the extended one, where they lie in one line.  Loads of the output are torques in N mm that act
+towards the retracted dead centre.
 
 Let a, b, c, d be crank, coupler, rocker and ground, and theta the direction of the crank from the line of the axes,
 counted towards the side of the rocker's pin.  The loop is closed where (F. Freudenstein, "Approximate synthesis of

@@ -79,6 +79,9 @@ class Output:
         return "torque" if self.angular else "force"
 
 
+SLIDER = Output("slider")
+
+
 @dataclass(frozen=True, eq=False)
 class Link:
     """Where a rigid body is at n crank angles: the origin of its own frame in mm, and its angle in rad.
@@ -154,7 +157,7 @@ class Mechanisms(ABC, Generic[Number]):
 
     @property
     def half_way(self) -> Number:
-        """A size in mm, or rad, of the order of half the stroke: the unit in which programmes count the output's way."""
+        """A size in mm or rad of the order of half the stroke, in which programmes count the output's way."""
         return self.crank_mm
 
     @abstractmethod
@@ -172,7 +175,7 @@ class Mechanism(Mechanisms[float]):
     NAME: ClassVar[str]
     """Its name in messages, with the article: "a crank-slider"."""
 
-    OUTPUT: ClassVar[Output] = Output("slider")
+    OUTPUT: ClassVar[Output] = SLIDER
     """What it moves."""
 
     RETURNS: ClassVar[bool] = True
@@ -194,7 +197,7 @@ class Mechanism(Mechanisms[float]):
     """The length that follows where a law gives the stroke."""
 
     POINTS: ClassVar[tuple[str, ...]] = ("slider",)
-    """Bodies that do not turn, whose masses a design file gives by keys under ``masses``: ``slider`` by ``slider_kg``."""
+    """Bodies that do not turn, whose masses a design file gives by ``masses.NAME_kg``."""
 
     RODS: ClassVar[tuple[str, ...]] = ()
     """Bodies that turn, the crank apart, whose masses a design file gives, by their keys under ``masses``."""

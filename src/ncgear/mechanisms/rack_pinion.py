@@ -85,7 +85,7 @@ class RackPinion(Mechanism):
         return displacement_mm / self.radius_mm
 
     def crank_body(self, crank_angle: Jet, center_mm: float) -> CrankBody:
-        """The pinion; its pin is where its teeth push the rack, its centre of mass begins opposite to the rack's way."""
+        """The pinion; its pin is where its teeth push the rack.  Its centre of mass begins on -x."""
         still = 0.0 * crank_angle
         sine, cosine = jet.sin_cos(self.crank_start_rad - crank_angle)
         return CrankBody(

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import asin, cos, hypot, log, pi, sqrt
+from math import asin, cos, log, pi
 from typing import ClassVar, Self
 
 import numpy as np
@@ -192,7 +192,7 @@ class SlottedLever(SlottedLevers[float], Mechanism):
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
-        """The crank angle at which the block is next to the lever's axis; the block is at it at i ln(d/r) from there."""
+        """Where the block is next to the lever's axis; it is at the axis at i ln(d/r) from there."""
         return ((1.5 * pi + self._swing_rad, log(self.pivot_mm / self.crank_mm)),)
 
     @property

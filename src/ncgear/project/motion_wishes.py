@@ -8,14 +8,12 @@ from math import ceil, degrees, floor, inf, log10
 from ncgear.design.keys.base import given, spellings
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
-from ncgear.design.keys.wishes import Dwell as DwellKeys
-from ncgear.design.keys.wishes import Position as PositionKeys
-from ncgear.design.keys.wishes import Wishes, strokes_of
+from ncgear.design.keys.wishes import Dwelling, Passing, Timing, strokes_of
 from ncgear.design.keys.wishes import WorkingStroke as WorkingStrokeKeys
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics import wishes as values
 from ncgear.kinematics.wishes import End, Stroke, nearest_dwell_mm
-from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.mechanisms.mechanism import Mechanism, Output
 
 DIGITS = 3
 """Significant digits of the nearest dwell; it is rounded up, so that it can be made."""
@@ -28,35 +26,37 @@ def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tu
     NoSuchMechanism for an exact dwell.
     """
     asked = design.wishes
-    _refuse_places(asked, linkage.stroke_mm)
+    _refuse_places(asked, linkage)
     _refuse_angles(asked, cycle_rad)
     ratio_max = (design.optimize or Optimize()).limits.ratio_max
     for number, dwell in enumerate(asked.dwell):
-        if dwell.within_mm == 0.0:
-            raise _exact_dwell(f"wishes.dwell.{number}.within_mm", dwell, linkage, ratio_max)
+        if dwell.place("within") == 0.0:
+            raise _exact_dwell(f"wishes.dwell.{number}.within_{dwell.PLACE}", dwell, linkage, ratio_max)
+    output = linkage.OUTPUT
     return (
-        *_constant_speeds(asked),
+        *_constant_speeds(asked, output),
         *_times(asked),
-        *_dwells(asked),
-        *_speeds(asked),
-        *_positions(asked),
+        *_dwells(asked, output),
+        *_speeds(asked, output),
+        *_positions(asked, output),
     )
 
 
-def _constant_speeds(asked: Wishes) -> Iterator[values.Wish]:
+def _constant_speeds(asked: Timing, output: Output) -> Iterator[values.Wish]:
     for number, wish in enumerate(asked.constant_speed):
         yield values.ConstantSpeed(
             key=f"wishes.constant_speed.{number}",
             weight=wish.soft_weight,
-            from_mm=wish.from_mm,
-            to_mm=wish.to_mm,
+            output=output,
+            from_mm=wish.place("from") / output.place.factor,
+            to_mm=wish.place("to") / output.place.factor,
             tolerance=wish.tolerance,
             stroke=Stroke(wish.stroke),
-            speed_mm_s=wish.speed_mm_s,
+            speed_mm_s=wish.speed("speed"),
         )
 
 
-def _times(asked: Wishes) -> Iterator[values.Wish]:
+def _times(asked: Timing) -> Iterator[values.Wish]:
     if (ratio := asked.time_ratio) is not None:
         yield values.TimeRatio(key="wishes.time_ratio", weight=ratio.soft_weight, at_least=ratio.at_least)
     if (stroke := asked.working_stroke) is not None:
@@ -68,69 +68,77 @@ def _times(asked: Wishes) -> Iterator[values.Wish]:
         )
 
 
-def _dwells(asked: Wishes) -> Iterator[values.Wish]:
+def _dwells(asked: Timing, output: Output) -> Iterator[values.Wish]:
     for number, wish in enumerate(asked.dwell):
         yield values.Dwell(
             key=f"wishes.dwell.{number}",
             weight=wish.soft_weight,
+            output=output,
             end=End(wish.at),
-            within_mm=wish.within_mm,
+            within_mm=wish.place("within") / output.place.factor,
             for_rad=wish.for_angle_rad,
         )
 
 
-def _speeds(asked: Wishes) -> Iterator[values.Wish]:
+def _speeds(asked: Timing, output: Output) -> Iterator[values.Wish]:
     for number, wish in enumerate(asked.speed_at):
         key, stroke = f"wishes.speed_at.{number}", Stroke(wish.stroke)
         if wish.make is not None:
             fastest = wish.make == "fastest"
+            at = wish.place("at") / output.place.factor
             yield values.ExtremeSpeed(
-                key=key, weight=wish.soft_weight, at_mm=wish.at_mm, stroke=stroke, fastest=fastest
+                key=key, weight=wish.soft_weight, output=output, at_mm=at, stroke=stroke, fastest=fastest
             )
         else:
             yield values.SpeedAt(
                 key=key,
                 weight=wish.soft_weight,
-                at_mm=wish.at_mm,
+                output=output,
+                at_mm=wish.place("at") / output.place.factor,
                 stroke=stroke,
-                least_mm_s=wish.at_least_mm_s or 0.0,
-                most_mm_s=inf if wish.at_most_mm_s is None else wish.at_most_mm_s,
+                least_mm_s=wish.speed("at_least") or 0.0,
+                most_mm_s=wish.speed("at_most") or inf,
             )
 
 
-def _positions(asked: Wishes) -> Iterator[values.Wish]:
+def _positions(asked: Timing, output: Output) -> Iterator[values.Wish]:
     for number, (wish, stroke) in enumerate(zip(asked.positions, strokes_of(asked.positions), strict=True)):
         yield values.Position(
             key=f"wishes.positions.{number}",
             weight=wish.soft_weight,
-            at_mm=wish.at_mm,
+            output=output,
+            at_mm=wish.place("at") / output.place.factor,
             phi1_rad=wish.driving_rad,
-            tolerance_mm=wish.tolerance_mm,
+            tolerance_mm=wish.place("tolerance") / output.place.factor,
             stroke=Stroke(stroke),
         )
 
 
-def _refuse_places(asked: Wishes, stroke_mm: float) -> None:
-    """Refuse places beyond the stroke, and speeds at its very end, where the slider stands still."""
+def _refuse_places(asked: Timing, linkage: Mechanism) -> None:
+    """Refuse places beyond the stroke, and speeds at its very end, where the output stands still."""
+    unit = linkage.OUTPUT.place
+    stroke, end = unit.factor * linkage.stroke_mm, unit.ending
     inside = [
-        *((f"constant_speed.{number}.to_mm", wish.to_mm) for number, wish in enumerate(asked.constant_speed)),
-        *((f"speed_at.{number}.at_mm", wish.at_mm) for number, wish in enumerate(asked.speed_at)),
-        *((f"dwell.{number}.within_mm", wish.within_mm) for number, wish in enumerate(asked.dwell)),
+        *((f"constant_speed.{number}.to", wish.place("to")) for number, wish in enumerate(asked.constant_speed)),
+        *((f"speed_at.{number}.at", wish.place("at")) for number, wish in enumerate(asked.speed_at)),
+        *((f"dwell.{number}.within", wish.place("within")) for number, wish in enumerate(asked.dwell)),
     ]
     for key, place in inside:
-        if not place < stroke_mm:
-            raise WrongInput(f"{place:g} given, but the stroke is {stroke_mm:g} mm; less is right", key=f"wishes.{key}")
-    for number, wish in enumerate(asked.positions):
-        if not wish.at_mm <= stroke_mm:
+        if not place < stroke:
             raise WrongInput(
-                f"{wish.at_mm:g} given, but the stroke is {stroke_mm:g} mm; at most that is right",
-                key=f"wishes.positions.{number}.at_mm",
+                f"{place:g} given, but the stroke is {stroke:g} {unit.text}; less is right", key=f"wishes.{key}_{end}"
+            )
+    for number, wish in enumerate(asked.positions):
+        if not wish.place("at") <= stroke:
+            raise WrongInput(
+                f"{wish.place('at'):g} given, but the stroke is {stroke:g} {unit.text}; at most that is right",
+                key=f"wishes.positions.{number}.at_{end}",
             )
 
 
-def _refuse_angles(asked: Wishes, cycle_rad: float) -> None:
+def _refuse_angles(asked: Timing, cycle_rad: float) -> None:
     """Refuse angles beyond the cycle, and angles that cannot be had together."""
-    angles: list[tuple[str, DwellKeys | PositionKeys | WorkingStrokeKeys, str, float]] = [
+    angles: list[tuple[str, Dwelling | Passing | WorkingStrokeKeys, str, float]] = [
         *((f"dwell.{number}", wish, "for", wish.for_angle_rad) for number, wish in enumerate(asked.dwell)),
         *((f"positions.{number}", wish, "phi1", wish.driving_rad) for number, wish in enumerate(asked.positions)),
     ]
@@ -148,7 +156,7 @@ def _refuse_angles(asked: Wishes, cycle_rad: float) -> None:
     _refuse_two_dwells(asked, cycle_rad)
 
 
-def _refuse_ratio_and_angle(asked: Wishes, cycle_rad: float) -> None:
+def _refuse_ratio_and_angle(asked: Timing, cycle_rad: float) -> None:
     """Refuse a time ratio that the wished working stroke is too short for."""
     ratio, stroke = asked.time_ratio, asked.working_stroke
     if ratio is None or stroke is None or not (ratio.hard and stroke.hard):
@@ -163,7 +171,7 @@ def _refuse_ratio_and_angle(asked: Wishes, cycle_rad: float) -> None:
         )
 
 
-def _refuse_two_dwells(asked: Wishes, cycle_rad: float) -> None:
+def _refuse_two_dwells(asked: Timing, cycle_rad: float) -> None:
     """Refuse dwells at both ends that leave no driving angle to the ways between them."""
     longest = {
         end: max((wish.for_angle_rad for wish in asked.dwell if wish.hard and wish.at == end), default=0.0)
@@ -178,14 +186,15 @@ def _refuse_two_dwells(asked: Wishes, cycle_rad: float) -> None:
         )
 
 
-def _exact_dwell(key: str, dwell: DwellKeys, linkage: Mechanism, ratio_max: float) -> NoSuchMechanism:
+def _exact_dwell(key: str, dwell: Dwelling, linkage: Mechanism, ratio_max: float) -> NoSuchMechanism:
     """The refusal of an exact dwell, with the nearest one that can be made."""
-    nearest = nearest_dwell_mm(linkage, End(dwell.at), dwell.for_angle_rad, ratio_max)
+    output = linkage.OUTPUT
+    nearest = output.place.factor * nearest_dwell_mm(linkage, End(dwell.at), dwell.for_angle_rad, ratio_max)
     return NoSuchMechanism(
-        f"0 given, an exact dwell, but gears of a finite ratio never let the crank stand still, and the slider stands "
-        f"still at its {dwell.at} end for an instant only; with ratios up to {ratio_max:g} (optimize.limits.ratio_max) "
-        f"it can stay within {_rounded_up(nearest):g} mm for {degrees(dwell.for_angle_rad):g} deg: that or more is "
-        "right",
+        f"0 given, an exact dwell, but gears of a finite ratio never let the crank stand still, and the {output.name} "
+        f"stands still at its {dwell.at} end for an instant only; with ratios up to {ratio_max:g} "
+        f"(optimize.limits.ratio_max) it can stay within {_rounded_up(nearest):g} {output.place.text} for "
+        f"{degrees(dwell.for_angle_rad):g} deg: that or more is right",
         key=key,
     )
 

@@ -85,7 +85,7 @@ def _prices(asked: Optimize) -> task.Prices:
         return 1.0 / counting_alike if counting_alike else 0.0
 
     return task.Prices(
-        peak_acceleration_mm_s2=price(weights.acceleration_mm_s2),
+        peak_acceleration_mm_s2=price(weights.acceleration_mm_s2 or weights.acceleration_rad_s2),
         peak_power_w=price(weights.power_w),
         braking_power_w=price(weights.braking_power_w),
         flywheel_kg_mm2=price(weights.flywheel_kg_mm2),
@@ -112,14 +112,14 @@ def wishes_of(design: Design) -> Wishes:
             ratio_min=limits.ratio_min,
             ratio_max=limits.ratio_max,
             peak_power_w=limits.peak_power_w,
-            peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2,
+            peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2 or limits.peak_acceleration_rad_s2,
             pressure_angle_rad=None if shared else tangent_rad,
             rack_angle_rad=radians(_rack_angle_deg(design.gears)),
             **{name: getattr(limits, name) for name in task.LOAD_LIMITS},
         ),
         goal=Goal(asked.goal),
         weights=_prices(asked) if asked.weights else None,
-        peak_jerk_mm_s3=limits.peak_jerk_mm_s3,
+        peak_jerk_mm_s3=limits.peak_jerk_mm_s3 or limits.peak_jerk_rad_s3,
         driven_speed_rad_s=None if limits.driven_speed_rpm is None else limits.driven_speed_rpm * RAD_S_PER_RPM,
         convex=limits.convex,
         curvature_turns=curvature.turns,

@@ -136,8 +136,20 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     equivalent = form.equivalent
     made = (arc.driving_teeth, arc.driven_teeth) if arc else (None, None)
     tips = fitted_pair(
-        flanks_of(pitch.driving, racks[0], size.driving_teeth, tools[0], start[0], first, equivalent=equivalent, made=made[0]),
-        flanks_of(pitch.driven, racks[1], size.driven_teeth, tools[1], start[1], second, turn, equivalent=equivalent, made=made[1]),
+        flanks_of(
+            pitch.driving, racks[0], size.driving_teeth, tools[0], start[0], first, equivalent=equivalent, made=made[0]
+        ),
+        flanks_of(
+            pitch.driven,
+            racks[1],
+            size.driven_teeth,
+            tools[1],
+            start[1],
+            second,
+            turn,
+            equivalent=equivalent,
+            made=made[1],
+        ),
         form.limits,
     )
     if kind is CutterKind.PINION:

@@ -132,8 +132,9 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         for number in np.unique(owner):
             chosen = owner == number
             point, slope = parts[int(number)](share[chosen])
-            points[chosen], slopes[chosen] = np.column_stack([point.real, point.imag]), np.column_stack(
-                [slope.real, slope.imag]
+            points[chosen], slopes[chosen] = (
+                np.column_stack([point.real, point.imag]),
+                np.column_stack([slope.real, slope.imag]),
             )
         return points, slopes
 

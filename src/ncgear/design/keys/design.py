@@ -106,6 +106,20 @@ class Design(Model):
         return self
 
     @model_validator(mode="after")
+    def _limits_are_those_of_the_output(self) -> Self:
+        if self.optimize is None:
+            return self
+        ways = ("mm", "rad") if entry_of(self.linkage).turns else ("rad", "mm")
+        groups = {"limits": ("peak_acceleration_{}_s2", "peak_jerk_{}_s3"), "weights": ("acceleration_{}_s2",)}
+        for group, names in groups.items():
+            for name in names:
+                wrong, right = (name.format(way) for way in ways)
+                if getattr(getattr(self.optimize, group), wrong, None) is not None:
+                    does = "turns" if ways[1] == "rad" else "slides"
+                    raise fault(f"optimize.{group}.{wrong}", f"given, but the output {does}; {right} is right")
+        return self
+
+    @model_validator(mode="after")
     def _slider_law_has_one_driven_lobe(self) -> Self:
         if self.gears and self.motion.gives_slider and self.gears.lobes.driven != 1:
             raise fault(
@@ -161,6 +175,7 @@ def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
     named: Any = Literal[names]
     masses: Any = entry.masses | None
     resistance: Any = entry.resistance | None
+    wishes: Any = entry.wishes
     description = f"which mechanism the driven gear turns; left out: {usual}"
     told: Any = Field(default=usual, description=description) if name == usual else Field(description=description)
     linkage: Any = create_model(f"{title}Linkage", __base__=entry.linkage, kind=(named, told))
@@ -175,6 +190,7 @@ def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
         linkage=(linkage, group),
         masses=(masses, Field(default=None, description=words["masses"])),
         resistance=(resistance, Field(default=None, description=words["resistance"])),
+        wishes=(wishes, Field(default_factory=wishes, description=words["wishes"])),
     )
 
 

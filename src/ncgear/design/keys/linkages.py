@@ -25,13 +25,15 @@ class RockerKeys(Model):
     """The crank-rocker (four-bar linkage) that the driven gear turns."""
 
     crank_mm: Length | None = Field(default=None, description=CRANK)
-    coupler_mm: Length = Field(description="length of the coupler of a crank_rocker, from crank pin to rocker pin, in mm")
+    coupler_mm: Length = Field(
+        description="length of the coupler of a crank_rocker, from crank pin to rocker pin, in mm"
+    )
     rocker_mm: Length = Field(description="length of the rocker of a crank_rocker, from its axis to its pin, in mm")
     ground_mm: Length = Field(description="distance of a crank_rocker's axes, crank to rocker, in mm")
     side: Literal[1, -1] = Field(
         default=1,
-        description="side of the rocker's pin as seen along +x, the way from the crank's axis to the rocker's, with the "
-        "crank turning clockwise: 1 on the left, -1 on the right",
+        description="side of the rocker's pin as seen from the crank's axis to the rocker's, with the crank turning "
+        "clockwise: 1 on the left, -1 on the right",
     )
 
 

@@ -43,6 +43,12 @@ class Limits(Model):
         default=None, description="greatest slider acceleration in mm/s2, over the whole cycle"
     )
     peak_jerk_mm_s3: Positive | None = Field(default=None, description="greatest slider jerk in mm/s3")
+    peak_acceleration_rad_s2: Positive | None = Field(
+        default=None, description="greatest acceleration in rad/s2 of an output that turns, over the whole cycle"
+    )
+    peak_jerk_rad_s3: Positive | None = Field(
+        default=None, description="greatest jerk in rad/s3 of an output that turns"
+    )
     driven_speed_rpm: Speed | None = Field(default=None, description="greatest speed of the driven gear in r/min")
     ratio_min: float = Field(default=0.2, ge=0.01, le=1.0, description="least transmission ratio")
     ratio_max: float = Field(default=5.0, ge=1.0, le=100.0, description="greatest transmission ratio")
@@ -72,6 +78,9 @@ class Weights(Model):
     """The figures that count alike in a weighted goal; what is left out does not count."""
 
     acceleration_mm_s2: Positive | None = Field(default=None, description="peak acceleration in mm/s2 that counts as 1")
+    acceleration_rad_s2: Positive | None = Field(
+        default=None, description="peak acceleration in rad/s2 of an output that turns that counts as 1"
+    )
     power_w: Positive | None = Field(default=None, description="peak power in W that counts as 1")
     braking_power_w: Positive | None = Field(default=None, description="peak braking power in W that counts as 1")
     flywheel_kg_mm2: Positive | None = Field(default=None, description="flywheel in kg mm2 that counts as 1")

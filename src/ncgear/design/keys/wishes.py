@@ -1,10 +1,14 @@
-"""What a person wishes of the motion: even speed, quick return, dwells, speeds and positions; hard or soft."""
+"""What a person wishes of the motion: even speed, quick return, dwells, speeds and positions; hard or soft.
+
+Places and speeds of an output that slides are in mm and mm/s, those of one that turns in deg and rad/s.  Each kind of
+wish with a place has one model for either, and shares its rules in a base.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, Strict, model_validator
 
@@ -34,12 +38,26 @@ StrokeName = Literal["working", "return"]
 class Wish(Model):
     """What every wish has: whether it must be kept."""
 
+    PLACE: ClassVar[str] = "mm"
+    SPEED: ClassVar[str] = "mm_s"
+    """The units of places and of speeds, at the ends of keys."""
+
     hard: bool = Field(default=True, description="true: the law must keep it; false: it has a weight in the goal")
     weight: Positive | None = Field(
         default=None,
         description="of a soft wish: 1 percent missed, of the speed or of the cycle's driving angle, counts like so "
         "many percent of what is to be least; left out: 1",
     )
+
+    def place(self, quantity: str) -> float:
+        """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file."""
+        found: float = getattr(self, f"{quantity}_{self.PLACE}")
+        return found
+
+    def speed(self, quantity: str) -> float | None:
+        """The value of a key of a speed, in the unit of the file; None where it is left out."""
+        found: float | None = getattr(self, f"{quantity}_{self.SPEED}")
+        return found
 
     @property
     def soft_weight(self) -> float | None:
@@ -53,11 +71,20 @@ class Wish(Model):
         return self
 
 
-class ConstantSpeed(Wish):
+class Turning(Wish):
+    """A wish of an output that turns."""
+
+    PLACE: ClassVar[str] = "deg"
+    SPEED: ClassVar[str] = "rad_s"
+
+
+Angle = Annotated[float, Field(ge=0.0, lt=360.0)]
+Swing = Annotated[float, Field(gt=0.0, lt=360.0)]
+
+
+class EvenSpeed(Wish):
     """Even speed from one place to another."""
 
-    from_mm: Length = Field(description="displacement in mm where the even speed begins, the smaller of both")
-    to_mm: Length = Field(description="displacement in mm where the even speed ends, the larger of both")
     tolerance: float = Field(
         default=0.005,
         ge=LEAST_TOLERANCE,
@@ -65,26 +92,55 @@ class ConstantSpeed(Wish):
         description="how far the speed may be from one value, as a share of it: 0.005 is half a percent",
     )
     stroke: StrokeName = Field(default="working", description="on the way out (working) or on the way back (return)")
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        start, end = self.place("from"), self.place("to")
+        if not start < end:
+            raise fault(
+                f"to_{self.PLACE}",
+                f"{end:g} given after from_{self.PLACE}: {start:g}; a larger displacement is right",
+            )
+        return self
+
+    def agrees(self, next_one: EvenSpeed) -> bool:
+        """Whether both speeds can be had at the one place where this stretch ends and the next begins."""
+        own, other = self.speed("speed"), next_one.speed("speed")
+        if own is None or other is None:
+            return True
+        (slower, loose), (faster, tight) = sorted(((own, self.tolerance), (other, next_one.tolerance)))
+        return slower * (1.0 + loose) >= faster * (1.0 - tight)
+
+
+class EvenPlaces(Wish):
+    """Places in mm."""
+
+    from_mm: Length = Field(description="displacement in mm where the even speed begins, the smaller of both")
+    to_mm: Length = Field(description="displacement in mm where the even speed ends, the larger of both")
+
+
+class EvenAngles(Turning):
+    """Places in deg."""
+
+    from_deg: Swing = Field(description="displacement in deg where the even speed begins, the smaller of both")
+    to_deg: Swing = Field(description="displacement in deg where the even speed ends, the larger of both")
+
+
+# Keys come from the last base to the first, so places stand before what all have, here and below.
+class ConstantSpeed(EvenSpeed, EvenPlaces):
+    """Even speed from one place to another."""
+
     speed_mm_s: Positive | None = Field(
         default=None, description="that one value in mm/s; left out: whatever the law makes of it"
     )
 
-    @model_validator(mode="after")
-    def _has_length(self) -> Self:
-        if not self.from_mm < self.to_mm:
-            raise fault(
-                "to_mm", f"{self.to_mm:g} given after from_mm: {self.from_mm:g}; a larger displacement is right"
-            )
-        return self
 
-    def agrees(self, next_one: ConstantSpeed) -> bool:
-        """Whether both speeds can be had at the one place where this stretch ends and the next begins."""
-        if self.speed_mm_s is None or next_one.speed_mm_s is None:
-            return True
-        slower, faster = sorted((self, next_one), key=lambda wish: wish.speed_mm_s or 0.0)
-        return (slower.speed_mm_s or 0.0) * (1.0 + slower.tolerance) >= (faster.speed_mm_s or 0.0) * (
-            1.0 - faster.tolerance
-        )
+class TurningConstantSpeed(EvenSpeed, EvenAngles):
+    """Even speed of an output that turns from one place to another."""
+
+    speed_rad_s: Positive | None = Field(
+        default=None, description="that one value in rad/s; left out: whatever the law makes of it"
+    )
 
 
 class TimeRatio(Wish):
@@ -95,14 +151,15 @@ class TimeRatio(Wish):
     )
 
 
-class Dwell(Wish):
-    """A near-dwell: the slider stays close to an end for a driving angle."""
+class Dwelling(Wish):
+    """A near-dwell: the output stays close to an end for a driving angle."""
 
-    at: Literal["retracted", "extended"] = Field(description="the end that the slider stays close to")
-    within_mm: Place = Field(description="how far in mm from the end it may be; 0 would be an exact dwell")
     for_rad: Positive | None = Field(default=None, description="driving angle in rad of the dwell")
     for_deg: Positive | None = Field(default=None, description="driving angle in degrees of the dwell")
     for_pi: Positive | None = Field(default=None, description="driving angle in multiples of pi of the dwell")
+
+    if TYPE_CHECKING:
+        at: Literal["retracted", "extended"]
 
     @property
     def for_angle_rad(self) -> float:
@@ -115,13 +172,32 @@ class Dwell(Wish):
         return self
 
 
-class SpeedAt(Wish):
+class DwellPlace(Wish):
+    """Where it dwells, in mm."""
+
+    at: Literal["retracted", "extended"] = Field(description="the end that the slider stays close to")
+    within_mm: Place = Field(description="how far in mm from the end it may be; 0 would be an exact dwell")
+
+
+class DwellAngle(Turning):
+    """Where it dwells, in deg."""
+
+    at: Literal["retracted", "extended"] = Field(description="the end that the output stays close to")
+    within_deg: Angle = Field(description="how far in deg from the end it may be; 0 would be an exact dwell")
+
+
+class Dwell(Dwelling, DwellPlace):
+    """A near-dwell: the slider stays close to an end for a driving angle."""
+
+
+class TurningDwell(Dwelling, DwellAngle):
+    """A near-dwell of an output that turns."""
+
+
+class PlaceSpeed(Wish):
     """The speed at one place: bounds, or as low or as high as may be."""
 
-    at_mm: Length = Field(description="displacement in mm at which the speed counts")
     stroke: StrokeName = Field(default="working", description="on the way out (working) or on the way back (return)")
-    at_least_mm_s: Positive | None = Field(default=None, description="least speed there in mm/s")
-    at_most_mm_s: Positive | None = Field(default=None, description="greatest speed there in mm/s")
     make: Literal["slowest", "fastest"] | None = Field(
         default=None,
         description="in place of bounds: as slow or as fast there as the goal allows, which needs hard: false",
@@ -129,27 +205,50 @@ class SpeedAt(Wish):
 
     @model_validator(mode="after")
     def _bounds_or_make(self) -> Self:
-        bounds = given(self, ("at_least_mm_s", "at_most_mm_s"))
+        low, high = (f"{bound}_{self.SPEED}" for bound in ("at_least", "at_most"))
+        bounds = given(self, (low, high))
         if self.make is None and not bounds:
-            raise fault("", "says nothing of the speed; give at_least_mm_s, at_most_mm_s or make")
+            raise fault("", f"says nothing of the speed; give {low}, {high} or make")
         if self.make is not None and bounds:
             raise fault(bounds[0], f"given with make: {self.make}, which is in its place; keep one")
         if self.make is not None and self.hard:
             raise fault("make", f"{self.make} has no bound that could be kept; hard: false is right with it")
-        least, most = self.at_least_mm_s or 0.0, self.at_most_mm_s
+        least, most = self.speed("at_least") or 0.0, self.speed("at_most")
         if most is not None and not least <= most:
-            raise fault("at_most_mm_s", f"{most:g} given, under at_least_mm_s: {least:g}; {least:g} or over is right")
+            raise fault(high, f"{most:g} given, under {low}: {least:g}; {least:g} or over is right")
         return self
 
 
-class Position(Wish):
-    """A place that the slider passes at a driving angle."""
+class SpeedPlace(Wish):
+    """The place and the bounds in mm and mm/s."""
 
-    at_mm: Place = Field(description="displacement in mm to pass")
+    at_mm: Length = Field(description="displacement in mm at which the speed counts")
+    at_least_mm_s: Positive | None = Field(default=None, description="least speed there in mm/s")
+    at_most_mm_s: Positive | None = Field(default=None, description="greatest speed there in mm/s")
+
+
+class SpeedAngle(Turning):
+    """The place and the bounds in deg and rad/s."""
+
+    at_deg: Swing = Field(description="displacement in deg at which the speed counts")
+    at_least_rad_s: Positive | None = Field(default=None, description="least speed there in rad/s")
+    at_most_rad_s: Positive | None = Field(default=None, description="greatest speed there in rad/s")
+
+
+class SpeedAt(PlaceSpeed, SpeedPlace):
+    """The speed at one place: bounds, or as low or as high as may be."""
+
+
+class TurningSpeedAt(PlaceSpeed, SpeedAngle):
+    """The speed of an output that turns at one place."""
+
+
+class Passing(Wish):
+    """A place that the output passes at a driving angle."""
+
     phi1_rad: Positive | None = Field(default=None, description="driving angle in rad at which it is passed")
     phi1_deg: Positive | None = Field(default=None, description="driving angle in degrees at which it is passed")
     phi1_pi: Positive | None = Field(default=None, description="driving angle in multiples of pi at which it is passed")
-    tolerance_mm: Length = Field(description="how far in mm the slider may be from it at that angle")
     stroke: StrokeName | None = Field(
         default=None,
         description="on the way out (working) or on the way back (return); left out: out, until a displacement of the "
@@ -165,6 +264,28 @@ class Position(Wish):
     def _one_angle(self) -> Self:
         require_one(self, spellings("phi1"))
         return self
+
+
+class PassedPlace(Wish):
+    """The place in mm."""
+
+    at_mm: Place = Field(description="displacement in mm to pass")
+    tolerance_mm: Length = Field(description="how far in mm the slider may be from it at that angle")
+
+
+class PassedAngle(Turning):
+    """The place in deg."""
+
+    at_deg: Angle = Field(description="displacement in deg to pass")
+    tolerance_deg: Swing = Field(description="how far in deg the output may be from it at that angle")
+
+
+class Position(Passing, PassedPlace):
+    """A place that the slider passes at a driving angle."""
+
+
+class TurningPosition(Passing, PassedAngle):
+    """A place that an output that turns passes at a driving angle."""
 
 
 class WorkingStroke(Wish):
@@ -194,39 +315,34 @@ class WorkingStroke(Wish):
         return self
 
 
-class Wishes(Model):
-    """What a person wishes of the motion."""
+class Timing(Model):
+    """Wishes of times, and the rules of all lists."""
 
-    constant_speed: Annotated[tuple[ConstantSpeed, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
-        default=(), description="stretches of even speed, a list"
-    )
     time_ratio: TimeRatio | None = Field(
         default=None, description="time of the working stroke over the time of the return; left out: free"
-    )
-    dwell: Annotated[tuple[Dwell, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
-        default=(), description="near-dwells at the ends of the stroke, a list"
-    )
-    speed_at: Annotated[tuple[SpeedAt, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
-        default=(), description="slow or fast at places, a list"
-    )
-    positions: Annotated[tuple[Position, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
-        default=(), description="places to pass at driving angles, a list in the order of the angle"
     )
     working_stroke: WorkingStroke | None = Field(
         default=None, description="driving angle that the working stroke takes; left out: free"
     )
 
+    if TYPE_CHECKING:
+        constant_speed: tuple[EvenSpeed, ...]
+        dwell: tuple[Dwelling, ...]
+        speed_at: tuple[PlaceSpeed, ...]
+        positions: tuple[Passing, ...]
+
     @model_validator(mode="after")
     def _even_stretches_are_apart(self) -> Self:
         for stroke in ("working", "return"):
             own = [(number, wish) for number, wish in enumerate(self.constant_speed) if wish.stroke == stroke]
-            own.sort(key=lambda one: one[1].from_mm)
+            own.sort(key=lambda one: one[1].place("from"))
             for (_, low), (number, high) in pairwise(own):
-                if high.from_mm < low.to_mm or (high.from_mm == low.to_mm and not low.agrees(high)):
+                (start, end), begins = (low.place("from"), low.place("to")), high.place("from")
+                if begins < end or (begins == end and not low.agrees(high)):
                     raise fault(
-                        f"constant_speed.{number}.from_mm",
-                        f"{high.from_mm:g} given, but even speed is wished from {low.from_mm:g} to {low.to_mm:g} mm of "
-                        f"the same stroke too; over {low.to_mm:g} is right",
+                        f"constant_speed.{number}.from_{high.PLACE}",
+                        f"{begins:g} given, but even speed is wished from {start:g} to {end:g} {high.PLACE} of "
+                        f"the same stroke too; over {end:g} is right",
                     )
         return self
 
@@ -247,21 +363,56 @@ class Wishes(Model):
                     f"positions.{number}.stroke", "working given after a position on the return; return is right"
                 )
             back = later == "return"
-            if earlier == later and not (after.at_mm < before.at_mm if back else after.at_mm > before.at_mm):
+            there, here = before.place("at"), after.place("at")
+            if earlier == later and not (here < there if back else here > there):
                 raise fault(
-                    f"positions.{number}.at_mm",
-                    f"{after.at_mm:g} follows {before.at_mm:g} in the {later} stroke, where displacements "
+                    f"positions.{number}.at_{after.PLACE}",
+                    f"{here:g} follows {there:g} in the {later} stroke, where displacements "
                     f"{'fall' if back else 'rise'}",
                 )
         return self
 
 
-def strokes_of(positions: Sequence[Position]) -> Iterator[StrokeName]:
+class Wishes(Timing):
+    """What a person wishes of the motion."""
+
+    constant_speed: Annotated[tuple[ConstantSpeed, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description="stretches of even speed, a list"
+    )
+    dwell: Annotated[tuple[Dwell, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description="near-dwells at the ends of the stroke, a list"
+    )
+    speed_at: Annotated[tuple[SpeedAt, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description="slow or fast at places, a list"
+    )
+    positions: Annotated[tuple[Position, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description="places to pass at driving angles, a list in the order of the angle"
+    )
+
+
+class TurningWishes(Timing):
+    """What a person wishes of the motion of an output that turns."""
+
+    constant_speed: Annotated[tuple[TurningConstantSpeed, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description="stretches of even speed, a list"
+    )
+    dwell: Annotated[tuple[TurningDwell, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description="near-dwells at the ends of the stroke, a list"
+    )
+    speed_at: Annotated[tuple[TurningSpeedAt, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description="slow or fast at places, a list"
+    )
+    positions: Annotated[tuple[TurningPosition, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description="places to pass at driving angles, a list in the order of the angle"
+    )
+
+
+def strokes_of(positions: Sequence[Passing]) -> Iterator[StrokeName]:
     """The stroke of each position: as given, or the working one until a displacement falls."""
     stroke: StrokeName = "working"
     for before, position in zip((None, *positions), positions, strict=False):
         if position.stroke is not None:
             stroke = position.stroke
-        elif before is not None and position.at_mm < before.at_mm:
+        elif before is not None and position.place("at") < before.place("at"):
             stroke = "return"
         yield stroke

@@ -30,8 +30,8 @@ from ncgear.drawings.animation.artists import (
     gear_artists,
     material_artists,
     pin_artists,
-    pivot_artist,
     pitch_point_artist,
+    pivot_artist,
 )
 from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.drawings.charts.drawer import Look, draw

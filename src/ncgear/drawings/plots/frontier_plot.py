@@ -37,8 +37,10 @@ Named = tuple[str, float, float]
 """A mechanism by its name, its power in W and its acceleration in mm/s2."""
 
 
-def frontier(limit: Array, laws: Array, family: Array, mechanisms: Sequence[Named], title: str) -> bytes:
-    """PNG of the frontier; ``limit``, ``laws`` and ``family`` have rows of power in W and acceleration in mm/s2.
+def frontier(
+    limit: Array, laws: Array, family: Array, mechanisms: Sequence[Named], title: str, unit: str = "mm/s2"
+) -> bytes:
+    """PNG of the frontier; ``limit``, ``laws`` and ``family`` have rows of power in W and acceleration in ``unit``.
 
     A part of the family may be outside the picture.
     """
@@ -52,7 +54,7 @@ def frontier(limit: Array, laws: Array, family: Array, mechanisms: Sequence[Name
     curves = list(axes.lines)
     for (name, *_), (power, acceleration) in zip(mechanisms, standing, strict=True):
         _draw_mechanism(axes, name, power, acceleration, curves)
-    dress(axes, "peak power in W", "peak acceleration in mm/s\u00b2")
+    dress(axes, "peak power in W", f"peak acceleration in {unit[:-1]}\u00b2")
     legend_above(axes)
     return png(made)
 

@@ -27,7 +27,6 @@ from ncgear.mechanisms.resistance import Resistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, Mask
 
-
 Contours = tuple[Array, ...]
 """Contours in mm, shape (n, 2) each, first point not repeated: the outer one counter-clockwise, then the holes."""
 

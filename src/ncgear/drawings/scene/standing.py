@@ -76,8 +76,9 @@ def supports_mm(linkage: Mechanism) -> list[Array]:
     """The lines of the supports of fixed axes and of guides that stand, in mm, shape (n, 2) each."""
     size, lines = SUPPORT * linkage.crank_mm, list[Array]()
     for x, y in linkage.pivots_mm:
-        left, right = (x - size, y - size), (x + size, y - size)
-        lines += [np.array([left, (x, y), right]), np.array([left, right]) + [[-0.4 * size, 0.0], [0.4 * size, 0.0]]]
+        foot = y - size
+        lines.append(np.array([(x - size, foot), (x, y), (x + size, foot)]))
+        lines.append(np.array([(x - 1.4 * size, foot), (x + 1.4 * size, foot)]))
     return [*lines, *map(np.array, linkage.guides_mm)]
 
 

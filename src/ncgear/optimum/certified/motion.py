@@ -144,7 +144,7 @@ class _Making:
     def __init__(self, task: Task, on: Cycle, asked: Demands, known: Ranges | None, priced: Sequence[Priced]) -> None:
         self.task, self.on, self.asked = task, on, asked
         self.speed = task.speed_rad_s
-        self.crank = task.linkage.crank_mm
+        self.crank = task.linkage.half_way
         self.unit = self.crank * self.speed**2
         count = on.count
         self.next = np.roll(np.arange(count), -1)

@@ -126,7 +126,15 @@ PEAKS = {
     "torque_n_mm": Peak("rms_torque_n_m", "N m of r.m.s. torque"),
     "fluctuation_n_mm": Peak("flywheel_kg_mm2", "kg mm^2 of flywheel"),
 }
-"""By their names among the demands."""
+"""By their names among the demands, of an output that slides."""
+
+
+def peak_of(task: Task, name: str) -> Peak:
+    """A demand that can be given too low, in the units of the output."""
+    if name != "acceleration_mm_s2":
+        return PEAKS[name]
+    told = task.linkage.OUTPUT.acceleration
+    return Peak(f"peak_acceleration_{told.ending}", f"{told.text[:-1]}^2")
 
 
 def in_demand(task: Task, name: str) -> float:
@@ -145,7 +153,7 @@ def too_little(task: Task, name: str, value: float, enough: float) -> TooTight:
     return TooTight(
         f"{_said(task, name, value)} is too little with the other limits; "
         f"{_any_of([f'at least {_enough(task, name, enough)}'])}",
-        key=PEAKS[name].key,
+        key=peak_of(task, name).key,
     )
 
 
@@ -165,12 +173,14 @@ def refusal(problem: Problem) -> TooTight:
             other = {"power_w": " at any acceleration", "acceleration_mm_s2": " at any power"}.get(name, "")
             kept = problem if problem.under(**{name: inf}).is_open else free.under(**{name: value})
             said = f"{_said(task, name, value)} is too little{other}"
-            return TooTight(f"{said}; {_any_of(_offers(kept, [name]))}", key=PEAKS[name].key)
+            return TooTight(f"{said}; {_any_of(_offers(kept, [name]))}", key=peak_of(task, name).key)
     # Of two, each alone can be kept
     binding = [name for name in given if len(given) == 2 or problem.under(**{name: inf}).is_open] or list(given)
     names = sorted(binding, key=lambda name: name != "acceleration_mm_s2")
     said = " and ".join(_said(task, name, given[name]) for name in names)
-    return TooTight(f"{said} are too little together; {_any_of(_offers(problem, names))}", key=PEAKS[names[0]].key)
+    return TooTight(
+        f"{said} are too little together; {_any_of(_offers(problem, names))}", key=peak_of(task, names[0]).key
+    )
 
 
 def _offers(problem: Problem, names: Sequence[str]) -> list[str]:
@@ -186,11 +196,11 @@ def _any_of(offers: Sequence[str]) -> str:
 
 
 def _said(task: Task, name: str, value: float) -> str:
-    return f"{value / in_demand(task, name):.10g} {PEAKS[name].unit}"
+    return f"{value / in_demand(task, name):.10g} {peak_of(task, name).unit}"
 
 
 def _enough(task: Task, name: str, value: float) -> str:
-    return f"{shown_above(value * (1.0 + EDGE) / in_demand(task, name))} {PEAKS[name].unit}"
+    return f"{shown_above(value * (1.0 + EDGE) / in_demand(task, name))} {peak_of(task, name).unit}"
 
 
 EDGE = 1e-4

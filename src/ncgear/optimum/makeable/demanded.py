@@ -104,7 +104,8 @@ def _wider_dwell(task: Task, wish: Wish, ratio_max: float) -> tuple[str, ...]:
     if not isinstance(wish, Dwell):
         return ()
     nearest = nearest_dwell_mm(task.linkage, wish.end, wish.for_rad, ratio_max)
-    return (f"one within {shown_above(nearest)} mm",)
+    place = task.linkage.OUTPUT.place
+    return (f"one within {shown_above(place.factor * nearest)} {place.text}",)
 
 
 def certified_limit(task: Task, wishes: Wishes) -> Bound | None:

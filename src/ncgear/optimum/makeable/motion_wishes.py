@@ -100,7 +100,7 @@ def _extreme(machine: WishedMachine, wish: ExtremeSpeed) -> Level:
         None,
         0.0,
         lambda at, slider, _: (sign * log_speed(at, slider, machine.speed_rad_s),),
-        lambda level: f"{exp(sign * level):.5g} mm/s",
+        lambda level: f"{exp(sign * level):.5g} {wish.output.speed.text}",
         stretch=Stretch(*wish.place(machine.linkage)),
         group="",
         share_of_goal=wish.weight or 0.0,
@@ -143,13 +143,14 @@ def evenness_in_words(level: float) -> str:
 def speed_in_words(wish: Wish, asked: SpeedWithin, level: float) -> str:
     """What a wish would have to ask for so that speeds beyond its bounds by a factor of exp(level) were within them."""
     least, most = asked.least_mm_s, asked.most_mm_s
+    place, unit = wish.output.place, wish.output.speed.text
     match wish:
         case ConstantSpeed():
             return f"a tolerance of {shown_above((1.0 + wish.tolerance) * exp(level) - 1.0)} of the speed"
         case SpeedAt():
-            bounds = [f"at least {shown_below(least * exp(-level))} mm/s"] if least > 0.0 else []
-            bounds += [f"at most {shown_above(most * exp(level))} mm/s"] if most < inf else []
-            return f"{' and '.join(bounds)} at {wish.at_mm:g} mm"
+            bounds = [f"at least {shown_below(least * exp(-level))} {unit}"] if least > 0.0 else []
+            bounds += [f"at most {shown_above(most * exp(level))} {unit}"] if most < inf else []
+            return f"{' and '.join(bounds)} at {place.factor * wish.at_mm:g} {place.text}"
     raise TypeError(f"{type(wish).__name__} asks for no speed")
 
 
@@ -189,5 +190,6 @@ def time_in_words(wish: Wish, level: float, sign: float, cycle: float) -> str:
             return f"a dwell of {shown_below(degrees(wish.for_rad - level))} deg"
         case Position():
             shown = shown_above if sign > 0.0 else shown_below
-            return f"{wish.at_mm:g} mm passed at {shown(degrees(wish.phi1_rad + sign * level))} deg"
+            place, angle = wish.output.place, shown(degrees(wish.phi1_rad + sign * level))
+            return f"{place.factor * wish.at_mm:g} {place.text} passed at {angle} deg"
     raise TypeError(f"{type(wish).__name__} asks for no time")

@@ -144,7 +144,7 @@ def scales(task: Task) -> Scales:
     turning = task.speed_rad_s * 2.0 * pi / task.cycle_rad
     slider = places(task, cell_ends(task, even_knots(EVEN_CELLS).angle_rad, []), STEPS).slider
     power = float(np.max(slider.force_n * slider.first)) * turning / 1000.0
-    acceleration = task.linkage.crank_mm * turning**2
+    acceleration = task.linkage.half_way * turning**2
     loads = None if task.masses is None else machine_scales(task, slider)
     machine = WishedMachine(task.linkage, task.speed_rad_s, task.cycle_rad)
     return Scales(task.speed_rad_s, acceleration, max(power, LEAST_POWER_W), machine, loads)

@@ -172,16 +172,17 @@ def _weights(wishes: Wishes, scales: Scales) -> tuple[float, float]:
 
 def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:
     unit, limit = scales.acceleration_mm_s2, wishes.limits.peak_acceleration_mm_s2
+    told = scales.machine.linkage.OUTPUT.acceleration
 
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         return _both(quantities.acceleration(at, slider, scales.speed_rad_s) / unit)
 
     return Level(
-        "peak_acceleration_mm_s2",
+        f"peak_acceleration_{told.ending}",
         _over(limit, unit),
         weight,
         sides,
-        lambda level: f"a peak acceleration of {shown_above(level * unit)} mm/s^2",
+        lambda level: f"a peak acceleration of {shown_above(level * unit)} {told.text[:-1]}^2",
     )
 
 
@@ -204,8 +205,13 @@ def _jerk(limit: float, scales: Scales) -> Level:
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         return _both(quantities.jerk(at, slider, scales.speed_rad_s) / limit)
 
+    told = scales.machine.linkage.OUTPUT.speed
     return Level(
-        "peak_jerk_mm_s3", 1.0, 0.0, sides, lambda level: f"a peak jerk of {shown_above(level * limit)} mm/s^3"
+        f"peak_jerk_{told.ending}3",
+        1.0,
+        0.0,
+        sides,
+        lambda level: f"a peak jerk of {shown_above(level * limit)} {told.text}^3",
     )
 
 

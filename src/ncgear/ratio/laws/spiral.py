@@ -40,5 +40,3 @@ def logarithmic_spirals(ratio_start: float, ratio_end: float, driving_rad: float
 def constant_angle_rad(ratio_start: float, ratio_end: float, driving_rad: float) -> float:
     """The angle between the curves' tangent and the normal to the centre line."""
     return float(np.arctan(log((1.0 + ratio_start) / (1.0 + ratio_end)) / driving_rad))
-
-
