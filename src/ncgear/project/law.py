@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from math import isclose
+
 from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import StrokeForce
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
+from ncgear.errors import WrongInput
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
+from ncgear.pitch.pair import CONSISTENT
 from ncgear.ratio.transmission import Law, Lobes
 
 
@@ -24,6 +29,21 @@ def law_of(design: Design) -> Law:
 def lobes_of(design: Design) -> Lobes:
     """Lobes of both gears; one each where the file has no gears."""
     return Lobes(design.gears.lobes.driving, design.gears.lobes.driven) if design.gears else Lobes()
+
+
+def size_of(gears: Gears, law: Law) -> tuple[int | None, float | None, float | None]:
+    """Teeth, module in mm and centre distance in mm as given; the distance from the law where it follows from it.
+
+    Raises WrongInput where the file gives another distance than the law.
+    """
+    given, follows = gears.center_distance_mm, law.center_distance_mm
+    if follows is not None and given is not None and not isclose(given, follows, rel_tol=CONSISTENT):
+        raise WrongInput(
+            f"{given:.9g} mm given, but the pitch curve closes with its mate at {follows:.9g} mm; give that, or leave the "
+            "key out",
+            key="gears.center_distance_mm",
+        )
+    return gears.teeth, gears.module_mm, given if follows is None else follows
 
 
 def load_of(design: Design) -> SliderLoad:

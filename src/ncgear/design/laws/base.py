@@ -34,6 +34,11 @@ class LawKeys(Model):
         return False
 
     @property
+    def gives_center_distance(self) -> bool:
+        """Whether the distance of the gears' axes follows from the law; most laws hold for gears of any size."""
+        return False
+
+    @property
     def prescribed(self) -> str:
         """What the law prescribes of the slider's motion, in words; empty where it prescribes nothing."""
         return ""

@@ -48,6 +48,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "working_crank_angle_deg": degrees(linkage.working_angle_rad),
         "working_driving_angle_deg": degrees(drive.machine.extended_rad),
         **(drive.law.stroke.facts if drive.law.stroke else {}),
+        **drive.law.facts,
     }
 
 

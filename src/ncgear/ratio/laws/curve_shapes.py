@@ -25,6 +25,9 @@ from ncgear.ratio.transmission import JetFunction
 
 Point = tuple[float, float]
 
+STRAIGHT = 1e-9
+"""Share of a polygon's side below which a straight part or a corner's radius is left out."""
+
 SMOOTHINGS = 60
 """Most halvings of the smoothing of points until they are kept to their tolerance; then the curve goes through them."""
 
@@ -90,45 +93,23 @@ def ellipse(semi_major_mm: float, semi_minor_mm: float, axis_mm: Point, key: str
     return drawn([(point, (0.0, tau))], key, endless=True)
 
 
-def rounded_polygon(
-    sides: int, side_mm: float, corner_radius_mm: float, bulge_mm: float, axis_mm: Point, key: str
-) -> ClosedCurve:
-    """A regular polygon about its centre, the first side at +x, whose corners are rounded by arcs.
+def rounded_polygon(sides: int, side_mm: float, corner_radius_mm: float, axis_mm: Point, key: str) -> ClosedCurve:
+    """A regular polygon about its centre, the middle of a side at +x, whose corners are rounded by arcs.
 
-    ``side_mm`` is the side of the sharp polygon.  Sides bulge outwards in their middle by ``bulge_mm`` over the chord
-    between the corners of the sharp polygon, as arcs of a circle; rounding arcs touch both sides.
+    ``side_mm`` is the side of the sharp polygon; the radius is at most that of the circle in it.
     """
-    half, step = side_mm / 2.0, tau / sides
-    flat = half / tan(step / 2.0)
-    # The circle of a bulging side has its centre at (center, 0) on the side's own axis.
-    center = flat + bulge_mm - (half**2 + bulge_mm**2) / (2.0 * bulge_mm) if bulge_mm else -np.inf
+    step = tau / sides
+    flat = side_mm / 2.0 / tan(step / 2.0)
+    reach, along = (flat - corner_radius_mm) * tan(step / 2.0), (flat - corner_radius_mm) / cos(step / 2.0)
     parts: list[RationalSpline] = []
     for number in range(sides):
         ray, corner = number * step, (number + 0.5) * step
-        if bulge_mm:
-            reach = (half**2 + bulge_mm**2) / (2.0 * bulge_mm)
-            # Corner arcs touch the circle from inside, so their centres lie reach - radius from its centre.
-            along = _on_ray(center, step / 2.0, reach - corner_radius_mm)
-            turned = float(np.arctan2(along * sin(step / 2.0), along * cos(step / 2.0) - center))
-            parts.append(arc((center * cos(ray), center * sin(ray)), reach, ray - turned, 2.0 * turned))
-            first, swing = ray + turned, step - 2.0 * turned
-        else:
-            along = (flat - corner_radius_mm) / cos(step / 2.0)
-            reach = (flat - corner_radius_mm) * tan(step / 2.0)
-            if reach > 0.0:
-                ends = [(flat * cos(ray) - y * sin(ray), flat * sin(ray) + y * cos(ray)) for y in (-reach, reach)]
-                parts.append(line(*ends))
-            first, swing = ray, step
-        if corner_radius_mm and swing > 0.0:
-            at = along * cos(corner), along * sin(corner)
-            parts.append(arc(at, corner_radius_mm, first, swing))
+        if reach > STRAIGHT * side_mm:
+            ends = [(flat * cos(ray) - y * sin(ray), flat * sin(ray) + y * cos(ray)) for y in (-reach, reach)]
+            parts.append(line(*ends))
+        if corner_radius_mm > STRAIGHT * side_mm:
+            parts.append(arc((along * cos(corner), along * sin(corner)), corner_radius_mm, ray, step))
     return chain(parts, axis_mm, key)
-
-
-def _on_ray(center: float, ray_rad: float, distance: float) -> float:
-    """How far out a point on a ray is that is a distance away from (center, 0)."""
-    foot = center * cos(ray_rad)
-    return foot + (distance**2 - (center * sin(ray_rad)) ** 2) ** 0.5
 
 
 def closed_b_spline(points_mm: Array, degree: int, axis_mm: Point, key: str) -> ClosedCurve:
@@ -192,6 +173,33 @@ def _from(curve: RationalSpline, start: Array, end: Array) -> RationalSpline:
     points = curve.points.copy()
     points[0], points[-1] = start, end
     return RationalSpline(curve.degree, curve.knots, points, curve.weights)
+
+
+def polar_points(points_mm: Array, key: str) -> tuple[Array, Array]:
+    """Polar angle in rad, rising, and radius in mm of points (shape (n, 2)) around the axis, in either sense.
+
+    Raises NoSuchMechanism where they do not go round the axis once, or turn back.
+    """
+    radius = np.hypot(points_mm[:, 0], points_mm[:, 1])
+    if np.any(points_mm[0] != points_mm[-1]):
+        points_mm, radius = np.concatenate([points_mm, points_mm[:1]]), np.append(radius, radius[0])
+    if not np.all(radius > 0.0):
+        raise NoSuchMechanism("a point is at the axis; the curve must go round it", key=key)
+    steps = np.diff(np.unwrap(np.arctan2(points_mm[:, 1], points_mm[:, 0])))
+    turns = round(float(steps.sum()) / tau)
+    if turns not in (1, -1):
+        said = f"go round the axis {abs(turns)} times" if turns else "do not go round the axis"
+        raise NoSuchMechanism(f"the points {said}; once is right: move the axis, or put them in order", key=key)
+    wrong = np.flatnonzero(steps * turns < 0.0)
+    if wrong.size:
+        at = points_mm[wrong[0] + 1]
+        raise NoSuchMechanism(
+            f"the points turn back before ({at[0]:.6g}, {at[1]:.6g}) mm from the axis, at the polar angle "
+            f"{in_words(float(np.arctan2(at[1], at[0])) % tau)}; every ray from the axis must meet the curve once: move "
+            "the axis, or smooth the points there",
+            key=key,
+        )
+    return np.mod(np.arctan2(points_mm[:-1, 1], points_mm[:-1, 0]), tau), radius[:-1]
 
 
 def smoothed_points(

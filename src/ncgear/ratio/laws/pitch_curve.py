@@ -30,10 +30,10 @@ from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
 from ncgear.ratio.laws.closed_curve import JOINED, ClosedCurve, Radius, Stretch
 from ncgear.ratio.laws.integrated import Slope, integrated_law, smooth_or_refused
-from ncgear.ratio.transmission import STANDSTILL, Lobes, Piece, Transmission
+from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
-NEAREST = 1.0 + STANDSTILL
-"""Least centre distance by the greatest radius: nearer, the mate would stand still beside its fastest."""
+NEAREST = 1.0001
+"""Least centre distance by the greatest radius: nearer, the mate would be 10 000 times as fast as the given gear."""
 
 ALIKE = 200
 """Angles of a lobe at which it is compared with the others."""
@@ -47,6 +47,62 @@ class Search:
     high: float
     key: str
     unit: str = " mm"
+
+
+@dataclass(frozen=True, eq=False)
+class GivenCurve:
+    """A curve that a gear shall have, by the value that is found; without a ``search`` every value gives the same one.
+
+    Angles of a curve that is ``drawn`` are polar angles in the gear, those of another one are angles that the gear has
+    turned when the place faces the mate.  The gear has turned by ``phase_rad`` when angle 0 faces the mate.
+    """
+
+    curve_of: Callable[[float], ClosedCurve]
+    search: Search | None
+    drawn: bool
+    driven: bool
+    phase_rad: float
+    key: str
+
+    def facing(self, value: float) -> ClosedCurve:
+        """The curve by the angle that its gear has turned.
+
+        A place at a polar angle faces the mate of a driving gear when the gear has turned back by it, and that of a
+        driven one, which turns the other way, when it has turned on by it.
+        """
+        curve = self.curve_of(value)
+        curve.require_gear(self.key)
+        mirrored = self.drawn and not self.driven
+        return (curve.mirrored() if mirrored else curve).turned(self.phase_rad)
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLaw:
+    """A law, its centre distance in mm, and the value of the shape or the scale that closes it (1 where none does)."""
+
+    transmission: Transmission
+    center_distance_mm: float
+    value: float
+
+
+def closed_law(given: GivenCurve, lobes: Lobes, center_distance_mm: float | None) -> ClosedLaw:
+    """The law of a curve and its mate.
+
+    Without a centre distance that is what closes the mate; with one, the scale of the curve or the value that it has a
+    search for does.  Raises NoSuchMechanism for a curve that is no gear, and where nothing closes the mate.
+    """
+    own = (lobes.driven, lobes.driving) if given.driven else (lobes.driving, lobes.driven)
+    make = driven_curve_law if given.driven else driving_curve_law
+    if given.search is not None and center_distance_mm is not None:
+        value = closing_value(given.curve_of, given.search, center_distance_mm, own)
+        return ClosedLaw(make(given.facing(value), center_distance_mm, lobes, given.key), center_distance_mm, value)
+    curve = given.facing(1.0)
+    closing = closing_distance_mm(curve, *own, given.key)
+    transmission = make(curve, closing, lobes, given.key)
+    if center_distance_mm is None:
+        return ClosedLaw(transmission, closing, 1.0)
+    # The law is that of the curve and its mate at any size.
+    return ClosedLaw(transmission, center_distance_mm, center_distance_mm / closing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +231,6 @@ def driven_curve_law(curve: ClosedCurve, center_distance_mm: float, lobes: Lobes
 
 def _one_lobe(curve: ClosedCurve, repeats: int, key: str) -> tuple[Radius, ...]:
     """The radius over the first lobe; refuses a curve whose lobes differ."""
-    curve.require_gear(key)
     period = tau / repeats
     with smooth_or_refused(key):
         first = curve.radii(0.0, period)
