@@ -46,6 +46,20 @@ class RationalSpline:
     points: Array
     weights: Array
 
+    def clamped(self) -> RationalSpline:
+        """The same curve on knots that make its first and last control points its ends."""
+        degree, start, end = self.degree, self.knots[self.degree], self.knots[-self.degree - 1]
+        spline = BSpline(self.knots, np.column_stack([self.points * self.weights[:, None], self.weights]), degree)
+        for knot in (start, end):
+            missing = degree + 1 - np.count_nonzero(self.knots == knot)
+            for _ in range(min(missing, degree)):
+                spline = spline.insert_knot(knot) if np.count_nonzero(spline.t == knot) < degree else spline
+        first = int(np.searchsorted(spline.t, start, side="right")) - degree
+        last = int(np.searchsorted(spline.t, end, side="left"))
+        weighted = spline.c[first - 1 : last]
+        knots = np.concatenate([[start], spline.t[first : last + degree], [end]])
+        return RationalSpline(degree, knots, weighted[:, :2] / weighted[:, 2:], weighted[:, 2])
+
     def reversed(self) -> RationalSpline:
         """The same curve from its end to its start."""
         return RationalSpline(self.degree, -self.knots[::-1], self.points[::-1], self.weights[::-1])

@@ -11,7 +11,7 @@ from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
-from ncgear.pitch.pair import CONSISTENT
+from ncgear.pitch.pair import CONSISTENT, sized_pair
 from ncgear.ratio.transmission import Law, Lobes
 
 
@@ -44,6 +44,20 @@ def size_of(gears: Gears, law: Law) -> tuple[int | None, float | None, float | N
             key="gears.center_distance_mm",
         )
     return gears.teeth, gears.module_mm, given if follows is None else follows
+
+
+def kept_size(design: Design) -> tuple[int | None, float | None, float | None]:
+    """Teeth, module in mm and centre distance in mm by which the design's gears keep their size under another law.
+
+    Those of the file, but for a law that gives the centre distance: teeth with the module, or else with that distance.
+    """
+    gears = design.gears
+    assert gears is not None
+    if not design.motion.gives_center_distance:
+        return gears.teeth, gears.module_mm, gears.center_distance_mm
+    law = law_of(design)
+    size = sized_pair(law.transmission, *size_of(gears, law)).size
+    return size.driving_teeth, gears.module_mm, size.center_distance_mm if gears.module_mm is None else None
 
 
 def load_of(design: Design) -> SliderLoad:

@@ -226,7 +226,7 @@ class DxfContour(Drawn):
                 np.array(part.knots),
                 scale * np.column_stack([np.array(part.x), np.array(part.y)]),
                 np.array(part.weights),
-            )
+            ).clamped()
             for part in self.curves or ()
         ]
         return one_contour(parts, f"{KEY}.dxf.file")

@@ -157,7 +157,7 @@ def one_contour(curves: Sequence[RationalSpline], key: str) -> list[RationalSpli
     if left:
         at = left[0].points[0]
         raise WrongInput(
-            f"{len(left)} more parts beside a closed contour, one at ({at[0]:.6g}, {at[1]:.6g}); one closed contour is "
+            f"{len(left)} further part{'s' if len(left) > 1 else ''} beside a closed contour, at ({at[0]:.6g}, {at[1]:.6g}); one closed contour is "
             "needed: name its layer, or remove the others",
             key=key,
         )
