@@ -11,7 +11,6 @@ from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
-from ncgear.pitch.pair import CONSISTENT, sized_pair
 from ncgear.ratio.transmission import Law, Lobes
 
 
@@ -36,6 +35,8 @@ def size_of(gears: Gears, law: Law) -> tuple[int | None, float | None, float | N
 
     Raises WrongInput where the file gives another distance than the law.
     """
+    from ncgear.pitch.pair import CONSISTENT
+
     given, follows = gears.center_distance_mm, law.center_distance_mm
     if follows is not None and given is not None and not isclose(given, follows, rel_tol=CONSISTENT):
         raise WrongInput(
@@ -55,6 +56,8 @@ def kept_size(design: Design) -> tuple[int | None, float | None, float | None]:
     assert gears is not None
     if not design.motion.gives_center_distance:
         return gears.teeth, gears.module_mm, gears.center_distance_mm
+    from ncgear.pitch.pair import sized_pair
+
     law = law_of(design)
     size = sized_pair(law.transmission, *size_of(gears, law)).size
     return size.driving_teeth, gears.module_mm, size.center_distance_mm if gears.module_mm is None else None

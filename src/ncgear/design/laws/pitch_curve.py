@@ -362,7 +362,7 @@ def search(low: float, high: float, key: str, unit: str = " mm") -> Search:
     return Search(low, high, f"{KEY}.{key}", unit)
 
 
-SHAPES = ("radius_mm", "points", "b_spline", "dxf", "ellipse", "modified_ellipse", "rounded_polygon")
+SHAPES = ("expression_mm", "points", "b_spline", "dxf", "ellipse", "modified_ellipse", "rounded_polygon")
 
 
 class PitchCurve(LawKeys):
@@ -370,7 +370,7 @@ class PitchCurve(LawKeys):
 
     law: Literal["pitch_curve"] = Field(description="the name of this law: pitch_curve")
     gear: Literal["driving", "driven"] = Field(default="driving", description="the gear whose pitch curve is given")
-    radius_mm: Expression | None = Field(
+    expression_mm: Expression | None = Field(
         default=None,
         description='radius in mm where the curve faces the mate, as a formula of phi (= the angle in rad, 0 to 2 pi, by '
         f'which the gear has turned): "30 + 4*cos(phi)", {FORMULA}; it may not jump, and where its slope does, gears '
@@ -389,11 +389,13 @@ class PitchCurve(LawKeys):
     ] = Field(
         default="center_distance",
         description="what makes the mate close, its own key left out: center_distance; scale (the whole curve grows or "
-        "shrinks); semi_major or semi_minor of an ellipse; eccentricity of a modified_ellipse; side or corner_radius of "
+        "shrinks to center_distance_mm or, where that is left out, to the size of gears); semi_major or semi_minor of an ellipse; eccentricity of a modified_ellipse; side or corner_radius of "
         "a rounded_polygon",
     )
     center_distance_mm: Length | None = Field(
-        default=None, description="distance of the axes in mm; left out where solve_for is center_distance"
+        default=None,
+        description="distance of the axes in mm; left out where solve_for is center_distance, or where the gears' size "
+        "gives it",
     )
     phase_rad: float | None = Field(
         default=None,
@@ -411,8 +413,8 @@ class PitchCurve(LawKeys):
 
     @property
     def gives_center_distance(self) -> bool:
-        """The sizes of the curve are in mm."""
-        return True
+        """Always, but for a curve of which only the form is given."""
+        return self.solve_for != "scale" or self.center_distance_mm is not None
 
     @property
     def _shape(self) -> Solvable | None:
@@ -438,8 +440,8 @@ class PitchCurve(LawKeys):
             raise fault("solve_for", f"{wanted} given, but {shape} has none; {names} is right")
         if wanted == "center_distance" and self.center_distance_mm is not None:
             raise fault("center_distance_mm", "given, but it is what solve_for finds; leave it out")
-        if wanted != "center_distance" and self.center_distance_mm is None:
-            raise fault("", "center_distance_mm is missing; only solve_for: center_distance can do without it")
+        if wanted not in ("center_distance", "scale") and self.center_distance_mm is None:
+            raise fault("", "center_distance_mm is missing; only solve_for: center_distance or scale can do without it")
         for name, key in solvable.items():
             value = getattr(self._shape, key)
             if name == wanted and value is not None:
@@ -456,16 +458,14 @@ class PitchCurve(LawKeys):
         key = f"{KEY}.{given(self, SHAPES)[0]}"
         repeats = (lobes.driving, lobes.driven) if self.gear == "driving" else (lobes.driven, lobes.driving)
         curve_of, range_, facts = self._curves(key, repeats[0])
-        drawn = self.radius_mm is None and self.modified_ellipse is None and not (self.points and not self.points.in_plane)
+        drawn = self.expression_mm is None and self.modified_ellipse is None and not (self.points and not self.points.in_plane)
         asked = GivenCurve(curve_of, range_, drawn=drawn, driven=self.gear == "driven", phase_rad=self._phase, key=key)
         closed = closed_law(asked, lobes, self.center_distance_mm)
+        if not self.gives_center_distance:
+            return Law(linkage, single(closed.transmission), facts=facts)
         found = {} if self.solve_for == "center_distance" else {self._found_name: closed.value}
-        return Law(
-            linkage,
-            single(closed.transmission),
-            center_distance_mm=closed.center_distance_mm,
-            facts={"center_distance_mm": closed.center_distance_mm, **found, **facts},
-        )
+        sizes = {"center_distance_mm": closed.center_distance_mm, **found}
+        return Law(linkage, single(closed.transmission), None, closed.center_distance_mm, {**sizes, **facts})
 
     @property
     def _found_name(self) -> str:
@@ -487,8 +487,8 @@ class PitchCurve(LawKeys):
             where = shape.search(self.solve_for, self.center_distance_mm)
             return lambda value: shape.model_copy(update={name: value}).curve(key), where, {}
         facts: dict[str, float] = {}
-        if self.radius_mm is not None:
-            curve = shapes.formula_curve(self.radius_mm, key)
+        if self.expression_mm is not None:
+            curve = shapes.formula_curve(self.expression_mm, key)
         elif self.points is not None:
             angle, radius = self.points.polar()
             curve, missed = shapes.smoothed_points(angle, radius, self.points.tolerance_mm, repeats, key)
@@ -511,13 +511,22 @@ LAW = DesignLaw(
     template="""\
 motion:                    # the pitch curve of the driving gear; its mate follows
   law: pitch_curve
-  ellipse:                 # or radius_mm, points, b_spline, dxf, modified_ellipse, rounded_polygon
+  ellipse:                 # or expression_mm, points, b_spline, dxf, modified_ellipse, rounded_polygon
     semi_major_mm: 23
+    semi_minor_mm: 16.44
     axis_x_mm: 4           # the ellipse turns about this point, counted from its centre
     axis_y_mm: -4
-    # semi_minor_mm:       # found here
-  center_distance_mm: 40
-  solve_for: semi_minor    # what makes the mate close; center_distance: the distance of the axes is found
+  solve_for: scale         # the curve grows to the size of the gears; or center_distance, semi_minor, ...
+  # center_distance_mm: 40 # the curve grows to this distance of the axes; teeth or module_mm is then left out below
   # gear: driven           # the driven gear has the curve; left out: the driving gear
 """,
+    examples={
+        "expression_mm": '"30 + 4*cos(phi)"',
+        "points": "{file: points.csv, tolerance_mm: 0.05}",
+        "b_spline": "{x_mm: [30, 0, -30, 0], y_mm: [0, 20, 0, -20]}",
+        "dxf": "{file: contour.dxf, unit: mm}",
+        "modified_ellipse": "{semi_latus_rectum_mm: 30, eccentricity: 0.3, modification: 1.2}",
+        "rounded_polygon": "{sides: 4, side_mm: 130, corner_radius_mm: 25}",
+    },
+    narrower_ratio="bring the axis nearer to the middle of the curve, or make the curve rounder",
 )
