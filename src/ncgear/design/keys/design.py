@@ -101,7 +101,7 @@ class Design(Model):
             needed = f"{needed} of {listed(names, 'and')} {'is' if needed == 'one' else 'are'} needed"
             follows = ", since the centre distance follows from the law" if self.motion.gives_center_distance else ""
             raise fault("gears", f"{said}; {needed}{follows}")
-        if self.motion.gives_center_distance and self.gears.mesh == "internal":
+        if self.motion.gives_pitch_curve and self.gears.mesh == "internal":
             raise fault("gears.mesh", "internal given, but the mate of a pitch curve is found beside it; leave it out")
         return self
 

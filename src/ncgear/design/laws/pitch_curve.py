@@ -412,6 +412,11 @@ class PitchCurve(LawKeys):
     )
 
     @property
+    def gives_pitch_curve(self) -> bool:
+        """The mate is found beside the curve, not about it."""
+        return True
+
+    @property
     def gives_center_distance(self) -> bool:
         """Always, but for a curve of which only the form is given."""
         return self.solve_for != "scale" or self.center_distance_mm is not None
