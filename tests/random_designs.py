@@ -192,12 +192,14 @@ PITCH_CURVES = st.one_of(
         )
     ),
     group(
-        rounded_polygon=group(
-            sides=st.integers(3, 6), side_mm=number(40.0, 80.0), corner_radius_mm=number(2.0, 20.0)
-        )
+        rounded_polygon=group(sides=st.integers(3, 6), side_mm=number(40.0, 80.0), corner_radius_mm=number(2.0, 20.0))
     ),
     group(expression_mm=st.sampled_from(["30 + 4*cos(phi)", "30 + 2*cos(6*phi)", "30 + sin(phi)**3", "30 + phi"])),
-    group(b_spline=group(x_mm=st.just([30.0, 4.0, -28.0, -2.0]), y_mm=st.just([1.0, 25.0, 3.0, -27.0]), degree=st.integers(2, 4))),
+    group(
+        b_spline=group(
+            x_mm=st.just([30.0, 4.0, -28.0, -2.0]), y_mm=st.just([1.0, 25.0, 3.0, -27.0]), degree=st.integers(2, 4)
+        )
+    ),
 )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from math import cos, pi, radians, sin, sqrt, tan, tau
 from pathlib import Path
 from typing import Any
@@ -12,10 +13,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mpmath import mp
+from mpmath import fp, mp
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
+from drives import DESIGNS
 from drives import drive as built_drive
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load, parsed
@@ -76,7 +78,8 @@ def facing_radius_mm(law: Transmission, distance: float, phi1: Array) -> Array:
 
 @pytest.mark.judges("ratio", "design")
 @pytest.mark.parametrize(
-    ("axis", "published"), [((0.0, 0.0), "17.20"), ((4.0, 0.0), "16.73"), ((0.0, -4.0), "16.91"), ((4.0, -4.0), "16.44")]
+    ("axis", "published"),
+    [((0.0, 0.0), "17.20"), ((4.0, 0.0), "16.73"), ((0.0, -4.0), "16.91"), ((4.0, -4.0), "16.44")],
 )
 def test_the_four_published_ellipses_close_with_the_published_semi_axis(
     axis: tuple[float, float], published: str
@@ -123,6 +126,7 @@ def test_several_lobes_of_elliptical_gears_are_the_law_of_their_name() -> None:
     assert law.driven_angle(phi1, 3).coefficients == pytest.approx(theirs, abs=1e-11)
 
 
+@pytest.mark.thorough
 def test_the_rounded_square_has_the_module_that_was_checked() -> None:
     """I. Zarebski and T. Salacinski, table 4: 32 teeth of module 4.91 close at 149.620 mm, not at 150 mm."""
     assert built_drive("rounded-square").pitch.size.module_mm == pytest.approx(4.9231, abs=5e-5)
@@ -185,7 +189,7 @@ MOTIONS: dict[str, tuple[dict[str, Any], tuple[int, int]]] = {
 }
 
 
-@pytest.mark.tiers(thorough=["ellipse", "expression", "modified", "side"], rest="slow")
+@pytest.mark.tiers(thorough=["ellipse", "expression", "modified"], rest="slow")
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_law_is_that_of_its_oracle(name: str) -> None:
     """Closed in 40 digits by the definition of the shape; the law's own search must come to the same mate."""
@@ -215,10 +219,14 @@ SHAPES: dict[str, tuple[Callable[[], ClosedCurve], dict[str, Any]]] = {
 @pytest.mark.parametrize("name", SHAPES)
 def test_the_radius_of_a_shape_is_where_a_ray_meets_it(name: str) -> None:
     shape, motion = SHAPES[name]
-    radii, theirs = shape().radii(0.0, tau), pitch_curves.curve(motion, laws._formula)
+    radii = shape().radii(0.0, tau)
+    with mp.workdps(laws.DIGITS):
+        theirs = pitch_curves.curve(motion, laws._formula)
     for angle in (0.05, 0.9, 2.2, 3.7, 5.1, 6.1):
         radius = next(one for one in radii if one.start_rad <= angle < one.end_rad)
-        assert radius.at(np.array([angle]), 0).value[0] == pytest.approx(float(theirs.radius(mp.mpf(angle))), rel=1e-13)
+        with mp.workdps(laws.DIGITS):
+            exact = float(theirs.radius(mp.mpf(angle)))
+        assert radius.at(np.array([angle]), 0).value[0] == pytest.approx(exact, rel=1e-13)
 
 
 @pytest.mark.judges("ratio")
@@ -232,7 +240,7 @@ def test_the_mate_of_an_ellipse_closes_in_fifty_digits() -> None:
             2 * mp.pi * mp.fsum(radius / (mp.mpf(a) - radius) for radius in radii) / 128
             for a in (distance, distance * (1 + 1e-9))
         )
-        # The trapezoid rule of an analytic periodic function converges as a geometric series: 128 points give 20 digits.
+        # The trapezoid rule of an analytic periodic function converges geometrically: 128 points give 20 digits.
         assert abs(turned - 2 * mp.pi) < 1e-13
         assert abs(moved - 2 * mp.pi) > 1e-9
 
@@ -277,7 +285,9 @@ def test_a_drawn_curve_turns_as_its_gear_does(gear: str) -> None:
 
 def test_a_phase_turns_the_curve_in_its_gear() -> None:
     plain, turned = (
-        made({"ellipse": {"semi_major_mm": 23.0, "semi_minor_mm": 17.0, "axis_x_mm": 4.0, "axis_y_mm": 3.0}, **more}).law
+        made(
+            {"ellipse": {"semi_major_mm": 23.0, "semi_minor_mm": 17.0, "axis_x_mm": 4.0, "axis_y_mm": 3.0}, **more}
+        ).law
         for more in ({}, {"phase_deg": 70.0})
     )
     assert turned.center_distance_mm == pytest.approx(plain.center_distance_mm or 0.0, rel=1e-14)
@@ -360,7 +370,7 @@ def test_points_of_several_lobes_make_equal_lobes() -> None:
     law, _ = closed(curve, Lobes(3, 2))
     assert missed <= 0.01
     assert abs(law.closure_error_rad) <= CLOSED
-    with pytest.raises(NoSuchMechanism, match=r"2 equal lobes miss the point at .* by 1\.\d+ mm, over the tolerance"):
+    with pytest.raises(NoSuchMechanism, match=r"2 equal lobes miss the point at .* by \S+ mm, over the tolerance"):
         smoothed_points(angle, 30.0 + np.cos(3.0 * angle), 0.01, 2, KEY)
 
 
@@ -472,7 +482,7 @@ def test_what_is_no_closed_contour_is_refused_at_the_key_of_the_file(
 @pytest.mark.parametrize("content", ["", "hello\nworld\n", "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n10\nx\n"])
 def test_a_file_that_is_no_drawing_is_refused(tmp_path: Path, content: str) -> None:
     (tmp_path / "contour.dxf").write_text(content)
-    with pytest.raises(WrongInput, match="is no DXF file that can be read|holds no LINE"):
+    with pytest.raises(WrongInput, match=r"is no DXF file that can be read|holds no LINE"):
         from_folder(tmp_path)
 
 
@@ -484,7 +494,10 @@ RING = {"x_mm": [30.0, 0.0, -30.0, 0.0], "y_mm": [0.0, 30.0, 0.0, -30.0]}
 @pytest.mark.parametrize(
     ("motion", "said"),
     [
-        ({"b_spline": {"x_mm": [30, 4, 0, -30, 0], "y_mm": [0, 1, 40, 0, -30], "degree": 2}}, r"turns back at the polar"),
+        (
+            {"b_spline": {"x_mm": [30, 5, 30, -30, 0], "y_mm": [0, 40, 30, 0, -30], "degree": 2}},
+            r"turns back at the polar",
+        ),
         ({"b_spline": {**RING, "axis_x_mm": 40}}, "does not go round its axis"),
         (
             {"b_spline": {"x_mm": [30, 0, -30, 0, 20, 0, -20, 0], "y_mm": [0, 30, 0, -30, 0, 20, 0, -20]}},
@@ -495,12 +508,15 @@ RING = {"x_mm": [30.0, 0.0, -30.0, 0.0], "y_mm": [0.0, 30.0, 0.0, -30.0]}
         ({"expression_mm": "30 + 31*cos(phi)"}, "comes to -1 mm from its axis"),
         ({"expression_mm": "30/(phi - 1)"}, "zero, infinite or jumps near phi1 = 1 rad"),
         ({"ellipse": {"semi_major_mm": 23, "semi_minor_mm": 5, "axis_y_mm": 6}}, r"axis at \(0, 6\) mm is not inside"),
-        ({"expression_mm": "1 + 29.9*exp(-(phi - 3)**2*1e6)"}, "the mate does not close: even at a centre distance of"),
+        ({"expression_mm": "5 + 25*exp(-(phi - 3)**2*20000)"}, "the mate does not close: even at a centre distance of"),
         (
-            {"ellipse": {"semi_major_mm": 39.9}, "solve_for": "semi_minor", "center_distance_mm": 40},
+            {"ellipse": {"semi_major_mm": 45}, "solve_for": "semi_minor", "center_distance_mm": 40},
             "no value closes the mate",
         ),
-        ({"ellipse": {"semi_major_mm": 23, "axis_x_mm": 24}, "solve_for": "semi_minor", "center_distance_mm": 40}, "no value"),
+        (
+            {"ellipse": {"semi_major_mm": 23, "axis_x_mm": 24}, "solve_for": "semi_minor", "center_distance_mm": 40},
+            "no value",
+        ),
         (
             {
                 "modified_ellipse": {"semi_latus_rectum_mm": 50},
@@ -514,7 +530,14 @@ RING = {"x_mm": [30.0, 0.0, -30.0, 0.0], "y_mm": [0.0, 30.0, 0.0, -30.0]}
             r"turn back before \(5, 3\)",
         ),
         (
-            {"points": {"x_mm": [9, 5, 0, -5, -9, 0], "y_mm": [0, 3, 9, 5, 0, -9], "axis_x_mm": 99, "tolerance_mm": 0.1}},
+            {
+                "points": {
+                    "x_mm": [9, 5, 0, -5, -9, 0],
+                    "y_mm": [0, 3, 9, 5, 0, -9],
+                    "axis_x_mm": 99,
+                    "tolerance_mm": 0.1,
+                }
+            },
             "the points do not go round the axis",
         ),
     ],
@@ -535,7 +558,10 @@ def test_fewer_lobes_than_the_gears_shall_have_are_refused() -> None:
     [
         ({}, "one of expression_mm, points"),
         ({"expression_mm": "30", "ellipse": {"semi_major_mm": 3, "semi_minor_mm": 2}}, "keep one"),
-        ({"expression_mm": "30", "solve_for": "side", "center_distance_mm": 60}, "side given, but expression_mm has none"),
+        (
+            {"expression_mm": "30", "solve_for": "side", "center_distance_mm": 60},
+            "side given, but expression_mm has none",
+        ),
         ({"expression_mm": "30", "center_distance_mm": 60}, "it is what solve_for finds"),
         ({"ellipse": {"semi_major_mm": 23}}, "semi_minor_mm is missing"),
         ({"ellipse": {"semi_major_mm": 23}, "solve_for": "semi_minor"}, "center_distance_mm is missing"),
@@ -550,7 +576,10 @@ def test_fewer_lobes_than_the_gears_shall_have_are_refused() -> None:
         ({"rounded_polygon": {"sides": 4, "side_mm": 40, "corner_radius_mm": 21}}, "up to 20 is right"),
         ({"points": {"x_mm": [1.0] * 6, "radius_mm": [1.0] * 6, "tolerance_mm": 1}}, "x_mm goes with y_mm"),
         ({"points": {"phi_deg": [0, 60, 120, 180, 240, 300], "radius_mm": [1] * 7, "tolerance_mm": 1}}, "as many are"),
-        ({"points": {"phi_deg": [0, 60, 120, 180, 240, 300], "radius_mm": [1] * 5 + [-1], "tolerance_mm": 1}}, "over 0"),
+        (
+            {"points": {"phi_deg": [0, 60, 120, 180, 240, 300], "radius_mm": [1] * 5 + [-1], "tolerance_mm": 1}},
+            "over 0",
+        ),
         ({"b_spline": {"x_mm": [1, 2, 3], "y_mm": [1, 2, 3]}}, "4 or more are right"),
         ({"dxf": {"unit": "mm"}}, "file is missing"),
     ],
@@ -569,6 +598,7 @@ OFFSET = {
 }
 
 
+@pytest.mark.thorough
 def test_the_centre_distance_follows_from_the_law_and_may_be_given_too() -> None:
     plain, agreeing = made(OFFSET), made(OFFSET, center_distance_mm=40.00000001)
     assert plain.pitch.center_distance_mm == agreeing.pitch.center_distance_mm == pytest.approx(40.0, rel=1e-14)
@@ -578,6 +608,7 @@ def test_the_centre_distance_follows_from_the_law_and_may_be_given_too() -> None
         made(OFFSET, center_distance_mm=41.0).pitch  # noqa: B018
 
 
+@pytest.mark.thorough
 def test_teeth_and_module_must_fit_the_curve() -> None:
     module = made(OFFSET).pitch.size.module_mm
     assert made(OFFSET, module_mm=float(f"{module:.9g}")).pitch.size.driving_teeth == 40
@@ -597,6 +628,7 @@ def test_a_form_alone_takes_the_size_of_its_gears() -> None:
     assert kept_size(found.design) == (40, 2.0, None)
 
 
+@pytest.mark.thorough
 def test_another_law_keeps_the_size_of_the_gears() -> None:
     assert kept_size(made(OFFSET).design) == (40, None, pytest.approx(40.0, rel=1e-14))
     module = made(OFFSET).pitch.size.module_mm
@@ -605,7 +637,7 @@ def test_another_law_keeps_the_size_of_the_gears() -> None:
 
 
 def test_points_of_a_file_have_their_place_in_it(tmp_path: Path) -> None:
-    text = Path(built_drive("traced-egg").loaded.path).read_text("utf-8")  # type: ignore[union-attr]
+    text = (DESIGNS / "traced-egg.yaml").read_text("utf-8")
     rows = [f"{30 * cos(k * tau / 9):.6f},{30 * sin(k * tau / 9):.6f}" for k in range(9)]
     (tmp_path / "a.yaml").write_text(text)
     (tmp_path / "traced-egg.csv").write_text("\n".join(["x_mm,y_mm", *rows[:4], "nan,1", *rows[4:]]))
@@ -625,7 +657,7 @@ def judged(curve: ClosedCurve, radius: Callable[[float], float], breaks: list[fl
     assert abs(law.closure_error_rad) <= CLOSED
     turned = sum(
         quad(lambda at: radius(at) / (distance - radius(at)), a, b, epsabs=1e-9, epsrel=1e-9, limit=200)[0]
-        for a, b in zip(breaks, breaks[1:], strict=False)
+        for a, b in pairwise(breaks)
     )
     assert turned == pytest.approx(tau, abs=1e-7)
 
@@ -643,13 +675,13 @@ def one_polygon(values: tuple[int, float, float, float, float]) -> None:
     try:
         curve = rounded_polygon(sides, side, corner, axis, KEY)
         curve.require_gear(KEY)
-        theirs = pitch_curves.rounded_polygon(sides, mp.mpf(side), mp.mpf(corner), (mp.mpf(axis[0]), mp.mpf(axis[1])))
-        with mp.workdps(15):
-            judged(curve, lambda at: float(theirs.radius(mp.mpf(at))), sorted(map(float, theirs.joints)))
+        theirs = pitch_curves.rounded_polygon(sides, side, corner, axis, fp)
+        judged(curve, theirs.radius, sorted(theirs.joints))
     except DesignError as error:
         assert "pitch curve" in str(error) or "mate does not close" in str(error)
 
 
+@pytest.mark.thorough
 @settings(max_examples=5, deadline=None)
 @given(polygons)
 def test_random_polygons_close(values: tuple[int, float, float, float, float]) -> None:
@@ -684,13 +716,16 @@ def one_spline(polar: list[tuple[float, float]], degree: int) -> None:
     assert abs(law.closure_error_rad) <= 1e-10
     # The radius of a polygon of the spline's own points, as SciPy evaluates them.
     knots = np.arange(-float(degree), len(points) + degree + 1.0)
-    around = BSpline(knots, np.concatenate([points, points[:degree]]), degree)(np.linspace(0.0, len(points), 40_001)[:-1])
+    around = BSpline(knots, np.concatenate([points, points[:degree]]), degree)(
+        np.linspace(0.0, len(points), 40_001)[:-1]
+    )
     for phi in (0.3, 2.0, 4.5):
         found = float(facing_radius_mm(law, distance, np.array([phi]))[0])
         assert found == pytest.approx(crossing_mm(around, 0.0, phi), rel=1e-4)
 
 
-@settings(max_examples=15, deadline=None)
+@pytest.mark.thorough
+@settings(max_examples=5, deadline=None)
 @given(splines, st.integers(2, 5))
 def test_random_splines_close_or_say_where_they_do_not(polar: list[tuple[float, float]], degree: int) -> None:
     one_spline(polar, degree)
@@ -699,5 +734,7 @@ def test_random_splines_close_or_say_where_they_do_not(polar: list[tuple[float, 
 @pytest.mark.slow
 @settings(max_examples=1000, deadline=None)
 @given(splines, st.integers(2, 5))
-def test_a_thousand_random_splines_close_or_say_where_they_do_not(polar: list[tuple[float, float]], degree: int) -> None:
+def test_a_thousand_random_splines_close_or_say_where_they_do_not(
+    polar: list[tuple[float, float]], degree: int
+) -> None:
     one_spline(polar, degree)

@@ -57,7 +57,7 @@ LAWS = {
     "spline_ratio": "{law: spline_ratio, ratio: [1.2, 1.1, 0.9, 0.8, 0.9, 1.1]}",
     "ellipse": "{law: ellipse, eccentricity: 0.3}",
     "table": "{law: table, phi1_deg: [0, 90, 180, 270, 360], displacement_mm: [0, 300, 760, 350, 0]}",
-    "pitch_curve": "{law: pitch_curve, ellipse: {semi_major_mm: 23, semi_minor_mm: 17, axis_x_mm: 4}, solve_for: scale}",
+    "pitch_curve": "{law: pitch_curve, ellipse: {semi_major_mm: 3, semi_minor_mm: 2, axis_x_mm: 1}, solve_for: scale}",
     "uniform_crank": "{law: uniform_crank}",
 }
 GEARS = "gears: {teeth: 35, module_mm: 2, face_width_mm: 20, driving: {bore_mm: 16}, driven: {bore_mm: 16}}"

@@ -1,7 +1,7 @@
 """High-precision references of pitch curves: radii by rays that meet shapes, mates by quadrature; mm and rad.
 
-Every radius is found from the shape's definition in the plane: a ray from the axis is cut with an ellipse, with lines and
-circles, or with a B-spline by de Boor's recursion.  What makes the mate close is a root of the closure alone.
+Every radius is found from the shape's definition in the plane: a ray from the axis is cut with an ellipse, with lines
+and circles, or with a B-spline by de Boor's recursion.  What makes the mate close is a root of the closure alone.
 """
 
 from __future__ import annotations
@@ -36,7 +36,9 @@ class Curve:
 
     def turned_by_mate(self, distance: Real) -> Real:
         """How far the mate turns while this gear turns once."""
-        return sum(integral(lambda at: self.radius(at) / (distance - self.radius(at)), a, b) for a, b in pairwise(self.joints))
+        return sum(
+            integral(lambda at: self.radius(at) / (distance - self.radius(at)), a, b) for a, b in pairwise(self.joints)
+        )
 
     def reached_by(self, angle: Callable[[Real], Real]) -> Curve:
         """The curve by another angle, to which its own is (rising or falling) by a shift."""
@@ -84,38 +86,38 @@ def modified_ellipse(latus: Real, eccentricity: Real, lobes: int, modification: 
     return Curve(radius, (*joints, 2 * mp.pi))
 
 
-def rounded_polygon(sides: int, side: Real, corner: Real, axis: tuple[Real, Real]) -> Curve:
-    """The farthest point of the ray that is in the shape, whose border is lines and circles."""
+def rounded_polygon(sides: int, side: Real, corner: Real, axis: tuple[Real, Real], digits: Any = mp) -> Curve:
+    """The farthest point of the ray that is in the shape, whose border is lines and arcs; ``digits`` may be mp.fp."""
     x, y = axis
-    half = mp.pi / sides
-    flat = side / 2 / mp.tan(half)
-    out = (flat - corner) / mp.cos(half)
+    half = digits.pi / sides
+    flat = side / 2 / digits.tan(half)
+    out = (flat - corner) / digits.cos(half)
 
     def radius(at: Real) -> Real:
-        c, s = mp.cos(at), mp.sin(at)
+        c, s = digits.cos(at), digits.sin(at)
         lines, number = [], None
         for k in range(sides):
-            facing = c * mp.cos(2 * half * k) + s * mp.sin(2 * half * k)
+            facing = c * digits.cos(2 * half * k) + s * digits.sin(2 * half * k)
             if facing > 0:
-                reach = (flat - x * mp.cos(2 * half * k) - y * mp.sin(2 * half * k)) / facing
+                reach = (flat - x * digits.cos(2 * half * k) - y * digits.sin(2 * half * k)) / facing
                 lines.append((reach, k))
         reach, number = min(lines)
-        along = -(x + reach * c) * mp.sin(2 * half * number) + (y + reach * s) * mp.cos(2 * half * number)
-        straight = (flat - corner) * mp.tan(half)
+        along = -(x + reach * c) * digits.sin(2 * half * number) + (y + reach * s) * digits.cos(2 * half * number)
+        straight = (flat - corner) * digits.tan(half)
         if abs(along) <= straight:
             return reach
-        middle = 2 * half * number + half * mp.sign(along)
-        across = x - out * mp.cos(middle), y - out * mp.sin(middle)
+        middle = 2 * half * number + half * digits.sign(along)
+        across = x - out * digits.cos(middle), y - out * digits.sin(middle)
         b = across[0] * c + across[1] * s
-        return mp.sqrt(b**2 - across[0] ** 2 - across[1] ** 2 + corner**2) - b
+        return digits.sqrt(b**2 - across[0] ** 2 - across[1] ** 2 + corner**2) - b
 
-    joints = {mp.mpf(0), 2 * mp.pi}
+    joints = {digits.mpf(0), 2 * digits.pi}
     for k in range(sides):
         for sign in (-1, 1):
-            ray, straight = 2 * half * k, sign * (flat - corner) * mp.tan(half)
-            px = flat * mp.cos(ray) - straight * mp.sin(ray) - x
-            py = flat * mp.sin(ray) + straight * mp.cos(ray) - y
-            joints.add(mod(mp.atan2(py, px)))
+            ray, straight = 2 * half * k, sign * (flat - corner) * digits.tan(half)
+            px = flat * digits.cos(ray) - straight * digits.sin(ray) - x
+            py = flat * digits.sin(ray) + straight * digits.cos(ray) - y
+            joints.add(digits.mpf(mod(digits.atan2(py, px))))
     return Curve(radius, tuple(sorted(joints)))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import cos
 
 import numpy as np
@@ -39,7 +40,7 @@ class Spans:
 
 @dataclass(frozen=True, eq=False)
 class RationalSpline:
-    """A curve by ``knots`` (shape (n + degree + 1,)), ``points`` (shape (n, 2)) and positive ``weights`` (shape (n,))."""
+    """A curve by knots (shape (n + degree + 1,)), control points (shape (n, 2)) and positive weights (shape (n,))."""
 
     degree: int
     knots: Array
@@ -75,8 +76,8 @@ class RationalSpline:
         span = np.searchsorted(forms[0].x, breaks[:-1], side="right") - 1
         rising = np.stack([form.c[::-1, span] for form in forms], axis=-1)
         joints = np.flatnonzero(self.degree - count[1:-1] < 2) + 1
-        edges = [0, *joints.tolist(), breaks.size - 1]
-        return [Spans(breaks[a : b + 1], rising[:, a:b]) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        edges: list[int] = [0, *joints.tolist(), breaks.size - 1]
+        return [Spans(breaks[a : b + 1], rising[:, a:b]) for a, b in pairwise(edges)]
 
 
 def line(start: Sequence[float], end: Sequence[float]) -> RationalSpline:

@@ -40,8 +40,8 @@ def size_of(gears: Gears, law: Law) -> tuple[int | None, float | None, float | N
     given, follows = gears.center_distance_mm, law.center_distance_mm
     if follows is not None and given is not None and not isclose(given, follows, rel_tol=CONSISTENT):
         raise WrongInput(
-            f"{given:.9g} mm given, but the pitch curve closes with its mate at {follows:.9g} mm; give that, or leave the "
-            "key out",
+            f"{given:.9g} mm given, but the pitch curve closes with its mate at {follows:.9g} mm; give that, or leave "
+            "the key out",
             key="gears.center_distance_mm",
         )
     return gears.teeth, gears.module_mm, given if follows is None else follows

@@ -195,15 +195,17 @@ class DxfContour(Drawn):
     file: str | None = Field(
         default=None,
         min_length=1,
-        description="DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; its "
-        "path counts from the design file",
+        description="DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; "
+        "its path counts from the design file",
     )
     unit: Literal["mm", "cm", "m", "inch"] = Field(description="unit of the drawing")
     layer: str | None = Field(
         default=None, min_length=1, max_length=255, description="layer of the contour; left out: all layers"
     )
     curves: Annotated[tuple[RationalCurve, ...], Strict(False), Field(min_length=1, max_length=MOST_CURVES)] | None = (
-        Field(default=None, description="the contour's parts, read from the file; given in place of it by programs only")
+        Field(
+            default=None, description="the contour's parts, read from the file; given in place of it by programs only"
+        )
     )
 
     @model_validator(mode="after")
@@ -316,7 +318,9 @@ class RoundedPolygon(Drawn):
         if self.side_mm is not None and self.corner_radius_mm is not None:
             most = self.side_mm / 2.0 / tan(self._half_angle)
             if self.corner_radius_mm > most:
-                problem = f"{self.corner_radius_mm:g} mm is more than the circle in the polygon; up to {most:.6g} is right"
+                problem = (
+                    f"{self.corner_radius_mm:g} mm is more than the circle in the polygon; up to {most:.6g} is right"
+                )
                 raise fault("corner_radius_mm", problem)
         return self
 
@@ -326,7 +330,7 @@ class RoundedPolygon(Drawn):
         return {"side": "side_mm", "corner_radius": "corner_radius_mm"}
 
     def search(self, wanted: str, center_distance_mm: float) -> Search:
-        """A side from the circle of the corners to one as far out as the centre distance; corners from sharp to round."""
+        """A side between the circle of the corners and the centre distance, or corners from sharp to round."""
         slope, key = 2.0 * tan(self._half_angle), f"rounded_polygon.{self.solvable[wanted]}"
         if wanted == "corner_radius":
             assert self.side_mm is not None
@@ -355,8 +359,8 @@ def search(low: float, high: float, key: str, unit: str = " mm") -> Search:
 
     if not low < high:
         raise NoSuchMechanism(
-            "no value makes a curve that goes round its axis and stays below the centre distance; move the axis, or give "
-            "a greater center_distance_mm",
+            "no value makes a curve that goes round its axis and stays below the centre distance; move the axis, or "
+            "give a greater center_distance_mm",
             key=f"{KEY}.{key}",
         )
     return Search(low, high, f"{KEY}.{key}", unit)
@@ -366,14 +370,14 @@ SHAPES = ("expression_mm", "points", "b_spline", "dxf", "ellipse", "modified_ell
 
 
 class PitchCurve(LawKeys):
-    """The pitch curve of one gear, by a formula, points, a drawing or a named shape; the mate rolls on it and closes."""
+    """The pitch curve of one gear, by a formula, points, a drawing or a named shape; the mate rolls on it."""
 
     law: Literal["pitch_curve"] = Field(description="the name of this law: pitch_curve")
     gear: Literal["driving", "driven"] = Field(default="driving", description="the gear whose pitch curve is given")
     expression_mm: Expression | None = Field(
         default=None,
-        description='radius in mm where the curve faces the mate, as a formula of phi (= the angle in rad, 0 to 2 pi, by '
-        f'which the gear has turned): "30 + 4*cos(phi)", {FORMULA}; it may not jump, and where its slope does, gears '
+        description="radius in mm where the curve faces the mate, as a formula of phi (= the angle in rad, 0 to 2 pi, "
+        f'by which the gear has turned): "30 + 4*cos(phi)", {FORMULA}; it may not jump; where its slope does, gears '
         "cannot be made",
     )
     points: CurvePoints | None = Field(default=None, description="points of the curve, through which it is smoothed")
@@ -389,8 +393,8 @@ class PitchCurve(LawKeys):
     ] = Field(
         default="center_distance",
         description="what makes the mate close, its own key left out: center_distance; scale (the whole curve grows or "
-        "shrinks to center_distance_mm or, where that is left out, to the size of gears); semi_major or semi_minor of an ellipse; eccentricity of a modified_ellipse; side or corner_radius of "
-        "a rounded_polygon",
+        "shrinks to center_distance_mm or, where that is left out, to the size of gears); semi_major or "
+        "semi_minor of an ellipse; eccentricity of a modified_ellipse; side or corner_radius of a rounded_polygon",
     )
     center_distance_mm: Length | None = Field(
         default=None,
@@ -463,7 +467,11 @@ class PitchCurve(LawKeys):
         key = f"{KEY}.{given(self, SHAPES)[0]}"
         repeats = (lobes.driving, lobes.driven) if self.gear == "driving" else (lobes.driven, lobes.driving)
         curve_of, range_, facts = self._curves(key, repeats[0])
-        drawn = self.expression_mm is None and self.modified_ellipse is None and not (self.points and not self.points.in_plane)
+        drawn = (
+            self.expression_mm is None
+            and self.modified_ellipse is None
+            and not (self.points and not self.points.in_plane)
+        )
         asked = GivenCurve(curve_of, range_, drawn=drawn, driven=self.gear == "driven", phase_rad=self._phase, key=key)
         closed = closed_law(asked, lobes, self.center_distance_mm)
         if not self.gives_center_distance:

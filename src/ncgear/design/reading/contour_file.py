@@ -24,7 +24,19 @@ if TYPE_CHECKING:
 LARGEST_MB = 20
 
 READ = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
-PASSED_OVER = ("POINT", "TEXT", "MTEXT", "DIMENSION", "LEADER", "MULTILEADER", "HATCH", "VIEWPORT", "IMAGE", "XLINE", "RAY")
+PASSED_OVER = (
+    "POINT",
+    "TEXT",
+    "MTEXT",
+    "DIMENSION",
+    "LEADER",
+    "MULTILEADER",
+    "HATCH",
+    "VIEWPORT",
+    "IMAGE",
+    "XLINE",
+    "RAY",
+)
 """What a drawing may hold beside the contour: it is no part of one."""
 
 
@@ -52,7 +64,7 @@ class ContourKind:
 
 
 def contour_of(file: Path, given: Mapping[str, Any]) -> ContourFile:
-    """The parts of the layer that is ``given``, or of all; raises WrongInput for what is no DXF file or holds no contour.
+    """The parts of the layer that is ``given``, or of all; raises WrongInput for what holds none.
 
     Their order and sense are those of the file; whether they make one closed contour is for the law to say.
     """
@@ -66,15 +78,21 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> ContourFile:
         named = [one for one in entities if layer is None or one.dxf.layer.casefold() == str(layer).casefold()]
         unread = sorted({one.dxftype() for one in named} - {*READ, *PASSED_OVER})
         if unread:
-            problem = f"holds {listed(unread, 'and')}; a contour of {listed(READ)} is read (explode blocks in the drawing)"
+            problem = (
+                f"holds {listed(unread, 'and')}; a contour of {listed(READ)} is read (explode blocks in the drawing)"
+            )
             raise WrongInput(problem, location=str(file))
         curves = [_values(curve, file) for one in named if one.dxftype() in READ for curve in _curves(one)]
     except (DXFError, ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError) as error:
         said = " ".join(str(error).split())
-        raise WrongInput(f"is no DXF file that can be read: {said}; save it as ASCII DXF", location=str(file)) from error
+        raise WrongInput(
+            f"is no DXF file that can be read: {said}; save it as ASCII DXF", location=str(file)
+        ) from error
     if not curves:
         layers = sorted({one.dxf.layer for one in entities if one.dxftype() in READ})
-        held = f"layers with such parts are {listed([quoted(one) for one in layers], 'and')}" if layers else "it has none"
+        held = (
+            f"layers with such parts are {listed([quoted(one) for one in layers], 'and')}" if layers else "it has none"
+        )
         on_layer = "" if layer is None else f" on layer {quoted(layer)}"
         raise WrongInput(f"holds no {listed(READ)}{on_layer}; {held}", location=str(file))
     return ContourFile({"curves": curves})
@@ -111,7 +129,9 @@ def _values(curve: BSpline, file: Path) -> dict[str, Any]:
         raise WrongInput("holds a coordinate that is no finite number", location=str(file))
     heights = [z for _, _, z in points]
     if max(heights) - min(heights) > 1e-6 * size:
-        raise WrongInput("holds a part that leaves the plane of the drawing; a flat contour is needed", location=str(file))
+        raise WrongInput(
+            "holds a part that leaves the plane of the drawing; a flat contour is needed", location=str(file)
+        )
     weights = [float(weight) for weight in curve.weights()] or [1.0] * len(points)
     return {
         "degree": curve.degree,

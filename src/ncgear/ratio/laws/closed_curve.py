@@ -18,9 +18,8 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
-from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.extrema import Extremum, grid_between
 from ncgear.numerics.extrema import extremes as extremes_between
-from ncgear.numerics.extrema import grid_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
@@ -96,7 +95,9 @@ class Stretch:
         first = self.start if start >= low_rad - SLIVER_RAD else self._parameter(low_rad)
         last = self.end if end <= high_rad + SLIVER_RAD else self._parameter(high_rad)
         least = SLIVER_RAD * (self.end - self.start)
-        return Stretch(first, last, self.polar, tuple(knot for knot in self.knots if first + least < knot < last - least))
+        return Stretch(
+            first, last, self.polar, tuple(knot for knot in self.knots if first + least < knot < last - least)
+        )
 
     def _parameter(self, angle_rad: float) -> float:
         ends = np.array([self.start]), np.array([self.end])
@@ -312,5 +313,3 @@ def by_angle(
         )
 
     return ClosedCurve(tuple(stretch(*part) for part in parts), endless)
-
-

@@ -42,7 +42,9 @@ def formula_curve(text: str, key: str) -> ClosedCurve:
     """The curve of r(phi) in mm, phi in rad from 0 to 2 pi; raises WrongInput or NoSuchMechanism."""
     formula = composed(text, key, "phi")
     with smooth_or_refused(key):
-        parts = [(_by_angle(part), proven(part, a, b).breaks.tolist()) for a, b, part in smooth_parts(formula, 0.0, tau)]
+        parts = [
+            (_by_angle(part), proven(part, a, b).breaks.tolist()) for a, b, part in smooth_parts(formula, 0.0, tau)
+        ]
     return by_angle(parts)
 
 
@@ -157,8 +159,8 @@ def one_contour(curves: Sequence[RationalSpline], key: str) -> list[RationalSpli
     if left:
         at = left[0].points[0]
         raise WrongInput(
-            f"{len(left)} further part{'s' if len(left) > 1 else ''} beside a closed contour, at ({at[0]:.6g}, {at[1]:.6g}); one closed contour is "
-            "needed: name its layer, or remove the others",
+            f"{len(left)} further part{'s' if len(left) > 1 else ''} beside a closed contour, at ({at[0]:.6g}, "
+            f"{at[1]:.6g}); one closed contour is needed: name its layer, or remove the others",
             key=key,
         )
     ends = [curve.points[-1] for curve in found]
@@ -195,8 +197,8 @@ def polar_points(points_mm: Array, key: str) -> tuple[Array, Array]:
         at = points_mm[wrong[0] + 1]
         raise NoSuchMechanism(
             f"the points turn back before ({at[0]:.6g}, {at[1]:.6g}) mm from the axis, at the polar angle "
-            f"{in_words(float(np.arctan2(at[1], at[0])) % tau)}; every ray from the axis must meet the curve once: move "
-            "the axis, or smooth the points there",
+            f"{in_words(float(np.arctan2(at[1], at[0])) % tau)}; every ray from the axis must meet the curve once: "
+            "move the axis, or smooth the points there",
             key=key,
         )
     return np.mod(np.arctan2(points_mm[:-1, 1], points_mm[:-1, 0]), tau), radius[:-1]
@@ -240,9 +242,9 @@ def smoothed_points(
     worst = int(np.argmax(missed(spline)))
     if missed(spline)[worst] > tolerance_mm:
         raise NoSuchMechanism(
-            f"{repeats} equal lobes miss the point at {in_words(float(angle_rad[worst]))}, {radius_mm[worst]:.6g} mm, by "
-            f"{missed(spline)[worst]:.3g} mm, over the tolerance of {tolerance_mm:g} mm; give gears.lobes that the points "
-            "have, or a wider tolerance_mm",
+            f"{repeats} equal lobes miss the point at {in_words(float(angle_rad[worst]))}, {radius_mm[worst]:.6g} mm, "
+            f"by {missed(spline)[worst]:.3g} mm, over the tolerance of {tolerance_mm:g} mm; give gears.lobes that the "
+            "points have, or a wider tolerance_mm",
             key=key,
         )
     return _periodic(spline, period, repeats), float(missed(spline)[worst])

@@ -226,7 +226,9 @@ def driven_curve_law(curve: ClosedCurve, center_distance_mm: float, lobes: Lobes
     slopes = [_slope(radius, center_distance_mm, key) for radius in radii]
     mate = integrated_law(slopes, swapped, scale_to_close=False, key=key)
     with smooth_or_refused(key):
-        return Transmission(tuple(_inverse(piece, slope) for piece, slope in zip(mate.pieces, slopes, strict=True)), lobes)
+        return Transmission(
+            tuple(_inverse(piece, slope) for piece, slope in zip(mate.pieces, slopes, strict=True)), lobes
+        )
 
 
 def _one_lobe(curve: ClosedCurve, repeats: int, key: str) -> tuple[Radius, ...]:
@@ -242,7 +244,8 @@ def _one_lobe(curve: ClosedCurve, repeats: int, key: str) -> tuple[Radius, ...]:
 
 def _require_alike(first: Sequence[Radius], other: Sequence[Radius], period: float, number: int, key: str) -> None:
     angles = (np.arange(ALIKE) + 0.5) * (period / ALIKE)
-    radii = _values(first, angles), _values(other, angles + number * period)
+    shifted: Array = angles + number * period
+    radii = _values(first, angles), _values(other, shifted)
     differing = np.abs(radii[1] - radii[0])
     worst = int(np.argmax(differing))
     if differing[worst] > JOINED * np.max(radii[0]):
@@ -295,4 +298,3 @@ def _inverse(piece: Piece, slope: Slope) -> Piece:
 
     knots = form.breaks[1:-1]
     return Piece(float(driving[0]), float(driving[-1]), driven_angle, tuple(knots.tolist()))
-
