@@ -190,9 +190,12 @@ MOTIONS: dict[str, tuple[dict[str, Any], tuple[int, int]]] = {
 
 
 @pytest.mark.tiers(thorough=["ellipse", "expression", "modified"], rest="slow")
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", [name for name in MOTIONS if name not in ("b_spline", "quadratic")])
 def test_a_law_is_that_of_its_oracle(name: str) -> None:
-    """Closed in 40 digits by the definition of the shape; the law's own search must come to the same mate."""
+    """Closed in 40 digits by the definition of the shape; the law's own search must come to the same mate.
+
+    B-splines would take an hour in so many digits; the radii of these are judged below, and their mates by crossings.
+    """
     motion, (own, mate) = MOTIONS[name]
     lobes = {"driving": own, "driven": mate}
     ours = made(motion, lobes=lobes).law

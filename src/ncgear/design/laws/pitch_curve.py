@@ -43,7 +43,7 @@ MOST_CURVES = 2000
 HIGHEST_DXF_DEGREE = 11
 FLATTEST = 1e-3
 """Least semi axis that is sought, as a share of the other one: no gear turns with a flatter one."""
-INSIDE = 1.001
+INSIDE = 1.01
 """What a size that is sought must be over, as a multiple of that at which the curve comes to its axis."""
 
 POLAR_COLUMNS = spellings("phi")

@@ -32,7 +32,7 @@ def ellipse_law(x_mm: float, y_mm: float) -> ClosedLaw:
     def search() -> Search:
         # The ellipse comes to its axis where the semi-minor axis is as small as this.
         least = abs(y_mm) / (1.0 - (x_mm / SEMI_MAJOR_MM) ** 2) ** 0.5
-        return Search(max(1.001 * least, 1e-3 * SEMI_MAJOR_MM), CENTER_DISTANCE_MM, KEY)
+        return Search(max(1.01 * least, 1e-3 * SEMI_MAJOR_MM), CENTER_DISTANCE_MM, KEY)
 
     given = GivenCurve(
         lambda minor: ellipse(SEMI_MAJOR_MM, minor, (x_mm, y_mm), KEY), search(),
