@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.errors import DesignError, WrongInput
 from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
@@ -55,9 +55,6 @@ CLEAR = 0.995
 
 LEAST_ADDENDUM = 0.5
 """Least addendum in modules: teeth of half the standard height hardly keep contact from one pitch to the next."""
-
-SIZES = ("teeth", "module_mm", "center_distance_mm")
-"""Keys that give the pitch curves their size."""
 
 BODY = ("face_width_mm", "material")
 """Keys that change nothing of straight teeth in the plane across the axes."""

@@ -14,6 +14,7 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import Masses
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
+from ncgear.project.law import size_of
 from ncgear.project.moving import Moving
 from ncgear.project.tooth_form import backlash_of, helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
 from ncgear.teeth.form import BasicRack
@@ -50,8 +51,7 @@ class Geared(Moving):
 
         gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
-            size = gears.teeth, gears.module_mm, gears.center_distance_mm
-            return sized_pair(transmission, *size, Mesh(gears.mesh))
+            return sized_pair(transmission, *size_of(gears, self.law), Mesh(gears.mesh))
 
     @computed
     def rack(self) -> BasicRack:

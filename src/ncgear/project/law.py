@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import isclose, pi
 
 import numpy as np
 
 from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import RockerTorque, ShaftTorque, StrokeForce, TurningLoad
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
 from ncgear.errors import WrongInput
@@ -29,6 +30,39 @@ def law_of(design: Design) -> Law:
 def lobes_of(design: Design) -> Lobes:
     """Lobes of both gears; one each where the file has no gears."""
     return Lobes(design.gears.lobes.driving, design.gears.lobes.driven) if design.gears else Lobes()
+
+
+def size_of(gears: Gears, law: Law) -> tuple[int | None, float | None, float | None]:
+    """Teeth, module in mm and centre distance in mm as given; the distance from the law where it follows from it.
+
+    Raises WrongInput where the file gives another distance than the law.
+    """
+    from ncgear.pitch.pair import CONSISTENT
+
+    given, follows = gears.center_distance_mm, law.center_distance_mm
+    if follows is not None and given is not None and not isclose(given, follows, rel_tol=CONSISTENT):
+        raise WrongInput(
+            f"{given:.9g} mm given, but the pitch curve closes with its mate at {follows:.9g} mm; give that, or leave "
+            "the key out",
+            key="gears.center_distance_mm",
+        )
+    return gears.teeth, gears.module_mm, given if follows is None else follows
+
+
+def kept_size(design: Design) -> tuple[int | None, float | None, float | None]:
+    """Teeth, module in mm and centre distance in mm by which the design's gears keep their size under another law.
+
+    Those of the file, but for a law that gives the centre distance: teeth with the module, or else with that distance.
+    """
+    gears = design.gears
+    assert gears is not None
+    if not design.motion.gives_center_distance:
+        return gears.teeth, gears.module_mm, gears.center_distance_mm
+    from ncgear.pitch.pair import sized_pair
+
+    law = law_of(design)
+    size = sized_pair(law.transmission, *size_of(gears, law)).size
+    return size.driving_teeth, gears.module_mm, size.center_distance_mm if gears.module_mm is None else None
 
 
 def load_of(design: Design) -> SliderLoad:

@@ -16,7 +16,7 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
-from ncgear.project.law import load_of, lobes_of
+from ncgear.project.law import kept_size, load_of, lobes_of
 from ncgear.project.motion_wishes import motion_wishes_of
 from ncgear.project.moving_masses import masses_of
 from ncgear.project.tooth_form import rack_of
@@ -41,7 +41,7 @@ def task_of(design: Design) -> task.Task:
         speed,
         lobes_of(design),
         masses=_masses_of(design),
-        gears=_size_of(design.gears, limits),
+        gears=_size_of(design, limits),
         speed_fluctuation=(given.flywheel if given else Flywheel()).speed_fluctuation,
     )
 
@@ -58,9 +58,9 @@ def _masses_of(design: Design) -> Masses | None:
     return linkage.MASSES() if limited or _prices(asked).of_loads else None
 
 
-def _size_of(gears: Gears | None, limits: Limits) -> task.GearSize | None:
+def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
     """The size of an external pair; raises WrongInput where the force between its teeth is limited and not known."""
-    key = "optimize.limits.tooth_force_n"
+    key, gears = "optimize.limits.tooth_force_n", design.gears
     if limits.tooth_force_n is not None:
         if gears is None:
             problem = "given, but a force between teeth needs the gears' size: give gears.teeth and gears.module_mm"
@@ -72,7 +72,7 @@ def _size_of(gears: Gears | None, limits: Limits) -> task.GearSize | None:
     if gears is None or gears.mesh == "internal":
         return None
     angle = radians(gears.rack.pressure_angle_deg)
-    return task.GearSize(gears.teeth, gears.module_mm, gears.center_distance_mm, angle)
+    return task.GearSize(*kept_size(design), angle)
 
 
 def _prices(asked: Optimize) -> task.Prices:

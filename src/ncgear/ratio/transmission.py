@@ -315,6 +315,11 @@ class Law:
     linkage: Mechanism
     train: Train
     stroke: PrescribedStroke | None = None
+    center_distance_mm: float | None = None
+    """Distance of the axes that follows from a law whose sizes are in mm; None where gears of any size have the law."""
+
+    facts: Mapping[str, float | str | None] = field(default_factory=dict)
+    """Figures, besides the stroke's, that were found with the law, for the summary; their names end in their unit."""
 
     def __repr__(self) -> str:
         pairs = f", {len(self.train.pairs)} pairs in series" if len(self.train.pairs) > 1 else ""

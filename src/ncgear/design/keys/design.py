@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, TypeAdapter, create_model, model_validator
 
-from ncgear.design.keys.base import Model, fault
+from ncgear.design.keys.base import Model, fault, given, listed
 from ncgear.design.keys.drivetrain import Drivetrain
-from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
@@ -117,6 +117,21 @@ class Design(Model):
                 if getattr(getattr(self.optimize, group), wrong, None) is not None:
                     does = "turns" if ways[1] == "rad" else "slides"
                     raise fault(f"optimize.{group}.{wrong}", f"given, but the output {does}; {right} is right")
+        return self
+
+    @model_validator(mode="after")
+    def _gears_have_a_size(self) -> Self:
+        if self.gears is None:
+            return self
+        names, needed = (SIZES[:2], "one") if self.motion.gives_center_distance else (SIZES, "two")
+        found = given(self.gears, names)
+        if len(found) < len(names) - 1:
+            said = f"only {found[0]} is given" if found else "no size is given"
+            needed = f"{needed} of {listed(names, 'and')} {'is' if needed == 'one' else 'are'} needed"
+            follows = ", since the centre distance follows from the law" if self.motion.gives_center_distance else ""
+            raise fault("gears", f"{said}; {needed}{follows}")
+        if self.motion.gives_pitch_curve and self.gears.mesh == "internal":
+            raise fault("gears.mesh", "internal given, but the mate of a pitch curve is found beside it; leave it out")
         return self
 
     @model_validator(mode="after")

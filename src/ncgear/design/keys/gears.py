@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, fault, given, listed
+from ncgear.design.keys.base import Length, Model, fault, listed
 from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height, require_hub_wall
 from ncgear.design.keys.material import WrittenMaterials
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
@@ -176,6 +176,10 @@ MOST_LOBES = 100
 MOST_TEETH = 10_000
 
 
+SIZES = ("teeth", "module_mm", "center_distance_mm")
+"""Keys that give the pitch curves their size: two of them, or one of the first two where the law gives the last."""
+
+
 class Lobes(Model):
     """How often the law repeats in one turn of each gear."""
 
@@ -290,15 +294,6 @@ class Gears(Model):
     )
     driving: GearBody = Field(default_factory=GearBody, description="body of the driving gear")
     driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")
-
-    @model_validator(mode="after")
-    def _two_sizes(self) -> Self:
-        names = ("teeth", "module_mm", "center_distance_mm")
-        found = given(self, names)
-        if len(found) < 2:
-            said = f"only {found[0]} is given" if found else "no size is given"
-            raise fault("", f"{said}; two of {listed(names, 'and')} are needed")
-        return self
 
     @model_validator(mode="after")
     def _body_is_that_of_the_mesh(self) -> Self:

@@ -34,6 +34,16 @@ class LawKeys(Model):
         return False
 
     @property
+    def gives_pitch_curve(self) -> bool:
+        """Whether the law is that of a pitch curve and its mate beside it; most laws suit a ring too."""
+        return False
+
+    @property
+    def gives_center_distance(self) -> bool:
+        """Whether the distance of the gears' axes follows from the law; most laws hold for gears of any size."""
+        return False
+
+    @property
     def prescribed(self) -> str:
         """What the law prescribes of the slider's motion, in words; empty where it prescribes nothing."""
         return ""

@@ -32,6 +32,7 @@ class LawName(StrEnum):
     SPLINE_RATIO = "spline_ratio"
     ELLIPSE = "ellipse"
     TABLE = "table"
+    PITCH_CURVE = "pitch_curve"
     UNIFORM_CRANK = "uniform_crank"
 
 

@@ -56,6 +56,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "lobes_driven": lobes.driven,
         **(_strokes(drive) if drive.linkage.RETURNS else {}),
         **(drive.law.stroke.facts if drive.law.stroke else {}),
+        **drive.law.facts,
     }
 
 
