@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import reduce
 from itertools import product
-from math import ceil
+from math import ceil, radians
 from operator import or_
 from typing import assert_never
 
@@ -115,7 +115,7 @@ class Mend:
     @property
     def pressure_angle_deg(self) -> float:
         """The largest pressure angle, the rack's own included; of two pairs of gears, the worse's."""
-        return max(pair.pitch.largest_pressure_angle_deg(pair.rack.pressure_angle_rad) for pair in self.drive.by_stage)
+        return max(pair.pitch.largest_pressure_angle_deg(radians(pair.gears.carrying_angle_deg)) for pair in self.drive.by_stage)
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,8 +65,9 @@ def _size_of(gears: Gears | None, limits: Limits) -> task.GearSize | None:
             raise WrongInput("given, but it is computed of one pair only; leave it out of two stages", key=key)
     if gears is None or gears.mesh == "internal":
         return None
-    angle = radians(gears.rack.pressure_angle_deg)
-    return task.GearSize(gears.teeth, gears.module_mm, gears.center_distance_mm, angle)
+    return task.GearSize(
+        gears.teeth, gears.module_mm, gears.center_distance_mm, *map(radians, gears.rack.angles_deg)
+    )
 
 
 def _prices(asked: Optimize) -> task.Prices:
@@ -139,7 +140,7 @@ def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
 
 
 def _rack_angle_deg(gears: Gears | None) -> float:
-    return gears.rack.pressure_angle_deg if gears else RACK_ANGLE_DEG
+    return gears.carrying_angle_deg if gears else RACK_ANGLE_DEG
 
 
 class _Curvature(NamedTuple):
@@ -179,7 +180,14 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if gears is None or gears.teeth is None:
         raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
     rack = rack_of(gears, 1.0)
-    turns = sin(rack.pressure_angle_rad) ** 2 * gears.teeth / gears.lobes.driving * pi / rack.flank_depth_mm
+    turns = min(
+        slant.sine**2
+        * gears.teeth
+        / gears.lobes.driving
+        * pi
+        / (rack.dedendum_mm - rack.root_radius_mm * (1.0 - slant.sine))
+        for slant in rack.slants
+    )
     if not turns > 2.0 * pi:
         raise WrongInput(
             f"{gears.teeth} teeth are undercut even on a circle; more teeth are needed",

@@ -100,7 +100,7 @@ def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
     """Names and values of the main figures of a pair of gears; the names begin with its stage where there are two."""
     designed = contact.as_designed
     size, stage = drive.pitch.size, f"stage {drive.stage}: " if drive.stage else ""
-    steepest = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    steepest = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
     return [
         (f"{stage}teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
         (f"{stage}module", f"{shown(size.module_mm)} mm"),

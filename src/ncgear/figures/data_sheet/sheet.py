@@ -369,7 +369,7 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
 def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tuple[Entry, ...]:
     """The means of measuring, and the number of places where they can be used."""
     driving, driven = gears
-    tool = "pins" if driving.working.base_cosine == 1.0 else "balls"
+    tool = "pins" if drive.helix is None else "balls"
 
     def of_both(label: str, value: Callable[[MeasuredGear], Value], unit: str = "") -> Entry:
         return Entry(label, unit, driving=_cell(partial(value, driving)), driven=_cell(partial(value, driven)))

@@ -115,7 +115,7 @@ def pitch_summary(drive: Drive) -> dict[str, Any]:
         result[f"concave_{name}_rad"] = [list(stretch) for stretch in pitch.concave_ranges(gear)]
     tangent = pitch.largest_tangent_angle_rad
     result["max_tangent_angle_deg"] = degrees(tangent.value)
-    result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
     result["max_pressure_angle_at_rad"] = tangent.at
     result["curvature_jumps"] = _jumps(pitch)
     return result
