@@ -381,5 +381,7 @@ def test_a_pinion_cutters_flank_is_as_deep_as_its_rounding_leaves_it() -> None:
     reach = np.sqrt(center**2 - base**2) + basic.root_radius_mm
     # On the line of action, from the pitch point on: R sin(alpha) + f / sin(alpha) is the involute's generating line.
     assert cutter.radius_mm * sin(ALPHA) + depth / sin(ALPHA) == pytest.approx(reach, rel=1e-13)
-    flat = RackLine().flank_depth_mm(basic.slants[0], np.array([basic.dedendum_mm]), np.array([basic.root_radius_mm]))[0]
+    flat = RackLine().flank_depth_mm(basic.slants[0], np.array([basic.dedendum_mm]), np.array([basic.root_radius_mm]))[
+        0
+    ]
     assert flat == pytest.approx(basic.flank_depth_mm, rel=1e-14)

@@ -2,9 +2,10 @@
 
 Wherever teeth touch, the normal of the flanks goes through the pitch point, so the force turns the driven gear by its
 part across the line of centres alone: F_across = T2 / r2.  The flanks' normal leans from the pitch curves' tangent by
-the rack's angle alpha (that of the side that touches), the tangent from the normal to the line of centres by mu = atan(r1'/r1); the pressure angle is
-alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs ahead and the back flanks hold it (F.
-L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge 2009, chapter 2).
+the rack's angle alpha (that of the side that touches), the tangent from the normal to the line of centres by mu =
+atan(r1'/r1); the pressure angle is alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs
+ahead and the back flanks hold it (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears",
+Cambridge 2009, chapter 2).
 """
 
 from __future__ import annotations

@@ -22,8 +22,8 @@ from ncgear.ratio.transmission import Lobes, Train
 class GearSize:
     """The size of an external pair by two of three figures: teeth of the driving gear, module, centre distance.
 
-    ``rack_angle_rad`` is the pressure angle of its rack, ``idle_angle_rad`` that of the idle flanks, None where it is the
-    same.
+    ``rack_angle_rad`` is the pressure angle of its rack, ``idle_angle_rad`` that of the idle flanks, None where it is
+    the same.
     """
 
     teeth: int | None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi, radians, sin
+from math import pi, radians
 from typing import NamedTuple
 
 from ncgear.design.keys.design import Design
@@ -65,9 +65,7 @@ def _size_of(gears: Gears | None, limits: Limits) -> task.GearSize | None:
             raise WrongInput("given, but it is computed of one pair only; leave it out of two stages", key=key)
     if gears is None or gears.mesh == "internal":
         return None
-    return task.GearSize(
-        gears.teeth, gears.module_mm, gears.center_distance_mm, *map(radians, gears.rack.angles_deg)
-    )
+    return task.GearSize(gears.teeth, gears.module_mm, gears.center_distance_mm, *map(radians, gears.rack.angles_deg))
 
 
 def _prices(asked: Optimize) -> task.Prices:

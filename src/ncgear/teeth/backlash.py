@@ -13,8 +13,8 @@ The common normal of idle flanks goes through the pitch point, so its arm about 
 
     L = r2 cos(alpha + theta),  tan(theta) = r1' / r1,
 
-wherever on the line of action they touch; alpha is the rack's pressure angle on that side, r1 and r2 are the pitch radii and the
-prime is a derivative by the driving angle.  Along the normal the play is L delta.
+wherever on the line of action they touch; alpha is the rack's pressure angle of idle flanks, r1 and r2 are the pitch
+radii and the prime is a derivative by the driving angle.  Along the normal the play is L delta.
 """
 
 from __future__ import annotations

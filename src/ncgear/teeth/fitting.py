@@ -8,6 +8,7 @@ are then as deep as the mate's tips reach.
 from __future__ import annotations
 
 from dataclasses import replace
+
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism

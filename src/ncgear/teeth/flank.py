@@ -69,15 +69,15 @@ class Sweep:
 class Flanks:
     """All flanks of a gear in the order of arc length: back and front flank of tooth 1, of tooth 2, and so on.
 
-    The arrays have shape (2 z,), z being the number of teeth.  ``full_tip_mm`` and ``full_root_mm`` are the height of the
-    tip and the depth of the space beside each flank that the rack asks for, profile shift included.  ``crossing_mm`` is the arc length at which a flank
+    The arrays have shape (2 z,), z being the number of teeth.  ``crossing_mm`` is the arc length at which a flank
     crosses the pitch curve; ``side`` is -1 for back and +1 for front flanks.  ``tip_height_mm`` is the distance of the
     tip land from the pitch curve; ``flank_depth_mm`` is the depth below the rack's pitch line at which the flank passes
     into its fillet.  The fillet is left by ``tool``, with a tip rounded by ``root_radius_mm``.  ``turn_rad`` is the
     angle by which a flank stands turned about the gear's axis, counter-clockwise; fillets stand like their flanks, but
     turn over to the other side of the space where ``sweep`` says so.  With ``equivalent`` flanks roll on the circle of
     curvature at their crossing instead of on the pitch curve.  Of a gear that turns less than once, only the first
-    ``made`` teeth are made.
+    ``made`` teeth are made.  ``full_tip_mm`` and ``full_root_mm`` are the height of the tip and the depth of the space
+    that the rack asks for, profile shift included.
     """
 
     curve: PitchCurve

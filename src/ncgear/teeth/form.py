@@ -132,7 +132,7 @@ class BasicRack:
 
     @property
     def rounding_height_mm(self) -> float:
-        """Height of the cutter tooth's rounding beside pushing flanks, from the end of the straight flank to the tip."""
+        """Height of the cutter tooth's rounding beside pushing flanks, from the straight flank's end to the tip."""
         return self.root_radius_mm * (1.0 - sin(self.pressure_angle_rad))
 
     @property

@@ -324,10 +324,11 @@ def _width(flanks: Flanks, both: IndexArray, at: Array, met: Mask) -> Array:
 
 def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
     """The error for a flank that cannot have a tip."""
+    angle = flanks.rack.angles_rad[int(flanks.idle[flank])]
     k = float(flanks.curve.at_length(flanks.crossing_mm[flank : flank + 1]).curvature[0])
     return NoSuchMechanism(
         f"{flank_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "
         f"{k:.4g} 1/mm, {k * flanks.rack.module_mm:.3g} per module, pressure angle of "
-        f"the rack {degrees(flanks.rack.angles_rad[int(flanks.idle[flank])]):g} deg); more teeth of a smaller module are needed",
+        f"the rack {degrees(angle):g} deg); more teeth of a smaller module are needed",
         key="gears.teeth",
     )

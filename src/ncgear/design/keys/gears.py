@@ -12,7 +12,6 @@ from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height, requ
 from ncgear.design.keys.material import WrittenMaterials
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
-
 MOST_TEETH = 10_000
 
 
@@ -41,9 +40,7 @@ def _fitting_root_radius(data: dict[str, Any]) -> float:
     """The profile's root radius or, where it does not fit into teeth without backlash, the greatest one that does."""
     pushing, idle = data["pressure_angle_deg"], data["idle_pressure_angle_deg"]
     angles = radians(pushing), radians(pushing if idle is None else idle)
-    return fitting_root_radius(
-        _of_profile(data).root_radius, largest_root_radius(angles, data["dedendum"], pi / 4.0)
-    )
+    return fitting_root_radius(_of_profile(data).root_radius, largest_root_radius(angles, data["dedendum"], pi / 4.0))
 
 
 class TipRelief(Model):
@@ -345,7 +342,7 @@ class Gears(Model):
 
     @property
     def carrying_angle_deg(self) -> float:
-        """The rack's pressure angle of the flanks that carry, which are the idle ones, too, where it drives both ways."""
+        """The rack's pressure angle of flanks that carry; driving both ways, the larger one, as idle ones carry too."""
         pushing, idle = self.rack.angles_deg
         return max(pushing, idle) if self.drives == "both_ways" else pushing
 
@@ -364,7 +361,9 @@ class Gears(Model):
         }
         for name, is_given in unfit.items():
             if is_given:
-                raise fault("profile_shift.per_tooth", f"given, but not made together with {name}; leave out one of both")
+                raise fault(
+                    "profile_shift.per_tooth", f"given, but not made together with {name}; leave out one of both"
+                )
         return self
 
     @model_validator(mode="after")

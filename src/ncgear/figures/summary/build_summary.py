@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from math import degrees, isfinite
+from math import degrees, isfinite, radians
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
