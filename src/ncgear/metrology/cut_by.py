@@ -76,7 +76,11 @@ class CutBy:
 
 def cut_by(pitch: PitchPair, teeth: ToothedPair, gear: Gear, round_tool: RoundTool, *, helix: str = "") -> list[CutBy]:
     """What each kind of tool makes of one gear; ``helix`` is the kind of its helical teeth, empty where straight."""
-    hob, shaper = _hob(pitch, teeth, gear), _shaper(pitch, teeth, gear)
+    if teeth.driving.flanks.has_own_shifts:
+        uneven = "its teeth stand evenly, while every space has a profile shift of its own"
+        hob, shaper = CutBy(Tool.HOB, Verdict.NOT, uneven), CutBy(Tool.SHAPER, Verdict.NOT, uneven)
+    else:
+        hob, shaper = _hob(pitch, teeth, gear), _shaper(pitch, teeth, gear)
     if helix == "herringbone":
         hob = CutBy(Tool.HOB, Verdict.NOT, "herringbone teeth leave it no way out")
     hob, shaper = (_passes(one, teeth.of(gear).flanks) for one in (hob, shaper))
@@ -139,8 +143,6 @@ def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tup
     """What a rack or a pinion cutter of the gear's rack makes of it, and why not all."""
     own, mate = teeth.of(gear), teeth.of(Gear.DRIVEN if gear is Gear.DRIVING else Gear.DRIVING)
     flanks, rack = own.flanks, own.flanks.rack
-    if np.ptp(flanks.full_tip_mm) > 0.0:
-        return Verdict.NOT, "its teeth stand evenly, while every space has a profile shift of its own"
     radius = np.full(flanks.count, rack.root_radius_mm)
     depth = flanks.full_root_mm - radius * (1.0 - flanks.slant.sine)
     full = replace(flanks, tool=tool, flank_depth_mm=depth, root_radius_mm=radius)

@@ -61,8 +61,8 @@ def spans(working: WorkingFlanks) -> Spans:
     """All spans of a gear whose plates touch flanks, each over the teeth that they touch nearest to the pitch curve.
 
     A circular gear has one span from every tooth, over as many teeth as that takes.  Equivalent gears have none, since
-    their flanks do not follow the pitch curve.  Nor have flanks of unequal pressure angles: a chord of a circle comes out
-    at the angle at which it goes in, so that such flanks have no common normal.
+    their flanks do not follow the pitch curve.  Nor have flanks of unequal pressure angles: a chord of a circle comes
+    out at the angle at which it goes in, so that such flanks have no common normal.
     """
     flanks = working.flanks
     # Every back flank stands turned by as much, and so does all that it rolls on.

@@ -284,7 +284,8 @@ def _least_addendum(gear: ToothedGear) -> float:
     from ncgear.teeth.tips import Limit
 
     flanks, lowered = gear.flanks, gear.tips.limit == Limit.LAND
-    height = float(np.min(flanks.tip_height_mm[lowered], initial=np.inf))
+    own_shift = flanks.full_tip_mm - flanks.rack.tip_height_mm
+    height = float(np.min((flanks.tip_height_mm - own_shift)[lowered], initial=np.inf))
     return CLEAR * (height - flanks.rack.shift_mm) / flanks.rack.module_mm
 
 

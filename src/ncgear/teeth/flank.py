@@ -74,10 +74,10 @@ class Flanks:
     tip land from the pitch curve; ``flank_depth_mm`` is the depth below the rack's pitch line at which the flank passes
     into its fillet.  The fillet is left by ``tool``, with a tip rounded by ``root_radius_mm``.  ``turn_rad`` is the
     angle by which a flank stands turned about the gear's axis, counter-clockwise; fillets stand like their flanks, but
-    turn over to the other side of the space where ``sweep`` says so.  With ``equivalent`` flanks roll on the circle of
-    curvature at their crossing instead of on the pitch curve.  Of a gear that turns less than once, only the first
-    ``made`` teeth are made.  ``full_tip_mm`` and ``full_root_mm`` are the height of the tip and the depth of the space
-    that the rack asks for, profile shift included.
+    turn over to the other side of the space where ``sweep`` says so.  ``full_tip_mm`` and ``full_root_mm`` are the
+    height of the tip and the depth of the space beside each flank that the rack asks for, profile shift included.  With
+    ``equivalent`` flanks roll on the circle of curvature at their crossing instead of on the pitch curve.  Of a gear
+    that turns less than once, only the first ``made`` teeth are made.
     """
 
     curve: PitchCurve
@@ -109,6 +109,11 @@ class Flanks:
     def tooth(self) -> IndexArray:
         """Number of each flank's tooth, from 1."""
         return np.arange(self.count) // 2 + 1
+
+    @property
+    def has_own_shifts(self) -> bool:
+        """Whether teeth have profile shifts of their own, besides the rack's."""
+        return bool(np.any(self.full_tip_mm != self.rack.tip_height_mm))
 
     @cached_property
     def idle(self) -> Mask:
