@@ -244,9 +244,7 @@ def rack_data(drive: Drive) -> tuple[Entry, ...]:
         Entry("greatest normal backlash", "mm", pair=drive.play.largest_normal_mm.value),
         Entry("play of the driven gear, the same at every position", "deg", pair=degrees(drive.play.driven_rad)),
         *_helix(drive),
-        Entry(
-            "cutter", pair=CUTTERS[drive.teeth.cutter] if drive.teeth.cutter is not CutterKind.RACK else _rack(drive)
-        ),
+        Entry("cutter", pair=_cutter(drive)),
     )
 
 
