@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi, radians
+from math import pi, radians, sin
 from typing import NamedTuple
 
 from ncgear.design.keys.design import Design
@@ -178,14 +178,16 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if gears is None or gears.teeth is None:
         raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
     rack = rack_of(gears, 1.0)
-    turns = min(
-        slant.sine**2
+    # The flanks of the angle that is undercut first.
+    undercut = (
+        sin(angle) ** 2
         * gears.teeth
         / gears.lobes.driving
         * pi
-        / (rack.dedendum_mm - rack.root_radius_mm * (1.0 - slant.sine))
-        for slant in rack.slants
+        / (rack.dedendum_mm - rack.root_radius_mm * (1.0 - sin(angle)))
+        for angle in rack.angles_rad
     )
+    turns = min(undercut)
     if not turns > 2.0 * pi:
         raise WrongInput(
             f"{gears.teeth} teeth are undercut even on a circle; more teeth are needed",

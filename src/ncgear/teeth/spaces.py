@@ -55,7 +55,8 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     def bound(radius: Array, flank: IndexArray) -> Array:
         # The tool's tip is level, though its rounding ends higher beside the flatter flank.
         other = beside[flank]
-        return np.minimum(allowed[flank], allowed[other] + radius * (sine[flank] - sine[other]))
+        level: Array = np.minimum(allowed[flank], allowed[other] + radius * (sine[flank] - sine[other]))
+        return level
 
     radii = _largest_radii(flanks, np.minimum(of_spaces(allowed), depth), rack.root_radius_mm)
     if flanks.is_turned or not isinstance(tool, RackLine):
