@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from math import acos, cos, pi, radians, sin, tan
+from math import acos, atan, cos, pi, radians, sin, tan
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import shapely
 from scipy.optimize import brentq
 from shapely import Polygon
 
+import ncgear.teeth.gear
 from drives import drive, drive_of_text
 from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.placement import placed
@@ -33,6 +34,7 @@ from ncgear.teeth.backlash import play_of
 from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.shifts import thickness_mm, tooth_shifts
+from ncgear.teeth.toothed_arc import ToothedArc
 from oracles import meshing
 from pairs import rack, sine_law
 from test_cutter import apart
@@ -160,17 +162,21 @@ def test_contact_of_circular_gears_has_the_angle_and_the_length_of_its_side() ->
 
 
 @pytest.mark.judges("metrology")
-def test_over_pins_between_unequal_involutes_is_the_closed_form() -> None:
-    """The centre lies on involutes of both base circles: their turnings to it add up to the width of the space."""
+@pytest.mark.parametrize("helix_deg", [0.0, 25.0])
+def test_over_pins_between_unequal_involutes_is_the_closed_form(helix_deg: float) -> None:
+    """The centre lies on involutes of both base circles: their turnings to it add up to the width of the space.
+
+    Of helical teeth each side has a base helix angle of its own, and the ball's radius over its cosine in the section.
+    """
     gear, radius, diameter = made("circle", "angles").driving, 32.0, 3.75
-    found = pins_in_spaces(working_flanks(gear), diameter, gear.outline_mm, TOLERANCE)
+    found = pins_in_spaces(working_flanks(gear, radians(helix_deg)), diameter, gear.outline_mm, TOLERANCE)
 
     def left(center: float) -> float:
-        turned = sum(
-            involute(acos(radius * cos(alpha) / center)) - involute(alpha) - diameter / 2.0 / (radius * cos(alpha))
-            for alpha in (PUSHING, IDLE)
-        )
-        return float(turned) + pi * MODULE / 2.0 / radius
+        turned = pi * MODULE / 2.0 / radius
+        for alpha in (PUSHING, IDLE):
+            base, leaning = radius * cos(alpha), cos(atan(tan(radians(helix_deg)) * cos(alpha)))
+            turned += float(involute(acos(base / center)) - involute(alpha)) - diameter / 2.0 / leaning / base
+        return turned
 
     assert found.misfits == {}
     assert found.over_mm == pytest.approx(brentq(left, 31.0, 36.0, xtol=1e-13) + diameter / 2.0, abs=1e-9)
@@ -327,6 +333,16 @@ def test_the_law_is_held_exactly_and_the_play_is_even(name: str) -> None:
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("advance", [0.0, 0.37])
+def test_sections_of_helical_teeth_hold_the_law_too(advance: float) -> None:
+    pitch = pitch_of("ellipse")
+    pair = toothed_pair(pitch, FORMS["angles"], 0.005, advance_mm=advance * pi * MODULE)
+    contact = as_designed(pair, placed(pitch))
+    assert max(contact.pushing.transmission_error_rad, contact.back.transmission_error_rad) < 1e-11
+    assert np.abs(contact.backlash_rad).max() < 1e-11
+
+
+@pytest.mark.thorough
 def test_written_gears_turn_by_the_play_and_no_farther() -> None:
     pitch, pair = pitch_of("ellipse"), made("ellipse", "both with play")
     asked = play_of(pitch, uneven(), Backlash(0.1)).driven_rad
@@ -480,6 +496,13 @@ def test_shifts_and_angles_that_leave_no_teeth_are_refused(teeth: int, more: str
         _ = asked.teeth
     assert caught.value.key == f"gears.{key}"
     assert words in caught.value.problem
+
+
+def test_gears_that_turn_less_than_once_have_no_shifts_for_each_tooth(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ncgear.teeth.gear, "toothed_arc", lambda pitch: ToothedArc(5, 5, 20.0))
+    with pytest.raises(WrongInput, match="turn less than once") as caught:
+        toothed_pair(pitch_of("circle"), FORMS["shifts"], 0.005)
+    assert caught.value.key == "gears.profile_shift.per_tooth"
 
 
 def test_teeth_that_meet_several_spaces_have_shifts_that_repeat() -> None:

@@ -22,7 +22,7 @@ from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.outline import ChordTolerance, outline_points, simple_polygon
-from ncgear.teeth.shifts import ToothShifts, tooth_shifts
+from ncgear.teeth.shifts import ToothShifts, refuse_open, tooth_shifts
 from ncgear.teeth.sides import Sides, refuse_folded_lands, refuse_sharp_places, regular_sides, swept, trimmed_sides
 from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import chosen_tools
@@ -137,6 +137,8 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     made = (arc.driving_teeth, arc.driven_teeth) if arc else (None, None)
     shifts: tuple[ToothShifts, ToothShifts] | tuple[None, None] = (None, None)
     if form.tooth_shifts_mm:
+        if arc:
+            refuse_open()
         teeth = size.driving_teeth, size.driven_teeth
         shifts = tooth_shifts(np.array(form.tooth_shifts_mm), form.rack.module_mm, form.rack.angles_rad, teeth)
     driving, driven = (

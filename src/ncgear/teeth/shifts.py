@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import gcd, pi, tan
+from typing import NoReturn
 
 import numpy as np
 
@@ -104,6 +105,13 @@ def tooth_shifts(
                 key=KEY,
             )
     return both
+
+
+def refuse_open() -> NoReturn:
+    """Refuse shifts of gears that turn less than once, whose teeth are not counted round the gear."""
+    raise WrongInput(
+        "given, but gears that turn less than once have no shifts for each tooth; driving and driven are right", key=KEY
+    )
 
 
 def _refuse_unlike(shift_mm: Array, driving: int, common: int, driven: int) -> None:
