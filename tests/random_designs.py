@@ -245,6 +245,7 @@ def near_template(law: LawName) -> st.SearchStrategy[Data]:
 racks = group(
     profile=at_times(st.sampled_from("ABCD")),
     pressure_angle_deg=at_times(st.sampled_from([14.5, 17.5, 20.0, 22.5, 25.0])),
+    idle_pressure_angle_deg=at_times(st.sampled_from([14.5, 20.0, 25.0, 30.0]), 4),
     addendum=at_times(number(0.7, 1.2), 6),
     dedendum=at_times(number(1.1, 1.5), 6),
     root_radius=at_times(number(0.0, 0.4), 6),
@@ -254,6 +255,7 @@ racks = group(
 shifts = st.one_of(
     group(driving=at_times(number(-0.6, 0.6), 2), driven=at_times(number(-0.6, 0.6), 2)),
     st.just({"against_undercut": True}),
+    group(per_tooth=st.lists(number(-0.4, 0.4), min_size=1, max_size=4)),
 )
 
 cutters = st.one_of(

@@ -67,6 +67,13 @@ PINNED = {
     "rounded-square": [("teeth.module_mm", 4.9231, 5e-5), ("ratio.min", 150.0 / 84.7233 - 1.0, 1e-4)],
     # The points were made of 30 + 5 cos + 1.5 cos 2 - 0.4 sin 3 mm, up to 0.02 mm and their rounding off.
     "traced-egg": [("pitch.center_distance_mm", 60.955, 0.03), ("drive.points_missed_by_mm", 0.025, 0.025)],
+    # Shifts of nine teeth, repeated, with which no tooth is undercut at the sharp ends; the pitch length is z pi m.
+    "asymmetric-ellipse": [
+        ("teeth.profile_shift_driving_mm", [0.2, 0.2, 0.2, 0.0, 0.0, 0.0, 0.0, 0.2, 0.2] * 2, 0),
+        ("teeth.undercut_driving", [], 0),
+        ("teeth.rack_angle_idle_deg", 20.0, 1e-12),
+        ("pitch.length_driving_mm", 36.0 * pi, 1e-9),
+    ],
     # A constant resistance of 400 N over a stroke of 60 mm, at 240 r/min and two turns a stroke: two strokes a second.
     "pump-1-2": [("check.mean_power_w", 400.0 * 0.060 * 2.0, 1e-9), ("teeth.driven", 48, 0)],
     # 500 N out, 420 N back and 20 N of friction both ways over 60 mm, twice a second; its limit of acceleration is met.

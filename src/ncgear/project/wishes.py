@@ -71,8 +71,7 @@ def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
             raise WrongInput("given, but it is computed of one pair only; leave it out of two stages", key=key)
     if gears is None or gears.mesh == "internal":
         return None
-    angle = radians(gears.rack.pressure_angle_deg)
-    return task.GearSize(*kept_size(design), angle)
+    return task.GearSize(*kept_size(design), *map(radians, gears.rack.angles_deg))
 
 
 def _prices(asked: Optimize) -> task.Prices:
@@ -145,7 +144,7 @@ def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
 
 
 def _rack_angle_deg(gears: Gears | None) -> float:
-    return gears.rack.pressure_angle_deg if gears else RACK_ANGLE_DEG
+    return gears.carrying_angle_deg if gears else RACK_ANGLE_DEG
 
 
 class _Curvature(NamedTuple):
@@ -185,7 +184,16 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if gears is None or gears.teeth is None:
         raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
     rack = rack_of(gears, 1.0)
-    turns = sin(rack.pressure_angle_rad) ** 2 * gears.teeth / gears.lobes.driving * pi / rack.flank_depth_mm
+    # The flanks of the angle that is undercut first.
+    undercut = (
+        sin(angle) ** 2
+        * gears.teeth
+        / gears.lobes.driving
+        * pi
+        / (rack.dedendum_mm - rack.root_radius_mm * (1.0 - sin(angle)))
+        for angle in rack.angles_rad
+    )
+    turns = min(undercut)
     if not turns > 2.0 * pi:
         raise WrongInput(
             f"{gears.teeth} teeth are undercut even on a circle; more teeth are needed",

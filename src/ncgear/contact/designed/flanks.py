@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, sin
 
 import numpy as np
 
@@ -237,13 +236,13 @@ def _near(
     teeth: ToothedPair, placement: Placement, meetings: Meetings, driving: _Heights, driven: _Heights
 ) -> tuple[IndexArray, IndexArray, FacingFlanks]:
     """Where in the meetings' table (row, column) both flanks are on or near what is left of them, and these flanks."""
-    rack = teeth.driving.flanks.rack
+    pitch_mm, slant = teeth.driving.flanks.rack.pitch_mm, teeth.driving.flanks.slant.of(meetings.driving)
     # Heights, by the closed form, at which flanks touch before they cross the pitch point.
-    per_rolled = rack.height_per_rolled * meetings.urge[:, None]
+    per_rolled = (slant.height_per_rolled * meetings.urge)[:, None]
     first, second = -per_rolled * meetings.driving_ahead_mm, per_rolled * meetings.driven_ahead_mm
     room = _room(driving.room(meetings.driving[:, None], first), driven.room(meetings.driven[:, None], second))
-    beyond = BEYOND_IN_PITCHES * rack.pitch_mm * sin(rack.pressure_angle_rad) * cos(rack.pressure_angle_rad)
-    row, column = place = np.nonzero((room >= -beyond).all(axis=0).any(axis=0))
+    beyond = np.broadcast_to(BEYOND_IN_PITCHES * pitch_mm * slant.sine * slant.cosine, meetings.side.shape)
+    row, column = place = np.nonzero((room >= -beyond[:, None]).all(axis=0).any(axis=0))
     numbers = meetings.driving[row], meetings.driven[row], meetings.position[place]
     upward = placement.ahead * meetings.urge[row]
     return row, column, FacingFlanks(teeth, placement, upward, *numbers, first[place], second[place])

@@ -146,7 +146,7 @@ def _strength(drive: Drive) -> dict[str, Chart]:
 
 
 def _pressure_angle(drive: Drive, contact: PairContact) -> Chart:
-    """The pressure angle at the first contact as designed; for circular gears the rack's angle at all places."""
+    """The pressure angle at the first contact as designed; for circular gears the rack's, of flanks that push."""
     chart = contact_charts.pressure_angle(contact.as_designed)
     backs, pushing = chart.lines
     circular = np.full(2, degrees(drive.rack.pressure_angle_rad))

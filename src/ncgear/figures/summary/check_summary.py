@@ -98,7 +98,7 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
     found = {"ratio_min": low.value, "ratio_max": high.value, "max_tangent_angle_deg": tangent}
     if drive.design.gears is None:
         return found
-    return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.rack.pressure_angle_deg}
+    return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.carrying_angle_deg}
 
 
 def _check(drive: Drive) -> dict[str, Any]:
