@@ -213,7 +213,7 @@ class _Judged:
     @property
     def shortest(self) -> int:
         """The meeting whose flanks touch over the least length."""
-        return int(np.argmin(self.pairs.arcs))
+        return self.pairs.shortest
 
 
 def _lacking(judged: _Judged, least: float, overlap: float) -> str | None:

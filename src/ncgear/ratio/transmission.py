@@ -4,8 +4,8 @@ A ``Transmission`` gives the driven angle with derivatives on consecutive pieces
 driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes 2 pi / n1 of the driving
 angle and 2 pi / n2 of the driven angle.  An open law, of gears that turn to and fro over less than a turn, has a range
 of both angles in place of lobes; gears get their teeth on its continuation to whole turns (ncgear.pitch.continued),
-which is closed, and of which only the range is made.  A ``Train`` is one pair of gears, or two in series, between the driving shaft
-and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
+which is closed, and of which only the range is made.  A ``Train`` is one pair of gears, or two in series, between the
+driving shaft and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
 """
 
 from __future__ import annotations
@@ -202,6 +202,12 @@ class Transmission:
         if covered is None or not self.lobes.repeats:
             return self.pieces
         return tuple(piece for piece in self.pieces if piece.end_rad <= covered.driving_rad)
+
+    @property
+    def made(self) -> Transmission:
+        """The law on which gears are made: itself, but for the continuation of an open law that on its range."""
+        covered = self.lobes.range
+        return self if covered is None else Transmission(self.made_pieces, covered)
 
     @property
     def meeting_pieces(self) -> list[tuple[Piece, Piece]]:

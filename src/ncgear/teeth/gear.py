@@ -24,7 +24,6 @@ from ncgear.teeth.outline import ChordTolerance, outline_points, simple_polygon
 from ncgear.teeth.sides import Sides, refuse_folded_lands, refuse_sharp_places, regular_sides, swept, trimmed_sides
 from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import chosen_tools
-from ncgear.teeth.toothed_arc import BEFORE, toothed_arc
 
 MOST_ASTRAY = 3.0
 """The driven gear as written may miss the law by this many chord tolerances, divided by the driven pitch radius."""
@@ -130,14 +129,14 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     turn = -pitch.mesh.sense * play.driven_rad
     first = widths[0], widths[0] - play.setback_mm
     second = widths[1] + play.setback_mm, widths[1]
-    arc = toothed_arc(pitch)
-    first_mm = advance_mm - (BEFORE * form.rack.pitch_mm if arc else 0.0)
+    arc = pitch.toothed
+    first_mm = advance_mm - (arc.before * form.rack.pitch_mm if arc else 0.0)
     start = first_mm, first_mm + 2.0 * quarter
-    equivalent = form.equivalent
-    made = (arc.driving_teeth, arc.driven_teeth) if arc else (None, None)
+    count = (arc.around, arc.around) if arc else (size.driving_teeth, size.driven_teeth)
+    equivalent, made = form.equivalent, [arc.teeth(gear) if arc else None for gear in Gear]
     tips = fitted_pair(
-        flanks_of(pitch.driving, racks[0], size.driving_teeth, tools[0], start[0], first, equivalent=equivalent, made=made[0]),
-        flanks_of(pitch.driven, racks[1], size.driven_teeth, tools[1], start[1], second, turn, equivalent=equivalent, made=made[1]),
+        flanks_of(pitch.driving, racks[0], count[0], tools[0], start[0], first, equivalent=equivalent, made=made[0]),
+        flanks_of(pitch.driven, racks[1], count[1], tools[1], start[1], second, turn, equivalent=equivalent, made=made[1]),
         form.limits,
     )
     if kind is CutterKind.PINION:

@@ -1,65 +1,31 @@
 """The teeth that are made of gears that turn less than once, and how the body goes on behind the last of them.
 
 Teeth are made on the continued curves (ncgear.pitch.continued), and of these the ones that any flank of the range can
-touch: all whose middle crosses the pitch point within 1.25 pitches of the range, as flanks touch over one pitch at most
-to either side and stand a quarter of a pitch from the middle.  Beside the first and the last tooth stands the root land
+touch (ncgear.pitch.pair.ToothedArc): flanks of usual height touch over one pitch at most to either side of the pitch
+point, and stand a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands the root land
 of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.  Its radius is
 that of the lower of both ends: there the mate's highest tips pass by with the clearance of the roots.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import asin, cos, degrees, floor, pi, sin
+from dataclasses import replace
+from math import asin, cos, degrees, pi, sin
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.units import in_words
-from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.stretch import Stretch
-
-BESIDE_IN_PITCHES = 1.25
-"""How far from the range a tooth's middle may cross the pitch point and the tooth still touch in the range."""
-
-BEFORE = 1
-"""Teeth of each gear before the ones that cross the pitch point first within the range."""
 
 LEAST_WALL = 0.25
 """Least height of a wall in modules; a lower step is evened out along the heel."""
 
 LEAST_GAP_RAD = pi / 18.0
 """Least angle that must be left for the heel, so that its corners can be made."""
-
-
-@dataclass(frozen=True)
-class ToothedArc:
-    """The teeth that are made of each gear, and the rolled length of the range."""
-
-    driving_teeth: int
-    driven_teeth: int
-    range_mm: float
-
-    def of(self, gear: Gear) -> int:
-        """The number of teeth of a gear."""
-        return self.driving_teeth if gear is Gear.DRIVING else self.driven_teeth
-
-
-def toothed_arc(pitch: PitchPair) -> ToothedArc | None:
-    """What is made of the gears of an open law; None where all teeth are.
-
-    Driving teeth stand at whole pitches of the rolled length, driven teeth half a pitch on.
-    """
-    covered = pitch.transmission.lobes.range
-    if covered is None:
-        return None
-    rolled = float(pitch.arc.length(np.array([covered.driving_rad]))[0]) * pitch.center_distance_mm
-    pitches = rolled / (pi * pitch.size.module_mm)
-    last = floor(pitches + BESIDE_IN_PITCHES), floor(pitches + BESIDE_IN_PITCHES - 0.5)
-    return ToothedArc(last[0] + BEFORE + 1, last[1] + BEFORE + 1, rolled)
 
 
 def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch]:
