@@ -107,6 +107,14 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
     NoSuchMechanism where no continuation is gentle enough.
     """
     known = _length(law)
+    for at_rad, piece in ((0.0, law.pieces[0]), (covered.driving_rad, law.pieces[-1])):
+        if not np.all(np.isfinite(piece.slope(np.array([at_rad]), 3).coefficients)):
+            raise NoSuchMechanism(
+                f"the ratio has no finite slope, curvature or third derivative at phi1 = {in_words(at_rad)}, an end of "
+                "the range, so that the pitch curves do not go on beyond it as the teeth there need it; a range that "
+                "ends before that place is right",
+                key="motion",
+            )
     gentle = max(GENTLE, _steepest_on(law))
     found: list[tuple[float, _Way, float, int]] = []
     for way in sorted(_ways(law, covered), key=lambda way: sum(way.turns)):
