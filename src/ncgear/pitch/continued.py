@@ -38,14 +38,23 @@ LEAST_WAY_RAD = pi / 3.0
 LEVELLING_SHARE, MOST_LEVELLING_RAD = 0.25, 1.0
 """Share of the continuation, and largest driving angle, over which u levels off at each end of the range."""
 
+LEVELLINGS = (1.0, 0.5, 0.25)
+"""Shares of that angle that are tried: u changes less over shorter ones, and bends more."""
+
 WAVES = np.linspace(-1.0, 1.0, 21)
 """Sizes of the second bump that are tried for a whole number of pitches."""
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(96)
 """Gauss points of a part of the continuation; u is a polynomial of degree 12 or less there."""
 
-GENTLE = 0.6
-"""Slope of u, by the driving angle, up to which a continuation counts as gentle, however gentle the range is."""
+GENTLE = 6.0
+"""Curvature times centre distance up to which a continuation counts as gentle, however gentle the range is."""
+
+HOLLOW = 3.0
+"""How many times as sharp hollow curves count: tips foul there."""
+
+TRIED = 4
+"""How many of the gentlest continuations are looked at for a whole number of pitches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,13 +124,13 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
                 "ends before that place is right",
                 key="motion",
             )
-    gentle = max(GENTLE, _steepest_on(law))
+    gentle = max(GENTLE, *(abs(value) for value in _range_sharpness(law)))
+    ways = [(sharpness, way) for way in _ways(law, covered) if np.isfinite(sharpness := _sharpness(way, 0.0))]
     found: list[tuple[float, _Way, float, int]] = []
-    for way in sorted(_ways(law, covered), key=lambda way: sum(way.turns)):
+    for _, way in sorted(ways, key=lambda one: (max(one[0] / gentle, 1.0), sum(one[1].turns)))[:TRIED]:
         for wave, pitches in _whole(way, pitch_share, known):
-            steepness = max(_steepest(part) for part in way.with_bumps(_lift(way, wave), wave))
-            found.append((max(steepness / gentle, 1.0), way, wave, pitches))
-        if found and min(found, key=_steepness)[0] == 1.0:
+            found.append((max(_sharpness(way, wave) / gentle, 1.0), way, wave, pitches))
+        if found and min(found, key=_choice)[0] == 1.0:
             break
     if not found:
         raise NoSuchMechanism(
@@ -130,7 +139,7 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
             "left for it; a gentler law or a smaller module is right",
             key="motion",
         )
-    _, way, near, pitches = min(found, key=_steepness)
+    _, way, near, pitches = min(found, key=_choice)
 
     def missing(wave: float) -> float:
         return _count(way, _lift(way, wave), wave, pitch_share, known) - pitches
@@ -149,8 +158,8 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
     return Transmission((*law.pieces, *pieces), lobes)
 
 
-def _steepness(found: tuple[float, _Way, float, int]) -> tuple[float, float]:
-    """What to choose by: the steepness beyond what is gentle, then the size of the wave."""
+def _choice(found: tuple[float, _Way, float, int]) -> tuple[float, float]:
+    """What to choose by: the sharpness beyond what is gentle, then the size of the wave."""
     return found[0], abs(found[2])
 
 
@@ -170,21 +179,22 @@ def _ways(law: Transmission, covered: Range) -> Iterator[_Way]:
             driven = 2.0 * pi * driven_turns - covered.driven_rad
             if min(driving, driven) < LEAST_WAY_RAD:
                 continue
-            width = min(LEVELLING_SHARE * driving, MOST_LEVELLING_RAD)
-            out = _levelling(leaving, width)
-            # Seen backwards, odd derivatives change their sign.
-            back = _levelling(entering * np.array([1.0, -1.0, 1.0, -1.0]), width)
-            level, other = float(out.sum()), float(back.sum())
-            start = covered.driving_rad
-            over = CHANGE * (other - level)
-            over[0] += level
-            yield _Way(
-                (driving_turns, driven_turns),
-                _Part(start, width, _composed(out, (_X + 1.0) / 2.0)),
-                _Part(start + width, driving - 2.0 * width, over),
-                _Part(start + driving - width, width, _composed(back, (1.0 - _X) / 2.0)),
-                driven,
-            )
+            for share in LEVELLINGS:
+                width = share * min(LEVELLING_SHARE * driving, MOST_LEVELLING_RAD)
+                out = _levelling(leaving, width)
+                # Seen backwards, odd derivatives change their sign.
+                back = _levelling(entering * np.array([1.0, -1.0, 1.0, -1.0]), width)
+                level, other = float(out.sum()), float(back.sum())
+                start = covered.driving_rad
+                over = CHANGE * (other - level)
+                over[0] += level
+                yield _Way(
+                    (driving_turns, driven_turns),
+                    _Part(start, width, _composed(out, (_X + 1.0) / 2.0)),
+                    _Part(start + width, driving - 2.0 * width, over),
+                    _Part(start + driving - width, width, _composed(back, (1.0 - _X) / 2.0)),
+                    driven,
+                )
 
 
 def _composed(coefficients: Array, of: np.polynomial.Polynomial) -> Array:
@@ -267,13 +277,27 @@ def _length(law: Transmission) -> float:
     return speed.integrated().final
 
 
-def _steepest(part: _Part) -> float:
-    """Largest slope of u by the driving angle on a part, at 96 points: it only chooses among continuations."""
-    slope = np.polynomial.Polynomial(part.coefficients).deriv()(POINTS)
-    return float(np.max(np.abs(slope))) * 2.0 / part.width_rad
+def _sharpness(way: _Way, wave: float) -> float:
+    """The greatest curvature of either curve at unit centre distance, at 96 points of each part; NaN without a lift."""
+    lift = _lift(way, wave)
+    if not np.isfinite(lift):
+        return np.nan
+    return max(
+        _sharper(float(bend.min()), float(bend.max()))
+        for part in way.with_bumps(lift, wave)
+        for gear in Gear
+        for bend in (shape.curvature(part.slope(part.points_rad, 2), gear, Mesh.EXTERNAL).value,)
+    )
 
 
-def _steepest_on(law: Transmission) -> float:
-    """Largest slope of u on the range."""
-    low, high = law.extremes(lambda piece: lambda phi1: jet.log(piece.slope(phi1, 2)).differentiated())
-    return max(abs(low.value), abs(high.value))
+def _sharper(low: float, high: float) -> float:
+    return max(high, -HOLLOW * low)
+
+
+def _range_sharpness(law: Transmission) -> list[float]:
+    """The sharpness of each curve on the range."""
+    ends = (
+        law.extremes(lambda piece, gear=gear: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, Mesh.EXTERNAL))
+        for gear in Gear
+    )
+    return [_sharper(low.value, high.value) for low, high in ends]

@@ -33,6 +33,8 @@ class LawName(StrEnum):
     ELLIPSE = "ellipse"
     TABLE = "table"
     UNIFORM_CRANK = "uniform_crank"
+    SPIRAL = "spiral"
+    FUNCTION_GENERATOR = "function_generator"
 
 
 DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE
