@@ -73,7 +73,9 @@ class Placement:
 
     @property
     def cycle_rad(self) -> float:
-        """Driving angle of the whole cycle."""
+        """Driving angle of the whole cycle, or of the range."""
+        if self.toothed is not None:
+            return self.toothed.covered_rad
         return 2.0 * pi * self.meetings / self.driving_teeth
 
     def teeth_at(self, position: int) -> tuple[int, int]:

@@ -50,6 +50,8 @@ SCALES: dict[type[Wish], Scale] = {
 def motion_line(found: Achieved, stroke_mm: float) -> str:
     """What a motion achieves, in one line."""
     even = found.even[Stroke.WORKING].length_mm
+    if found.time_ratio is None:
+        return f"on its way from end to end constant within {100.0 * EVEN:g} % over {to_digits(even, 3)} mm"
     dwells = ", ".join(f"{to_digits(degrees(found.dwell_rad[end]), 3)} deg {end.value}" for end in reversed(End))
     return (
         f"constant within {100.0 * EVEN:g} % over {to_digits(even, 3)} mm, {to_digits(100.0 * even / stroke_mm, 3)} % "
@@ -59,8 +61,8 @@ def motion_line(found: Achieved, stroke_mm: float) -> str:
 
 def motion_summary(found: Achieved, stroke_mm: float) -> dict[str, Any]:
     """The figures of ``motion_line`` and those of the return, by keys that end in their unit."""
-    even = {f"even_{stroke.value}": _even(found, stroke, stroke_mm) for stroke in Stroke}
-    dwells = {f"dwell_{end.value}_deg": degrees(found.dwell_rad[end]) for end in End}
+    even = {f"even_{stroke.value}": _even(found, stroke, stroke_mm) for stroke in found.even}
+    dwells = {f"dwell_{end.value}_deg": degrees(angle) for end, angle in found.dwell_rad.items()}
     return {
         "in_words": motion_line(found, stroke_mm),
         "even_within_percent": 100.0 * EVEN,

@@ -20,7 +20,8 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 class KinematicCheck:
     """Peaks over one cycle of the slider, each with the driving angle at which it occurs.
 
-    Accelerations are magnitudes; ``working`` means from the retracted to the extended dead centre.
+    Accelerations are magnitudes; ``working`` means from the retracted to the extended dead centre.  Of gears that turn
+    less than once, all are those of the way from end to end.
     """
 
     speed_rpm: float
@@ -46,10 +47,11 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     cycle = stretches(machine)
     working = [stretch for stretch in cycle if stretch.working]
     returning = [stretch for stretch in cycle if not stretch.working]
-    accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in (working, returning)]
+    halves = [half for half in (working, returning) if half]
+    accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in halves]
     acceleration = max(accelerations, key=lambda extremum: extremum.value)
     speed = _peak(cycle, Jet.differentiated)
-    work_j = machine.load.cycle_work_n_mm(machine.linkage.stroke_mm) / 1000.0
+    work_j = _cycle_work_n_mm(machine) / 1000.0
     return KinematicCheck(
         speed_rpm=omega / RAD_S_PER_RPM,
         peak_power_w=_scaled(_peak_power(machine, cycle), omega / 1000.0),
@@ -61,8 +63,27 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
 
 
 def stroke_error_mm(machine: Machine) -> float:
-    """What the slider's speed, integrated over its working stroke, misses of the mechanism's stroke."""
-    return fsum(stretch.way_mm for stretch in stretches(machine) if stretch.working) - machine.linkage.stroke_mm
+    """What the slider's speed, integrated over its working stroke, misses of the mechanism's stroke.
+
+    Of gears that turn less than once, what it misses of the slider's place at the end of the range.
+    """
+    way = machine.linkage.stroke_mm
+    if not machine.transmission.lobes.repeats:
+        way = _end_mm(machine)
+    return fsum(stretch.way_mm for stretch in stretches(machine) if stretch.working) - way
+
+
+def _end_mm(machine: Machine) -> float:
+    """Where the slider is at the end of a range."""
+    return float(machine.displacement(np.array([machine.transmission.cycle_rad]), 0).value[0])
+
+
+def _cycle_work_n_mm(machine: Machine) -> float:
+    """Work in N mm of one cycle, or of the way from one end of a range to the other."""
+    load, stroke_mm = machine.load, machine.linkage.stroke_mm
+    if machine.transmission.lobes.repeats:
+        return load.cycle_work_n_mm(stroke_mm)
+    return float(load.work_n_mm(np.array([_end_mm(machine)]), stroke_mm, returning=False)[0])
 
 
 def _peak(parts: Iterable[Stretch], quantity: Callable[[Jet], Jet]) -> Extremum:

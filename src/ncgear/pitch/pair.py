@@ -51,7 +51,8 @@ RACK_REACH_IN_PITCHES = 1.0
 class ToothedArc:
     """The teeth that are made on both curves of an open law, of ``around`` that would stand on the continued ones.
 
-    These are all that any flank can touch while the pitch point is in the range, which is ``covered_mm`` long.
+    These are all that any flank can touch while the pitch point is in the range, which is ``covered_mm`` long
+    and takes ``covered_rad`` of the driving angle.
     ``before`` of each gear's teeth come before the range: the middle of driving tooth n, from 1, crosses the pitch
     point n - 1 - before pitches after the range's beginning, that of driven tooth n half a pitch later.
     """
@@ -61,6 +62,7 @@ class ToothedArc:
     driven_teeth: int
     around: int
     covered_mm: float
+    covered_rad: float
 
     def teeth(self, gear: Gear) -> int:
         """The number of teeth of a gear."""
@@ -302,7 +304,7 @@ def _open_pair(
     beside, pitches, around = reach + BESIDE_IN_PITCHES, length * share, round(arc.period * share)
     before = floor(beside + 0.5)
     driving, driven = (before + 1 + floor(pitches + beside - middle) for middle in (0.0, 0.5))
-    toothed = ToothedArc(before, driving, driven, around, length * distance_mm)
+    toothed = ToothedArc(before, driving, driven, around, length * distance_mm, covered.driving_rad)
     if max(driving, driven) + 1 >= around:
         raise NoSuchMechanism(
             f"{around} tooth pitches on the continued curves are too few for the {max(driving, driven)} teeth that are "

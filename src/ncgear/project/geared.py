@@ -13,7 +13,15 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
 from ncgear.project.moving import Moving
-from ncgear.project.tooth_form import backlash_of, helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
+from ncgear.project.tooth_form import (
+    backlash_of,
+    helix_of,
+    mesh_place,
+    rack_of,
+    reach_in_pitches,
+    require_pushing_flanks,
+    tooth_form_of,
+)
 from ncgear.teeth.form import BasicRack
 
 if TYPE_CHECKING:
@@ -48,7 +56,7 @@ class Geared(Moving):
         gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
             size = gears.teeth, gears.module_mm, gears.center_distance_mm
-            return sized_pair(transmission, *size, Mesh(gears.mesh))
+            return sized_pair(transmission, *size, Mesh(gears.mesh), reach_in_pitches(gears))
 
     @computed
     def rack(self) -> BasicRack:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from math import degrees
+
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.machine import StrokeForce
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
+from ncgear.errors import NoSuchMechanism
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
-from ncgear.ratio.transmission import Law, Lobes
+from ncgear.ratio.transmission import CLOSED, Law, Lobes
 
 
 def law_of(design: Design) -> Law:
@@ -18,7 +21,16 @@ def law_of(design: Design) -> Law:
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm()), lobes)
-    return motion.law_on(mechanism_of(design.linkage), lobes)
+    law = motion.law_on(mechanism_of(design.linkage), lobes)
+    covered = law.transmission.lobes.range
+    if covered is not None and covered.driven_rad > law.linkage.working_angle_rad * (1.0 + CLOSED):
+        raise NoSuchMechanism(
+            f"the driven gear turns by {degrees(covered.driven_rad):.5g} deg and the crank's working stroke is "
+            f"{degrees(law.linkage.working_angle_rad):.5g} deg: gears that turn less than once stay within it; a smaller "
+            "range, or a greater ratio, is right",
+            key="motion",
+        )
+    return law
 
 
 def lobes_of(design: Design) -> Lobes:

@@ -67,6 +67,11 @@ class Lobes:
         return 2.0 * pi / self.driven
 
     @property
+    def even_slope(self) -> float:
+        """dphi2/dphi1 of gears that turn evenly."""
+        return self.driving / self.driven
+
+    @property
     def range(self) -> Range | None:
         """What an open law, or its continuation, covers of both angles; None where gears turn on and on."""
         return None
@@ -93,6 +98,11 @@ class Range(Lobes):
     def driven_period_rad(self) -> float:
         """The driven angle that is covered."""
         return self.driven_rad
+
+    @property
+    def even_slope(self) -> float:
+        """dphi2/dphi1 of gears that turn evenly."""
+        return self.driven_rad / self.driving_rad
 
     @property
     def range(self) -> Range:
@@ -201,7 +211,7 @@ class Transmission:
         covered = self.lobes.range
         if covered is None or not self.lobes.repeats:
             return self.pieces
-        return tuple(piece for piece in self.pieces if piece.end_rad <= covered.driving_rad)
+        return tuple(piece for piece in self.pieces if piece.start_rad < covered.driving_rad)
 
     @property
     def made(self) -> Transmission:

@@ -18,6 +18,10 @@ from ncgear.numerics.arrays import Array
 from ncgear.teeth.root_radius import largest_root_radius
 
 
+MOST_SHIFT = 0.7
+"""Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
+
+
 @dataclass(frozen=True)
 class TipRelief:
     """Material taken off the flanks near the tip: a parabola over the height, in mm along the flank's normal.

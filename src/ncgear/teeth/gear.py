@@ -18,7 +18,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.teeth.backlash import play_of
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
-from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
+from ncgear.teeth.form import MOST_SHIFT, BasicRack, CutterKind, ToothForm
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.outline import ChordTolerance, outline_points, simple_polygon
 from ncgear.teeth.sides import Sides, refuse_folded_lands, refuse_sharp_places, regular_sides, swept, trimmed_sides
@@ -155,9 +155,6 @@ def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
     return ToothedGear(tips, sides, outline)
 
-
-MOST_SHIFT = 0.7
-"""Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
 
 ROUNDING = 1e-9
 """Share by which chosen shifts stay clear of the limit, at which rounding would decide whether flanks are undercut."""

@@ -88,8 +88,11 @@ class Assembled:
 
 def assembled_pitch_curves(drive: Drive) -> tuple[Assembled, tuple[Mask, Mask]]:
     """Both pitch curves of a drive, and masks (shape (n,)) of their points on concave stretches."""
-    curves = drive.pitch.driving, drive.pitch.driven
-    driving, driven = (curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS)) for curve in curves)
+    curves, covered = (drive.pitch.driving, drive.pitch.driven), drive.pair.transmission.lobes.range
+    ends = (covered.driving_rad if covered else curve.turn_rad for curve in curves)
+    driving, driven = (
+        curve.at_angle(np.linspace(0.0, end, CURVE_POINTS)) for curve, end in zip(curves, ends, strict=True)
+    )
     dented = driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0
     return _assembled(drive, driving.position, driven.position), (driving.curvature < 0.0, dented)
 

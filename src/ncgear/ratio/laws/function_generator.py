@@ -44,7 +44,9 @@ def generated_function(
                 key=key,
             )
         scale = driven_rad / (end - start)
-        pieces = tuple(_piece(part, first, rate, start, scale) for part in parts)
+        # The last piece ends at the end of the range, whatever rounding makes of it.
+        ends = [*((part[1] - first) / rate for part in parts[:-1]), driving_rad]
+        pieces = tuple(_piece(part, end, first, rate, start, scale) for part, end in zip(parts, ends, strict=True))
     except NotSmooth as fault:
         raise NoSuchMechanism(
             f"the function is not smooth near x = {fault.at:.6g}: its value or its slope is infinite or changes there "
@@ -61,7 +63,9 @@ def generated_function(
         ) from stop
 
 
-def _piece(part: tuple[float, float, Formula], first: float, rate: float, zero: float, scale: float) -> Piece:
+def _piece(
+    part: tuple[float, float, Formula], end_rad: float, first: float, rate: float, zero: float, scale: float
+) -> Piece:
     """A stretch of x as a piece of the law."""
     start, end, formula = part
     knots = proven(formula.derivative(), start, end).breaks[1:-1]
@@ -69,8 +73,7 @@ def _piece(part: tuple[float, float, Formula], first: float, rate: float, zero: 
     def driven_angle(phi1: Array, order: int) -> Jet:
         return (formula(Jet.variable(phi1, order) * rate + first) - zero) * scale
 
-    ends = ((place - first) / rate for place in (start, end))
-    return Piece(*ends, driven_angle, tuple(((knots - first) / rate).tolist()))
+    return Piece((start - first) / rate, end_rad, driven_angle, tuple(((knots - first) / rate).tolist()))
 
 
 def _value(formula: Formula, x: float) -> float:
