@@ -15,7 +15,7 @@ import numpy as np
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.pitch.pair import PitchPair, ToothedArc
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.teeth.flank import mating_flanks
+from ncgear.teeth.flank import made_mates, mating_flanks
 from ncgear.teeth.gear import ToothedPair
 
 PER_TOOTH = 20
@@ -270,7 +270,7 @@ def single_meetings(teeth: ToothedPair, placement: Placement) -> Meetings:
 def _crossings_mm(teeth: ToothedPair, placement: Placement) -> tuple[IndexArray, IndexArray, IndexArray, Array, Array]:
     """The sides and flanks of all meetings, and the rolled lengths at which both cross the pitch point in the cycle."""
     if placement.toothed is not None:
-        return _made_crossings_mm(teeth, placement.toothed)
+        return _made_crossings_mm(teeth)
     driving, driven = mating_flanks(placement.driving_teeth, placement.driven_teeth)
     side = np.repeat([BACK, PUSHING], placement.meetings)
     turn = np.tile(np.arange(placement.meetings) // placement.driving_teeth, 2)
@@ -280,12 +280,9 @@ def _crossings_mm(teeth: ToothedPair, placement: Placement) -> tuple[IndexArray,
     return side, driving, driven, driving_mm, other.crossing_mm[driven] + turns * other.curve.length_mm
 
 
-def _made_crossings_mm(
-    teeth: ToothedPair, toothed: ToothedArc
-) -> tuple[IndexArray, IndexArray, IndexArray, Array, Array]:
-    """As ``_crossings_mm`` for the teeth that are made of gears that turn less than once."""
-    driving, driven = mating_flanks(toothed.around, toothed.around)
-    side = np.repeat([BACK, PUSHING], toothed.around)
-    made = (driving < 2 * toothed.driving_teeth) & (driven < 2 * toothed.driven_teeth)
-    side, driving, driven = side[made], driving[made], driven[made]
-    return side, driving, driven, teeth.driving.flanks.crossing_mm[driving], teeth.driven.flanks.crossing_mm[driven]
+def _made_crossings_mm(teeth: ToothedPair) -> tuple[IndexArray, IndexArray, IndexArray, Array, Array]:
+    """As ``_crossings_mm`` for gears that turn less than once: on the range neither comes round."""
+    own, other = teeth.driving.flanks, teeth.driven.flanks
+    driving, driven = made_mates(own, other)
+    side = np.where(own.side[driving] > 0.0, BACK, PUSHING)
+    return side, driving, driven, own.crossing_mm[driving], other.crossing_mm[driven]

@@ -7,7 +7,7 @@ the outlines.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, cos, inf, sin, tan
 
 import numpy as np
@@ -66,7 +66,7 @@ class ToothedGear:
         return self._numbers(self.tips.limit == reason)
 
     def _numbers(self, marked: Mask) -> list[int]:
-        return sorted({int(number) for number in self.flanks.tooth[marked] if number <= self.teeth})
+        return sorted({int(number) for number in self.flanks.tooth[marked]})
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +153,10 @@ def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     tips, sides = swept(tips, trimmed_sides(flanks, sides, irregular))
     outline = outline_points(tips, sides, chords)
     simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
-    return ToothedGear(tips, sides, outline)
+    made = flanks.is_made
+    return ToothedGear(
+        replace(tips, limit=np.where(made, tips.limit, Limit.FULL), undercut=tips.undercut & made), sides, outline
+    )
 
 
 ROUNDING = 1e-9
@@ -189,11 +192,14 @@ def teeth_free_of_undercut(pitch: PitchPair, driving: BasicRack, driven: BasicRa
     """Number of driving teeth from which on no tooth can be undercut, wherever it stands on the curves.
 
     A flank is regular where k h_F < sin^2(alpha); the curvature per module falls as teeth are added at a fixed shape.
+    Of gears that turn less than once it is the number of pitches in the range.
     """
     square = sin(driving.pressure_angle_rad) ** 2
     depths = {Gear.DRIVING: driving, Gear.DRIVEN: driven}
     worst = max(
         pitch.curvature_range[gear][1].value * (rack.flank_depth_mm - rack.shift_mm) for gear, rack in depths.items()
     )
+    if pitch.toothed is not None:
+        return ceil(pitch.toothed.covered_mm / driving.pitch_mm * worst / square)
     lobes = pitch.transmission.lobes.driving
     return lobes * ceil(pitch.size.driving_teeth * worst / square / lobes)

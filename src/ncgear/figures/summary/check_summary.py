@@ -38,6 +38,15 @@ def check_summary(drive: Drive) -> dict[str, Any]:
 def _drive(drive: Drive) -> dict[str, Any]:
     lobes = drive.transmission.lobes
     linkage = drive.linkage
+    if lobes.range is not None:
+        return {
+            "speed_rpm": drive.design.operation.speed_rpm,
+            "law_speed_rpm": drive.law_speed_rpm,
+            "driving_range_deg": degrees(lobes.range.driving_rad),
+            "driven_range_deg": degrees(lobes.range.driven_rad),
+            "crank_mm": linkage.crank_mm,
+            "stroke_mm": linkage.stroke_mm,
+        }
     return {
         "speed_rpm": drive.design.operation.speed_rpm,
         "law_speed_rpm": drive.law_speed_rpm,
