@@ -393,8 +393,8 @@ def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tupl
 
 
 def _spaces(gear: MeasuredGear) -> Value:
-    measured, teeth = gear.pins.space.size, gear.toothed.teeth
-    return "all" if measured == teeth else f"{measured} of {teeth}"
+    measured, spaces = gear.pins.space.size, gear.toothed.teeth - (gear.toothed.flanks.made is not None)
+    return "all" if measured == spaces else f"{measured} of {spaces}"
 
 
 def _places(gear: MeasuredGear) -> Value:
