@@ -12,6 +12,7 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import Masses
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
+from ncgear.project.law import require_whole_turns
 from ncgear.project.moving import Moving
 from ncgear.project.tooth_form import (
     backlash_of,
@@ -149,6 +150,7 @@ class Geared(Moving):
         """
         from ncgear.project.moving_masses import masses_of
 
+        require_whole_turns(self.design, "the computation of forces")
         given, gears = self.design.masses, self.design.gears
         if given is None:
             needed = listed(entry_of(self.design.linkage).needed_masses, "and")
@@ -188,6 +190,7 @@ class Geared(Moving):
         from ncgear.dynamics.rigid import RigidMachine, rigid_level
 
         self.require_one_stage()
+        require_whole_turns(self.design, "the computation of forces")
         place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
         masses = self.masses
         with self.stopwatch("forces"):

@@ -7,7 +7,7 @@ from math import degrees
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.machine import StrokeForce
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
 from ncgear.ratio.transmission import CLOSED, Law, Lobes
@@ -31,6 +31,16 @@ def law_of(design: Design) -> Law:
             key="motion",
         )
     return law
+
+
+def require_whole_turns(design: Design, what: str) -> None:
+    """Raise WrongInput where the gears turn less than once; ``what`` is not offered for these."""
+    if design.motion.is_open:
+        raise WrongInput(
+            f"{design.motion.law} over a range, with which gears turn to and fro, less than once; {what} is offered for "
+            "gears that turn on and on",
+            key="motion.law",
+        )
 
 
 def lobes_of(design: Design) -> Lobes:
