@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from math import ceil, floor, pi
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev, jet
@@ -141,6 +140,8 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
         )
     _, way, near, pitches = min(found, key=_choice)
 
+    from scipy.optimize import brentq
+
     def missing(wave: float) -> float:
         return _count(way, _lift(way, wave), wave, pitch_share, known) - pitches
 
@@ -228,6 +229,8 @@ def _integral(part: _Part, function: Array) -> float:
 
 def _lift(way: _Way, wave: float) -> float:
     """The size of the first bump with which the driven gear comes round; its angle grows with the bump."""
+    from scipy.optimize import brentq
+
     ends = (_integral(part, part.slope(part.points_rad, 0).value) for part in (way.run_out, way.run_in))
     rest = way.driven_rad - sum(ends)
 
