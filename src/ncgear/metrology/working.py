@@ -83,7 +83,9 @@ def _over_tips_rad(gear: ToothedGear) -> Array:
 def tip_radii_mm(gear: ToothedGear) -> Array:
     """Distance of each tooth's tip from the axis in mm, at the middle of its land, shape (z,)."""
     flanks = gear.flanks
-    at, height = (values.reshape(-1, 2)[: gear.teeth].mean(axis=1) for values in (gear.sides.tip_mm, flanks.tip_height_mm))
+    at, height = (
+        values.reshape(-1, 2)[: gear.teeth].mean(axis=1) for values in (gear.sides.tip_mm, flanks.tip_height_mm)
+    )
     points = flanks.offset(at, height)[0]
     radii: Array = np.linalg.norm(points, axis=1)
     return radii

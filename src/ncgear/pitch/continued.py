@@ -275,7 +275,8 @@ def _count(way: _Way, lift: float, wave: float, pitch_share: float, known: float
 def _length(law: Transmission) -> float:
     """Length of the driving curve on the range at unit centre distance."""
     speed = chebyshev.fitted(
-        lambda phi1: shape.speed(law.driven_angle(phi1, 2).differentiated(), Gear.DRIVING, Mesh.EXTERNAL).value, law.joints_rad
+        lambda phi1: shape.speed(law.driven_angle(phi1, 2).differentiated(), Gear.DRIVING, Mesh.EXTERNAL).value,
+        law.joints_rad,
     )
     return speed.integrated().final
 

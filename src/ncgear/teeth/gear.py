@@ -136,7 +136,9 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     equivalent, made = form.equivalent, [arc.teeth(gear) if arc else None for gear in Gear]
     tips = fitted_pair(
         flanks_of(pitch.driving, racks[0], count[0], tools[0], start[0], first, equivalent=equivalent, made=made[0]),
-        flanks_of(pitch.driven, racks[1], count[1], tools[1], start[1], second, turn, equivalent=equivalent, made=made[1]),
+        flanks_of(
+            pitch.driven, racks[1], count[1], tools[1], start[1], second, turn, equivalent=equivalent, made=made[1]
+        ),
         form.limits,
     )
     if kind is CutterKind.PINION:

@@ -4,7 +4,8 @@ Teeth are made on the continued curves (ncgear.pitch.continued), and of these th
 touch (ncgear.pitch.pair.ToothedArc): flanks of usual height touch over one pitch at most to either side of the pitch
 point, and stand a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands the root land
 of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.  Its radius is
-that of the lower of both ends: there the mate's highest tips pass by with the clearance of the roots.
+that of the lower of both ends, or what the root land would fall to within another pitch: there the mate's last teeth
+pass by with the clearance of the roots.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
     left = 2.0 * pi - _covered_rad(flanks, after, before)
     if left < LEAST_GAP_RAD:
         _refuse(flanks, left, after)
-    module, low = flanks.rack.module_mm, min(abs(end), abs(start))
+    module, low = flanks.rack.module_mm, min(abs(end), abs(start), *_beyond_mm(flanks, after, before))
     # Where the step is low, the heel's radius goes from one end to the other.
     radii = [low if abs(point) - low > LEAST_WALL * module else abs(point) for point in (end, start)]
     rounding = [_rounding(abs(point), radius, module, left) for point, radius in zip((end, start), radii, strict=True)]
@@ -98,8 +99,9 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         for number in np.unique(owner):
             chosen = owner == number
             point, slope = parts[int(number)](share[chosen])
-            points[chosen], slopes[chosen] = np.column_stack([point.real, point.imag]), np.column_stack(
-                [slope.real, slope.imag]
+            points[chosen], slopes[chosen] = (
+                np.column_stack([point.real, point.imag]),
+                np.column_stack([slope.real, slope.imag]),
             )
         return points, slopes
 
@@ -108,6 +110,17 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
     # It rolls over nothing; arc lengths beyond the turns beside the first one have no joint of the pitch curve.
     rolled = 4.0 * flanks.curve.length_mm + np.array([rows, rows + 1.0])
     return Stretch(curve, rows, 0.0 * ones, ones, rolled, rank, ones, np.inf * ones, np.zeros_like(rows))
+
+
+def _beyond_mm(flanks: Flanks, after: Stretch, before: Stretch) -> list[float]:
+    """Distances from the axis of what root lands would be half a pitch and a pitch beyond both ends of the arc."""
+    ahead = flanks.rack.pitch_mm * np.array([0.5, 1.0])
+    found: list[float] = []
+    for land, sigma in ((after, after.rolled[1] + ahead), (before, before.rolled[0] - ahead)):
+        at = flanks.curve.at_length(sigma)
+        depth = flanks.root_depth_mm[land.owner]
+        found += np.linalg.norm(at.position - depth * at.normal, axis=1).tolist()
+    return found
 
 
 def _rounding(end_mm: float, radius_mm: float, module_mm: float, left_rad: float) -> float:

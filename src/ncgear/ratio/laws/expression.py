@@ -139,9 +139,7 @@ def _refuse_jumping_angle(parts: Sequence[_Part], key: str) -> None:
             )
 
 
-def _refuse_jumps(
-    parts: Sequence[tuple[float, float, JetFunction]], named: str, lobes: Lobes | None, key: str
-) -> None:
+def _refuse_jumps(parts: Sequence[tuple[float, float, JetFunction]], named: str, lobes: Lobes | None, key: str) -> None:
     """Either ratio, ``named`` so, must go on at every joint and at the seam, and have a finite slope and curvature.
 
     A jump of the ratio would be one of the slider's velocity.  Without ``lobes`` there is no seam.
