@@ -100,7 +100,7 @@ every_law = pytest.mark.parametrize("name", LAWS)
 
 
 def test_spirals_have_one_pressure_angle_and_roll_on_each_other() -> None:
-    """m = ln(r1 end / r1 start) / phi1 everywhere; the driven curve falls as exp(-m phi2); equal closed-form lengths."""
+    """m = ln(r1 end / r1 start) / phi1 everywhere; the driven curve falls as exp(-m phi2); closed-form lengths."""
     found, turned = law("spiral"), radians(200.0)
     start, end = 1.0 / 2.6, 1.0 / 1.7
     growth = log(end / start) / turned
@@ -465,8 +465,12 @@ def test_a_formula_may_have_a_range() -> None:
     assert covered.driven_rad == pytest.approx(-10.0 * log(1.0 - 0.1 * radians(150.0) / 1.5), rel=1e-13)
     assert found.designed_contact.longest_gap_pitches == 0.0
     with pytest.raises(WrongInput) as refusal:
-        drive_of_text(OPEN.replace("law: spiral, range_deg: 200, ratio_start: 1.6, ratio_end: 1.0",
-                                   "law: ratio_expression, ratio: '1', range_deg: 200, scale_to_close: true"))  # fmt: skip
+        drive_of_text(
+            OPEN.replace(
+                "law: spiral, range_deg: 200, ratio_start: 1.6, ratio_end: 1.0",
+                "law: ratio_expression, ratio: '1', range_deg: 200, scale_to_close: true",
+            )
+        )
     assert refusal.value.key == "motion.scale_to_close"
 
 

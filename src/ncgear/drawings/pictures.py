@@ -29,7 +29,7 @@ from ncgear.drawings.plots.assembled_pair import (
 from ncgear.project.drive import Drive
 
 POSITIONS = 3
-"""Positions of the pair in the picture of its teeth, evenly spread over a turn of the driving gear or from end to end."""
+"""Positions of the pair in the picture of its teeth, evenly spread over a turn or from end to end."""
 
 NO_BACKLASH_RAD = 1e-9
 """Play in rad below which there is no chart of it: some nanometres at the flanks."""

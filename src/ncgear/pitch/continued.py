@@ -100,8 +100,8 @@ _X = np.polynomial.Polynomial([0.0, 1.0])
 _BUMP = (1.0 - _X**2) ** 4
 """With it u keeps three continuous derivatives."""
 
-LIFT: Array = _BUMP.coef
-WAVE: Array = (_BUMP * (1.0 - 8.0 * _X**2 + 8.0 * _X**4)).coef
+LIFT: Array = np.asarray(_BUMP.coef, dtype=float)
+WAVE: Array = np.asarray((_BUMP * (1.0 - 8.0 * _X**2 + 8.0 * _X**4)).coef, dtype=float)
 """The bump, and the bump times the fourth Chebyshev polynomial, by powers of x."""
 
 CHANGE = np.array([16.0, 35.0, 0.0, -35.0, 0.0, 21.0, 0.0, -5.0]) / 32.0
@@ -109,7 +109,7 @@ CHANGE = np.array([16.0, 35.0, 0.0, -35.0, 0.0, 21.0, 0.0, -5.0]) / 32.0
 
 
 def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmission:
-    """An open law that covers a range, continued to whole turns of both gears, whose pitch curves are a whole number of pitches long.
+    """An open law that covers a range, continued to whole turns of both gears and to whole tooth pitches.
 
     ``pitch_share`` is the tooth pitch at unit centre distance.  The law on the range is untouched.  Raises
     NoSuchMechanism where no continuation is gentle enough.
@@ -200,8 +200,7 @@ def _ways(law: Transmission, covered: Range) -> Iterator[_Way]:
 
 def _composed(coefficients: Array, of: np.polynomial.Polynomial) -> Array:
     """Coefficients by x of a polynomial of a polynomial of x."""
-    powers: Array = np.polynomial.Polynomial(coefficients)(of).coef
-    return powers
+    return np.asarray(np.polynomial.Polynomial(coefficients)(of).coef, dtype=float)
 
 
 def _levelling(taylor: Array, width: float) -> Array:
@@ -300,8 +299,9 @@ def _sharper(low: float, high: float) -> float:
 
 def _range_sharpness(law: Transmission) -> list[float]:
     """The sharpness of each curve on the range."""
-    ends = (
-        law.extremes(lambda piece, gear=gear: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, Mesh.EXTERNAL))
-        for gear in Gear
-    )
-    return [_sharper(low.value, high.value) for low, high in ends]
+
+    def sharpness(gear: Gear) -> float:
+        low, high = law.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, Mesh.EXTERNAL))
+        return _sharper(low.value, high.value)
+
+    return [sharpness(gear) for gear in Gear]

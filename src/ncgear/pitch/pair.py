@@ -1,7 +1,7 @@
 """Both pitch curves of a pair at their real size, and the figures by which they are judged.
 
-Teeth must fill closed pitch curves, so two of centre distance, module and number of teeth give the third.  The curves of
-gears that turn less than once need not be filled: any module suits any centre distance.
+Teeth must fill closed pitch curves, so two of centre distance, module and number of teeth give the third.  The curves
+of gears that turn less than once need not be filled: any module suits any centre distance.
 """
 
 from __future__ import annotations
@@ -259,8 +259,9 @@ def sized_pair(
     """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
 
     Of an open law ``teeth`` counts the pitches in its range, and ``reach_in_pitches`` is the rolled length over which
-    flanks touch to each side of the pitch point, which tells which teeth are made.  Raises WrongInput as ``solved_size`` does, and NoSuchMechanism for curves too sharp to be computed, for a law that
-    cannot drive a ring, and for a driving curve that does not fit into its ring.
+    flanks touch to each side of the pitch point, which tells which teeth are made.  Raises WrongInput as
+    ``solved_size`` does and for a ring that turns less than once, and NoSuchMechanism for curves too sharp to be
+    computed, for a law that cannot drive a ring, and for a driving curve that does not fit into its ring.
     """
     if mesh is Mesh.INTERNAL:
         require_ring(transmission)

@@ -26,8 +26,8 @@ def law_of(design: Design) -> Law:
     if covered is not None and covered.driven_rad > law.linkage.working_angle_rad * (1.0 + CLOSED):
         raise NoSuchMechanism(
             f"the driven gear turns by {degrees(covered.driven_rad):.5g} deg and the crank's working stroke is "
-            f"{degrees(law.linkage.working_angle_rad):.5g} deg: gears that turn less than once stay within it; a smaller "
-            "range, or a greater ratio, is right",
+            f"{degrees(law.linkage.working_angle_rad):.5g} deg: gears that turn less than once stay within it; a "
+            "smaller range, or a greater ratio, is right",
             key="motion",
         )
     return law
@@ -37,8 +37,8 @@ def require_whole_turns(design: Design, what: str) -> None:
     """Raise WrongInput where the gears turn less than once; ``what`` is not offered for these."""
     if design.motion.is_open:
         raise WrongInput(
-            f"{design.motion.law} over a range, with which gears turn to and fro, less than once; {what} is offered for "
-            "gears that turn on and on",
+            f"{design.motion.law} over a range, with which gears turn to and fro, less than once; {what} is offered "
+            "for gears that turn on and on",
             key="motion.law",
         )
 

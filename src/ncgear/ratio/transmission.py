@@ -5,7 +5,8 @@ driving gear repeats its curve n1 times a turn and the driven gear n2 times; one
 angle and 2 pi / n2 of the driven angle.  An open law, of gears that turn to and fro over less than a turn, has a range
 of both angles in place of lobes; gears get their teeth on its continuation to whole turns (ncgear.pitch.continued),
 which is closed, and of which only the range is made.  A ``Train`` is one pair of gears, or two in series, between the
-driving shaft and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
+driving shaft and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed
+stroke.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from math import degrees, fsum, pi
 from operator import attrgetter
 
@@ -224,7 +226,7 @@ class Transmission:
         """The pieces that gears are made on and that meet, the one before first; across the seam where one is made."""
         pieces = self.made_pieces
         if self.lobes.range is not None:
-            return list(zip(pieces, pieces[1:], strict=False))
+            return list(pairwise(pieces))
         return list(zip((pieces[-1], *pieces[:-1]), pieces, strict=True))
 
     @property

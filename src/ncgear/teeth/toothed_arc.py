@@ -2,25 +2,30 @@
 
 Teeth are made on the continued curves (ncgear.pitch.continued), and of these the ones that any flank of the range can
 touch (ncgear.pitch.pair.ToothedArc): flanks of usual height touch over one pitch at most to either side of the pitch
-point, and stand a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands the root land
-of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.  Its radius is
-that of the lower of both ends, or what the root land would fall to within another pitch: there the mate's last teeth
-pass by with the clearance of the roots.
+point, and stand a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands the
+root land of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.  Its
+radius is that of the lower of both ends, or what the root land would fall to within another pitch: there the mate's
+last teeth pass by with the clearance of the roots.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import asin, cos, degrees, pi, sin
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.plane import as_points
 from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.stretch import Stretch
+
+ComplexPair = tuple[ComplexArray, ComplexArray]
+"""Points and their derivatives by the share of the way."""
 
 LEAST_WALL = 0.25
 """Least height of a wall in modules; a lower step is evened out along the heel."""
@@ -60,13 +65,13 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
     used = [asin(rho / (radius + rho)) for rho, radius in zip(rounding, radii, strict=True)]
     outward = end / abs(end), start / abs(start)
 
-    def wall(side: int, share: Array) -> tuple[Array, Array]:
+    def wall(side: int, share: Array) -> ComplexPair:
         rho, radius = rounding[side], radii[side]
         foot = (radius + rho) * cos(used[side])
         near, far = (abs(end), foot) if side == 0 else (foot, abs(start))
         return outward[side] * (near + (far - near) * share), outward[side] * (far - near) * np.ones_like(share)
 
-    def corner(side: int, share: Array) -> tuple[Array, Array]:
+    def corner(side: int, share: Array) -> ComplexPair:
         rho, radius = rounding[side], radii[side]
         inwards = 1.0 if side == 0 else -1.0
         center = outward[side] * np.exp(1j * way * inwards * used[side]) * (radius + rho)
@@ -77,13 +82,13 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         speed = -1j * way * inwards * turned * (1.0 if side == 0 else -1.0)
         return center + arm, arm * speed
 
-    def heel(share: Array) -> tuple[Array, Array]:
+    def heel(share: Array) -> ComplexPair:
         turned = left - used[0] - used[1]
         angle = np.exp(1j * way * (used[0] + turned * share)) * outward[0]
         radius, rise = radii[0] + (radii[1] - radii[0]) * share, radii[1] - radii[0]
         return radius * angle, (rise + 1j * way * turned * radius) * angle
 
-    parts = [
+    parts: list[Callable[[Array], ComplexPair]] = [
         lambda share: wall(0, share),
         lambda share: corner(0, share),
         heel,
@@ -99,10 +104,7 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         for number in np.unique(owner):
             chosen = owner == number
             point, slope = parts[int(number)](share[chosen])
-            points[chosen], slopes[chosen] = (
-                np.column_stack([point.real, point.imag]),
-                np.column_stack([slope.real, slope.imag]),
-            )
+            points[chosen], slopes[chosen] = as_points(point), as_points(slope)
         return points, slopes
 
     ones = np.ones(rows.size)
@@ -149,8 +151,8 @@ def _refuse(flanks: Flanks, left_rad: float, after: Stretch) -> None:
     gear = flanks.curve.gear.value
     covered = 2.0 * pi - left_rad
     raise NoSuchMechanism(
-        f"the teeth of the {gear} gear reach over {degrees(covered):.4g} deg, with a tooth beyond each end of the range, "
-        f"and {degrees(LEAST_GAP_RAD):.3g} deg must be left of a turn (the last tooth crosses the pitch point at phi1 = "
+        f"the teeth of the {gear} gear reach over {degrees(covered):.4g} deg, with a tooth beyond each end of the "
+        f"range, and {degrees(LEAST_GAP_RAD):.3g} deg must be left of a turn (the last tooth is in mesh at phi1 = "
         f"{in_words(float(flanks.curve.driving_angle(after.rolled[0, :1])[0]))}); a smaller range or smaller teeth "
         "are right",
         key="motion",

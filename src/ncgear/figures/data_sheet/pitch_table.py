@@ -33,8 +33,9 @@ COLUMNS = (
 def pitch_table(drive: Drive) -> Table:
     """Angles, ratio and both pitch radii over one turn of the driving gear, at least one row for each of its teeth.
 
-    Gears that turn less than once have their range in place of a turn.  In the frame of a gear, the polar angle of a pitch point counts from the point where the gears meet at phi1 = 0.  It
-    equals the gear's own turn, in the opposite sense.
+    Gears that turn less than once have their range in place of a turn.  In the frame of a gear, the polar angle of a
+    pitch point counts from the point where the gears meet at phi1 = 0.  It equals the gear's own turn, in the
+    opposite sense.
     """
     pitch = drive.pitch
     phi1_deg = turn_deg(pitch.size.driving_teeth, _end_deg(pitch))

@@ -1,7 +1,7 @@
 """Gears that compute a function y = f(x): both angles are linear scales, one of x and one of y.
 
-phi1 = R1 (x - x0) / (x1 - x0) and phi2 = R2 (y - y0) / (y1 - y0), so that dphi2/dphi1 = (R2 / R1) f'(x) (x1 - x0) / (y1 -
-y0), over a range of x on which f rises or falls throughout.  Where it falls, the driven scale runs from the greatest y
+phi1 = R1 (x - x0) / (x1 - x0) and phi2 = R2 (y - y0) / (y1 - y0), so that dphi2/dphi1 is proportional to f'(x), over a
+range of x on which f rises or falls throughout.  Where it falls, the driven scale runs from the greatest y
 to the least (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge 2009).
 """
 

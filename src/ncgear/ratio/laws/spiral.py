@@ -19,7 +19,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Piece, Range, Transmission
 
 LEAST_GROWTH = 1e-6
-"""Least tangent m of a spiral's angle: a smaller one is a circle to any tool, and its closed form has lost its digits."""
+"""Least tangent m of a spiral's angle: a smaller one is a circle to any tool, and its closed form loses digits."""
 
 
 def logarithmic_spirals(ratio_start: float, ratio_end: float, driving_rad: float) -> Transmission:
