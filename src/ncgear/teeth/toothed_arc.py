@@ -69,7 +69,8 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         rho, radius = rounding[side], radii[side]
         foot = (radius + rho) * cos(used[side])
         near, far = (abs(end), foot) if side == 0 else (foot, abs(start))
-        return outward[side] * (near + (far - near) * share), outward[side] * (far - near) * np.ones_like(share)
+        step = np.full(share.shape, outward[side] * (far - near))
+        return outward[side] * near + step * share, step
 
     def corner(side: int, share: Array) -> ComplexPair:
         rho, radius = rounding[side], radii[side]
