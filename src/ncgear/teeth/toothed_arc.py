@@ -69,7 +69,7 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         rho, radius = rounding[side], radii[side]
         foot = (radius + rho) * cos(used[side])
         near, far = (abs(end), foot) if side == 0 else (foot, abs(start))
-        step = np.full(share.shape, outward[side] * (far - near))
+        step: ComplexArray = np.full(share.shape, outward[side] * (far - near), dtype=complex)
         return outward[side] * near + step * share, step
 
     def corner(side: int, share: Array) -> ComplexPair:
