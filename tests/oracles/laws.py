@@ -381,6 +381,38 @@ def _rough_distance(motion: dict[str, Any], lobes: tuple[int, int]) -> Real:
     return (1 + mp.mpf(lobes[1]) / lobes[0]) * (max(radii) + sum(radii) / 40) / 2
 
 
+def _open_law(asked: Asked, driven: Callable[[Real], Real], end: Real) -> Law:
+    """The law of a driven angle over a range, which has one piece."""
+    piece = Piece(driven, lambda phi1: (mp.diff(driven, phi1), mp.diff(driven, phi1, 2)))
+    return Law(asked.linkage, (mp.mpf(0), end), (piece,))
+
+
+def _spiral(asked: Asked) -> Law:
+    """dphi2 = r1 / (1 - r1) dphi1 with r1 = r0 exp(m phi1), by quadrature."""
+    start, end = (1 / (1 + mp.mpf(asked.motion[key])) for key in ("ratio_start", "ratio_end"))
+    turned = exact(angle(asked.motion, "range"))
+    growth = mp.log(end / start) / turned
+
+    def radius(phi1: Real) -> Real:
+        return start * mp.exp(growth * phi1)
+
+    return _open_law(asked, lambda phi1: integral(lambda at: radius(at) / (1 - radius(at)), mp.mpf(0), phi1), turned)
+
+
+def _function_generator(asked: Asked) -> Law:
+    """Both angles as scales of x and of y."""
+    first, last = (mp.mpf(asked.motion[key]) for key in ("x_from", "x_to"))
+    ranges = [exact(angle(asked.motion, name)) for name in ("driving_range", "driven_range")]
+
+    def y(x: Real) -> Real:
+        return eval(asked.motion["function"], {"__builtins__": {}}, {**WORDS, "x": x})
+
+    def driven(phi1: Real) -> Real:
+        return ranges[1] * (y(first + (last - first) * phi1 / ranges[0]) - y(first)) / (y(last) - y(first))
+
+    return _open_law(asked, driven, ranges[0])
+
+
 REFERENCES: dict[str, Callable[[Asked], Law]] = {
     "three_segment_stroke": lambda asked: _stroke_law(asked.motion, asked.linkage, asked.closing),
     "ratio_expression": lambda asked: _by_slope(asked, _formula_slope(asked.motion)),
@@ -390,5 +422,7 @@ REFERENCES: dict[str, Callable[[Asked], Law]] = {
     "table": _table_law,
     "pitch_curve": _pitch_curve_law,
     "uniform_crank": lambda asked: _by_slope(asked, lambda phi: mp.mpf(1)),
+    "spiral": _spiral,
+    "function_generator": _function_generator,
 }
 """By the name of the law."""

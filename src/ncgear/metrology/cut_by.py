@@ -19,7 +19,7 @@ from ncgear.metrology.round_tool import RoundTool
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.teeth.flank import Flanks, mating_flanks
+from ncgear.teeth.flank import Flanks, made_mates
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.gear import ToothedPair
 from ncgear.teeth.spaces import cut_spaces
@@ -153,15 +153,17 @@ def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tup
     except NoSuchMechanism as refusal:
         return Verdict.NOT, refusal.problem.split(";")[0]
     near = SAME * rack.module_mm
-    if type(flanks.tool) is type(tool) and not _differ(cut.flank_depth_mm, flanks.flank_depth_mm, near):
-        if _differ(cut.root_radius_mm, cut.root_radius_mm[:1], near):
+    made = flanks.is_made
+    if type(flanks.tool) is type(tool) and not _differ(cut.flank_depth_mm[made], flanks.flank_depth_mm[made], near):
+        if _differ(cut.root_radius_mm[made], cut.root_radius_mm[:1], near):
             return Verdict.NOT, "its tip would need other roundings from tooth to tooth"
         return Verdict.CUTS, ""
+    undercut &= flanks.is_made
     if undercut.any():
         return Verdict.NOT, f"at full depth it undercuts tooth {flanks.tooth[undercut][0]}"
     if isinstance(tool, PinionCircle) and np.any(own.tips.height_mm > tool.radius_mm * flanks.slant.sine**2):
         return Verdict.NOT, "its involutes end at its base circle before they reach the tips"
-    pairs = mating_flanks(teeth.driving.teeth, teeth.driven.teeth)
+    pairs = made_mates(teeth.driving.flanks, teeth.driven.flanks)
     mine, its = pairs if gear is Gear.DRIVING else pairs[::-1]
     shallow = (cut.flank_depth_mm < own.tips.met_depth_mm - near)[mine]
     shallow |= cut.root_depth_mm[mine] < mate.flanks.tip_height_mm[its] + near

@@ -88,7 +88,8 @@ def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array
     are thinner than the outline's, because of that thickness.
     """
     flanks = working.flanks
-    front = np.arange(1, flanks.count, 2)
+    # Of gears that turn less than once, spaces between two teeth.
+    front = np.arange(1, flanks.count if flanks.made is None else 2 * flanks.made - 1, 2)
     both = np.stack([front, (front + 1) % flanks.count])
     center, heights, met = _resting(working, both, diameter_mm / 2.0 / working.base_cosine[both])
     sense = -1.0 if working.is_ring else 1.0
@@ -162,12 +163,15 @@ def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
     """The distances over the pins (in a ring: between them) of all pairs of spaces half the teeth apart.
 
     With z even there are z / 2 pairs; with z odd there are z pairs, (z - 1) / 2 spaces apart.  Left out are pairs whose
-    pins measure nothing or do not stand out of the tips, seen from each other's far side.
+    pins measure nothing or do not stand out of the tips, seen from each other's far side.  Gears that turn less than
+    once have none.
     """
-    teeth = working.flanks.count // 2
+    teeth = working.flanks.teeth
     row = np.full(teeth + 1, -1)
     row[pins.space] = np.arange(pins.space.size)
     first = np.arange(1, teeth // 2 + 1 if teeth % 2 == 0 else teeth + 1)
+    if working.flanks.made is not None:
+        first = first[:0]
     second = (first + teeth // 2 - 1) % teeth + 1
     both = np.nonzero((row[first] >= 0) & (row[second] >= 0))[0]
     return _apart(working, pins, row[first[both]], row[second[both]])

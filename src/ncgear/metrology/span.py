@@ -70,6 +70,10 @@ def spans(working: WorkingFlanks) -> Spans:
     pushing, idle = flanks.rack.angles_rad
     if not flanks.equivalent and pushing == idle:
         chords = _of_teeth(working, measuring_chords(flanks.curve, pushing, turn))
+    if flanks.made is not None:
+        # Chords that go from tooth to tooth of those that are made; the first of them stands before the range.
+        after = flanks.crossing_mm[2 * flanks.made - 1]
+        chords = chords.kept((chords.start_mm >= 0.0) & (chords.end_mm <= after))
     first, low = _touching(working, chords.start_mm, -1.0)
     last, high = _touching(working, chords.end_mm, 1.0)
     good = np.isfinite(low) & np.isfinite(high)
@@ -95,13 +99,13 @@ def _of_teeth(working: WorkingFlanks, chords: MeasuringChords) -> MeasuringChord
         return chords
     flanks = working.flanks
     arc = float((chords.end_mm - chords.start_mm)[0])
-    number = flanks.count // 2
+    number = flanks.teeth
     over = max(1, round(arc / flanks.rack.pitch_mm + 0.5))
     back, front = flanks.crossing_mm[::2], flanks.crossing_mm[1::2]
-    last = np.arange(number) + over - 1
+    last = np.arange(number if flanks.made is None else number - over + 1) + over - 1
     ends = front[last % number] + last // number * flanks.curve.length_mm
-    start = (back + ends - arc) / 2.0
-    return MeasuringChords(start, start + arc, np.ones(number, dtype=bool), everywhere=True)
+    start = (back[: last.size] + ends - arc) / 2.0
+    return MeasuringChords(start, start + arc, np.ones(last.size, dtype=bool), everywhere=True)
 
 
 def _touching(working: WorkingFlanks, sigma_mm: Array, side: float) -> tuple[IndexArray, Array]:
@@ -147,6 +151,10 @@ class MeasuringChords:
     end_mm: Array
     least: Mask
     everywhere: bool = False
+
+    def kept(self, rows: Mask) -> MeasuringChords:
+        """The chosen chords."""
+        return MeasuringChords(self.start_mm[rows], self.end_mm[rows], self.least[rows], self.everywhere)
 
 
 NO_CHORDS = MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))

@@ -84,8 +84,11 @@ def _over_tips_rad(gear: ToothedGear) -> Array:
 
 def tip_radii_mm(gear: ToothedGear) -> Array:
     """Distance of each tooth's tip from the axis in mm, at the middle of its land, shape (z,)."""
-    flanks, at = gear.flanks, gear.sides.tip_mm.reshape(-1, 2)
-    points = flanks.offset(at.mean(axis=1), flanks.tip_height_mm.reshape(-1, 2).mean(axis=1))[0]
+    flanks = gear.flanks
+    at, height = (
+        values.reshape(-1, 2)[: gear.teeth].mean(axis=1) for values in (gear.sides.tip_mm, flanks.tip_height_mm)
+    )
+    points = flanks.offset(at, height)[0]
     radii: Array = np.linalg.norm(points, axis=1)
     return radii
 
@@ -93,6 +96,6 @@ def tip_radii_mm(gear: ToothedGear) -> Array:
 def root_radii_mm(gear: ToothedGear) -> Array:
     """Distance from the axis of the bottom of the space after each tooth, at the middle of its land, shape (z,)."""
     start, end = gear.sides.roots.lands()
-    points = gear.sides.roots.land(np.arange(gear.teeth), (start + end) / 2.0)[0]
+    points = gear.sides.roots.land(np.arange(gear.teeth), (start + end)[: gear.teeth] / 2.0)[0]
     radii: Array = np.linalg.norm(points, axis=1)
     return radii

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isclose, pi
+from math import degrees, isclose, pi
 
 import numpy as np
 
@@ -10,10 +10,10 @@ from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import RockerTorque, ShaftTorque, StrokeForce, TurningLoad
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
-from ncgear.ratio.transmission import Law, Lobes
+from ncgear.ratio.transmission import CLOSED, Law, Lobes
 
 
 def law_of(design: Design) -> Law:
@@ -24,7 +24,27 @@ def law_of(design: Design) -> Law:
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm()), lobes)
-    return motion.law_on(mechanism_of(design.linkage), lobes)
+    law = motion.law_on(mechanism_of(design.linkage), lobes)
+    covered = law.transmission.lobes.range
+    within = covered is not None and law.linkage.RETURNS
+    if within and covered.driven_rad > law.linkage.working_angle_rad * (1.0 + CLOSED):
+        raise NoSuchMechanism(
+            f"the driven gear turns by {degrees(covered.driven_rad):.5g} deg and the crank's working stroke is "
+            f"{degrees(law.linkage.working_angle_rad):.5g} deg: gears that turn less than once stay within it; a "
+            "smaller range, or a greater ratio, is right",
+            key="motion",
+        )
+    return law
+
+
+def require_whole_turns(design: Design, what: str) -> None:
+    """Raise WrongInput where the gears turn less than once; ``what`` is not offered for these."""
+    if design.motion.is_open:
+        raise WrongInput(
+            f"{design.motion.law} over a range, with which gears turn to and fro, less than once; {what} is offered "
+            "for gears that turn on and on",
+            key="motion.law",
+        )
 
 
 def lobes_of(design: Design) -> Lobes:
@@ -73,6 +93,8 @@ def load_of(design: Design) -> SliderLoad:
     working = _resistance_of(given, "resistance")
     match given:
         case ShaftTorque():
+            if design.motion.is_open:
+                return SliderLoad(working)
             _refuse_a_seam(working)
             return SliderLoad(working, repeats_after=2.0 * pi)
         case RockerTorque():

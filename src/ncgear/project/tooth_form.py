@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import Gears, Rack
@@ -11,7 +11,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Mesh
 from ncgear.solids.helical.helix import Hand, Helix
-from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
+from ncgear.teeth.form import MOST_SHIFT, Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
 
 if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
@@ -32,6 +32,14 @@ def rack_of(gears: Gears, module_mm: float) -> BasicRack:
         relief=_relief(rack, module_mm),
         idle_angle_rad=radians(rack.angles_deg[1]),
     )
+
+
+def reach_in_pitches(gears: Gears) -> float:
+    """Rolled length, in pitches, over which teeth of full height touch to each side of the pitch point."""
+    rack, shift, angle = gears.rack, gears.profile_shift, radians(min(gears.rack.angles_deg))
+    shifts = [abs(value) for value in (shift.driving, shift.driven) if value is not None]
+    height = rack.addendum * (1.0 + (MOST_SHIFT if shift.against_undercut else 0.0)) + max(shifts, default=0.0)
+    return height / (pi * sin(angle) * cos(angle))
 
 
 def require_pushing_flanks(pitch: PitchPair, rack: Rack) -> None:

@@ -16,7 +16,7 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
-from ncgear.project.law import kept_size, load_of, lobes_of
+from ncgear.project.law import kept_size, load_of, lobes_of, require_whole_turns
 from ncgear.project.motion_wishes import motion_wishes_of
 from ncgear.project.moving_masses import masses_of
 from ncgear.project.tooth_form import rack_of
@@ -28,8 +28,10 @@ RACK_ANGLE_DEG = 20.0
 def task_of(design: Design) -> task.Task:
     """The machine: mechanism, load, masses, speed and lobes.
 
-    Raises WrongInput for a mechanism whose output never returns: limits and laws of strokes know dead centres.
+    Raises WrongInput for gears that turn less than once, and for a mechanism whose output never returns: limits and
+    laws of strokes know dead centres.
     """
+    require_whole_turns(design, "the search for a best law")
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
     if not linkage.RETURNS:
         problem = f"{linkage.NAME} moves nothing to and fro, and the best law is sought for strokes only"

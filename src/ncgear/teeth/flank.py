@@ -106,6 +106,12 @@ class Flanks:
         return self.count // 2 if self.made is None else self.made
 
     @property
+    def is_made(self) -> Mask:
+        """Which flanks are made, shape (2 z,)."""
+        made: Mask = np.arange(self.count) < 2 * self.teeth
+        return made
+
+    @property
     def tooth(self) -> IndexArray:
         """Number of each flank's tooth, from 1."""
         return np.arange(self.count) // 2 + 1
@@ -406,6 +412,13 @@ def mating_flanks(driving_teeth: int, driven_teeth: int) -> tuple[IndexArray, In
     meeting = np.arange(lcm(driving_teeth, driven_teeth))
     own, ahead, behind = meeting % driving_teeth, meeting % driven_teeth, (meeting - 1) % driven_teeth
     return np.concatenate([2 * own + 1, 2 * own]), np.concatenate([2 * ahead, 2 * behind + 1])
+
+
+def made_mates(driving: Flanks, driven: Flanks) -> tuple[IndexArray, IndexArray]:
+    """``mating_flanks`` of two gears, of which both are made."""
+    one, other = mating_flanks(driving.count // 2, driven.count // 2)
+    both = driving.is_made[one] & driven.is_made[other]
+    return one[both], other[both]
 
 
 def flank_name(flanks: Flanks, flank: int) -> str:

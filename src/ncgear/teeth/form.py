@@ -17,6 +17,9 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.teeth.root_radius import largest_root_radius
 
+MOST_SHIFT = 0.7
+"""Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
+
 
 @dataclass(frozen=True)
 class TipRelief:

@@ -7,7 +7,7 @@ the outlines.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import ceil, cos, inf, tan
 
@@ -19,14 +19,13 @@ from ncgear.pitch.shape import Gear
 from ncgear.teeth.backlash import play_of
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
-from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
+from ncgear.teeth.form import MOST_SHIFT, BasicRack, CutterKind, ToothForm
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.outline import ChordTolerance, outline_points, simple_polygon
 from ncgear.teeth.shifts import ToothShifts, refuse_open, tooth_shifts
 from ncgear.teeth.sides import Sides, refuse_folded_lands, refuse_sharp_places, regular_sides, swept, trimmed_sides
 from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import chosen_tools
-from ncgear.teeth.toothed_arc import BEFORE, toothed_arc
 
 MOST_ASTRAY = 3.0
 """The driven gear as written may miss the law by this many chord tolerances, divided by the driven pitch radius."""
@@ -69,7 +68,7 @@ class ToothedGear:
         return self._numbers(self.tips.limit == reason)
 
     def _numbers(self, marked: Mask) -> list[int]:
-        return sorted({int(number) for number in self.flanks.tooth[marked] if number <= self.teeth})
+        return sorted({int(number) for number in self.flanks.tooth[marked]})
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,23 +130,23 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     turn = -pitch.mesh.sense * play.driven_rad
     first = quarter + pushing, quarter + idle - play.setback_mm
     second = quarter - idle + play.setback_mm, quarter - pushing
-    arc = toothed_arc(pitch)
-    first_mm = advance_mm - (BEFORE * form.rack.pitch_mm if arc else 0.0)
+    arc = pitch.toothed
+    first_mm = advance_mm - (arc.before * form.rack.pitch_mm if arc else 0.0)
     start = first_mm, first_mm + 2.0 * quarter
-    made = (arc.driving_teeth, arc.driven_teeth) if arc else (None, None)
+    count = (arc.around, arc.around) if arc else (size.driving_teeth, size.driven_teeth)
+    made = [arc.teeth(gear) if arc else None for gear in Gear]
     shifts: tuple[ToothShifts, ToothShifts] | tuple[None, None] = (None, None)
     if form.tooth_shifts_mm:
         if arc:
             refuse_open()
-        teeth = size.driving_teeth, size.driven_teeth
-        shifts = tooth_shifts(np.array(form.tooth_shifts_mm), form.rack.module_mm, form.rack.angles_rad, teeth)
+        shifts = tooth_shifts(np.array(form.tooth_shifts_mm), form.rack.module_mm, form.rack.angles_rad, count)
     driving, driven = (
         partial(flanks_of, shifts=own, equivalent=form.equivalent, made=kept)
         for own, kept in zip(shifts, made, strict=True)
     )
     tips = fitted_pair(
-        driving(pitch.driving, racks[0], size.driving_teeth, tools[0], start[0], first),
-        driven(pitch.driven, racks[1], size.driven_teeth, tools[1], start[1], second, turn),
+        driving(pitch.driving, racks[0], count[0], tools[0], start[0], first),
+        driven(pitch.driven, racks[1], count[1], tools[1], start[1], second, turn),
         form.limits,
     )
     if kind is CutterKind.PINION:
@@ -164,11 +163,11 @@ def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     tips, sides = swept(tips, trimmed_sides(flanks, sides, irregular))
     outline = outline_points(tips, sides, chords)
     simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
-    return ToothedGear(tips, sides, outline)
+    made = flanks.is_made
+    return ToothedGear(
+        replace(tips, limit=np.where(made, tips.limit, Limit.FULL), undercut=tips.undercut & made), sides, outline
+    )
 
-
-MOST_SHIFT = 0.7
-"""Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
 
 ROUNDING = 1e-9
 """Share by which chosen shifts stay clear of the limit, at which rounding would decide whether flanks are undercut."""
@@ -207,12 +206,18 @@ def teeth_free_of_undercut(pitch: PitchPair, driving: BasicRack, driven: BasicRa
     """Number of driving teeth from which on no tooth can be undercut, wherever it stands on the curves.
 
     A flank is regular where k h_F < sin^2(alpha); the curvature per module falls as teeth are added at a fixed shape.
+    Of gears that turn less than once it is the number of pitches in the range.
     """
     depths = {Gear.DRIVING: driving, Gear.DRIVEN: driven}
-    lobes, found = pitch.transmission.lobes.driving, []
+    whole, toothed = pitch.size.driving_teeth, pitch.toothed
+    around = whole if toothed is None else toothed.covered_mm / driving.pitch_mm
+    found = []
     for gear, rack in depths.items():
         sharpest = pitch.curvature_range[gear][1].value
         for slant in rack.slants:
             depth = rack.dedendum_mm - rack.root_radius_mm * (1.0 - slant.sine) - rack.shift_mm
-            found.append(pitch.size.driving_teeth * (sharpest * depth) / slant.sine**2 / lobes)
-    return lobes * ceil(max(found))
+            found.append(around * (sharpest * depth) / slant.sine**2)
+    if toothed is not None:
+        return ceil(max(found))
+    lobes = pitch.transmission.lobes.driving
+    return lobes * ceil(max(found) / lobes)

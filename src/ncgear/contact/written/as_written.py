@@ -88,6 +88,9 @@ def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement
     driving_tips, driving_roots = _tips_and_roots(outlines.driving_mm, teeth.driving.flanks)
     driven_tips, driven_roots = _tips_and_roots(outlines.driven_mm, teeth.driven.flanks)
     number = np.arange(placement.meetings)
+    if placement.toothed is not None:
+        # Both teeth of a meeting, and the one before, are made.
+        number = np.arange(1, min(teeth.driving.teeth, teeth.driven.teeth))
     own, other = number % teeth.driving.teeth, number % teeth.driven.teeth
     before = (number - 1) % teeth.driven.teeth
     return (

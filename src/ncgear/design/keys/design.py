@@ -158,6 +158,30 @@ class Design(Model):
         return self
 
     @model_validator(mode="after")
+    def _open_gears(self) -> Self:
+        """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key."""
+        if not self.motion.is_open:
+            return self
+        gears = self.gears
+        asked = {
+            "gears.mesh": gears is not None and gears.mesh != "external",
+            "gears.helix": gears is not None and gears.helix is not None,
+            "gears.lobes": gears is not None and (gears.lobes.driving, gears.lobes.driven) != (1, 1),
+            "gears.method": gears is not None and gears.method != "exact",
+            "masses": self.masses is not None,
+            "drivetrain": self.drivetrain is not None,
+            "comparison": self.comparison is not None,
+            "wishes": self.wishes != Wishes(),
+            "optimize": self.optimize is not None,
+        }
+        for key, given in asked.items():
+            if given:
+                raise fault(
+                    key, "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
+                )
+        return self
+
+    @model_validator(mode="after")
     def _stages_have_one_lobe(self) -> Self:
         wished = self.optimize.limits.stages if self.optimize else 1
         lobes = (self.gears.lobes.driving, self.gears.lobes.driven) if self.gears else (1, 1)

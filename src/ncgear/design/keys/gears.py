@@ -236,7 +236,11 @@ class Gears(Model):
     )
     lobes: Lobes = Field(default_factory=Lobes, description="lobes of each gear; left out: one each")
     teeth: int | None = Field(
-        default=None, ge=3, le=MOST_TEETH, description="teeth of the driving gear, a whole number"
+        default=None,
+        ge=3,
+        le=MOST_TEETH,
+        description="teeth of the driving gear, a whole number; of gears that turn less than once, "
+        "the pitches from end to end of the range (no more than one tooth is added at each end)",
     )
     module_mm: Length | None = Field(default=None, description="module in mm")
     center_distance_mm: Length | None = Field(default=None, description="distance of the two axes in mm")

@@ -34,6 +34,8 @@ class LawName(StrEnum):
     TABLE = "table"
     PITCH_CURVE = "pitch_curve"
     UNIFORM_CRANK = "uniform_crank"
+    SPIRAL = "spiral"
+    FUNCTION_GENERATOR = "function_generator"
 
 
 DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE

@@ -153,6 +153,7 @@ def sizes(drive: Drive) -> tuple[Entry, ...]:
     return (
         Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven)),
         Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth),
+        *_turns(drive),
         Entry("module", "mm", pair=size.module_mm),
         Entry("centre distance", "mm", pair=size.center_distance_mm),
         Entry("face width", "mm", pair=drive.gears.face_width_mm),
@@ -160,6 +161,15 @@ def sizes(drive: Drive) -> tuple[Entry, ...]:
         *_radii(drive),
         _of_both("least radius of curvature", pitch.least_radius_mm(Gear.DRIVING), pitch.least_radius_mm(Gear.DRIVEN)),
     )
+
+
+def _turns(drive: Drive) -> list[Entry]:
+    """How far gears that turn less than once turn from one end stop to the other."""
+    covered = drive.pitch.transmission.lobes.range
+    if covered is None:
+        return []
+    angles = degrees(covered.driving_rad), degrees(covered.driven_rad)
+    return [Entry("turn between the end stops", "deg", driving=angles[0], driven=angles[1])]
 
 
 def _kind(curve: PitchCurve) -> str:
@@ -435,8 +445,8 @@ def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tupl
 
 
 def _spaces(gear: MeasuredGear) -> Value:
-    measured, teeth = gear.pins.space.size, gear.toothed.teeth
-    return "all" if measured == teeth else f"{measured} of {teeth}"
+    measured, spaces = gear.pins.space.size, gear.toothed.teeth - (gear.toothed.flanks.made is not None)
+    return "all" if measured == spaces else f"{measured} of {spaces}"
 
 
 def _places(gear: MeasuredGear) -> Value:

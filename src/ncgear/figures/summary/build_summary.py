@@ -165,11 +165,12 @@ def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
 
 def teeth_summary(drive: Drive) -> dict[str, Any]:
     """Numbers, sizes, undercut, shortened tips."""
-    teeth, size = drive.teeth, drive.pitch.size
+    teeth, size, toothed = drive.teeth, drive.pitch.size, drive.pitch.toothed
     return {
         "driving": size.driving_teeth,
         "driven": size.driven_teeth,
         "module_mm": size.module_mm,
+        **({"pitches_in_range": toothed.covered_mm / drive.rack.pitch_mm} if toothed else {}),
         "backlash_mm": drive.play.least_normal_mm.value,
         "backlash_max_mm": drive.play.largest_normal_mm.value,
         "play_rad": drive.play.driven_rad,
@@ -223,7 +224,7 @@ def _shifts(drive: Drive) -> dict[str, Any]:
 
 def _tips(gear: ToothedGear) -> dict[str, Any]:
     """Least height of the tips, how much they are shortened at most, and the teeth with shortened tips by reason."""
-    result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
+    result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm[gear.flanks.is_made].min())}
     for reason in Limit:
         if reason is not Limit.FULL and (numbers := gear.shortened(reason)):
             result[f"shortened_for_{reason.name.lower()}"] = numbers

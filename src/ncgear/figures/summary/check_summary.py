@@ -49,6 +49,13 @@ def _achieved(drive: Drive) -> dict[str, Any]:
 def _drive(drive: Drive) -> dict[str, Any]:
     """Speeds, lobes, and the linkage where there is one."""
     lobes = drive.transmission.lobes
+    if lobes.range is not None:
+        return {
+            "speed_rpm": drive.design.operation.speed_rpm,
+            "law_speed_rpm": drive.law_speed_rpm,
+            "driving_range_deg": degrees(lobes.range.driving_rad),
+            "driven_range_deg": degrees(lobes.range.driven_rad),
+        }
     return {
         "speed_rpm": drive.design.operation.speed_rpm,
         "law_speed_rpm": drive.law_speed_rpm,
