@@ -106,7 +106,9 @@ def test_a_figure_or_claim_taken_out_is_missed(paper: Paper) -> None:
             assert missing_claims(replace(paper, entries=rest_of_entries)), what
 
 
-@pytest.mark.parametrize(("title", "count"), [(BALER, 46), (CHASSIS, 391), (DRUM, 388), (SIEVE, 213), (LINES, 40), (SHAPED, 58)])
+@pytest.mark.parametrize(
+    ("title", "count"), [(BALER, 46), (CHASSIS, 391), (DRUM, 388), (SIEVE, 213), (LINES, 40), (SHAPED, 58)]
+)
 def test_numbers_listed(title: str, count: int) -> None:
     """How many numbers each paper prints, so that none is lost from the list."""
     assert sum(len(line.split()) for line in NUMBERS[title].values()) == count

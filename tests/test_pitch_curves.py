@@ -665,8 +665,9 @@ def judged(curve: ClosedCurve, radius: Callable[[float], float], breaks: list[fl
     assert turned == pytest.approx(tau, abs=1e-7)
 
 
+# Sides that are all but rounded away are judged by the next test.
 polygons = st.tuples(
-    st.integers(3, 7), st.floats(20.0, 100.0), st.floats(0.05, 1.0), st.floats(0.0, 0.5), st.floats(0.0, tau)
+    st.integers(3, 7), st.floats(20.0, 100.0), st.floats(0.05, 0.99), st.floats(0.0, 0.5), st.floats(0.0, tau)
 )
 
 
@@ -689,6 +690,14 @@ def one_polygon(values: tuple[int, float, float, float, float]) -> None:
 @given(polygons)
 def test_random_polygons_close(values: tuple[int, float, float, float, float]) -> None:
     one_polygon(values)
+
+
+def test_a_part_too_narrow_to_be_followed_is_refused_with_its_place() -> None:
+    """A side of 1e-5 of its polygon between two arcs: a limit that the page tells, not one of the curve."""
+    with pytest.raises(
+        NoSuchMechanism, match=r"near phi1 = 6\.28317 rad .* or changes there faster than can be followed"
+    ):
+        closed(rounded_polygon(3, 20.0, 0.99999 * 10.0 / tan(pi / 3.0), CENTER, KEY))
 
 
 @pytest.mark.slow

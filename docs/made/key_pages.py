@@ -37,12 +37,13 @@ FORMULAS = f"""\
 ## Formulas
 
 The keys [`motion.ratio`, `motion.driven_angle`](#motion-law-ratio_expression),
-[`motion.expression_mm`](#motion-law-pitch_curve) and [`resistance.expression_n`](#resistance) are formulas in Python's notation: powers are `**`, the decimal sign is a
+[`motion.expression_mm`](#motion-law-pitch_curve) and [`resistance.expression_n`](#resistance) are formulas in
+Python's notation: powers are `**`, the decimal sign is a
 point, angles are in radians.
 
 | what | for instance |
 |---|---|
-| the variable: `phi`, the angle of the driving gear (or of the gear whose curve is given) in rad, or `x`, the displacement in mm | `1 + 0.3*cos(phi)` |
+| the variable: `phi`, the driving angle in rad, or `x`, the displacement in mm | `1 + 0.3*cos(phi)` |
 | numbers, `pi`, `+ - * /`, brackets | `200 + 3*x/80` |
 | powers with a number as exponent, at most {LARGEST_POWER} | `x**2`, `(1.2 + cos(phi))**0.5` |
 | {_listed(FUNCTIONS)} of one argument | `exp(0.3*cos(phi))` |

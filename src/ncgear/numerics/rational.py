@@ -52,7 +52,7 @@ class RationalSpline:
         degree, start, end = self.degree, self.knots[self.degree], self.knots[-self.degree - 1]
         spline = BSpline(self.knots, np.column_stack([self.points * self.weights[:, None], self.weights]), degree)
         for knot in (start, end):
-            missing = degree + 1 - np.count_nonzero(self.knots == knot)
+            missing = degree + 1 - int(np.count_nonzero(self.knots == knot))
             for _ in range(min(missing, degree)):
                 spline = spline.insert_knot(knot) if np.count_nonzero(spline.t == knot) < degree else spline
         first = int(np.searchsorted(spline.t, start, side="right")) - degree
@@ -76,8 +76,8 @@ class RationalSpline:
         span = np.searchsorted(forms[0].x, breaks[:-1], side="right") - 1
         rising = np.stack([form.c[::-1, span] for form in forms], axis=-1)
         joints = np.flatnonzero(self.degree - count[1:-1] < 2) + 1
-        edges: list[int] = [0, *joints.tolist(), breaks.size - 1]
-        return [Spans(breaks[a : b + 1], rising[:, a:b]) for a, b in pairwise(edges)]
+        edges = pairwise([0, *map(int, joints), breaks.size - 1])
+        return [Spans(breaks[a : b + 1], rising[:, a:b]) for a, b in edges]
 
 
 def line(start: Sequence[float], end: Sequence[float]) -> RationalSpline:

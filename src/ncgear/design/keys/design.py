@@ -174,8 +174,8 @@ class Design(Model):
             "wishes": self.wishes != Wishes(),
             "optimize": self.optimize is not None,
         }
-        for key, given in asked.items():
-            if given:
+        for key, is_given in asked.items():
+            if is_given:
                 raise fault(
                     key, "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
                 )

@@ -8,7 +8,18 @@ import numpy as np
 
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.papers.entry import (
-    Computed, Entry, LeftOut, Paper, Printed, Reason, Relation, Verdict, computed, counted, equations, texts,
+    Computed,
+    Entry,
+    LeftOut,
+    Paper,
+    Printed,
+    Reason,
+    Relation,
+    Verdict,
+    computed,
+    counted,
+    equations,
+    texts,
 )  # fmt: skip
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear

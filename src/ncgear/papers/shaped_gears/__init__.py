@@ -6,8 +6,20 @@ from functools import cache
 from math import pi, radians, tan
 
 from ncgear.papers.entry import (
-    Below, Computed, Entry, LeftOut, Paper, Printed, Reason, Relation, Verdict, computed, counted, equations,
-    from_readings, texts,
+    Below,
+    Computed,
+    Entry,
+    LeftOut,
+    Paper,
+    Printed,
+    Reason,
+    Relation,
+    Verdict,
+    computed,
+    counted,
+    equations,
+    from_readings,
+    texts,
 )  # fmt: skip
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
@@ -87,7 +99,8 @@ PAPER = Paper(
               "With straight sides, corners of 25 mm and 32 teeth, axes 150 mm apart make 4.923 mm."),
         Entry(("section 9",), "centre distance at the printed module", Printed(("150",), "mm"), Verdict.REPRODUCED,
               _distance_of_the_module),
-        Entry(("section 9",), "mate with concave sides", Below("0 < curvature of the dents"), Verdict.REPRODUCED, _dented),
+        Entry(("section 9",), "mate with concave sides", Below("0 < curvature of the dents"), Verdict.REPRODUCED,
+              _dented),
     ),
     left_out=(
         LeftOut(("section 9",), "radius of the corners", Reason.GIVEN, texts("25")),

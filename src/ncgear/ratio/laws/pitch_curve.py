@@ -243,9 +243,8 @@ def _one_lobe(curve: ClosedCurve, repeats: int, key: str) -> tuple[Radius, ...]:
 
 
 def _require_alike(first: Sequence[Radius], other: Sequence[Radius], period: float, number: int, key: str) -> None:
-    angles = (np.arange(ALIKE) + 0.5) * (period / ALIKE)
-    shifted: Array = angles + number * period
-    radii = _values(first, angles), _values(other, shifted)
+    angles: Array = np.linspace(0.5, ALIKE - 0.5, ALIKE) * (period / ALIKE)
+    radii = _values(first, angles), _values(other, np.add(angles, number * period, dtype=float))
     differing = np.abs(radii[1] - radii[0])
     worst = int(np.argmax(differing))
     if differing[worst] > JOINED * np.max(radii[0]):
