@@ -26,8 +26,9 @@ def law_of(design: Design) -> Law:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm()), lobes)
     law = motion.law_on(mechanism_of(design.linkage), lobes)
     covered = law.transmission.lobes.range
-    within = covered is not None and law.linkage.RETURNS
-    if within and covered.driven_rad > law.linkage.working_angle_rad * (1.0 + CLOSED):
+    if covered is None or not law.linkage.RETURNS:
+        return law
+    if covered.driven_rad > law.linkage.working_angle_rad * (1.0 + CLOSED):
         raise NoSuchMechanism(
             f"the driven gear turns by {degrees(covered.driven_rad):.5g} deg and the crank's working stroke is "
             f"{degrees(law.linkage.working_angle_rad):.5g} deg: gears that turn less than once stay within it; a "
