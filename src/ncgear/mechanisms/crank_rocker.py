@@ -188,10 +188,10 @@ class CrankRocker(CrankRockers[float], Mechanism):
     NAME: ClassVar[str] = "a crank-rocker"
     OUTPUT: ClassVar[Output] = Output("rocker", angular=True)
     PISTON: ClassVar[bool] = False
+    GUIDED: ClassVar[bool] = False
     POINTS: ClassVar[tuple[str, ...]] = ()
     RODS: ClassVar[tuple[str, ...]] = ("rocker", "coupler")
     MASSES: ClassVar[type[Masses]] = RockerMasses
-    GUIDED: ClassVar[bool] = False
     JOINTS: ClassVar[Mapping[str, str]] = {
         "rocker_bearing": "rocker's bearing",
         "rocker_pin": "rocker pin",

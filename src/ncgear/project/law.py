@@ -25,8 +25,14 @@ def law_of(design: Design) -> Law:
     if motion.gives_stroke:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm()), lobes)
     law = motion.law_on(mechanism_of(design.linkage), lobes)
-    covered = law.transmission.lobes.range
-    if covered is None or not law.linkage.RETURNS:
+    covered, linkage = law.transmission.lobes.range, law.linkage
+    if covered is None and not linkage.RETURNS and not linkage.OUTPUT.angular:
+        raise WrongInput(
+            f"{motion.law}, with which the gears turn on and on, but the {linkage.OUTPUT.name} of {linkage.NAME} never "
+            "comes back by itself; a law over a range (range_deg, spiral or function_generator) is right",
+            key="motion.law",
+        )
+    if covered is None or not linkage.RETURNS:
         return law
     if covered.driven_rad > law.linkage.working_angle_rad * (1.0 + CLOSED):
         raise NoSuchMechanism(
