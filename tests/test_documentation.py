@@ -14,7 +14,7 @@ import drives
 import ncgear
 from documented.installing import ROOT
 from documented.pages import PAGES
-from made import command_heads, drawings, figures, key_pages, material_page
+from made import command_heads, drawings, figures, key_pages, kinds_page, material_page
 from ncgear.design.keys.base import FORMULA
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.summary.check_summary import check_summary
@@ -67,6 +67,21 @@ def test_pages_of_keys_are_todays(name: str) -> None:
 
 def test_the_page_of_materials_is_todays() -> None:
     assert material_page.material_page() == TEXTS[f"docs/{material_page.NAME}"], "run `make docs`"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", kinds_page.KINDS)
+def test_what_a_kind_offers_is_what_its_page_says(kind: str) -> None:
+    """Every cell is tried anew; `make docs` writes the page."""
+    page = TEXTS[f"docs/{kinds_page.NAME}"]
+    heads, *rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("|")]
+    refusals = dict(re.findall(r"^(\d+)\. (.*)$", page, flags=re.MULTILINE))
+    column = heads.index(kind) + 1
+    told = {cells[0]: cells[column] for cells in rows[1:]}
+    for words, found in kinds_page.row(kind).items():
+        cell = told[words]
+        number = re.fullmatch(r"\[(\d+)\]\(#refusals\)", cell)
+        assert found == (refusals[number[1]] if number else cell), words
 
 
 def test_what_formulas_are_made_of_is_what_is_read() -> None:

@@ -6,6 +6,8 @@ import sys
 
 from made.command_heads import FOLDER, NAMES, with_head
 from made.key_pages import PAGES, key_page
+from made.kinds_page import NAME as KINDS
+from made.kinds_page import kinds_page
 from made.material_page import NAME as MATERIALS
 from made.material_page import material_page
 
@@ -20,6 +22,7 @@ def write_pages() -> None:
     for file in PAGES:
         (DOCS / file).write_text(key_page(file), encoding="utf-8")
     (DOCS / MATERIALS).write_text(material_page(), encoding="utf-8")
+    (DOCS / KINDS).write_text(kinds_page(), encoding="utf-8")
 
 
 if __name__ == "__main__":

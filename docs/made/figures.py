@@ -38,6 +38,17 @@ COMMANDS: dict[str, dict[str, str]] = {
         "power.png": "pusher-power.png",
     },
     "animate designs/pusher.yaml --frames 36 --width 640 --out {folder}/pusher.gif": {"pusher.gif": "pusher.gif"},
+    **{
+        f"animate designs/{name}.yaml --frames 24 --width 480 --out {{folder}}/{name}.gif": {f"{name}.gif": f"{name}.gif"}
+        for name in (
+            "rocker-drive",
+            "quick-return-shaper",
+            "scotch-yoke-pump",
+            "rack-feed",
+            "spiral-pair",
+            "oval-flow-meter",
+        )
+    },
     "frontier designs/baler-frontier.yaml --out {folder}": {"frontier.png": "baler-frontier.png"},
     "strength designs/baler-half-dynamics.yaml --out {folder}": {
         "strength.png": "baler-half-strength.png",

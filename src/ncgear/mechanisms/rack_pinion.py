@@ -36,6 +36,7 @@ class RackPinion(Mechanism):
     OUTPUT: ClassVar[Output] = Output("rack")
     RETURNS: ClassVar[bool] = False
     PISTON: ClassVar[bool] = False
+    UNIFORM: ClassVar[str] = "even gears"
     CRANK: ClassVar[str] = "pinion"
     STROKE_KEY: ClassVar[str] = "radius_mm"
     JOINTS: ClassVar[Mapping[str, str]] = {"teeth": "rack's teeth"}

@@ -12,6 +12,7 @@ from ncgear.errors import WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.project.computed import computed
 from ncgear.project.geared import Geared
+from ncgear.project.law import require_whole_turns
 from ncgear.project.tooth_form import mesh_place
 
 if TYPE_CHECKING:
@@ -282,6 +283,7 @@ class Drive(Geared):
         from ncgear.project.tooth_strength import judged_teeth
 
         known = self._known_strengths
+        require_whole_turns(self.design, "the strength of the teeth")
         if method not in known:
             load, teeth = self.tooth_load.load, self.teeth
             with located(self.places), self.stopwatch("strength"):
