@@ -217,7 +217,7 @@ def test_points_that_were_all_refused_say_why(tmp_path: Path, monkeypatch: pytes
 
 
 def test_tables_hold_the_points() -> None:
-    rows = list(csv.DictReader(StringIO(frontier_csv(found()))))
+    rows = list(csv.DictReader(StringIO(frontier_csv(found(), BestLaw(design())))))
     assert [float(row["limit_acceleration_mm_s2"]) for row in rows] == [30_000.0, 14_000.0]
     assert [row["family_acceleration_mm_s2"] for row in rows] == ["", "18500.0"]
     content = json.loads(frontier_json(found(), BestLaw(design())))

@@ -54,7 +54,9 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in halves]
     acceleration = max(accelerations, key=lambda extremum: extremum.value)
     speed = _peak(cycle, Jet.differentiated)
-    work_j = machine.load.cycle_work_n_mm(machine.linkage.stroke_mm) / 1000.0
+    load, linkage = machine.load, machine.linkage
+    out = load.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm, returning=False)
+    work_j = (load.cycle_work_n_mm(linkage.stroke_mm) if linkage.RETURNS else float(out[0])) / 1000.0
     return KinematicCheck(
         output=machine.linkage.OUTPUT,
         speed_rpm=omega / RAD_S_PER_RPM,

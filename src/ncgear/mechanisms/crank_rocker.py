@@ -188,6 +188,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
     NAME: ClassVar[str] = "a crank-rocker"
     OUTPUT: ClassVar[Output] = Output("rocker", angular=True)
     PISTON: ClassVar[bool] = False
+    GUIDED: ClassVar[bool] = False
     POINTS: ClassVar[tuple[str, ...]] = ()
     RODS: ClassVar[tuple[str, ...]] = ("rocker", "coupler")
     MASSES: ClassVar[type[Masses]] = RockerMasses
