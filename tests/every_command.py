@@ -20,7 +20,10 @@ COMMANDS = (
     "build report animate check simulate strength size optimize frontier sweep bench balance new explain reproduce "
     "schema"
 )
-LAWS = "three_segment_stroke", "ratio_expression", "harmonic_ratio", "spline_ratio", "ellipse", "table", "uniform_crank"
+LAWS = (
+    "three_segment_stroke", "ratio_expression", "harmonic_ratio", "spline_ratio", "ellipse", "table", "pitch_curve",
+    "uniform_crank",
+)  # fmt: skip
 SIZES = {"stroke": 80, "crank": 40, "rod": 150, "speed": 50, "teeth": 30, "module": 2, "face-width": 9}
 UNITS = {"stroke": "-mm", "crank": "-mm", "rod": "-mm", "speed": "-rpm", "module": "-mm", "face-width": "-mm"}
 

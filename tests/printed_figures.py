@@ -1,4 +1,4 @@
-"""What the four papers print, by table and section: taken down from their texts, not from the ledger.
+"""What the six publications print, by table and section: taken down from their texts, not from the ledger.
 
 Numbers stand as printed.  Of a table every number of its body is here, as often as it is printed; of a section each
 number once.  Left out are numbers of equations, figures, pages and references, of points, holes and parts, and the
@@ -8,11 +8,13 @@ Figures of an abstract and of conclusions are those of the sections, or differ f
 
 from __future__ import annotations
 
-BALER, CHASSIS, DRUM, SIEVE = (
+BALER, CHASSIS, DRUM, SIEVE, LINES, SHAPED = (
     "Non-circular gears of a baler",
     "Crank-slider on a track chassis",
     "Threshing drum with a side chain drive",
     "Sieve and return pan of a combine harvester",
+    "Gears by their pitch lines",
+    "Gears of changing shift, angle and shape",
 )
 
 ANYWHERE = "abstract and conclusions"
@@ -182,6 +184,25 @@ NUMBERS = {
             16 1592 2523 1927 1956 931
             16.5 1568 2530 1925 1954 962""",
     },
+    LINES: {
+        ANYWHERE: "",
+        "Fig. 2": "1 1 1 2 1 3 1 1 1 1 1 1 2",
+        "Fig. 4": "0 17.20 4 0 16.73 0 -4 16.91 4 -4 16.44",
+        "Fig. 6": "0 60.0 90 64.5 180 68.0 270 64.5",
+        "Fig. 14": "1.6123 20 0.61 -0.05 1.6123 23 0.90 0.00",
+    },
+    SHAPED: {
+        ANYWHERE: "",
+        "section 9": "150 25",
+        "Table 1": "4.71 32 20 -0.2 0.2 1 0.25 6.710 8.081",
+        "Table 2": """
+            0 -0.1 -0.2 -0.1 0 0.1 0.2 0.1
+            0 0.1 0.2 0.1 0 -0.1 -0.2 -0.1
+            0 -0.1 -0.2 -0.1 0 0.1 0.2 0.1
+            0 0.1 0.2 0.1 0 -0.1 -0.2 -0.1""",
+        "Table 3": "4.71 32 17.5 22.5 0 1 0.25 7.396",
+        "Table 4": "4.91 32 20 0 1 0.25 7.714",
+    },
 }
 
 CLAIMS = {
@@ -265,5 +286,6 @@ CLAIMS = {
             "less counterweight than for one": "less counterweight for both together than for the sieve alone",
         },
     },
+    LINES: {},
+    SHAPED: {"section 9": {"the mate has concave segments": "mate with concave sides"}},
 }
-"""Claims by place, each with what the ledger calls it."""

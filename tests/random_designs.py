@@ -174,6 +174,44 @@ ellipses = st.one_of(
 ).map(lambda values: {"law": "ellipse", **values})
 
 
+PITCH_CURVES = st.one_of(
+    group(
+        ellipse=group(
+            semi_major_mm=number(10.0, 40.0),
+            semi_minor_mm=number(8.0, 40.0),
+            axis_x_mm=at_times(number(-9.0, 9.0), 2),
+            axis_y_mm=at_times(number(-9.0, 9.0), 2),
+        )
+    ),
+    group(
+        modified_ellipse=group(
+            semi_latus_rectum_mm=number(10.0, 40.0),
+            eccentricity=number(0.0, 0.6),
+            lobes=at_times(st.integers(1, 4), 2),
+            modification=at_times(number(0.6, 1.8), 2),
+        )
+    ),
+    group(
+        rounded_polygon=group(sides=st.integers(3, 6), side_mm=number(40.0, 80.0), corner_radius_mm=number(2.0, 20.0))
+    ),
+    group(expression_mm=st.sampled_from(["30 + 4*cos(phi)", "30 + 2*cos(6*phi)", "30 + sin(phi)**3", "30 + phi"])),
+    group(
+        b_spline=group(
+            x_mm=st.just([30.0, 4.0, -28.0, -2.0]), y_mm=st.just([1.0, 25.0, 3.0, -27.0]), degree=st.integers(2, 4)
+        )
+    ),
+)
+
+
+def pitch_curves() -> st.SearchStrategy[Data]:
+    """Shapes that are closed by their size, and at times by the centre distance, turned at times."""
+    closing = st.sampled_from(["scale", "scale", "center_distance"])
+    more = group(law=st.just("pitch_curve"), solve_for=closing, phase_deg=at_times(number(0.0, 360.0)))
+    return st.tuples(PITCH_CURVES, more, at_times(st.just({"gear": "driven"}))).map(
+        lambda parts: {**parts[0], **parts[1], **(parts[2] or {})}
+    )
+
+
 def motions(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
     """Any law."""
     uniform = st.just({"law": "uniform_crank"})
@@ -182,6 +220,7 @@ def motions(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
         LawName.RATIO_EXPRESSION: ratio_expressions(lobes),
         LawName.TABLE: tables(linkage, lobes),
         LawName.ELLIPSE: ellipses,
+        LawName.PITCH_CURVE: pitch_curves(),
         LawName.UNIFORM_CRANK: uniform,
         LawName.HARMONIC_RATIO: group(law=st.just("harmonic_ratio"), second_stage=at_times(harmonics)).flatmap(
             lambda motion: harmonics.map(lambda rows: {**motion, **rows})
@@ -206,6 +245,7 @@ def near_template(law: LawName) -> st.SearchStrategy[Data]:
 racks = group(
     profile=at_times(st.sampled_from("ABCD")),
     pressure_angle_deg=at_times(st.sampled_from([14.5, 17.5, 20.0, 22.5, 25.0])),
+    idle_pressure_angle_deg=at_times(st.sampled_from([14.5, 20.0, 25.0, 30.0]), 4),
     addendum=at_times(number(0.7, 1.2), 6),
     dedendum=at_times(number(1.1, 1.5), 6),
     root_radius=at_times(number(0.0, 0.4), 6),
@@ -215,6 +255,7 @@ racks = group(
 shifts = st.one_of(
     group(driving=at_times(number(-0.6, 0.6), 2), driven=at_times(number(-0.6, 0.6), 2)),
     st.just({"against_undercut": True}),
+    group(per_tooth=st.lists(number(-0.4, 0.4), min_size=1, max_size=4)),
 )
 
 cutters = st.one_of(
@@ -294,12 +335,16 @@ def designs(draw: Draw, teeth: tuple[int, int] = (6, 60)) -> Data:
             output=at_times(group(chord_tolerance_mm=st.sampled_from([0.002, 0.01, 0.05, 0.2])), 2),
         )
     )
+    pair = draw(gears(lobes, teeth))
+    if motion["law"] == "pitch_curve":
+        dropped = {"mesh"} if motion["solve_for"] == "scale" else {"mesh", "module_mm", "center_distance_mm"}
+        pair = {key: value for key, value in pair.items() if key not in dropped}
     return {
         "name": "random",
         "linkage": linkage,
         "operation": {"speed_rpm": draw(number(1.0, 600.0))},
         "motion": motion,
-        "gears": draw(gears(lobes, teeth)),
+        "gears": pair,
         **values,
     }
 

@@ -101,7 +101,8 @@ def test_a_key_in_full(run: Run) -> None:
         "  value      A, B, C or D\n"
         "  default    A\n"
         "  example    profile: A\n"
-        "  beside it  pressure_angle_deg, addendum, dedendum, root_radius and tip_relief\n",
+        "  beside it  pressure_angle_deg, idle_pressure_angle_deg, addendum, dedendum, root_radius and\n"
+        "             tip_relief\n",
         "",
     )
 

@@ -183,6 +183,8 @@ def test_a_circular_mate_leaves_what_a_pinion_cutter_with_its_teeth_does(gear: G
         mated.root_radius_mm,
         pinion.tool,
         mated.turn_rad,
+        pinion.full_tip_mm,
+        pinion.full_root_mm,
     )
     every = np.arange(mated.count)
     start, end = mated.rolled_mm(every, -mated.flank_depth_mm), roots_of(mated).end_mm
@@ -373,11 +375,13 @@ def test_a_rounding_touches_the_flank_at_its_end() -> None:
 def test_a_pinion_cutters_flank_is_as_deep_as_its_rounding_leaves_it() -> None:
     """Its rounding begins where the base circle's tangent through the rounding's centre leads one radius on."""
     basic, cutter = rack(), PinionCircle(CUTTER_TEETH, MODULE)
-    depth = cutter.flank_depth_mm(basic, np.array([basic.dedendum_mm]), np.array([basic.root_radius_mm]))[0]
+    depth = cutter.flank_depth_mm(basic.slants[0], np.array([basic.dedendum_mm]), np.array([basic.root_radius_mm]))[0]
     base = cutter.radius_mm * cos(ALPHA)
     center = cutter.radius_mm + basic.dedendum_mm - basic.root_radius_mm
     reach = np.sqrt(center**2 - base**2) + basic.root_radius_mm
     # On the line of action, from the pitch point on: R sin(alpha) + f / sin(alpha) is the involute's generating line.
     assert cutter.radius_mm * sin(ALPHA) + depth / sin(ALPHA) == pytest.approx(reach, rel=1e-13)
-    flat = RackLine().flank_depth_mm(basic, np.array([basic.dedendum_mm]), np.array([basic.root_radius_mm]))[0]
+    flat = RackLine().flank_depth_mm(basic.slants[0], np.array([basic.dedendum_mm]), np.array([basic.root_radius_mm]))[
+        0
+    ]
     assert flat == pytest.approx(basic.flank_depth_mm, rel=1e-14)

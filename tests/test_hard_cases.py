@@ -68,7 +68,7 @@ def handed_over(pair: ToothedPair) -> float:
     """
     rack = pair.driving.flanks.rack
     own, mate = mating_flanks(pair.driving.teeth, pair.driven.teeth)
-    length = rack.height_per_rolled * rack.pitch_mm
+    length = rack.slants[0].height_per_rolled * rack.pitch_mm
     driving, driven = (
         gear.tips.height_mm[flank].reshape(2, -1) / length for gear, flank in ((pair.driving, own), (pair.driven, mate))
     )

@@ -36,7 +36,7 @@ from ncgear.papers.gear_baler.simulation import INFERRED
 from ncgear.papers.judgement import PAPERS, Contradicted, judged, judgement
 from ncgear.papers.track_chassis.slider import LINKAGE
 from ncgear.papers.track_chassis.spectrum import LINE_HZ
-from printed_figures import ANYWHERE, BALER, CHASSIS, CLAIMS, DRUM, NUMBERS, SIEVE
+from printed_figures import ANYWHERE, BALER, CHASSIS, CLAIMS, DRUM, LINES, NUMBERS, SHAPED, SIEVE
 
 ENTRIES = [entry for paper in PAPERS for entry in paper.entries]
 
@@ -106,7 +106,9 @@ def test_a_figure_or_claim_taken_out_is_missed(paper: Paper) -> None:
             assert missing_claims(replace(paper, entries=rest_of_entries)), what
 
 
-@pytest.mark.parametrize(("title", "count"), [(BALER, 46), (CHASSIS, 391), (DRUM, 388), (SIEVE, 213)])
+@pytest.mark.parametrize(
+    ("title", "count"), [(BALER, 46), (CHASSIS, 391), (DRUM, 388), (SIEVE, 213), (LINES, 40), (SHAPED, 58)]
+)
 def test_numbers_listed(title: str, count: int) -> None:
     """How many numbers each paper prints, so that none is lost from the list."""
     assert sum(len(line.split()) for line in NUMBERS[title].values()) == count
@@ -297,6 +299,12 @@ def test_the_gear_balers_reading_is_the_design_file() -> None:
         (SIEVE, "eta1 at 0 deg", Verdict.NOT_REPRODUCIBLE, "0.845"),
         (SIEVE, "eta2 at 45 deg", Verdict.NOT_REPRODUCIBLE, "0.742"),
         (SIEVE, "eta2 at 0 deg", Verdict.NOT_REPRODUCIBLE, "0.742"),
+        (LINES, "semi-minor axis, turning about the centre", Verdict.NOT_REPRODUCIBLE, "17.207"),
+        (LINES, "semi-minor axis, axis at x = 4", Verdict.UNDER_READING, "16.733"),
+        (LINES, "semi-minor axis, axis at y = -4", Verdict.UNDER_READING, "16.911"),
+        (LINES, "semi-minor axis, axis at x = 4, y = -4", Verdict.UNDER_READING, "16.440"),
+        (SHAPED, "module at the printed centre distance", Verdict.NOT_REPRODUCIBLE, "4.9231"),
+        (SHAPED, "centre distance at the printed module", Verdict.REPRODUCED, "149.620"),
     ],
 )
 def test_figures_that_were_computed_independently(title: str, what: str, verdict: Verdict, values: str) -> None:
@@ -315,6 +323,8 @@ def test_figures_that_were_computed_independently(title: str, what: str, verdict
         (CHASSIS, (29, 2, 4, 0, 17, 3)),
         (DRUM, (17, 2, 5, 0, 11, 8)),
         (SIEVE, (16, 6, 1, 0, 17, 24)),
+        (LINES, (5, 4, 0, 0, 1, 2)),
+        (SHAPED, (7, 0, 0, 0, 1, 0)),
     ],
 )
 def test_counts(title: str, counts: tuple[int, ...]) -> None:

@@ -96,7 +96,7 @@ def test_balls_of_a_circular_helical_gear_are_the_closed_form() -> None:
     """inv(alpha_Mt) = inv(alpha_t) + d / (z m_n cos(alpha_n)) - space / (m_t z), written in normal quantities."""
     gear, helix = circular(40), radians(25.0)
     normal_angle = atan(tan(ANGLE) * cos(helix))
-    assert cos(ANGLE) * working_flanks(gear, helix).base_cosine == pytest.approx(cos(helix) * cos(normal_angle))
+    assert cos(ANGLE) * working_flanks(gear, helix).base_cosine[0] == pytest.approx(cos(helix) * cos(normal_angle))
     found = pins(gear, 3.5, working_flanks(gear, helix))
     cosine = cos(helix) * cos(normal_angle) / cos(ANGLE)
     center = center_radius(40, 3.5, pi * MODULE / 2.0, cosine)

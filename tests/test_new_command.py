@@ -165,7 +165,17 @@ WISHES = (
 """Every kind of wish, two of them twice, one in the form of the file's list and one in braces."""
 
 
-@pytest.mark.parametrize("law", LawName)
+LESS_THAN_ONCE = (LawName.SPIRAL, LawName.FUNCTION_GENERATOR)
+
+
+@pytest.mark.parametrize("law", LESS_THAN_ONCE)
+def test_gears_that_turn_less_than_once_have_no_wishes(run: Run, law: LawName) -> None:
+    status, _, problem = run("new", "a", "--law", law.value, "--wish", "time_ratio: {at_least: 1.2}")
+    assert status == 2
+    assert "wishes: given, but it is not offered for gears that turn to and fro" in problem
+
+
+@pytest.mark.parametrize("law", [law for law in LawName if law not in LESS_THAN_ONCE])
 def test_wishes_are_those_of_the_file(run: Run, tmp_path: Path, law: LawName) -> None:
     """As under ``wishes`` in a file that somebody writes by hand."""
     by_hand = """

@@ -114,7 +114,7 @@ def test_text_that_is_not_escaped_is_seen(hostile: str) -> None:
 def test_no_key_of_the_data_ends_the_script() -> None:
     block = re.search(r'<script type="application/json" id="data">(.*?)</script>', reports.page("baler"), re.DOTALL)
     assert block
-    assert set(json.loads(block[1])) == {"cycle_deg", "scene", "grids", "charts"}
+    assert set(json.loads(block[1])) == {"cycle_deg", "swings", "scene", "grids", "charts"}
 
 
 def test_names_within_the_page_are_its_own() -> None:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from math import ceil, pi, radians
+from typing import Any
 
 import numpy as np
 import pytest
@@ -224,12 +225,11 @@ def other_flanks(*, turned: bool) -> Callable[..., Flanks]:
         start: float,
         widths: tuple[float, float],
         turn: float = 0.0,
-        *,
-        equivalent: bool,
+        **more: Any,
     ) -> Flanks:
         if curve.gear is Gear.DRIVEN:
             widths, turn = (widths[1], widths[1]), turn if turned else 0.0
-        return flanks_of(curve, rack, teeth, tool, start, widths, turn, equivalent=equivalent)
+        return flanks_of(curve, rack, teeth, tool, start, widths, turn, **more)
 
     return made
 

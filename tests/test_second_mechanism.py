@@ -58,6 +58,7 @@ LAWS = {
     "spline_ratio": "{law: spline_ratio, ratio: [1.2, 1.1, 0.9, 0.8, 0.9, 1.1]}",
     "ellipse": "{law: ellipse, eccentricity: 0.3}",
     "table": "{law: table, phi1_deg: [0, 90, 180, 270, 360], displacement_mm: [0, 300, 760, 350, 0]}",
+    "pitch_curve": "{law: pitch_curve, ellipse: {semi_major_mm: 3, semi_minor_mm: 2, axis_x_mm: 1}, solve_for: scale}",
     "uniform_crank": "{law: uniform_crank}",
 }
 GEARS = "gears: {teeth: 35, module_mm: 2, face_width_mm: 20, driving: {bore_mm: 16}, driven: {bore_mm: 16}}"
@@ -176,7 +177,7 @@ def test_the_crank_slider_stays_the_usual_one(linkage: str) -> None:
 @pytest.mark.parametrize(
     ("linkage", "key", "said"),
     [
-        ("{kind: scotch_yok, crank_mm: 380}", "linkage.kind", "scotch_yok' given; "),
+        ("{kind: scotch_yok, crank_mm: 380}", "linkage.kind", "crank_slider, scotch_yoke"),
         ("{kind: scotch_yoke}", "linkage.crank_mm", "missing; only motion.solve_for: stroke"),
         ("{kind: scotch_yoke, crank_mm: 380, rod_mm: 900}", "linkage.rod_mm", "unknown key"),
         ("{kind: crank_slider, coupler_mm: 380}", "linkage.coupler_mm", "unknown key"),

@@ -341,7 +341,7 @@ def test_a_joint_just_before_the_end_of_a_range_is_its_end(nudge: int) -> None:
     curve, basic = pitch_pair(baler_law(), 14).driven, rack(25.0, root_radius=0.2)
     flanks = flanks_of(curve, basic, 14, RackLine(), 1.45)
     # Heights at which some flank touches where the curvature jumps.
-    heights = np.abs(curve.joints_mm[:, None] - flanks.crossing_mm) * basic.height_per_rolled
+    heights = np.abs(curve.joints_mm[:, None] - flanks.crossing_mm) * basic.slants[0].height_per_rolled
     for height in heights[(heights > 0.5) & (heights < 5.0)]:
         limit = float(height) * (1.0 + nudge * 2.3e-16)
         near = regular_height(flanks, limit * (1.0 - 1e-9))

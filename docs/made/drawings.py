@@ -101,7 +101,7 @@ def shaped_points(drive: ncgear.Drive, sigma_mm: float) -> Array:
     """Points that the rack shapes where it lies at an arc length, shape (n, 2), by the equation of docs/method.md."""
     point = drive.pitch.driving.at_length(np.array(sigma_mm))
     flanks, rack = drive.teeth.driving.flanks, drive.rack
-    height = (flanks.crossing_mm - sigma_mm) * rack.height_per_rolled * flanks.side
+    height = (flanks.crossing_mm - sigma_mm) * flanks.slant.height_per_rolled * flanks.side
     reached = (height > -WITHIN * rack.flank_depth_mm) & (height < WITHIN * rack.tip_height_mm)
     along = height[reached] * flanks.side[reached] / tan(rack.pressure_angle_rad)
     places: Array = point.position + along[:, None] * point.tangent + height[reached, None] * point.normal

@@ -36,8 +36,9 @@ made of stands at the end; [materials](materials.md) have a page of their own.
 FORMULAS = f"""\
 ## Formulas
 
-The keys [`motion.ratio`, `motion.driven_angle`](#motion-law-ratio_expression) and
-[`resistance.expression_n`](#resistance) are formulas in Python's notation: powers are `**`, the decimal sign is a
+The keys [`motion.ratio`, `motion.driven_angle`](#motion-law-ratio_expression),
+[`motion.expression_mm`](#motion-law-pitch_curve) and [`resistance.expression_n`](#resistance) are formulas in
+Python's notation: powers are `**`, the decimal sign is a
 point, angles are in radians.
 
 | what | for instance |

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from mpmath import mp
 
+from oracles import pitch_curves
 from oracles.log_ratios import Harmonics, LogRatio, Splined, spline
 from oracles.quadrature import integral
 from oracles.stroke import Linkage, Stroke, StrokeParameters, exact, polynomial, solve
@@ -358,6 +359,60 @@ def _spline_ratio_law(asked: Asked) -> Law:
     return _over_driven(asked, Splined.through(given[0] if given else even, values))
 
 
+def _pitch_curve_law(asked: Asked) -> Law:
+    """The mate of a driving gear's pitch curve; the search for what closes it starts at a figure in doubles."""
+    motion, (own, mate) = asked.motion, asked.lobes
+    start = asked.closing[0] or _rough_distance(motion, asked.lobes)
+    made = pitch_curves.closed(motion, asked.lobes, exact(angle(motion, "phase")), _formula, start)
+    joints = [joint for joint in made.curve.joints if joint <= 2 * mp.pi / own]
+
+    def slope(phi1: Real) -> Real:
+        radius = made.curve.radius(phi1)
+        return radius / (made.distance - radius)
+
+    ends = [*joints, 2 * mp.pi / own] if joints[-1] < 2 * mp.pi / own else joints
+    return _ratio_law(slope, ends, asked.linkage, (own, mate))
+
+
+def _rough_distance(motion: dict[str, Any], lobes: tuple[int, int]) -> Real:
+    """A centre distance to start from: (1 + m/n) times the mean of the greatest and the mean radius."""
+    curve = pitch_curves.curve(motion, _formula)
+    radii = [curve.radius(2 * mp.pi * k / 40) for k in range(40)]
+    return (1 + mp.mpf(lobes[1]) / lobes[0]) * (max(radii) + sum(radii) / 40) / 2
+
+
+def _open_law(asked: Asked, driven: Callable[[Real], Real], end: Real) -> Law:
+    """The law of a driven angle over a range, which has one piece."""
+    piece = Piece(driven, lambda phi1: (mp.diff(driven, phi1), mp.diff(driven, phi1, 2)))
+    return Law(asked.linkage, (mp.mpf(0), end), (piece,))
+
+
+def _spiral(asked: Asked) -> Law:
+    """dphi2 = r1 / (1 - r1) dphi1 with r1 = r0 exp(m phi1), by quadrature."""
+    start, end = (1 / (1 + mp.mpf(asked.motion[key])) for key in ("ratio_start", "ratio_end"))
+    turned = exact(angle(asked.motion, "range"))
+    growth = mp.log(end / start) / turned
+
+    def radius(phi1: Real) -> Real:
+        return start * mp.exp(growth * phi1)
+
+    return _open_law(asked, lambda phi1: integral(lambda at: radius(at) / (1 - radius(at)), mp.mpf(0), phi1), turned)
+
+
+def _function_generator(asked: Asked) -> Law:
+    """Both angles as scales of x and of y."""
+    first, last = (mp.mpf(asked.motion[key]) for key in ("x_from", "x_to"))
+    ranges = [exact(angle(asked.motion, name)) for name in ("driving_range", "driven_range")]
+
+    def y(x: Real) -> Real:
+        return eval(asked.motion["function"], {"__builtins__": {}}, {**WORDS, "x": x})
+
+    def driven(phi1: Real) -> Real:
+        return ranges[1] * (y(first + (last - first) * phi1 / ranges[0]) - y(first)) / (y(last) - y(first))
+
+    return _open_law(asked, driven, ranges[0])
+
+
 REFERENCES: dict[str, Callable[[Asked], Law]] = {
     "three_segment_stroke": lambda asked: _stroke_law(asked.motion, asked.linkage, asked.closing),
     "ratio_expression": lambda asked: _by_slope(asked, _formula_slope(asked.motion)),
@@ -365,6 +420,9 @@ REFERENCES: dict[str, Callable[[Asked], Law]] = {
     "spline_ratio": _spline_ratio_law,
     "ellipse": lambda asked: _by_slope(asked, _elliptical(asked.motion, asked.lobes)),
     "table": _table_law,
+    "pitch_curve": _pitch_curve_law,
     "uniform_crank": lambda asked: _by_slope(asked, lambda phi: mp.mpf(1)),
+    "spiral": _spiral,
+    "function_generator": _function_generator,
 }
 """By the name of the law."""

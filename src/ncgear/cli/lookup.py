@@ -44,7 +44,7 @@ def schema(
 def reproduce(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Output folder.")] = Path("export/reproduction"),
 ) -> None:
-    """Compute every figure of the four papers that ncgear is built on, and say which can be reproduced."""
+    """Compute every figure of the six publications that ncgear is judged by, and say which can be reproduced."""
     from ncgear.files.manifest import publish_run
     from ncgear.files.publish import prepare
 

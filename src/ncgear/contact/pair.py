@@ -21,7 +21,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import in_words
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.shape import Mesh
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 from ncgear.teeth.tips import Limit
 
@@ -80,6 +80,35 @@ def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
     Raises NoSuchMechanism with the worst angle and the tooth that meets another there.
     """
     _refuse(designed.overlap_mm, tolerance_mm, designed)
+
+
+BETWEEN_BODIES = 5
+"""Every so many positions whole bodies are laid over each other; between them they move by a quarter of a pitch."""
+
+
+def refuse_clashing_bodies(designed: AsDesigned, teeth: ToothedPair, tolerance_mm: float) -> None:
+    """Refuse gears that turn less than once whose bodies, beyond their last teeth, run into each other in the range.
+
+    Raises NoSuchMechanism with the angle.
+    """
+    from shapely import Polygon, affinity
+
+    placement = designed.placement
+    if placement.toothed is None:
+        return
+    driving, driven = (Polygon(teeth.of(gear).outline_mm) for gear in Gear)
+    # Chords of touching flanks overlap by a tolerance at most, over a part of a flank.
+    allowed_mm2 = tolerance_mm * teeth.driving.flanks.rack.module_mm
+    for position in range(0, placement.count, BETWEEN_BODIES):
+        phi1, phi2 = float(placement.phi1_rad[position]), float(placement.phi2_rad[position])
+        first = affinity.rotate(driving, phi1, origin=(0, 0), use_radians=True)
+        second = affinity.rotate(driven, -phi2, origin=(0, 0), use_radians=True)
+        if first.intersection(affinity.translate(second, placement.center_distance_mm)).area > allowed_mm2:
+            raise NoSuchMechanism(
+                f"the gears' bodies run into each other at phi1 = {in_words(phi1)}, beyond their last teeth; a smaller "
+                "range, or a ratio that changes less, is right",
+                key="motion",
+            )
 
 
 def sound_extremes(
@@ -213,7 +242,7 @@ class _Judged:
     @property
     def shortest(self) -> int:
         """The meeting whose flanks touch over the least length."""
-        return int(np.argmin(self.pairs.arcs))
+        return self.pairs.shortest
 
 
 def _lacking(judged: _Judged, least: float, overlap: float) -> str | None:

@@ -12,10 +12,10 @@ from math import ceil, floor, lcm, pi
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray
-from ncgear.pitch.pair import PitchPair
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
+from ncgear.pitch.pair import PitchPair, ToothedArc
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.teeth.flank import mating_flanks
+from ncgear.teeth.flank import made_mates, mating_flanks
 from ncgear.teeth.gear import ToothedPair
 
 PER_TOOTH = 20
@@ -39,7 +39,9 @@ class Placement:
 
     ``rolled_mm`` is the pitch curves' arc length, ``phi1_rad`` and ``phi2_rad`` are the law's angles and ``speed`` is
     dphi2/dphi1, shape (n,) each.  Positions from ``placed`` are evenly spaced in rolled length over the whole cycle;
-    ``step_mm`` is the rolled length between two of these, and ``per_tooth`` of them make a tooth pitch.
+    ``step_mm`` is the rolled length between two of these, and ``per_tooth`` of them make a tooth pitch.  Gears that
+    turn less than once have no cycle: their positions go from the beginning of the range to its end, both included,
+    and ``toothed`` tells their teeth.
     """
 
     mesh: Mesh
@@ -47,11 +49,12 @@ class Placement:
     driving_teeth: int
     driven_teeth: int
     step_mm: float
-    per_tooth: int
+    per_tooth: float
     rolled_mm: Array
     phi1_rad: Array
     phi2_rad: Array
     speed: Array
+    toothed: ToothedArc | None = None
 
     @property
     def count(self) -> int:
@@ -64,8 +67,15 @@ class Placement:
         return lcm(self.driving_teeth, self.driven_teeth)
 
     @property
+    def steps(self) -> int:
+        """Steps from position to position: as many as there are positions, where the last one leads to the first."""
+        return self.count - (self.toothed is not None)
+
+    @property
     def cycle_rad(self) -> float:
-        """Driving angle of the whole cycle."""
+        """Driving angle of the whole cycle, or of the range."""
+        if self.toothed is not None:
+            return self.toothed.covered_rad
         return 2.0 * pi * self.meetings / self.driving_teeth
 
     def teeth_at(self, position: int) -> tuple[int, int]:
@@ -73,6 +83,8 @@ class Placement:
         # Rounding errors of the rolled length must not decide between two teeth.
         pitches = round(float(self.rolled_mm[position]) / self.pitch_mm, 9)
         driving, driven = round(pitches), floor(pitches)
+        if self.toothed is not None:
+            driving, driven = driving + self.toothed.before, driven + self.toothed.before
         return driving % self.driving_teeth + 1, driven % self.driven_teeth + 1
 
     @property
@@ -162,13 +174,21 @@ class Placement:
 def placed(pitch: PitchPair, per_tooth: int | None = None) -> Placement:
     """The pair at ``per_tooth`` positions per tooth, over the least number of pitches in which all teeth meet.
 
-    ``per_tooth`` is even; by default it is 20, or more where there are few teeth.
+    ``per_tooth`` is even; by default it is 20, or more where there are few teeth.  Gears that turn less than once have
+    at least so many, evenly from end to end of their range.
     """
-    size = pitch.size
+    size, toothed = pitch.size, pitch.toothed
+    if toothed is not None:
+        pitch_mm = pi * size.module_mm
+        steps = ceil(max(toothed.covered_mm / pitch_mm * (per_tooth or PER_TOOTH), 0.0 if per_tooth else FEWEST))
+        step = toothed.covered_mm / steps
+        rolled = np.linspace(0.0, toothed.covered_mm, steps + 1)
+        sizes = size.center_distance_mm, size.driving_teeth, size.driven_teeth, step, pitch_mm / step
+        return Placement(pitch.mesh, *sizes, rolled, *_law_at(pitch, rolled), toothed)
     meetings = lcm(size.driving_teeth, size.driven_teeth)
     per_tooth = per_tooth or max(PER_TOOTH, 2 * ceil(FEWEST / meetings / 2))
     step = pitch.driving.length_mm / size.driving_teeth / per_tooth
-    rolled: Array = step * np.arange(meetings * per_tooth, dtype=float)
+    rolled = step * np.arange(meetings * per_tooth, dtype=float)
     fixed = pitch.mesh, size.center_distance_mm, size.driving_teeth, size.driven_teeth, step, per_tooth
     return Placement(*fixed, rolled, *_law_at(pitch, rolled))
 
@@ -181,8 +201,9 @@ def placed_at(pitch: PitchPair, even: Placement, rolled_mm: Array) -> Placement:
 
 def _law_at(pitch: PitchPair, rolled_mm: Array) -> tuple[Array, Array, Array]:
     """The driving angle, the driven angle and its slope at rolled lengths."""
-    # Rounding errors must not put the first position before the seam of the law.
-    phi1 = np.maximum(pitch.driving.driving_angle(rolled_mm), 0.0)
+    covered = pitch.transmission.lobes.range
+    # Rounding errors must not put the first position before the seam of the law, or the last one beyond a range.
+    phi1 = np.clip(pitch.driving.driving_angle(rolled_mm), 0.0, covered.driving_rad if covered else np.inf)
     angle = pitch.transmission.driven_angle(phi1, 1)
     return phi1, angle.value, angle.derivative(1)
 
@@ -198,7 +219,8 @@ class Meetings(Columns):
 
     ``side`` is PUSHING or BACK, ``driving`` and ``driven`` number the flanks, shape (m,).  ``position`` numbers the
     positions, shape (m, k); ``driving_ahead_mm`` and ``driven_ahead_mm`` are the rolled lengths until each flank
-    crosses the pitch point.
+    crosses the pitch point.  ``there`` (shape (m, k)) tells which of these positions there are: none lie beyond the
+    ends of a range.
     """
 
     side: IndexArray
@@ -207,6 +229,7 @@ class Meetings(Columns):
     position: IndexArray
     driving_ahead_mm: Array
     driven_ahead_mm: Array
+    there: Mask
 
     @property
     def urge(self) -> Array:
@@ -226,22 +249,28 @@ def meetings(teeth: ToothedPair, placement: Placement) -> Meetings:
     position = first[:, None] + np.arange(int(2 * reach))
     rolled = position * placement.step_mm
     ahead = driving_mm[:, None] - rolled, driven_mm[:, None] - rolled
-    return Meetings(side, driving, driven, position % placement.count, *ahead)
+    there = (position >= 0) & (position < placement.count) | (placement.toothed is None)
+    return Meetings(side, driving, driven, position % placement.count, *ahead, there)
 
 
 def single_meetings(teeth: ToothedPair, placement: Placement) -> Meetings:
     """As ``meetings`` for positions at any rolled lengths: every meeting in each position near it, m of k = 1."""
     side, driving, driven, driving_mm, driven_mm = _crossings_mm(teeth, placement)
-    cycle = placement.cycle_mm
-    ahead = (driving_mm[:, None] - placement.rolled_mm + cycle / 2.0) % cycle - cycle / 2.0
+    ahead = driving_mm[:, None] - placement.rolled_mm
+    if placement.toothed is None:
+        cycle = placement.cycle_mm
+        ahead = (ahead + cycle / 2.0) % cycle - cycle / 2.0
     number, position = np.nonzero(np.abs(ahead) <= REACH_IN_PITCHES * placement.pitch_mm)
     first = ahead[number, position][:, None]
     second = first + (driven_mm - driving_mm)[number][:, None]
-    return Meetings(side[number], driving[number], driven[number], position[:, None], first, second)
+    there = np.ones(first.shape, dtype=bool)
+    return Meetings(side[number], driving[number], driven[number], position[:, None], first, second, there)
 
 
 def _crossings_mm(teeth: ToothedPair, placement: Placement) -> tuple[IndexArray, IndexArray, IndexArray, Array, Array]:
     """The sides and flanks of all meetings, and the rolled lengths at which both cross the pitch point in the cycle."""
+    if placement.toothed is not None:
+        return _made_crossings_mm(teeth)
     driving, driven = mating_flanks(placement.driving_teeth, placement.driven_teeth)
     side = np.repeat([BACK, PUSHING], placement.meetings)
     turn = np.tile(np.arange(placement.meetings) // placement.driving_teeth, 2)
@@ -249,3 +278,11 @@ def _crossings_mm(teeth: ToothedPair, placement: Placement) -> tuple[IndexArray,
     driving_mm = own.crossing_mm[driving] + turn * own.curve.length_mm
     turns = np.round((driving_mm - other.crossing_mm[driven]) / other.curve.length_mm)
     return side, driving, driven, driving_mm, other.crossing_mm[driven] + turns * other.curve.length_mm
+
+
+def _made_crossings_mm(teeth: ToothedPair) -> tuple[IndexArray, IndexArray, IndexArray, Array, Array]:
+    """As ``_crossings_mm`` for gears that turn less than once: on the range neither comes round."""
+    own, other = teeth.driving.flanks, teeth.driven.flanks
+    driving, driven = made_mates(own, other)
+    side = np.where(own.side[driving] > 0.0, BACK, PUSHING)
+    return side, driving, driven, own.crossing_mm[driving], other.crossing_mm[driven]

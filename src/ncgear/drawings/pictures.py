@@ -29,7 +29,7 @@ from ncgear.drawings.plots.assembled_pair import (
 from ncgear.project.drive import Drive
 
 POSITIONS = 3
-"""Positions of the pair in the picture of its teeth, evenly spread over a turn of the driving gear."""
+"""Positions of the pair in the picture of its teeth, evenly spread over a turn or from end to end."""
 
 NO_BACKLASH_RAD = 1e-9
 """Play in rad below which there is no chart of it: some nanometres at the flanks."""
@@ -39,7 +39,9 @@ def pictures(drive: Drive, contact: PairContact) -> dict[str, bytes]:
     """The pictures of a build."""
     name = drive.design.name
     pair = name if drive.stage is None else f"{name}, stage {drive.stage} by its own angles"
-    positions = positions_at(drive, np.arange(POSITIONS) * 2.0 * pi / POSITIONS)
+    covered = drive.pair.transmission.lobes.range
+    turn = np.arange(POSITIONS) * 2.0 * pi / POSITIONS
+    positions = positions_at(drive, np.linspace(0.0, covered.driving_rad, POSITIONS) if covered else turn)
     module = drive.pitch.size.module_mm
     motion, load = ([slider_chart(drive, quantity) for quantity in quantities] for quantities in (MOTION, LOAD))
     motions = drive.motion, drive.uniform_motion

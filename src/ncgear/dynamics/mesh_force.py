@@ -2,9 +2,10 @@
 
 Wherever teeth touch, the normal of the flanks goes through the pitch point, so the force turns the driven gear by its
 part across the line of centres alone: F_across = T2 / r2.  The flanks' normal leans from the pitch curves' tangent by
-the rack's angle alpha, the tangent from the normal to the line of centres by mu = atan(r1'/r1); the pressure angle is
-alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs ahead and the back flanks hold it (F.
-L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge 2009, chapter 2).
+the rack's angle alpha (that of the side that touches), the tangent from the normal to the line of centres by mu =
+atan(r1'/r1); the pressure angle is alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs
+ahead and the back flanks hold it (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears",
+Cambridge 2009, chapter 2).
 """
 
 from __future__ import annotations
@@ -26,13 +27,15 @@ class MeshPlace:
     """How the gears lie: distance of their axes, angle of the rack, kind of mesh.
 
     ``driving_axis_rad`` is the direction from the crank's axis to the driving gear's, in the frame of the mechanism,
-    counter-clockwise from the slider's line.
+    counter-clockwise from the slider's line.  ``idle_angle_rad`` is the rack's angle of the flanks that hold the driven
+    gear back, None where it is that of the pushing ones.
     """
 
     center_distance_mm: float
     rack_angle_rad: float
     mesh: Mesh
     driving_axis_rad: float
+    idle_angle_rad: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +60,9 @@ def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet) -> MeshForce:
     """
     side = np.where(torque_n_mm.value < 0.0, -1.0, 1.0)
     radius = shape.radius(slope, Gear.DRIVEN, place.mesh).truncated(torque_n_mm.order) * place.center_distance_mm
-    angle = place.rack_angle_rad - jet.arctan(shape.tangent_slope(slope, place.mesh)) * side
+    idle = place.rack_angle_rad if place.idle_angle_rad is None else place.idle_angle_rad
+    rack = np.where(side > 0.0, place.rack_angle_rad, idle)
+    angle = rack - jet.arctan(shape.tangent_slope(slope, place.mesh)) * side
     sine, cosine = jet.sin_cos(angle)
     size = torque_n_mm * side / (radius * cosine)
     turning, apart = _directions(place)

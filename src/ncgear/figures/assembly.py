@@ -11,6 +11,7 @@ import numpy as np
 from ncgear.figures.numbers import DRAWN_DECIMALS, rounded
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.project.drive import Drive
 from ncgear.solids.plan.body import RoundHole
@@ -36,16 +37,26 @@ class Placed:
 
 
 def assembly_of(drive: Drive) -> dict[str, Any]:
-    """The pose of a drive's gears at phi1 = 0, ready for JSON; raises as the drive's solids do."""
+    """The pose of a drive's gears at phi1 = 0, ready for JSON, and their end stops; raises as the drive's solids do."""
     pitch, teeth, solids = drive.pitch, drive.teeth, drive.solids
     driving_radius, driven_radius = _pitch_radius_mm(pitch.driving), _pitch_radius_mm(pitch.driven)
-    return assembled_pose(
+    pose = assembled_pose(
         Placed(teeth.driving.outline_mm, driving_radius, solids.driving.index_hole),
         Placed(teeth.driven.outline_mm, driven_radius, solids.driven.index_hole, pitch.driven.is_ring),
         pitch.center_distance_mm,
         pitch.size.module_mm,
         pitch.mesh,
     )
+    return {**pose, **_end_stops(pitch)}
+
+
+def _end_stops(pitch: PitchPair) -> dict[str, Any]:
+    """Where gears that turn less than once must stop: angles counter-clockwise from the pose; nothing for others."""
+    covered = pitch.transmission.lobes.range
+    if covered is None:
+        return {}
+    turned = {"driving": covered.driving_rad, "driven": pitch.mesh.sense * covered.driven_rad}
+    return {"end_stops": {f"{gear}_rad": [0.0, rounded(angle, RAD_DECIMALS)] for gear, angle in turned.items()}}
 
 
 def _pitch_radius_mm(curve: PitchCurve) -> float:

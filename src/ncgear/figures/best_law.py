@@ -19,6 +19,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ncgear import __version__
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import SIZES
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.rewritten import LINE_WIDTH
 from ncgear.figures.csv_text import rows_text
@@ -31,6 +32,7 @@ from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
+from ncgear.project.law import kept_size
 
 UNITS = {
     Goal.POWER: "W",
@@ -81,6 +83,11 @@ def optimized_design(text: str, best: BestLaw) -> str:
     if second is not None:
         motion["second_stage"] = CommentedMap({"ratio": _row(second)})
     document["motion"] = CommentedMap(motion)
+    if best.design.motion.gives_center_distance and best.design.gears is not None:
+        for name, value in zip(SIZES, kept_size(best.design), strict=True):
+            document["gears"].pop(name, None)
+            if value is not None:
+                document["gears"][name] = value
     _bring_points(document, best.design)
     written = StringIO()
     yaml.dump(document, written)

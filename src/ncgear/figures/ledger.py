@@ -14,7 +14,7 @@ PAGE = "reproduction.md"
 
 HEAD = """# Reproduction ledger
 
-Every figure of the four papers that can be computed, computed by ncgear from what the paper itself gives. Written by
+Every figure of six publications that can be computed, computed by ncgear from what they give themselves. Written by
 `ncgear reproduce`; a test holds this page against the code, and every verdict against its computation.
 
 - **reproduced**: the computed number is within half a step of the last digit printed. Zeros at the end of a whole

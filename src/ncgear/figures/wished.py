@@ -55,6 +55,9 @@ def scale_of(wish: Wish) -> Scale:
 def motion_line(found: Achieved, linkage: Mechanism) -> str:
     """What a motion achieves, in one line."""
     even, place = found.even[Stroke.WORKING].length_mm, linkage.OUTPUT.place
+    if found.time_ratio is None:
+        length = f"{to_digits(place.factor * even, 3)} {place.text}"
+        return f"on its way from end to end constant within {100.0 * EVEN:g} % over {length}"
     share, near = to_digits(100.0 * even / linkage.stroke_mm, 3), to_digits(place.factor * found.near_mm, 6)
     dwells = ", ".join(f"{to_digits(degrees(found.dwell_rad[end]), 3)} deg {end.value}" for end in reversed(End))
     return (
@@ -65,8 +68,8 @@ def motion_line(found: Achieved, linkage: Mechanism) -> str:
 
 def motion_summary(found: Achieved, linkage: Mechanism) -> dict[str, Any]:
     """The figures of ``motion_line`` and those of the return, by keys that end in their unit."""
-    even, place = {f"even_{stroke.value}": _even(found, stroke, linkage) for stroke in Stroke}, linkage.OUTPUT.place
-    dwells = {f"dwell_{end.value}_deg": degrees(found.dwell_rad[end]) for end in End}
+    even, place = {f"even_{stroke.value}": _even(found, stroke, linkage) for stroke in found.even}, linkage.OUTPUT.place
+    dwells = {f"dwell_{end.value}_deg": degrees(angle) for end, angle in found.dwell_rad.items()}
     return {
         "in_words": motion_line(found, linkage),
         "even_within_percent": 100.0 * EVEN,

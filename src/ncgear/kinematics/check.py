@@ -23,7 +23,7 @@ class KinematicCheck:
 
     Speeds and accelerations are in mm/s and mm/s^2, or in rad/s and rad/s^2 where the output turns.  Accelerations are
     magnitudes; ``working`` means from the retracted to the extended dead centre, or all of the cycle of an output that
-    never returns.
+    never returns.  Of gears that turn less than once, all are those of the way from end to end.
     """
 
     output: Output
@@ -54,9 +54,7 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in halves]
     acceleration = max(accelerations, key=lambda extremum: extremum.value)
     speed = _peak(cycle, Jet.differentiated)
-    load, linkage = machine.load, machine.linkage
-    out = load.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm, returning=False)
-    work_j = (load.cycle_work_n_mm(linkage.stroke_mm) if linkage.RETURNS else float(out[0])) / 1000.0
+    work_j = _cycle_work_n_mm(machine) / 1000.0
     return KinematicCheck(
         output=machine.linkage.OUTPUT,
         speed_rpm=omega / RAD_S_PER_RPM,
@@ -69,8 +67,27 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
 
 
 def stroke_error_mm(machine: Machine) -> float:
-    """What the slider's speed, integrated over its working stroke, misses of the mechanism's stroke."""
-    return fsum(stretch.way_mm for stretch in stretches(machine) if stretch.working) - machine.linkage.stroke_mm
+    """What the slider's speed, integrated over its working stroke, misses of the mechanism's stroke.
+
+    Of gears that turn less than once, what it misses of the slider's place at the end of the range.
+    """
+    way = machine.linkage.stroke_mm
+    if not machine.transmission.lobes.repeats:
+        way = _end_mm(machine)
+    return fsum(stretch.way_mm for stretch in stretches(machine) if stretch.working) - way
+
+
+def _end_mm(machine: Machine) -> float:
+    """Where the slider is at the end of a range."""
+    return float(machine.displacement(np.array([machine.transmission.cycle_rad]), 0).value[0])
+
+
+def _cycle_work_n_mm(machine: Machine) -> float:
+    """Work in N mm of one cycle, or of the way from one end of a range to the other."""
+    load, stroke_mm = machine.load, machine.linkage.stroke_mm
+    if machine.transmission.lobes.repeats:
+        return load.cycle_work_n_mm(stroke_mm)
+    return float(load.work_n_mm(np.array([_end_mm(machine)]), stroke_mm, returning=False)[0])
 
 
 def _peak(parts: Iterable[Stretch], quantity: Callable[[Jet], Jet]) -> Extremum:

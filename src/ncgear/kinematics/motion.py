@@ -67,8 +67,11 @@ class Machine:
 
     @cached_property
     def extended_rad(self) -> float:
-        """Driving angle in the first cycle at which the working stroke ends; the cycle's where no return follows."""
-        if not self.linkage.RETURNS:
+        """Driving angle in the first cycle at which the working stroke ends; the cycle's where no return follows.
+
+        Gears that turn less than once stay within the working stroke: it is the end of their range.
+        """
+        if not (self.linkage.RETURNS and self.transmission.lobes.repeats):
             return self.transmission.cycle_rad
         return float(self.driving_angles(np.array([self.linkage.working_angle_rad]))[0])
 
@@ -89,10 +92,10 @@ class Machine:
         """Whether the slider is in its working stroke, at driven angles of shape (n,).
 
         A dead centre belongs to the stroke that follows.  It counts as reached where the law misses it by no more than
-        CLOSED, the closure error that a law may have.
+        CLOSED, the closure error that a law may have.  Gears that turn less than once are looked at on their way forth.
         """
-        if not self.linkage.RETURNS:
-            return np.ones(phi2.shape, dtype=bool)
+        if not (self.linkage.RETURNS and self.transmission.lobes.repeats):
+            return np.ones(np.shape(phi2), dtype=bool)
         return np.mod(phi2 + CLOSED, 2.0 * pi) < self.linkage.working_angle_rad
 
     def motion(self, phi1: Array) -> OutputMotion:
@@ -115,7 +118,12 @@ class Machine:
 
 
 def sample_angles(transmission: Transmission) -> Array:
-    """Evenly spaced driving angles, 2000 a turn, over one cycle and at least one turn of the driving gear."""
+    """Evenly spaced driving angles, 2000 a turn, over one cycle and at least one turn of the driving gear.
+
+    Of an open law 2000 over its range, both ends included.
+    """
+    if not transmission.lobes.repeats:
+        return np.linspace(0.0, transmission.cycle_rad, 2001)
     end = max(2.0 * pi, transmission.cycle_rad)
     return np.linspace(0.0, end, int(np.ceil(2000 * end / (2.0 * pi))) + 1)
 

@@ -64,11 +64,12 @@ class Achieved:
     """What a motion achieves, whatever is wished, and the outcome of every wish.
 
     ``even`` has the longest stretch of each stroke over which the speed stays within EVEN of one value; ``dwell_rad``
-    the driving angle for which the displacement stays within ``near_mm`` of each end.
+    the driving angle for which the displacement stays within ``near_mm`` of each end.  Gears that turn less than once
+    have the way forth alone: no time ratio, which is None, and no dwells.
     """
 
     even: Mapping[Stroke, EvenStretch]
-    time_ratio: float
+    time_ratio: float | None
     near_mm: float
     dwell_rad: Mapping[End, float]
     outcomes: tuple[Outcome, ...]
@@ -77,6 +78,9 @@ class Achieved:
 def achieved(machine: Machine, wishes: Sequence[Wish]) -> Achieved:
     """What a machine's motion achieves at its constant driving speed."""
     near = near_mm(machine.linkage.stroke_mm)
+    if not machine.transmission.lobes.repeats:
+        forth = Stroke.WORKING
+        return Achieved({forth: longest_even_stretch(machine, forth, EVEN)}, None, near, {}, ())
     return Achieved(
         even={stroke: longest_even_stretch(machine, stroke, EVEN) for stroke in Stroke},
         time_ratio=time_ratio(machine),

@@ -192,7 +192,6 @@ class CrankRocker(CrankRockers[float], Mechanism):
     POINTS: ClassVar[tuple[str, ...]] = ()
     RODS: ClassVar[tuple[str, ...]] = ("rocker", "coupler")
     MASSES: ClassVar[type[Masses]] = RockerMasses
-    GUIDED: ClassVar[bool] = False
     JOINTS: ClassVar[Mapping[str, str]] = {
         "rocker_bearing": "rocker's bearing",
         "rocker_pin": "rocker pin",

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from math import degrees, sin
+from math import degrees
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ncgear.metrology.round_tool import RoundTool
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.teeth.flank import Flanks, mating_flanks
+from ncgear.teeth.flank import Flanks, made_mates
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.gear import ToothedPair
 from ncgear.teeth.spaces import cut_spaces
@@ -76,7 +76,11 @@ class CutBy:
 
 def cut_by(pitch: PitchPair, teeth: ToothedPair, gear: Gear, round_tool: RoundTool, *, helix: str = "") -> list[CutBy]:
     """What each kind of tool makes of one gear; ``helix`` is the kind of its helical teeth, empty where straight."""
-    hob, shaper = _hob(pitch, teeth, gear), _shaper(pitch, teeth, gear)
+    if teeth.driving.flanks.has_own_shifts:
+        uneven = "its teeth stand evenly, while every space has a profile shift of its own"
+        hob, shaper = CutBy(Tool.HOB, Verdict.NOT, uneven), CutBy(Tool.SHAPER, Verdict.NOT, uneven)
+    else:
+        hob, shaper = _hob(pitch, teeth, gear), _shaper(pitch, teeth, gear)
     if helix == "herringbone":
         hob = CutBy(Tool.HOB, Verdict.NOT, "herringbone teeth leave it no way out")
     hob, shaper = (_passes(one, teeth.of(gear).flanks) for one in (hob, shaper))
@@ -139,9 +143,9 @@ def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tup
     """What a rack or a pinion cutter of the gear's rack makes of it, and why not all."""
     own, mate = teeth.of(gear), teeth.of(Gear.DRIVEN if gear is Gear.DRIVING else Gear.DRIVING)
     flanks, rack = own.flanks, own.flanks.rack
-    every = np.ones(flanks.count)
-    depth = rack.root_depth_mm - rack.rounding_height_mm
-    full = replace(flanks, tool=tool, flank_depth_mm=depth * every, root_radius_mm=rack.root_radius_mm * every)
+    radius = np.full(flanks.count, rack.root_radius_mm)
+    depth = flanks.full_root_mm - radius * (1.0 - flanks.slant.sine)
+    full = replace(flanks, tool=tool, flank_depth_mm=depth, root_radius_mm=radius)
     try:
         cut, undercut = cut_spaces(full, avoid_undercut=False)
         if isinstance(tool, PinionCircle):
@@ -149,15 +153,17 @@ def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tup
     except NoSuchMechanism as refusal:
         return Verdict.NOT, refusal.problem.split(";")[0]
     near = SAME * rack.module_mm
-    if type(flanks.tool) is type(tool) and not _differ(cut.flank_depth_mm, flanks.flank_depth_mm, near):
-        if _differ(cut.root_radius_mm, cut.root_radius_mm[:1], near):
+    made = flanks.is_made
+    if type(flanks.tool) is type(tool) and not _differ(cut.flank_depth_mm[made], flanks.flank_depth_mm[made], near):
+        if _differ(cut.root_radius_mm[made], cut.root_radius_mm[:1], near):
             return Verdict.NOT, "its tip would need other roundings from tooth to tooth"
         return Verdict.CUTS, ""
+    undercut &= flanks.is_made
     if undercut.any():
         return Verdict.NOT, f"at full depth it undercuts tooth {flanks.tooth[undercut][0]}"
-    if isinstance(tool, PinionCircle) and own.tips.height_mm.max() > tool.radius_mm * sin(rack.pressure_angle_rad) ** 2:
+    if isinstance(tool, PinionCircle) and np.any(own.tips.height_mm > tool.radius_mm * flanks.slant.sine**2):
         return Verdict.NOT, "its involutes end at its base circle before they reach the tips"
-    pairs = mating_flanks(teeth.driving.teeth, teeth.driven.teeth)
+    pairs = made_mates(teeth.driving.flanks, teeth.driven.flanks)
     mine, its = pairs if gear is Gear.DRIVING else pairs[::-1]
     shallow = (cut.flank_depth_mm < own.tips.met_depth_mm - near)[mine]
     shallow |= cut.root_depth_mm[mine] < mate.flanks.tip_height_mm[its] + near

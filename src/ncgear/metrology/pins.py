@@ -1,8 +1,9 @@
 """Measuring pins (or balls) in the spaces of a gear: where each touches both flanks, and how far it stands out.
 
 The centre of a pin of radius r lies on the curves at distance r outside both flanks of its space; Newton's method finds
-where they cross, from the height at which the pin would touch a rack.  On a circular gear this is inv(alpha_M) =
-inv(alpha) + d / (m z cos(alpha)) - (space width along the pitch circle) / (m z).
+where they cross, from the heights at which the pin would touch a rack.  On a circular gear this is inv(alpha_M) =
+inv(alpha) + d / (m z cos(alpha)) - (space width along the pitch circle) / (m z); where the flanks have unequal pressure
+angles, the mean of both sides' terms counts, the angles at the pin's centre being those of its two base circles.
 
 The measurement over two pins (between them, in a ring) is taken in spaces that lie nearly opposite each other.
 """
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from math import ceil, cos, tan
+from math import ceil
 
 import numpy as np
 import shapely
@@ -86,10 +87,11 @@ def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array
     ``astray_mm`` is how far the outline may stand into the spaces because of its chords and, where the measured teeth
     are thinner than the outline's, because of that thickness.
     """
-    flanks, radius = working.flanks, diameter_mm / 2.0 / working.base_cosine
-    front = np.arange(1, flanks.count, 2)
+    flanks = working.flanks
+    # Of gears that turn less than once, spaces between two teeth.
+    front = np.arange(1, flanks.count if flanks.made is None else 2 * flanks.made - 1, 2)
     both = np.stack([front, (front + 1) % flanks.count])
-    center, heights, met = _resting(working, both, radius)
+    center, heights, met = _resting(working, both, diameter_mm / 2.0 / working.base_cosine[both])
     sense = -1.0 if working.is_ring else 1.0
     reach = np.linalg.norm(center, axis=1)
     outwards = sense * center / reach[:, None]
@@ -108,24 +110,28 @@ def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array
     return Pins(diameter_mm, good + 1, center[good], over[good], misfits)
 
 
-def _resting(working: WorkingFlanks, both: IndexArray, radius: float) -> tuple[Array, Array, Mask]:
+def _resting(working: WorkingFlanks, both: IndexArray, radius: Array) -> tuple[Array, Array, Mask]:
     """Centres of pins between front and back flanks (shape (2, z)), the heights at which they touch, whether they do.
 
-    Shapes (z, 2), (2, z) and (z,).
+    The pins' radii (shape (2, z)) are those that flanks of the section see.  Shapes (z, 2), (2, z) and (z,).
     """
-    flanks, (front, back) = working.flanks, both
-    angle, tolerance = flanks.rack.pressure_angle_rad, AGREEMENT * flanks.rack.module_mm
+    flanks, (front, back), (first, second) = working.flanks, both, radius
+    one, other = flanks.slant.of(front), flanks.slant.of(back)
     width = np.mod(flanks.crossing_mm[back] - flanks.crossing_mm[front], flanks.curve.length_mm)
-    start = (radius * cos(angle) - width / 2.0) / tan(angle)
+    # In a rack's space the centre is as far along and as high from both places of contact.
+    lower = first * one.sine - second * other.sine
+    room = (first * one.cosine + second * other.cosine) / 2.0 - width / 2.0 - lower * other.tangent / 2.0
+    start_front = room / ((one.tangent + other.tangent) / 2.0)
+    start_back = start_front + lower
     at_front, at_back, met = refined_crossings(
-        lambda height: working.parallel(front, height, radius),
-        lambda height: working.parallel(back, height, radius),
-        start,
-        start,
-        tolerance,
+        lambda height: working.parallel(front, height, first),
+        lambda height: working.parallel(back, height, second),
+        start_front,
+        start_back,
+        AGREEMENT * flanks.rack.module_mm,
     )
-    at_front, at_back = np.where(met, at_front, start), np.where(met, at_back, start)
-    return working.parallel(front, at_front, radius)[0], np.stack([at_front, at_back]), met
+    at_front, at_back = np.where(met, at_front, start_front), np.where(met, at_back, start_back)
+    return working.parallel(front, at_front, first)[0], np.stack([at_front, at_back]), met
 
 
 def _held(center: Array, radius: float, outline: Array, astray: float) -> Mask:
@@ -157,12 +163,15 @@ def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
     """The distances over the pins (in a ring: between them) of all pairs of spaces half the teeth apart.
 
     With z even there are z / 2 pairs; with z odd there are z pairs, (z - 1) / 2 spaces apart.  Left out are pairs whose
-    pins measure nothing or do not stand out of the tips, seen from each other's far side.
+    pins measure nothing or do not stand out of the tips, seen from each other's far side.  Gears that turn less than
+    once have none.
     """
-    teeth = working.flanks.count // 2
+    teeth = working.flanks.teeth
     row = np.full(teeth + 1, -1)
     row[pins.space] = np.arange(pins.space.size)
     first = np.arange(1, teeth // 2 + 1 if teeth % 2 == 0 else teeth + 1)
+    if working.flanks.made is not None:
+        first = first[:0]
     second = (first + teeth // 2 - 1) % teeth + 1
     both = np.nonzero((row[first] >= 0) & (row[second] >= 0))[0]
     return _apart(working, pins, row[first[both]], row[second[both]])

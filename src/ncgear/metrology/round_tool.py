@@ -16,7 +16,7 @@ Tip land there: R = -1 / k - h.  Root lands are convex.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import floor, sin
+from math import floor
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -215,7 +215,7 @@ def _hollow_mm(flanks: Flanks, kind: int, curve: Stretch, rows: IndexArray, shar
         turned = turning * square - v
         np.divide(turning * square**1.5, turned, out=radius, where=turned > 0.0)
         return radius + flanks.root_radius_mm[owner]
-    sine = sin(flanks.rack.pressure_angle_rad) if kind == FLANK else 1.0
+    sine = flanks.slant.of(owner).sine if kind == FLANK else 1.0
     if kind == FLANK:
         curvature, height = flanks.at_rolled(owner, flanks.rolled_mm(owner, parameter)).curvature, parameter
     else:

@@ -61,25 +61,31 @@ def spans(working: WorkingFlanks) -> Spans:
     """All spans of a gear whose plates touch flanks, each over the teeth that they touch nearest to the pitch curve.
 
     A circular gear has one span from every tooth, over as many teeth as that takes.  Equivalent gears have none, since
-    their flanks do not follow the pitch curve.
+    their flanks do not follow the pitch curve.  Nor have flanks of unequal pressure angles: a chord of a circle comes
+    out at the angle at which it goes in, so that such flanks have no common normal.
     """
     flanks = working.flanks
     # Every back flank stands turned by as much, and so does all that it rolls on.
     turn, chords = float(flanks.turn_rad[0] - flanks.turn_rad[1]), NO_CHORDS
-    if not flanks.equivalent:
-        chords = _of_teeth(working, measuring_chords(flanks.curve, flanks.rack.pressure_angle_rad, turn))
+    pushing, idle = flanks.rack.angles_rad
+    if not flanks.equivalent and pushing == idle:
+        chords = _of_teeth(working, measuring_chords(flanks.curve, pushing, turn))
+    if flanks.made is not None:
+        # Chords that go from tooth to tooth of those that are made; the first of them stands before the range.
+        after = flanks.crossing_mm[2 * flanks.made - 1]
+        chords = chords.kept((chords.start_mm >= 0.0) & (chords.end_mm <= after))
     first, low = _touching(working, chords.start_mm, -1.0)
     last, high = _touching(working, chords.end_mm, 1.0)
     good = np.isfinite(low) & np.isfinite(high)
     first, last = first[good], last[good]
-    length = _offset(_Way(flanks.curve, flanks.rack.pressure_angle_rad, turn), chords.start_mm, chords.end_mm)[1]
-    distance = length[good] + (low + high)[good] / np.sin(flanks.rack.pressure_angle_rad)
+    length = _offset(_Way(flanks.curve, pushing, turn), chords.start_mm, chords.end_mm)[1]
+    distance = length[good] + (low + high)[good] / np.sin(pushing)
     middle = (chords.start_mm + chords.end_mm)[good] / 2.0
     return Spans(
         flanks.tooth[first],
         flanks.tooth[last],
         (last - first) // 2 % (flanks.count // 2) + 1,
-        working.base_cosine * distance,
+        working.base_cosine[first] * distance,
         chords.least[good],
         flanks.curve.driving_angle(middle),
         chords.everywhere,
@@ -93,13 +99,13 @@ def _of_teeth(working: WorkingFlanks, chords: MeasuringChords) -> MeasuringChord
         return chords
     flanks = working.flanks
     arc = float((chords.end_mm - chords.start_mm)[0])
-    number = flanks.count // 2
+    number = flanks.teeth
     over = max(1, round(arc / flanks.rack.pitch_mm + 0.5))
     back, front = flanks.crossing_mm[::2], flanks.crossing_mm[1::2]
-    last = np.arange(number) + over - 1
+    last = np.arange(number if flanks.made is None else number - over + 1) + over - 1
     ends = front[last % number] + last // number * flanks.curve.length_mm
-    start = (back + ends - arc) / 2.0
-    return MeasuringChords(start, start + arc, np.ones(number, dtype=bool), everywhere=True)
+    start = (back[: last.size] + ends - arc) / 2.0
+    return MeasuringChords(start, start + arc, np.ones(last.size, dtype=bool), everywhere=True)
 
 
 def _touching(working: WorkingFlanks, sigma_mm: Array, side: float) -> tuple[IndexArray, Array]:
@@ -111,7 +117,7 @@ def _touching(working: WorkingFlanks, sigma_mm: Array, side: float) -> tuple[Ind
     chosen = np.nonzero(flanks.side == side)[0]
     turn = flanks.curve.length_mm
     ahead = np.mod(flanks.crossing_mm[chosen] - sigma_mm[:, None] + turn / 2.0, turn) - turn / 2.0
-    height = side * ahead * flanks.rack.height_per_rolled
+    height = side * ahead * flanks.slant.of(chosen).height_per_rolled
     on_flank = (height >= working.low_mm[chosen]) & (height <= working.high_mm[chosen])
     height = np.where(on_flank, height, np.inf)
     nearest = np.argmin(np.abs(height), axis=1)
@@ -145,6 +151,10 @@ class MeasuringChords:
     end_mm: Array
     least: Mask
     everywhere: bool = False
+
+    def kept(self, rows: Mask) -> MeasuringChords:
+        """The chosen chords."""
+        return MeasuringChords(self.start_mm[rows], self.end_mm[rows], self.least[rows], self.everywhere)
 
 
 NO_CHORDS = MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))

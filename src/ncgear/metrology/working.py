@@ -15,7 +15,7 @@ The distances of tips and roots from the gear's axis are here as well.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import atan, cos, sin, tan
+from math import atan, cos, tan
 
 import numpy as np
 
@@ -29,15 +29,15 @@ from ncgear.teeth.gear import ToothedGear
 class WorkingFlanks:
     """Flanks in one section, and the heights over the rack's pitch line between which each is exact, shape (2 z,).
 
-    ``tips_mm`` (shape (z, 3, 2)) holds both ends and the middle of each tip land; ``base_cosine`` is the cosine of the
-    base helix angle, 1 for straight teeth.
+    ``tips_mm`` (shape (z, 3, 2)) holds both ends and the middle of each tip land; ``base_cosine`` (shape (2 z,)) is the
+    cosine of each flank's base helix angle, 1 for straight teeth.
     """
 
     flanks: Flanks
     low_mm: Array
     high_mm: Array
     tips_mm: Array
-    base_cosine: float = 1.0
+    base_cosine: Array
 
     @property
     def is_ring(self) -> bool:
@@ -49,14 +49,15 @@ class WorkingFlanks:
         crossing = self.flanks.crossing_mm + self.flanks.side * allowance_mm / 2.0
         return replace(self, flanks=replace(self.flanks, crossing_mm=crossing))
 
-    def parallel(self, flank: IndexArray, height_mm: Array, distance_mm: float) -> tuple[Array, Array]:
-        """Points at a distance outside the points where flanks touch at heights, and derivatives by the height."""
-        angle, side = self.flanks.rack.pressure_angle_rad, self.flanks.side[flank][..., None]
+    def parallel(self, flank: IndexArray, height_mm: Array, distance_mm: Array) -> tuple[Array, Array]:
+        """Points at distances outside the points where flanks touch at heights, and derivatives by the height."""
+        slant, side = self.flanks.slant.of(flank), self.flanks.side[flank][..., None]
+        sine, cosine = (np.broadcast_to(value, flank.shape)[..., None] for value in (slant.sine, slant.cosine))
         at = self.flanks.standing(flank, self.flanks.rolled_mm(flank, height_mm))
-        farther = height_mm / sin(angle) + distance_mm
-        along = cos(angle) * at.normal - side * sin(angle) * at.tangent
-        speed = (sin(angle) + farther * at.curvature) / self.flanks.rack.height_per_rolled
-        point = at.position + farther[..., None] * (side * cos(angle) * at.tangent + sin(angle) * at.normal)
+        farther = height_mm / slant.sine + distance_mm
+        along = cosine * at.normal - side * sine * at.tangent
+        speed = (slant.sine + farther * at.curvature) / slant.height_per_rolled
+        point = at.position + farther[..., None] * (side * cosine * at.tangent + sine * at.normal)
         return point, speed[..., None] * along
 
 
@@ -66,7 +67,8 @@ def working_flanks(gear: ToothedGear, helix_rad: float = 0.0) -> WorkingFlanks:
     rack = gear.flanks.rack
     if rack.relief is not None:
         high = np.minimum(high, rack.relief.start_mm)
-    base = cos(atan(tan(helix_rad) * cos(rack.pressure_angle_rad)))
+    leaning = [cos(atan(tan(helix_rad) * cos(angle))) for angle in rack.angles_rad]
+    base = np.where(gear.flanks.idle, leaning[1], leaning[0])
     along, height = gear.sides.tip_mm.reshape(-1, 2), gear.flanks.tip_height_mm.reshape(-1, 2)
     ends = np.stack([along[:, 0], along.mean(axis=1), along[:, 1]], axis=1)
     heights = np.stack([height[:, 0], height.mean(axis=1), height[:, 1]], axis=1)
@@ -82,8 +84,11 @@ def _over_tips_rad(gear: ToothedGear) -> Array:
 
 def tip_radii_mm(gear: ToothedGear) -> Array:
     """Distance of each tooth's tip from the axis in mm, at the middle of its land, shape (z,)."""
-    flanks, at = gear.flanks, gear.sides.tip_mm.reshape(-1, 2)
-    points = flanks.offset(at.mean(axis=1), flanks.tip_height_mm.reshape(-1, 2).mean(axis=1))[0]
+    flanks = gear.flanks
+    at, height = (
+        values.reshape(-1, 2)[: gear.teeth].mean(axis=1) for values in (gear.sides.tip_mm, flanks.tip_height_mm)
+    )
+    points = flanks.offset(at, height)[0]
     radii: Array = np.linalg.norm(points, axis=1)
     return radii
 
@@ -91,6 +96,6 @@ def tip_radii_mm(gear: ToothedGear) -> Array:
 def root_radii_mm(gear: ToothedGear) -> Array:
     """Distance from the axis of the bottom of the space after each tooth, at the middle of its land, shape (z,)."""
     start, end = gear.sides.roots.lands()
-    points = gear.sides.roots.land(np.arange(gear.teeth), (start + end) / 2.0)[0]
+    points = gear.sides.roots.land(np.arange(gear.teeth), (start + end)[: gear.teeth] / 2.0)[0]
     radii: Array = np.linalg.norm(points, axis=1)
     return radii

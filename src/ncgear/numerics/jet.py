@@ -261,3 +261,17 @@ def joined(parts: Sequence[tuple[Mask, Jet]]) -> Jet:
     for mask, part in parts:
         coefficients[:, mask] = part.coefficients
     return Jet(coefficients)
+
+
+def by_other(values: Array, rate: Jet, speed: Jet) -> Jet:
+    """The jet by another variable x, one order more, of a function with these values, shape (n,), and slope ``rate``.
+
+    ``rate`` is the derivative by x and ``speed`` = dt/dx, both jets by t of the same order: the next derivative by x is
+    ``speed`` times the derivative by t of the one before.
+    """
+    coefficients = np.empty((rate.order + 2, values.size))
+    coefficients[0], coefficients[1] = values, rate.value
+    for k in range(2, rate.order + 2):
+        rate = speed.truncated(rate.order - 1) * rate.differentiated()
+        coefficients[k] = rate.value / factorial(k)
+    return Jet(coefficients)

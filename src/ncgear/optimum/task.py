@@ -22,13 +22,15 @@ from ncgear.ratio.transmission import Lobes, Train
 class GearSize:
     """The size of an external pair by two of three figures: teeth of the driving gear, module, centre distance.
 
-    ``rack_angle_rad`` is the pressure angle of its rack.
+    ``rack_angle_rad`` is the pressure angle of its rack, ``idle_angle_rad`` that of the idle flanks, None where it is
+    the same.
     """
 
     teeth: int | None
     module_mm: float | None
     center_distance_mm: float | None
     rack_angle_rad: float
+    idle_angle_rad: float | None = None
 
 
 FLUCTUATION = 0.05
@@ -244,7 +246,7 @@ def _tooth_force_n(task: Task, machine: Machine, pair: PitchPair) -> float | Non
     lobes, length = task.lobes, pair.arc.period * task.lobes.driving
     own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
     # The direction of the centre line turns the force and leaves its size
-    place = MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0)
+    place = MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0, size.idle_angle_rad)
     return tooth_force_n(machine, task.moving, place)
 
 

@@ -1,1 +1,1 @@
-"""The figures of four papers, computed and judged."""
+"""The figures of six publications, computed and judged."""

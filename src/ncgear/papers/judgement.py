@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ncgear.papers import gear_baler, sieve_and_pan, threshing_drum, track_chassis
+from ncgear.papers import gear_baler, pitch_lines, shaped_gears, sieve_and_pan, threshing_drum, track_chassis
 from ncgear.papers.entry import AGREEING, Computed, Entry, Paper, Verdict
 
-PAPERS: tuple[Paper, ...] = (gear_baler.PAPER, track_chassis.PAPER, threshing_drum.PAPER, sieve_and_pan.PAPER)
+PAPERS: tuple[Paper, ...] = (
+    gear_baler.PAPER,
+    track_chassis.PAPER,
+    threshing_drum.PAPER,
+    sieve_and_pan.PAPER,
+    pitch_lines.PAPER,
+    shaped_gears.PAPER,
+)
 
 
 class Contradicted(ArithmeticError):

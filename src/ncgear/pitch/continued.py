@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from math import ceil, floor, pi
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev, jet
@@ -38,14 +37,23 @@ LEAST_WAY_RAD = pi / 3.0
 LEVELLING_SHARE, MOST_LEVELLING_RAD = 0.25, 1.0
 """Share of the continuation, and largest driving angle, over which u levels off at each end of the range."""
 
+LEVELLINGS = (1.0, 0.5, 0.25)
+"""Shares of that angle that are tried: u changes less over shorter ones, and bends more."""
+
 WAVES = np.linspace(-1.0, 1.0, 21)
 """Sizes of the second bump that are tried for a whole number of pitches."""
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(96)
 """Gauss points of a part of the continuation; u is a polynomial of degree 12 or less there."""
 
-GENTLE = 0.6
-"""Slope of u, by the driving angle, up to which a continuation counts as gentle, however gentle the range is."""
+GENTLE = 6.0
+"""Curvature times centre distance up to which a continuation counts as gentle, however gentle the range is."""
+
+HOLLOW = 3.0
+"""How many times as sharp hollow curves count: tips foul there."""
+
+TRIED = 4
+"""How many of the gentlest continuations are looked at for a whole number of pitches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +100,8 @@ _X = np.polynomial.Polynomial([0.0, 1.0])
 _BUMP = (1.0 - _X**2) ** 4
 """With it u keeps three continuous derivatives."""
 
-LIFT: Array = _BUMP.coef
-WAVE: Array = (_BUMP * (1.0 - 8.0 * _X**2 + 8.0 * _X**4)).coef
+LIFT: Array = np.asarray(_BUMP.coef, dtype=float)
+WAVE: Array = np.asarray((_BUMP * (1.0 - 8.0 * _X**2 + 8.0 * _X**4)).coef, dtype=float)
 """The bump, and the bump times the fourth Chebyshev polynomial, by powers of x."""
 
 CHANGE = np.array([16.0, 35.0, 0.0, -35.0, 0.0, 21.0, 0.0, -5.0]) / 32.0
@@ -101,19 +109,27 @@ CHANGE = np.array([16.0, 35.0, 0.0, -35.0, 0.0, 21.0, 0.0, -5.0]) / 32.0
 
 
 def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmission:
-    """An open law that covers a range, continued to whole turns of both gears, whose pitch curves are a whole number of pitches long.
+    """An open law that covers a range, continued to whole turns of both gears and to whole tooth pitches.
 
     ``pitch_share`` is the tooth pitch at unit centre distance.  The law on the range is untouched.  Raises
     NoSuchMechanism where no continuation is gentle enough.
     """
     known = _length(law)
-    gentle = max(GENTLE, _steepest_on(law))
+    for at_rad, piece in ((0.0, law.pieces[0]), (covered.driving_rad, law.pieces[-1])):
+        if not np.all(np.isfinite(piece.slope(np.array([at_rad]), 3).coefficients)):
+            raise NoSuchMechanism(
+                f"the ratio has no finite slope, curvature or third derivative at phi1 = {in_words(at_rad)}, an end of "
+                "the range, so that the pitch curves do not go on beyond it as the teeth there need it; a range that "
+                "ends before that place is right",
+                key="motion",
+            )
+    gentle = max(GENTLE, *(abs(value) for value in _range_sharpness(law)))
+    ways = [(sharpness, way) for way in _ways(law, covered) if np.isfinite(sharpness := _sharpness(way, 0.0))]
     found: list[tuple[float, _Way, float, int]] = []
-    for way in sorted(_ways(law, covered), key=lambda way: sum(way.turns)):
+    for _, way in sorted(ways, key=lambda one: (max(one[0] / gentle, 1.0), sum(one[1].turns)))[:TRIED]:
         for wave, pitches in _whole(way, pitch_share, known):
-            steepness = max(_steepest(part) for part in way.with_bumps(_lift(way, wave), wave))
-            found.append((max(steepness / gentle, 1.0), way, wave, pitches))
-        if found and min(found, key=_steepness)[0] == 1.0:
+            found.append((max(_sharpness(way, wave) / gentle, 1.0), way, wave, pitches))
+        if found and min(found, key=_choice)[0] == 1.0:
             break
     if not found:
         raise NoSuchMechanism(
@@ -122,7 +138,9 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
             "left for it; a gentler law or a smaller module is right",
             key="motion",
         )
-    _, way, near, pitches = min(found, key=_steepness)
+    _, way, near, pitches = min(found, key=_choice)
+
+    from scipy.optimize import brentq
 
     def missing(wave: float) -> float:
         return _count(way, _lift(way, wave), wave, pitch_share, known) - pitches
@@ -141,8 +159,8 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
     return Transmission((*law.pieces, *pieces), lobes)
 
 
-def _steepness(found: tuple[float, _Way, float, int]) -> tuple[float, float]:
-    """What to choose by: the steepness beyond what is gentle, then the size of the wave."""
+def _choice(found: tuple[float, _Way, float, int]) -> tuple[float, float]:
+    """What to choose by: the sharpness beyond what is gentle, then the size of the wave."""
     return found[0], abs(found[2])
 
 
@@ -162,27 +180,27 @@ def _ways(law: Transmission, covered: Range) -> Iterator[_Way]:
             driven = 2.0 * pi * driven_turns - covered.driven_rad
             if min(driving, driven) < LEAST_WAY_RAD:
                 continue
-            width = min(LEVELLING_SHARE * driving, MOST_LEVELLING_RAD)
-            out = _levelling(leaving, width)
-            # Seen backwards, odd derivatives change their sign.
-            back = _levelling(entering * np.array([1.0, -1.0, 1.0, -1.0]), width)
-            level, other = float(out.sum()), float(back.sum())
-            start = covered.driving_rad
-            over = CHANGE * (other - level)
-            over[0] += level
-            yield _Way(
-                (driving_turns, driven_turns),
-                _Part(start, width, _composed(out, (_X + 1.0) / 2.0)),
-                _Part(start + width, driving - 2.0 * width, over),
-                _Part(start + driving - width, width, _composed(back, (1.0 - _X) / 2.0)),
-                driven,
-            )
+            for share in LEVELLINGS:
+                width = share * min(LEVELLING_SHARE * driving, MOST_LEVELLING_RAD)
+                out = _levelling(leaving, width)
+                # Seen backwards, odd derivatives change their sign.
+                back = _levelling(entering * np.array([1.0, -1.0, 1.0, -1.0]), width)
+                level, other = float(out.sum()), float(back.sum())
+                start = covered.driving_rad
+                over = CHANGE * (other - level)
+                over[0] += level
+                yield _Way(
+                    (driving_turns, driven_turns),
+                    _Part(start, width, _composed(out, (_X + 1.0) / 2.0)),
+                    _Part(start + width, driving - 2.0 * width, over),
+                    _Part(start + driving - width, width, _composed(back, (1.0 - _X) / 2.0)),
+                    driven,
+                )
 
 
 def _composed(coefficients: Array, of: np.polynomial.Polynomial) -> Array:
     """Coefficients by x of a polynomial of a polynomial of x."""
-    powers: Array = np.polynomial.Polynomial(coefficients)(of).coef
-    return powers
+    return np.asarray(np.polynomial.Polynomial(coefficients)(of).coef, dtype=float)
 
 
 def _levelling(taylor: Array, width: float) -> Array:
@@ -210,6 +228,8 @@ def _integral(part: _Part, function: Array) -> float:
 
 def _lift(way: _Way, wave: float) -> float:
     """The size of the first bump with which the driven gear comes round; its angle grows with the bump."""
+    from scipy.optimize import brentq
+
     ends = (_integral(part, part.slope(part.points_rad, 0).value) for part in (way.run_out, way.run_in))
     rest = way.driven_rad - sum(ends)
 
@@ -260,13 +280,28 @@ def _length(law: Transmission) -> float:
     return speed.integrated().final
 
 
-def _steepest(part: _Part) -> float:
-    """Largest slope of u by the driving angle on a part, at 96 points: it only chooses among continuations."""
-    slope = np.polynomial.Polynomial(part.coefficients).deriv()(POINTS)
-    return float(np.max(np.abs(slope))) * 2.0 / part.width_rad
+def _sharpness(way: _Way, wave: float) -> float:
+    """The greatest curvature of either curve at unit centre distance, at 96 points of each part; NaN without a lift."""
+    lift = _lift(way, wave)
+    if not np.isfinite(lift):
+        return np.nan
+    return max(
+        _sharper(float(bend.min()), float(bend.max()))
+        for part in way.with_bumps(lift, wave)
+        for gear in Gear
+        for bend in (shape.curvature(part.slope(part.points_rad, 2), gear, Mesh.EXTERNAL).value,)
+    )
 
 
-def _steepest_on(law: Transmission) -> float:
-    """Largest slope of u on the range."""
-    low, high = law.extremes(lambda piece: lambda phi1: jet.log(piece.slope(phi1, 2)).differentiated())
-    return max(abs(low.value), abs(high.value))
+def _sharper(low: float, high: float) -> float:
+    return max(high, -HOLLOW * low)
+
+
+def _range_sharpness(law: Transmission) -> list[float]:
+    """The sharpness of each curve on the range."""
+
+    def sharpness(gear: Gear) -> float:
+        low, high = law.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, Mesh.EXTERNAL))
+        return _sharper(low.value, high.value)
+
+    return [sharpness(gear) for gear in Gear]

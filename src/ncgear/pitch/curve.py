@@ -78,6 +78,11 @@ class PitchCurve:
         """Driving angle that turns this gear once."""
         return self.periods * self.transmission.lobes.driving_period_rad
 
+    def drawn(self, count: int) -> CurvePoints:
+        """So many points of the closed curve, or of the range of gears that turn less than once."""
+        covered = self.transmission.lobes.range
+        return self.at_angle(np.linspace(0.0, covered.driving_rad if covered else self.turn_rad, count))
+
     @property
     def joints_mm(self) -> Array:
         """Arc lengths within one turn at which the curvature may jump; none for a law of one piece."""

@@ -1,13 +1,14 @@
 """Both pitch curves of a pair at their real size, and the figures by which they are judged.
 
-Teeth must fill the pitch curve, so two of centre distance, module and number of teeth give the third.
+Teeth must fill closed pitch curves, so two of centre distance, module and number of teeth give the third.  The curves
+of gears that turn less than once need not be filled: any module suits any centre distance.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan, degrees, isclose, pi
+from math import atan, degrees, floor, isclose, pi
 
 import numpy as np
 
@@ -39,14 +40,48 @@ class CurvatureJump:
     driven_after: float
 
 
+BESIDE_IN_PITCHES = 0.25
+"""How far a tooth's flank stands from its middle, in pitches: half its thickness."""
+
+RACK_REACH_IN_PITCHES = 1.0
+"""Rolled length, in pitches, over which teeth as high as the module touch to each side of the pitch point at 20 deg."""
+
+
+@dataclass(frozen=True)
+class ToothedArc:
+    """The teeth that are made on both curves of an open law, of ``around`` that would stand on the continued ones.
+
+    These are all that any flank can touch while the pitch point is in the range, which is ``covered_mm`` long
+    and takes ``covered_rad`` of the driving angle.
+    ``before`` of each gear's teeth come before the range: the middle of driving tooth n, from 1, crosses the pitch
+    point n - 1 - before pitches after the range's beginning, that of driven tooth n half a pitch later.
+    """
+
+    before: int
+    driving_teeth: int
+    driven_teeth: int
+    around: int
+    covered_mm: float
+    covered_rad: float
+
+    def teeth(self, gear: Gear) -> int:
+        """The number of teeth of a gear."""
+        return self.driving_teeth if gear is Gear.DRIVING else self.driven_teeth
+
+
 @dataclass(frozen=True, eq=False)
 class PitchPair:
-    """The two curves that roll on each other."""
+    """The two curves that roll on each other.
+
+    Those of gears that turn less than once are continued to closed ones (ncgear.pitch.continued), and only the teeth of
+    ``toothed`` are made.
+    """
 
     transmission: Transmission
     arc: ArcLength
     size: Size
     mesh: Mesh
+    toothed: ToothedArc | None = None
 
     def __repr__(self) -> str:
         size = self.size
@@ -81,8 +116,8 @@ class PitchPair:
         return -self.mesh.sense * radius
 
     def length_mm(self, gear: Gear) -> float:
-        """Length of a gear's closed curve, integrated on that gear's own curve."""
-        return self.of(gear).periods * period_length(self.transmission, gear, self.mesh) * self.center_distance_mm
+        """Length of a gear's curve, integrated on that gear's own curve; of an open law, over its range."""
+        return self.of(gear).periods * period_length(self.transmission.made, gear, self.mesh) * self.center_distance_mm
 
     def radius_range_mm(self, gear: Gear) -> tuple[float, float]:
         """Least and greatest pitch radius: r1 = a / (i - s) and r2 = a i / (i - s) at both ends of the ratio's range.
@@ -219,18 +254,25 @@ def sized_pair(
     module_mm: float | None,
     center_distance_mm: float | None,
     mesh: Mesh = Mesh.EXTERNAL,
+    reach_in_pitches: float = RACK_REACH_IN_PITCHES,
 ) -> PitchPair:
     """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
 
-    Raises WrongInput as ``solved_size`` does, and NoSuchMechanism for curves too sharp to be computed, for a law that
-    cannot drive a ring, and for a driving curve that does not fit into its ring.
+    Of an open law ``teeth`` counts the pitches in its range, and ``reach_in_pitches`` is the rolled length over which
+    flanks touch to each side of the pitch point, which tells which teeth are made.  Raises WrongInput as
+    ``solved_size`` does and for a ring that turns less than once, and NoSuchMechanism for curves too sharp to be
+    computed, for a law that cannot drive a ring, and for a driving curve that does not fit into its ring.
     """
     if mesh is Mesh.INTERNAL:
         require_ring(transmission)
     refuse_corners(transmission, mesh)
     covered = transmission.lobes.range
     if covered is not None:
-        return _open_pair(transmission, covered, teeth, module_mm, center_distance_mm)
+        if mesh is Mesh.INTERNAL:
+            raise WrongInput(
+                "internal, but gears that turn less than once are made as external pairs only", key="gears.mesh"
+            )
+        return _open_pair(transmission, covered, (teeth, module_mm, center_distance_mm), reach_in_pitches)
     arc = arc_length(transmission, mesh)
     size = solved_size(
         transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
@@ -242,12 +284,12 @@ def sized_pair(
 
 
 def _open_pair(
-    transmission: Transmission, covered: Range, teeth: int | None, module_mm: float | None, distance_mm: float | None
+    transmission: Transmission, covered: Range, given: tuple[int | None, float | None, float | None], reach: float
 ) -> PitchPair:
-    """The pitch curves of an open law, continued to whole turns; ``teeth`` counts the pitches of the range."""
+    """The pitch curves of an open law, continued to whole turns."""
     length = arc_length(transmission, Mesh.EXTERNAL).period
-    if sum(value is None for value in (teeth, module_mm, distance_mm)) > 1:
-        raise WrongInput("two of teeth, module_mm and center_distance_mm are needed; the third follows", key="gears")
+    teeth, module_mm, distance_mm = given
+    _require_two(*given)
     if module_mm is None:
         assert teeth is not None
         assert distance_mm is not None
@@ -259,8 +301,18 @@ def _open_pair(
         _refuse_disagreement(length, teeth, module_mm, distance_mm)
     whole = continued(transmission, covered, pi * module_mm / distance_mm)
     arc = arc_length(whole, Mesh.EXTERNAL)
-    pitches = round(arc.period * distance_mm / (pi * module_mm))
-    return PitchPair(whole, arc, Size(pitches, pitches, module_mm, distance_mm), Mesh.EXTERNAL)
+    share = distance_mm / (pi * module_mm)
+    beside, pitches, around = reach + BESIDE_IN_PITCHES, length * share, round(arc.period * share)
+    before = floor(beside + 0.5)
+    driving, driven = (before + 1 + floor(pitches + beside - middle) for middle in (0.0, 0.5))
+    toothed = ToothedArc(before, driving, driven, around, length * distance_mm, covered.driving_rad)
+    if max(driving, driven) + 1 >= around:
+        raise NoSuchMechanism(
+            f"{around} tooth pitches on the continued curves are too few for the {max(driving, driven)} teeth that are "
+            "made; a smaller module is right",
+            key="gears.module_mm",
+        )
+    return PitchPair(whole, arc, Size(driving, driven, module_mm, distance_mm), Mesh.EXTERNAL, toothed)
 
 
 CONSISTENT = 1e-6
@@ -286,8 +338,7 @@ def solved_size(
     teeth x pi x module.  Raises WrongInput when fewer than two are given, when three disagree, or when a number
     of teeth is not whole.
     """
-    if sum(value is None for value in (teeth, module_mm, center_distance_mm)) > 1:
-        raise WrongInput("two of teeth, module_mm and center_distance_mm are needed; the third follows", key="gears")
+    _require_two(teeth, module_mm, center_distance_mm)
     if teeth is None:
         assert module_mm is not None
         assert center_distance_mm is not None
@@ -299,6 +350,11 @@ def solved_size(
         _refuse_disagreement(driving_length, teeth, module_mm, center_distance_mm)
     fitting = teeth * pi * module_mm / driving_length
     return Size(teeth, _driven_teeth(teeth, lobes), module_mm, fitting)
+
+
+def _require_two(*given: float | None) -> None:
+    if sum(value is None for value in given) > 1:
+        raise WrongInput("two of teeth, module_mm and center_distance_mm are needed; the third follows", key="gears")
 
 
 def _whole_teeth(driving_length: float, module_mm: float, center_distance_mm: float) -> int:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.errors import DesignError, WrongInput
 from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
@@ -56,8 +56,8 @@ CLEAR = 0.995
 LEAST_ADDENDUM = 0.5
 """Least addendum in modules: teeth of half the standard height hardly keep contact from one pitch to the next."""
 
-SIZES = ("teeth", "module_mm", "center_distance_mm")
-"""Keys that give the pitch curves their size."""
+RACK_ANGLES = ("pressure_angle_deg", "idle_pressure_angle_deg")
+"""Keys of the pressure angles of both flanks."""
 
 BODY = ("face_width_mm", "material")
 """Keys that change nothing of straight teeth in the plane across the axes."""
@@ -65,7 +65,7 @@ BODY = ("face_width_mm", "material")
 SAME_TEETH = ("law", "pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")
 """Attributes of a drive that only such keys leave as they are."""
 
-SHIFTS = ("driving", "driven")
+SHIFTS = ("driving", "driven", "per_tooth")
 """Keys of profile shifts that a person gives; a shift that ncgear chooses replaces them."""
 
 
@@ -157,8 +157,12 @@ def changed_drive(drive: Drive, changes: Changes) -> Drive:
 
 def flatter_rack(drive: Drive, excess_deg: float) -> Changes:
     """A rack whose pressure angle is less by ``excess_deg``; empty where that is under LEAST_RACK_DEG."""
-    flatter = degrees(drive.rack.pressure_angle_rad) - excess_deg
-    return {} if flatter < LEAST_RACK_DEG else {"gears.rack.pressure_angle_deg": int(flatter * 10.0) / 10.0}
+    gears = drive.gears
+    flatter = gears.carrying_angle_deg - excess_deg
+    if flatter < LEAST_RACK_DEG:
+        return {}
+    steeper = [key for key in RACK_ANGLES if (given := getattr(gears.rack, key)) is not None and given > flatter]
+    return {f"gears.rack.{key}": int(flatter * 10.0) / 10.0 for key in steeper}
 
 
 def enough_teeth(drive: Drive) -> int:
@@ -183,6 +187,9 @@ def resized(drive: Drive, teeth: int) -> Changes:
     """
     gears, size = drive.gears, drive.pitch.size
     changes: Changes = {"gears.teeth": teeth}
+    if gears.profile_shift.per_tooth is not None:
+        # They were given for other teeth.
+        changes["gears.profile_shift.per_tooth"] = None
     if gears.module_mm is not None:
         fitting = size.module_mm * size.driving_teeth / teeth
         changes["gears.module_mm"] = fitting if gears.center_distance_mm is None else None
@@ -215,10 +222,13 @@ def shifted_against_undercut(gears: Gears) -> Changes:
 def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
     """The rack of the least pressure angle, in whole degrees, that leaves no tooth undercut.
 
-    Empty where the pressure angle of the pair would exceed ``steepest_deg`` with every such rack.
+    Empty where the pressure angle of the pair would exceed ``steepest_deg`` with every such rack, and where teeth have
+    shifts of their own.
     """
+    if drive.gears.profile_shift.per_tooth is not None:
+        return {}
     tangent, form = degrees(drive.pitch.largest_tangent_angle_rad.value), drive.tooth_form
-    least = floor(degrees(drive.rack.pressure_angle_rad)) + 1
+    least = floor(degrees(min(drive.rack.angles_rad))) + 1
     most = floor(min(STEEPEST_RACK_DEG, steepest_deg - tangent))
     for angle in range(least, most + 1):
         changes = rack_at(drive.gears, float(angle))
@@ -233,8 +243,15 @@ def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
 
 
 def rack_at(gears: Gears, angle_deg: float) -> Changes:
-    """The rack at another pressure angle; a root radius that is given and does not fit there becomes smaller."""
-    return {"gears.rack.pressure_angle_deg": angle_deg, **fitted_root_radius(gears, angle_deg)}
+    """The rack at another pressure angle; a root radius that is given and does not fit there becomes smaller.
+
+    Of two angles both become at least as great.
+    """
+    idle, changes = gears.rack.idle_pressure_angle_deg, fitted_root_radius(gears, angle_deg)
+    if idle is None:
+        return {"gears.rack.pressure_angle_deg": angle_deg, **changes}
+    greater = {key: max(getattr(gears.rack, key), angle_deg) for key in RACK_ANGLES}
+    return {**{f"gears.rack.{key}": value for key, value in greater.items()}, **changes}
 
 
 def fitted_root_radius(gears: Gears, angle_deg: float) -> Changes:
@@ -243,7 +260,10 @@ def fitted_root_radius(gears: Gears, angle_deg: float) -> Changes:
     One that is left out fits by itself.
     """
     rack = gears.rack
-    largest = largest_root_radius(radians(angle_deg), rack.dedendum, pi / 4.0)
+    angles = radians(max(angle_deg, rack.pressure_angle_deg)), radians(max(angle_deg, rack.angles_deg[1]))
+    if rack.idle_pressure_angle_deg is None:
+        angles = radians(angle_deg), radians(angle_deg)
+    largest = largest_root_radius(angles, rack.dedendum, pi / 4.0)
     if "root_radius" not in rack.model_fields_set or largest < 0.0 or rack.root_radius <= largest:
         return {}
     return {"gears.rack.root_radius": fitting_root_radius(rack.root_radius, largest)}
@@ -261,7 +281,8 @@ def _least_addendum(gear: ToothedGear) -> float:
     from ncgear.teeth.tips import Limit
 
     flanks, lowered = gear.flanks, gear.tips.limit == Limit.LAND
-    height = float(np.min(flanks.tip_height_mm[lowered], initial=np.inf))
+    own_shift = flanks.full_tip_mm - flanks.rack.tip_height_mm
+    height = float(np.min((flanks.tip_height_mm - own_shift)[lowered], initial=np.inf))
     return CLEAR * (height - flanks.rack.shift_mm) / flanks.rack.module_mm
 
 

@@ -24,6 +24,7 @@ from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.mechanism import require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.drive import Drive
+from ncgear.project.law import require_whole_turns
 from ncgear.project.moving_masses import masses_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
@@ -80,6 +81,7 @@ class Balancing:
         else:
             drive = self._drive(f"mechanisms.{number}.design")
             with located(drive.places):
+                require_whole_turns(drive.design, "balance of a mechanism")
                 linkage = require_rod(drive.linkage, "balance", "linkage")
             transmission = drive.transmission
             masses = drive.masses if given.masses is None else masses_of(given.masses, linkage)

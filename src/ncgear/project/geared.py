@@ -14,8 +14,17 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import Masses
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
+from ncgear.project.law import require_whole_turns, size_of
 from ncgear.project.moving import Moving
-from ncgear.project.tooth_form import backlash_of, helix_of, mesh_place, rack_of, require_pushing_flanks, tooth_form_of
+from ncgear.project.tooth_form import (
+    backlash_of,
+    helix_of,
+    mesh_place,
+    rack_of,
+    reach_in_pitches,
+    require_pushing_flanks,
+    tooth_form_of,
+)
 from ncgear.teeth.form import BasicRack
 
 if TYPE_CHECKING:
@@ -50,8 +59,8 @@ class Geared(Moving):
 
         gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
-            size = gears.teeth, gears.module_mm, gears.center_distance_mm
-            return sized_pair(transmission, *size, Mesh(gears.mesh))
+            size = size_of(gears, self.law)
+            return sized_pair(transmission, *size, Mesh(gears.mesh), reach_in_pitches(gears))
 
     @computed
     def rack(self) -> BasicRack:
@@ -157,6 +166,7 @@ class Geared(Moving):
         """
         from ncgear.project.moving_masses import masses_of
 
+        require_whole_turns(self.design, "the computation of forces")
         given, gears = self.design.masses, self.design.gears
         if given is None:
             needed = listed(entry_of(self.design.linkage).needed_masses, "and")
@@ -196,6 +206,7 @@ class Geared(Moving):
         from ncgear.dynamics.rigid import RigidMachine, rigid_level
 
         self.require_one_stage()
+        require_whole_turns(self.design, "the computation of forces")
         place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
         masses = self.masses
         with self.stopwatch("forces"):

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import degrees, isclose, pi
 
 import numpy as np
 
 from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import RockerTorque, ShaftTorque, StrokeForce, TurningLoad
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
-from ncgear.ratio.transmission import Law, Lobes
+from ncgear.ratio.transmission import CLOSED, Law, Lobes
 
 
 def law_of(design: Design) -> Law:
@@ -23,12 +24,72 @@ def law_of(design: Design) -> Law:
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm()), lobes)
-    return motion.law_on(mechanism_of(design.linkage), lobes)
+    law = motion.law_on(mechanism_of(design.linkage), lobes)
+    covered, linkage = law.transmission.lobes.range, law.linkage
+    if covered is None and not linkage.RETURNS and not linkage.OUTPUT.angular:
+        raise WrongInput(
+            f"{motion.law}, with which the gears turn on and on, but the {linkage.OUTPUT.name} of {linkage.NAME} never "
+            "comes back by itself; a law over a range (range_deg, spiral or function_generator) is right",
+            key="motion.law",
+        )
+    if covered is None or not linkage.RETURNS:
+        return law
+    if covered.driven_rad > law.linkage.working_angle_rad * (1.0 + CLOSED):
+        raise NoSuchMechanism(
+            f"the driven gear turns by {degrees(covered.driven_rad):.5g} deg and the crank's working stroke is "
+            f"{degrees(law.linkage.working_angle_rad):.5g} deg: gears that turn less than once stay within it; a "
+            "smaller range, or a greater ratio, is right",
+            key="motion",
+        )
+    return law
+
+
+def require_whole_turns(design: Design, what: str) -> None:
+    """Raise WrongInput where the gears turn less than once; ``what`` is not offered for these."""
+    if design.motion.is_open:
+        raise WrongInput(
+            f"{design.motion.law} over a range, with which gears turn to and fro, less than once; {what} is offered "
+            "for gears that turn on and on",
+            key="motion.law",
+        )
 
 
 def lobes_of(design: Design) -> Lobes:
     """Lobes of both gears; one each where the file has no gears."""
     return Lobes(design.gears.lobes.driving, design.gears.lobes.driven) if design.gears else Lobes()
+
+
+def size_of(gears: Gears, law: Law) -> tuple[int | None, float | None, float | None]:
+    """Teeth, module in mm and centre distance in mm as given; the distance from the law where it follows from it.
+
+    Raises WrongInput where the file gives another distance than the law.
+    """
+    from ncgear.pitch.pair import CONSISTENT
+
+    given, follows = gears.center_distance_mm, law.center_distance_mm
+    if follows is not None and given is not None and not isclose(given, follows, rel_tol=CONSISTENT):
+        raise WrongInput(
+            f"{given:.9g} mm given, but the pitch curve closes with its mate at {follows:.9g} mm; give that, or leave "
+            "the key out",
+            key="gears.center_distance_mm",
+        )
+    return gears.teeth, gears.module_mm, given if follows is None else follows
+
+
+def kept_size(design: Design) -> tuple[int | None, float | None, float | None]:
+    """Teeth, module in mm and centre distance in mm by which the design's gears keep their size under another law.
+
+    Those of the file, but for a law that gives the centre distance: teeth with the module, or else with that distance.
+    """
+    gears = design.gears
+    assert gears is not None
+    if not design.motion.gives_center_distance:
+        return gears.teeth, gears.module_mm, gears.center_distance_mm
+    from ncgear.pitch.pair import sized_pair
+
+    law = law_of(design)
+    size = sized_pair(law.transmission, *size_of(gears, law)).size
+    return size.driving_teeth, gears.module_mm, size.center_distance_mm if gears.module_mm is None else None
 
 
 def load_of(design: Design) -> SliderLoad:
@@ -39,6 +100,8 @@ def load_of(design: Design) -> SliderLoad:
     working = _resistance_of(given, "resistance")
     match given:
         case ShaftTorque():
+            if design.motion.is_open:
+                return SliderLoad(working)
             _refuse_a_seam(working)
             return SliderLoad(working, repeats_after=2.0 * pi)
         case RockerTorque():

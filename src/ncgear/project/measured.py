@@ -53,7 +53,7 @@ class MeasuredGear:
 
         A thickness that is greater by t along the pitch curve makes a span longer by t cos(alpha).
         """
-        share = np.cos(self.working.flanks.rack.pressure_angle_rad) * self.working.base_cosine
+        share = np.cos(self.working.flanks.rack.pressure_angle_rad) * self.working.base_cosine[0]
         return [self.spans.distance_mm + limit * share for limit in self.limits_mm or ()]
 
     @cached_property

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import reduce
 from itertools import product
-from math import ceil
+from math import ceil, radians
 from operator import or_
 from typing import assert_never
 
@@ -115,7 +115,10 @@ class Mend:
     @property
     def pressure_angle_deg(self) -> float:
         """The largest pressure angle, the rack's own included; of two pairs of gears, the worse's."""
-        return max(pair.pitch.largest_pressure_angle_deg(pair.rack.pressure_angle_rad) for pair in self.drive.by_stage)
+        return max(
+            pair.pitch.largest_pressure_angle_deg(radians(pair.gears.carrying_angle_deg))
+            for pair in self.drive.by_stage
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +162,7 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
     except NoSuchMechanism as error:
         return error
     except WrongInput as error:
-        fitted = fitted_root_radius(drive.gears, drive.gears.rack.pressure_angle_deg)
+        fitted = fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
         if error.key != ROOT_RADIUS or not fitted:
             raise
         return error
@@ -218,7 +221,7 @@ def _is_made(drive: Drive) -> bool:
 def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
     """All ways, the least change first; those of one tuple are equals."""
     gears = drive.gears
-    fitted = fitted_root_radius(gears, gears.rack.pressure_angle_deg)
+    fitted = fitted_root_radius(gears, min(gears.rack.angles_deg))
     for kinds in ORDER:
         options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
         found = [Way(kinds, reduce(or_, chosen, fitted)) for chosen in product(*options)]
@@ -234,7 +237,7 @@ def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
     gears = drive.gears
     match kind:
         case Kind.ROOT_RADIUS:
-            fitted = fitted_root_radius(gears, gears.rack.pressure_angle_deg)
+            fitted = fitted_root_radius(gears, min(gears.rack.angles_deg))
             return [fitted] if fitted else []
         case Kind.MATE:
             return _mate(drive)
@@ -268,7 +271,7 @@ def _shifted(drive: Drive) -> list[Changes]:
     from ncgear.teeth.gear import shift_against_undercut
 
     given = drive.gears.profile_shift
-    gears = changed_gears(drive.gears, fitted_root_radius(drive.gears, drive.gears.rack.pressure_angle_deg))
+    gears = changed_gears(drive.gears, fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg)))
     own = given.driving if given.driving is not None else -(given.driven or 0.0)
     sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
     best = [shift_against_undercut(pitch, rack_of(gears, module)) / module for pitch, module in sizes]

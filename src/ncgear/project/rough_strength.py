@@ -34,7 +34,10 @@ def rough_strength(drive: Drive) -> list[RoughSafety]:
     gears = drive.gears
     if not load.force_n.any() or np.any(load.force_n < 0.0):
         return []
-    tip, angle = RackTip(gears.rack.dedendum, gears.rack.root_radius), radians(gears.rack.pressure_angle_deg)
+    pushing, idle = gears.rack.angles_deg
+    # Roots and pressure are worse at the smaller angle.
+    angle = radians(min(pushing, idle) if gears.drives == "both_ways" else pushing)
+    tip = RackTip(gears.rack.dedendum, gears.rack.root_radius)
     try:
         return rough_safeties(load, tip, gears.rack.addendum, angle, drive.running, drive.materials, drive.conditions)
     except (ArithmeticError, DesignError):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import Gears, Rack
@@ -11,7 +11,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Mesh
 from ncgear.solids.helical.helix import Hand, Helix
-from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
+from ncgear.teeth.form import MOST_SHIFT, Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
 
 if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
@@ -30,18 +30,30 @@ def rack_of(gears: Gears, module_mm: float) -> BasicRack:
         dedendum_mm=rack.dedendum * module_mm,
         root_radius_mm=rack.root_radius * module_mm,
         relief=_relief(rack, module_mm),
+        idle_angle_rad=radians(rack.angles_deg[1]),
     )
 
 
+def reach_in_pitches(gears: Gears) -> float:
+    """Rolled length, in pitches, over which teeth of full height touch to each side of the pitch point."""
+    rack, shift, angle = gears.rack, gears.profile_shift, radians(min(gears.rack.angles_deg))
+    shifts = [abs(value) for value in (shift.driving, shift.driven) if value is not None]
+    height = rack.addendum * (1.0 + (MOST_SHIFT if shift.against_undercut else 0.0)) + max(shifts, default=0.0)
+    return height / (pi * sin(angle) * cos(angle))
+
+
 def require_pushing_flanks(pitch: PitchPair, rack: Rack) -> None:
-    """Raises NoSuchMechanism where the pressure angle reaches a right angle: a flank cannot turn its mate there."""
-    tangent = pitch.largest_tangent_angle_rad
-    angle = pitch.largest_pressure_angle_deg(radians(rack.pressure_angle_deg))
+    """Raises NoSuchMechanism where the pressure angle reaches a right angle: a flank cannot turn its mate there.
+
+    Idle flanks count as well: where they cannot turn the mate, the play has no bounds.
+    """
+    tangent, steeper = pitch.largest_tangent_angle_rad, max(rack.angles_deg)
+    angle = pitch.largest_pressure_angle_deg(radians(steeper))
     if angle < RIGHT_ANGLE_DEG:
         return
     raise NoSuchMechanism(
         f"the pressure angle reaches {angle:.4g} deg at phi1 = {in_words(tangent.at)} (of which the rack has "
-        f"{rack.pressure_angle_deg:g}), where a flank pushes along the shafts' line or back instead of turning its "
+        f"{steeper:g}), where a flank pushes along the shafts' line or back instead of turning its "
         f"mate; under {RIGHT_ANGLE_DEG:g} deg is needed: a law whose ratio changes more slowly there",
         key="motion",
     )
@@ -65,6 +77,7 @@ def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
         driving_shift_mm=driving * module_mm,
         driven_shift_mm=driven * module_mm,
         shift_for_undercut=shift.against_undercut,
+        tooth_shifts_mm=tuple(one * module_mm for one in shift.per_tooth or ()),
         cutter=Cutter(CutterKind(gears.cutter.kind), gears.cutter.teeth),
         limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
         equivalent=gears.method == "equivalent_gear",
@@ -79,8 +92,8 @@ def backlash_of(gears: Gears) -> Backlash:
 
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:
     """The place of the gears to each other and to the crank, as the force between the gears needs it."""
-    rack, axis = radians(gears.rack.pressure_angle_deg), radians(gears.driving_axis_deg)
-    return MeshPlace(center_distance_mm, rack, Mesh(gears.mesh), axis)
+    (pushing, idle), axis = map(radians, gears.rack.angles_deg), radians(gears.driving_axis_deg)
+    return MeshPlace(center_distance_mm, pushing, Mesh(gears.mesh), axis, idle)
 
 
 def helix_of(gears: Gears) -> Helix | None:

@@ -16,7 +16,7 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
-from ncgear.project.law import load_of, lobes_of
+from ncgear.project.law import kept_size, load_of, lobes_of, require_whole_turns
 from ncgear.project.motion_wishes import motion_wishes_of
 from ncgear.project.moving_masses import masses_of
 from ncgear.project.tooth_form import rack_of
@@ -28,8 +28,10 @@ RACK_ANGLE_DEG = 20.0
 def task_of(design: Design) -> task.Task:
     """The machine: mechanism, load, masses, speed and lobes.
 
-    Raises WrongInput for a mechanism whose output never returns: limits and laws of strokes know dead centres.
+    Raises WrongInput for gears that turn less than once, and for a mechanism whose output never returns: limits and
+    laws of strokes know dead centres.
     """
+    require_whole_turns(design, "the search for a best law")
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
     if not linkage.RETURNS:
         problem = f"{linkage.NAME} moves nothing to and fro, and the best law is sought for strokes only"
@@ -41,7 +43,7 @@ def task_of(design: Design) -> task.Task:
         speed,
         lobes_of(design),
         masses=_masses_of(design),
-        gears=_size_of(design.gears, limits),
+        gears=_size_of(design, limits),
         speed_fluctuation=(given.flywheel if given else Flywheel()).speed_fluctuation,
     )
 
@@ -58,9 +60,9 @@ def _masses_of(design: Design) -> Masses | None:
     return linkage.MASSES() if limited or _prices(asked).of_loads else None
 
 
-def _size_of(gears: Gears | None, limits: Limits) -> task.GearSize | None:
+def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
     """The size of an external pair; raises WrongInput where the force between its teeth is limited and not known."""
-    key = "optimize.limits.tooth_force_n"
+    key, gears = "optimize.limits.tooth_force_n", design.gears
     if limits.tooth_force_n is not None:
         if gears is None:
             problem = "given, but a force between teeth needs the gears' size: give gears.teeth and gears.module_mm"
@@ -71,8 +73,7 @@ def _size_of(gears: Gears | None, limits: Limits) -> task.GearSize | None:
             raise WrongInput("given, but it is computed of one pair only; leave it out of two stages", key=key)
     if gears is None or gears.mesh == "internal":
         return None
-    angle = radians(gears.rack.pressure_angle_deg)
-    return task.GearSize(gears.teeth, gears.module_mm, gears.center_distance_mm, angle)
+    return task.GearSize(*kept_size(design), *map(radians, gears.rack.angles_deg))
 
 
 def _prices(asked: Optimize) -> task.Prices:
@@ -145,7 +146,7 @@ def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
 
 
 def _rack_angle_deg(gears: Gears | None) -> float:
-    return gears.rack.pressure_angle_deg if gears else RACK_ANGLE_DEG
+    return gears.carrying_angle_deg if gears else RACK_ANGLE_DEG
 
 
 class _Curvature(NamedTuple):
@@ -185,7 +186,16 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if gears is None or gears.teeth is None:
         raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
     rack = rack_of(gears, 1.0)
-    turns = sin(rack.pressure_angle_rad) ** 2 * gears.teeth / gears.lobes.driving * pi / rack.flank_depth_mm
+    # The flanks of the angle that is undercut first.
+    undercut = (
+        sin(angle) ** 2
+        * gears.teeth
+        / gears.lobes.driving
+        * pi
+        / (rack.dedendum_mm - rack.root_radius_mm * (1.0 - sin(angle)))
+        for angle in rack.angles_rad
+    )
+    turns = min(undercut)
     if not turns > 2.0 * pi:
         raise WrongInput(
             f"{gears.teeth} teeth are undercut even on a circle; more teeth are needed",

@@ -4,8 +4,9 @@ A ``Transmission`` gives the driven angle with derivatives on consecutive pieces
 driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes 2 pi / n1 of the driving
 angle and 2 pi / n2 of the driven angle.  An open law, of gears that turn to and fro over less than a turn, has a range
 of both angles in place of lobes; gears get their teeth on its continuation to whole turns (ncgear.pitch.continued),
-which is closed, and of which only the range is made.  A ``Train`` is one pair of gears, or two in series, between the driving shaft
-and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
+which is closed, and of which only the range is made.  A ``Train`` is one pair of gears, or two in series, between the
+driving shaft and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed
+stroke.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from math import degrees, fsum, pi
 from operator import attrgetter
 
@@ -67,6 +69,11 @@ class Lobes:
         return 2.0 * pi / self.driven
 
     @property
+    def even_slope(self) -> float:
+        """dphi2/dphi1 of gears that turn evenly."""
+        return self.driving / self.driven
+
+    @property
     def range(self) -> Range | None:
         """What an open law, or its continuation, covers of both angles; None where gears turn on and on."""
         return None
@@ -93,6 +100,11 @@ class Range(Lobes):
     def driven_period_rad(self) -> float:
         """The driven angle that is covered."""
         return self.driven_rad
+
+    @property
+    def even_slope(self) -> float:
+        """dphi2/dphi1 of gears that turn evenly."""
+        return self.driven_rad / self.driving_rad
 
     @property
     def range(self) -> Range:
@@ -201,14 +213,20 @@ class Transmission:
         covered = self.lobes.range
         if covered is None or not self.lobes.repeats:
             return self.pieces
-        return tuple(piece for piece in self.pieces if piece.end_rad <= covered.driving_rad)
+        return tuple(piece for piece in self.pieces if piece.start_rad < covered.driving_rad)
+
+    @property
+    def made(self) -> Transmission:
+        """The law on which gears are made: itself, but for the continuation of an open law that on its range."""
+        covered = self.lobes.range
+        return self if covered is None else Transmission(self.made_pieces, covered)
 
     @property
     def meeting_pieces(self) -> list[tuple[Piece, Piece]]:
         """The pieces that gears are made on and that meet, the one before first; across the seam where one is made."""
         pieces = self.made_pieces
         if self.lobes.range is not None:
-            return list(zip(pieces, pieces[1:], strict=False))
+            return list(pairwise(pieces))
         return list(zip((pieces[-1], *pieces[:-1]), pieces, strict=True))
 
     @property
@@ -315,6 +333,11 @@ class Law:
     linkage: Mechanism
     train: Train
     stroke: PrescribedStroke | None = None
+    center_distance_mm: float | None = None
+    """Distance of the axes that follows from a law whose sizes are in mm; None where gears of any size have the law."""
+
+    facts: Mapping[str, float | str | None] = field(default_factory=dict)
+    """Figures, besides the stroke's, that were found with the law, for the summary; their names end in their unit."""
 
     def __repr__(self) -> str:
         pairs = f", {len(self.train.pairs)} pairs in series" if len(self.train.pairs) > 1 else ""

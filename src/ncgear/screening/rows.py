@@ -152,7 +152,7 @@ def _pitch(drive: Drive) -> dict[str, float]:
         "pitch.min_radius_driving_mm": pitch.least_radius_mm(Gear.DRIVING),
         "pitch.min_radius_driven_mm": pitch.least_radius_mm(Gear.DRIVEN),
         "pitch.max_tangent_angle_deg": degrees(pitch.largest_tangent_angle_rad.value),
-        "pitch.max_pressure_angle_deg": pitch.largest_pressure_angle_deg(radians(drive.gears.rack.pressure_angle_deg)),
+        "pitch.max_pressure_angle_deg": pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg)),
     }
 
 
@@ -245,8 +245,9 @@ def _sized(row: dict[str, float], shape: dict[str, float], gears: Gears | None, 
         size = solved_size(driving_length, lobes, gears.teeth, gears.module_mm, gears.center_distance_mm)
     except WrongInput as error:
         return error
-    pressure_deg = degrees(shape["tangent_rad"]) + gears.rack.pressure_angle_deg
-    if pressure_deg >= RIGHT_ANGLE_DEG:
+    tangent_deg = degrees(shape["tangent_rad"])
+    pressure_deg = tangent_deg + gears.carrying_angle_deg
+    if tangent_deg + max(gears.rack.angles_deg) >= RIGHT_ANGLE_DEG:
         return None
     distance = size.center_distance_mm
     return {

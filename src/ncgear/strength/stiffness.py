@@ -9,7 +9,6 @@ cycle, so that a pair is a linear spring.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sin
 
 import numpy as np
 
@@ -51,7 +50,8 @@ def flank_heights_mm(gear: ToothedGear, places: FlankPlaces) -> Array:
     # The flank's length is a h + b h^2 / 2 where the curvature of what rolls does not change.
     length, first = along(slope, places.point - origin) / np.abs(slope), np.abs(slope)
     turning = flanks.at_rolled(places.flank, flanks.crossing_mm[places.flank]).curvature
-    second = turning / (sin(rack.pressure_angle_rad) * rack.height_per_rolled)
+    slant = flanks.slant.of(places.flank)
+    second = turning / (slant.sine * slant.height_per_rolled)
     height = 2.0 * length / (first + np.sqrt(np.maximum(first**2 + 2.0 * second * length, 0.0)))
     height = np.clip(height, bottom, top)
     for _ in range(NEWTON_STEPS):

@@ -13,8 +13,8 @@ The common normal of idle flanks goes through the pitch point, so its arm about 
 
     L = r2 cos(alpha + theta),  tan(theta) = r1' / r1,
 
-wherever on the line of action they touch; alpha is the rack's pressure angle, r1 and r2 are the pitch radii and the
-prime is a derivative by the driving angle.  Along the normal the play is L delta.
+wherever on the line of action they touch; alpha is the rack's pressure angle of idle flanks, r1 and r2 are the pitch
+radii and the prime is a derivative by the driving angle.  Along the normal the play is L delta.
 """
 
 from __future__ import annotations
@@ -68,11 +68,12 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
         return NO_PLAY
     least, largest = (
         Extremum(arm.value * pitch.center_distance_mm, arm.at)
-        for arm in pitch.transmission.extremes(lambda piece: _idle_arm(piece, pitch, rack.pressure_angle_rad))
+        for arm in pitch.transmission.extremes(lambda piece: _idle_arm(piece, pitch, rack.angles_rad[1]))
     )
     angle = asked.driven_rad or asked.least_normal_mm / least.value
-    setback = asked.driving_share * angle * least.value / cos(rack.pressure_angle_rad)
-    thinner = max(setback, angle * largest.value / cos(rack.pressure_angle_rad) - setback)
+    cosine = cos(rack.angles_rad[1])
+    setback = asked.driving_share * angle * least.value / cosine
+    thinner = max(setback, angle * largest.value / cosine - setback)
     if thinner >= MOST_THINNED * rack.pitch_mm / 2.0:
         most = MOST_THINNED * rack.pitch_mm / 2.0 / thinner
         raise _too_much(asked, most)

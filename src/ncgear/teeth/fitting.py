@@ -8,7 +8,6 @@ are then as deep as the mate's tips reach.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import sin
 
 import numpy as np
 
@@ -90,7 +89,7 @@ def _tips_in(
     contact = _least(own.count, mates, mate.flank_depth_mm)
     if isinstance(own.tool, PinionCircle):
         # A pinion cutter's involute goes up to this height over the pitch curve: its base circle is at R sin^2(alpha).
-        contact = np.minimum(contact, own.tool.radius_mm * sin(own.rack.pressure_angle_rad) ** 2)
+        contact = np.minimum(contact, own.tool.radius_mm * own.slant.sine**2)
     tip = _least(own.count, mates, mate.root_depth_mm) - clearance
     # Rounding errors of the full depth must not count as a shorter tip.
     tip = np.where(tip > own.tip_height_mm * (1.0 - 1e-9), np.inf, tip)
@@ -170,7 +169,7 @@ def _regular_tips(
 
 def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
     """The gear with tips longer by what the mate's tips have lost to avoid undercut, so that less contact is lost."""
-    short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.rack.tip_height_mm - mate.flanks.tip_height_mm, 0.0)
+    short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.full_tip_mm - mate.flanks.tip_height_mm, 0.0)
     missing = _most(own.count, mates, short)
     # Contact passes from tooth to tooth: a tip also makes up for what the next tooth's pair has lost.
     most = np.max([np.roll(missing, shift) for shift in range(-2, 3)], axis=0)
@@ -209,7 +208,7 @@ def _deepened(own: Tips, mate: Tips, mates: Mates, clearance: float) -> Tips:
     rack = own.flanks.rack
     touched = _most(own.flanks.count, mates, mate.height_mm)
     deep = clearance + _most(own.flanks.count, mates, mate.flanks.lift_mm)
-    radius = np.maximum(rack.root_radius_mm, deep / (1.0 - sin(rack.pressure_angle_rad)))
+    radius = np.maximum(rack.root_radius_mm, deep / (1.0 - own.flanks.slant.sine))
     return replace(own, flanks=mated_spaces(own.flanks, touched, radius))
 
 

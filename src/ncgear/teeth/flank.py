@@ -32,7 +32,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import cos, lcm, remainder, sin, tan
+from math import lcm, remainder
 
 import numpy as np
 
@@ -40,7 +40,9 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, cross
 from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import CurvePoints, PitchCurve
-from ncgear.teeth.form import BasicRack
+from ncgear.pitch.shape import Gear
+from ncgear.teeth.form import BasicRack, Slant
+from ncgear.teeth.shifts import ToothShifts
 from ncgear.teeth.tool import Rounding, Tool, rounding_of
 
 FLANK, FILLET = 0, 1
@@ -72,9 +74,10 @@ class Flanks:
     tip land from the pitch curve; ``flank_depth_mm`` is the depth below the rack's pitch line at which the flank passes
     into its fillet.  The fillet is left by ``tool``, with a tip rounded by ``root_radius_mm``.  ``turn_rad`` is the
     angle by which a flank stands turned about the gear's axis, counter-clockwise; fillets stand like their flanks, but
-    turn over to the other side of the space where ``sweep`` says so.  With ``equivalent`` flanks roll on the circle of
-    curvature at their crossing instead of on the pitch curve.  Of a gear that turns less than once, only the first
-    ``made`` teeth are made.
+    turn over to the other side of the space where ``sweep`` says so.  ``full_tip_mm`` and ``full_root_mm`` are the
+    height of the tip and the depth of the space beside each flank that the rack asks for, profile shift included.  With
+    ``equivalent`` flanks roll on the circle of curvature at their crossing instead of on the pitch curve.  Of a gear
+    that turns less than once, only the first ``made`` teeth are made.
     """
 
     curve: PitchCurve
@@ -86,6 +89,8 @@ class Flanks:
     root_radius_mm: Array
     tool: Tool
     turn_rad: Array
+    full_tip_mm: Array
+    full_root_mm: Array
     equivalent: bool = False
     sweep: Sweep | None = None
     made: int | None = None
@@ -101,14 +106,37 @@ class Flanks:
         return self.count // 2 if self.made is None else self.made
 
     @property
+    def is_made(self) -> Mask:
+        """Which flanks are made, shape (2 z,)."""
+        made: Mask = np.arange(self.count) < 2 * self.teeth
+        return made
+
+    @property
     def tooth(self) -> IndexArray:
         """Number of each flank's tooth, from 1."""
         return np.arange(self.count) // 2 + 1
 
+    @property
+    def has_own_shifts(self) -> bool:
+        """Whether teeth have profile shifts of their own, besides the rack's."""
+        return bool(np.any(self.full_tip_mm != self.rack.tip_height_mm))
+
+    @cached_property
+    def idle(self) -> Mask:
+        """Which flanks do not push: the driving gear pushes with its back flanks, onto the driven front ones."""
+        idle: Mask = self.side > 0.0 if self.curve.gear is Gear.DRIVING else self.side < 0.0
+        return idle
+
+    @cached_property
+    def slant(self) -> Slant:
+        """The slants of all flanks."""
+        return self.rack.slant(self.idle)
+
     @cached_property
     def rounding(self) -> Rounding:
         """The tool's rounded tip at each flank."""
-        return rounding_of(self.tool, self.rack, self.crossing_mm, self.side, self.flank_depth_mm, self.root_radius_mm)
+        depth, radius = self.flank_depth_mm, self.root_radius_mm
+        return rounding_of(self.tool, self.rack.module_mm, self.slant, self.crossing_mm, self.side, depth, radius)
 
     @cached_property
     def is_turned(self) -> bool:
@@ -160,21 +188,21 @@ class Flanks:
 
     def rolled_mm(self, flank: IndexArray, height_mm: Array) -> Array:
         """Arc length of the pitch point when the flank touches at the given heights; shapes broadcast."""
-        return self.crossing_mm[flank] - self.side[flank] * height_mm / self.rack.height_per_rolled
+        return self.crossing_mm[flank] - self.side[flank] * height_mm / self.slant.of(flank).height_per_rolled
 
     def flank(self, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
         """Points of flanks at heights over the rack's pitch line, and their derivatives by the height."""
-        angle, side = self.rack.pressure_angle_rad, self.side[flank]
+        slant, side = self.slant.of(flank), self.side[flank]
         at = self.standing(flank, self.rolled_mm(flank, height_mm))
         tangent, normal = as_complex(at.tangent), as_complex(at.normal)
-        slope = (sin(angle) + height_mm * at.curvature / sin(angle)) / self.rack.height_per_rolled
-        inwards = cos(angle) * normal - side * sin(angle) * tangent
-        point = as_complex(at.position) + height_mm * (side / tan(angle) * tangent + normal)
+        slope = (slant.sine + height_mm * at.curvature / slant.sine) / slant.height_per_rolled
+        inwards = slant.cosine * normal - side * slant.sine * tangent
+        point = as_complex(at.position) + height_mm * (side / slant.tangent * tangent + normal)
         if self.rack.relief is None:
             return as_points(point), as_points(slope * inwards)
-        outwards = side * cos(angle) * tangent + sin(angle) * normal
+        outwards = side * slant.cosine * tangent + slant.sine * normal
         taken, taken_slope = self._relieved(height_mm)
-        slope = slope - taken * at.curvature / self.rack.height_per_rolled
+        slope = slope - taken * at.curvature / slant.height_per_rolled
         return as_points(point - taken * outwards), as_points(slope * inwards - taken_slope * outwards)
 
     def _relieved(self, height_mm: Array) -> tuple[Array, Array]:
@@ -191,10 +219,10 @@ class Flanks:
         The tangent turns with the rolling curve's, by k per mm rolled, while the flank runs along itself.  On tip
         relief, what the change of k adds to its slope is left out.
         """
-        angle = self.rack.pressure_angle_rad
+        slant = self.slant.of(flank)
         turning = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
-        slope = (sin(angle) + height_mm * turning / sin(angle)) / self.rack.height_per_rolled
-        turning = turning / self.rack.height_per_rolled
+        slope = (slant.sine + height_mm * turning / slant.sine) / slant.height_per_rolled
+        turning = turning / slant.height_per_rolled
         relief = self.rack.relief
         if relief is None:
             return np.asarray(turning / slope)
@@ -202,20 +230,20 @@ class Flanks:
         bend = np.where(
             height_mm > relief.start_mm, 2.0 * relief.amount_mm / (relief.full_mm - relief.start_mm) ** 2, 0.0
         )
-        slope, change = slope - taken * turning, turning / sin(angle) - taken_slope * turning
+        slope, change = slope - taken * turning, turning / slant.sine - taken_slope * turning
         squared = slope * slope + taken_slope * taken_slope
         return np.asarray((turning + (bend * slope - taken_slope * change) / squared) / np.sqrt(squared))
 
     def regularity(self, flank: IndexArray, height_mm: Array) -> Array:
         """sin^2(alpha) + h k: positive on a flank that exists, zero at a cusp."""
         curvature = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
-        return sin(self.rack.pressure_angle_rad) ** 2 + height_mm * curvature
+        return self.slant.of(flank).sine ** 2 + height_mm * curvature
 
     def surely_regular(self, flank: IndexArray, height_mm: Array) -> Mask:
         """Which flanks bounds of the curvature prove regular from the pitch line to given heights, shape (n,)."""
         ends = np.sort([self.crossing_mm[flank], self.rolled_mm(flank, height_mm)], axis=0)
         least = np.min([height_mm * bound for bound in self.curve.curvature_between(*ends)], axis=0)
-        regular: Mask = sin(self.rack.pressure_angle_rad) ** 2 + np.minimum(least, 0.0) > 0.0
+        regular: Mask = self.slant.of(flank).sine ** 2 + np.minimum(least, 0.0) > 0.0
         return regular
 
     def fillet_regularity(self, flank: IndexArray, sigma_mm: Array) -> Array:
@@ -337,6 +365,7 @@ def flanks_of(
     half_widths_mm: tuple[float, float] | None = None,
     idle_turn_rad: float = 0.0,
     *,
+    shifts: ToothShifts | None = None,
     equivalent: bool = False,
     made: int | None = None,
 ) -> Flanks:
@@ -344,24 +373,31 @@ def flanks_of(
 
     Tooth 1 stands at the arc length ``start_mm``, less whole turns, so that every tooth keeps its number.  From there
     its back and its front flank are ``half_widths_mm`` away, by default a quarter of a pitch.  The driven gear's idle
-    flanks, which are its back flanks, stand turned by ``idle_turn_rad``.
+    flanks, which are its back flanks, stand turned by ``idle_turn_rad``.  With ``shifts`` each tooth and each space has
+    a profile shift of its own besides the rack's.
     """
     centers = remainder(start_mm, curve.length_mm) + np.arange(teeth) * (curve.length_mm / teeth)
     side = np.tile([-1.0, 1.0], teeth)
     quarter = rack.pitch_mm / 4.0
     half_width = np.tile(half_widths_mm or (quarter, quarter), teeth)
     every = np.ones(2 * teeth)
-    depth = rack.root_depth_mm - rack.rounding_height_mm
+    tip, root = rack.tip_height_mm * every, rack.root_depth_mm * every
+    if shifts is not None:
+        half_width = half_width + shifts.outwards_mm
+        tip, root = tip + np.repeat(shifts.tooth_mm, 2), root - shifts.beside_flanks_mm
+    idle = side > 0.0 if curve.gear is Gear.DRIVING else side < 0.0
     return Flanks(
         curve,
         rack,
         np.repeat(centers, 2) + side * half_width,
         side,
-        rack.tip_height_mm * every,
-        depth * every,
+        tip,
+        root - rack.root_radius_mm * (1.0 - rack.slant(idle).sine),
         rack.root_radius_mm * every,
         tool,
         np.where(side < 0.0, idle_turn_rad, 0.0),
+        tip,
+        root,
         equivalent,
         made=made,
     )
@@ -376,6 +412,13 @@ def mating_flanks(driving_teeth: int, driven_teeth: int) -> tuple[IndexArray, In
     meeting = np.arange(lcm(driving_teeth, driven_teeth))
     own, ahead, behind = meeting % driving_teeth, meeting % driven_teeth, (meeting - 1) % driven_teeth
     return np.concatenate([2 * own + 1, 2 * own]), np.concatenate([2 * ahead, 2 * behind + 1])
+
+
+def made_mates(driving: Flanks, driven: Flanks) -> tuple[IndexArray, IndexArray]:
+    """``mating_flanks`` of two gears, of which both are made."""
+    one, other = mating_flanks(driving.count // 2, driven.count // 2)
+    both = driving.is_made[one] & driven.is_made[other]
+    return one[both], other[both]
 
 
 def flank_name(flanks: Flanks, flank: int) -> str:

@@ -14,8 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.teeth.root_radius import largest_root_radius
+
+MOST_SHIFT = 0.7
+"""Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
 
 
 @dataclass(frozen=True)
@@ -30,13 +33,34 @@ class TipRelief:
     full_mm: float
 
 
+@dataclass(frozen=True, eq=False)
+class Slant:
+    """Sine, cosine and tangent of the rack's pressure angle: numbers, or arrays of shape (n,) where flanks differ."""
+
+    sine: float | Array
+    cosine: float | Array
+    tangent: float | Array
+
+    @property
+    def height_per_rolled(self) -> float | Array:
+        """sin(alpha) cos(alpha): height by which the contact on a flank rises for each mm rolled."""
+        return self.sine * self.cosine
+
+    def of(self, flank: IndexArray) -> Slant:
+        """Those of the given flanks, in their shape; the same numbers where flanks do not differ."""
+        if isinstance(self.sine, float):
+            return self
+        return Slant(*(np.asarray(values)[flank] for values in (self.sine, self.cosine, self.tangent)))
+
+
 @dataclass(frozen=True)
 class BasicRack:
     """Rack tooth of one gear, lengths in mm.
 
     ``addendum_mm`` is the gear's addendum and ``dedendum_mm`` its dedendum (the cutter tooth's height), both without
     profile shift.  ``root_radius_mm`` is the rounding at the cutter's tip.  ``shift_mm`` is the profile shift, positive
-    outwards.  Raises WrongInput when the rounding does not fit into the tooth.
+    outwards.  ``pressure_angle_rad`` is that of the flanks that push, ``idle_angle_rad`` that of the idle flanks, None
+    where it is the same.  Raises WrongInput when the rounding does not fit into the tooth.
     """
 
     module_mm: float
@@ -46,17 +70,20 @@ class BasicRack:
     root_radius_mm: float
     shift_mm: float = 0.0
     relief: TipRelief | None = None
+    idle_angle_rad: float | None = None
 
     def __post_init__(self) -> None:
-        if self.tip_half_width_mm < 0.0 or self.flank_depth_mm < 0.0:
+        shallowest = self.dedendum_mm - self.root_radius_mm * (1.0 - sin(min(self.angles_rad)))
+        if self.tip_half_width_mm < 0.0 or shallowest < 0.0:
             largest = self.largest_root_radius_mm
             most = f"{largest:.4g} mm is the most" if largest >= 0.0 else "it is pointed; a smaller dedendum is right"
+            angles = " and ".join(f"{degrees(angle):g}" for angle in dict.fromkeys(self.angles_rad))
             raise WrongInput(
                 f"a root radius of {self.root_radius_mm:g} mm does not fit a rack tooth "
-                f"{self.dedendum_mm:g} mm deep at {degrees(self.pressure_angle_rad):g} deg; {most}",
+                f"{self.dedendum_mm:g} mm deep at {angles} deg; {most}",
                 key="gears.rack.root_radius",
             )
-        if self.tooth_half_width_mm <= self.addendum_mm * tan(self.pressure_angle_rad):
+        if self.tooth_half_width_mm <= self.addendum_mm * sum(map(tan, self.angles_rad)) / 2.0:
             raise WrongInput(
                 "the rack's teeth are pointed below their tips; a smaller addendum or pressure angle helps",
                 key="gears.rack.addendum",
@@ -72,9 +99,24 @@ class BasicRack:
         return pi * self.module_mm
 
     @property
-    def height_per_rolled(self) -> float:
-        """sin(alpha) cos(alpha): height by which the contact on a flank rises for each mm rolled."""
-        return sin(self.pressure_angle_rad) * cos(self.pressure_angle_rad)
+    def angles_rad(self) -> tuple[float, float]:
+        """Pressure angles of the flanks that push and of the idle ones."""
+        pushing, idle = self.pressure_angle_rad, self.idle_angle_rad
+        return pushing, pushing if idle is None else idle
+
+    @property
+    def slants(self) -> tuple[Slant, Slant]:
+        """The slants of the flanks that push and of the idle ones."""
+        pushing, idle = (Slant(sin(angle), cos(angle), tan(angle)) for angle in self.angles_rad)
+        return pushing, idle
+
+    def slant(self, idle: Mask) -> Slant:
+        """The slants of flanks, some of them idle; numbers where both angles are equal."""
+        pushing, back = self.slants
+        if pushing.sine == back.sine:
+            return pushing
+        sine, cosine = np.where(idle, back.sine, pushing.sine), np.where(idle, back.cosine, pushing.cosine)
+        return Slant(sine, cosine, np.where(idle, back.tangent, pushing.tangent))
 
     @property
     def tip_height_mm(self) -> float:
@@ -93,26 +135,26 @@ class BasicRack:
 
     @property
     def rounding_height_mm(self) -> float:
-        """Height of the cutter tooth's rounding, from the end of its straight flank to its tip."""
+        """Height of the cutter tooth's rounding beside pushing flanks, from the straight flank's end to the tip."""
         return self.root_radius_mm * (1.0 - sin(self.pressure_angle_rad))
 
     @property
     def flank_depth_mm(self) -> float:
-        """Depth below the rack's mid line at which the straight flank ends and the rounding begins."""
+        """Depth below the rack's mid line at which the straight pushing flank ends and the rounding begins."""
         return self.dedendum_mm - self.rounding_height_mm
 
     @property
     def tip_half_width_mm(self) -> float:
-        """Half the flat of the cutter's tip: the distance of the rounding's centre from the cutter tooth's middle."""
-        angle = self.pressure_angle_rad
+        """Half the flat of the cutter's tip: half the distance of both roundings' centres."""
         half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
-        return half_width - (self.dedendum_mm - self.root_radius_mm) * tan(angle) - self.root_radius_mm / cos(angle)
+        deep, radius = self.dedendum_mm - self.root_radius_mm, self.root_radius_mm
+        return half_width - sum(deep * tan(angle) + radius / cos(angle) for angle in self.angles_rad) / 2.0
 
     @property
     def largest_root_radius_mm(self) -> float:
         """The greatest root radius that fits; negative where the cutter's tooth is pointed at its depth."""
         half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
-        return largest_root_radius(self.pressure_angle_rad, self.dedendum_mm, half_width)
+        return largest_root_radius(self.angles_rad, self.dedendum_mm, half_width)
 
 
 @dataclass(frozen=True)
@@ -204,6 +246,7 @@ class ToothForm:
 
     Play is asked for by ``backlash``.  ``driving_shift_mm`` and ``driven_shift_mm`` are profile shifts.  With
     ``shift_for_undercut`` they are chosen instead, equal and opposite, so that as little as possible is undercut.  With
+    ``tooth_shifts_mm`` each tooth of the driving gear, from tooth 1 on, has one of its own (shifts.py).  With
     ``equivalent`` every flank is that of its equivalent circular gear (flank.py).
     """
 
@@ -211,6 +254,7 @@ class ToothForm:
     driving_shift_mm: float = 0.0
     driven_shift_mm: float = 0.0
     shift_for_undercut: bool = False
+    tooth_shifts_mm: tuple[float, ...] = ()
     cutter: Cutter = field(default_factory=Cutter)
     limits: TipLimits = field(default_factory=TipLimits)
     equivalent: bool = False

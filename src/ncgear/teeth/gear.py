@@ -7,8 +7,9 @@ the outlines.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import ceil, cos, inf, sin, tan
+from dataclasses import dataclass, replace
+from functools import partial
+from math import ceil, cos, inf, tan
 
 import numpy as np
 
@@ -18,13 +19,13 @@ from ncgear.pitch.shape import Gear
 from ncgear.teeth.backlash import play_of
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
-from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
+from ncgear.teeth.form import MOST_SHIFT, BasicRack, CutterKind, ToothForm
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.outline import ChordTolerance, outline_points, simple_polygon
+from ncgear.teeth.shifts import ToothShifts, refuse_open, tooth_shifts
 from ncgear.teeth.sides import Sides, refuse_folded_lands, refuse_sharp_places, regular_sides, swept, trimmed_sides
 from ncgear.teeth.tips import Limit, Tips
 from ncgear.teeth.tool import chosen_tools
-from ncgear.teeth.toothed_arc import BEFORE, toothed_arc
 
 MOST_ASTRAY = 3.0
 """The driven gear as written may miss the law by this many chord tolerances, divided by the driven pitch radius."""
@@ -67,7 +68,7 @@ class ToothedGear:
         return self._numbers(self.tips.limit == reason)
 
     def _numbers(self, marked: Mask) -> list[int]:
-        return sorted({int(number) for number in self.flanks.tooth[marked] if number <= self.teeth})
+        return sorted({int(number) for number in self.flanks.tooth[marked]})
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,7 @@ def toothed_pair(
     kind, tips = pair_tips(pitch, form, advance_mm)
     # Two chords astray by t turn the driven gear by 2 t / (r cos(angle)), the angle being that between the flanks'
     # normal and the way of the driven pitch point.
-    angle = form.rack.pressure_angle_rad + pitch.largest_tangent_angle_rad.value
+    angle = max(form.rack.angles_rad) + pitch.largest_tangent_angle_rad.value
     flank_share = min(1.0, MOST_ASTRAY / 2.0 * max(cos(angle), LEAST_COSINE))
     finer = flank_tolerance_mm or tolerance_mm * flank_share
     driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm, straddling)) for side in tips)
@@ -125,31 +126,27 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     # thinner.  Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven
     # front ones; its front flanks are idle, and the driven back ones.
     quarter = form.rack.pitch_mm / 4.0
-    wider = (racks[0].shift_mm - racks[1].shift_mm) / 2.0 * tan(form.rack.pressure_angle_rad)
-    widths = quarter + wider, quarter - wider
+    pushing, idle = ((racks[0].shift_mm - racks[1].shift_mm) / 2.0 * tan(angle) for angle in form.rack.angles_rad)
     turn = -pitch.mesh.sense * play.driven_rad
-    first = widths[0], widths[0] - play.setback_mm
-    second = widths[1] + play.setback_mm, widths[1]
-    arc = toothed_arc(pitch)
-    first_mm = advance_mm - (BEFORE * form.rack.pitch_mm if arc else 0.0)
+    first = quarter + pushing, quarter + idle - play.setback_mm
+    second = quarter - idle + play.setback_mm, quarter - pushing
+    arc = pitch.toothed
+    first_mm = advance_mm - (arc.before * form.rack.pitch_mm if arc else 0.0)
     start = first_mm, first_mm + 2.0 * quarter
-    equivalent = form.equivalent
-    made = (arc.driving_teeth, arc.driven_teeth) if arc else (None, None)
+    count = (arc.around, arc.around) if arc else (size.driving_teeth, size.driven_teeth)
+    made = [arc.teeth(gear) if arc else None for gear in Gear]
+    shifts: tuple[ToothShifts, ToothShifts] | tuple[None, None] = (None, None)
+    if form.tooth_shifts_mm:
+        if arc:
+            refuse_open()
+        shifts = tooth_shifts(np.array(form.tooth_shifts_mm), form.rack.module_mm, form.rack.angles_rad, count)
+    driving, driven = (
+        partial(flanks_of, shifts=own, equivalent=form.equivalent, made=kept)
+        for own, kept in zip(shifts, made, strict=True)
+    )
     tips = fitted_pair(
-        flanks_of(
-            pitch.driving, racks[0], size.driving_teeth, tools[0], start[0], first, equivalent=equivalent, made=made[0]
-        ),
-        flanks_of(
-            pitch.driven,
-            racks[1],
-            size.driven_teeth,
-            tools[1],
-            start[1],
-            second,
-            turn,
-            equivalent=equivalent,
-            made=made[1],
-        ),
+        driving(pitch.driving, racks[0], count[0], tools[0], start[0], first),
+        driven(pitch.driven, racks[1], count[1], tools[1], start[1], second, turn),
         form.limits,
     )
     if kind is CutterKind.PINION:
@@ -166,11 +163,11 @@ def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     tips, sides = swept(tips, trimmed_sides(flanks, sides, irregular))
     outline = outline_points(tips, sides, chords)
     simple_polygon(outline, f"gears.{flanks.curve.gear.value}")
-    return ToothedGear(tips, sides, outline)
+    made = flanks.is_made
+    return ToothedGear(
+        replace(tips, limit=np.where(made, tips.limit, Limit.FULL), undercut=tips.undercut & made), sides, outline
+    )
 
-
-MOST_SHIFT = 0.7
-"""Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
 
 ROUNDING = 1e-9
 """Share by which chosen shifts stay clear of the limit, at which rounding would decide whether flanks are undercut."""
@@ -189,13 +186,17 @@ def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
     """The driving gear's shift in mm that leaves least undercut; the driven gear's is its opposite.
 
     Where k is a gear's largest curvature, its flank of depth f - x is regular while (f - x) k < sin^2(alpha).  That
-    bounds the shift from below and from above.  A gear that is nowhere convex, as most rings are, sets no bound.
-    Between both bounds the shift nearest to zero is taken; where the bounds leave nothing between them, their mean.
+    bounds the shift from below and from above, of unequal flanks the one whose bound is closer.  A gear that is nowhere
+    convex, as most rings are, sets no bound.  Between both bounds the shift nearest to zero is taken; where the bounds
+    leave nothing between them, their mean.
     """
-    square, depth = sin(rack.pressure_angle_rad) ** 2 * (1.0 - ROUNDING), rack.flank_depth_mm
-    sharpest = (pitch.curvature_range[gear][1].value for gear in Gear)
-    driving, driven = (square / k if k > 0.0 else inf for k in sharpest)
-    least, most = depth - driving, driven - depth
+    sharpest = [pitch.curvature_range[gear][1].value for gear in Gear]
+    bounds = []
+    for slant in rack.slants:
+        square, depth = slant.sine**2 * (1.0 - ROUNDING), rack.dedendum_mm - rack.root_radius_mm * (1.0 - slant.sine)
+        driving, driven = (square / k if k > 0.0 else inf for k in sharpest)
+        bounds.append((depth - driving, driven - depth))
+    least, most = max(low for low, _ in bounds), min(high for _, high in bounds)
     wanted = float(np.clip(0.0, least, most)) if least <= most else (least + most) / 2.0
     reach = MOST_SHIFT * rack.addendum_mm
     return float(np.clip(wanted, -reach, reach))
@@ -205,11 +206,18 @@ def teeth_free_of_undercut(pitch: PitchPair, driving: BasicRack, driven: BasicRa
     """Number of driving teeth from which on no tooth can be undercut, wherever it stands on the curves.
 
     A flank is regular where k h_F < sin^2(alpha); the curvature per module falls as teeth are added at a fixed shape.
+    Of gears that turn less than once it is the number of pitches in the range.
     """
-    square = sin(driving.pressure_angle_rad) ** 2
     depths = {Gear.DRIVING: driving, Gear.DRIVEN: driven}
-    worst = max(
-        pitch.curvature_range[gear][1].value * (rack.flank_depth_mm - rack.shift_mm) for gear, rack in depths.items()
-    )
+    whole, toothed = pitch.size.driving_teeth, pitch.toothed
+    around = whole if toothed is None else toothed.covered_mm / driving.pitch_mm
+    found = []
+    for gear, rack in depths.items():
+        sharpest = pitch.curvature_range[gear][1].value
+        for slant in rack.slants:
+            depth = rack.dedendum_mm - rack.root_radius_mm * (1.0 - slant.sine) - rack.shift_mm
+            found.append(around * (sharpest * depth) / slant.sine**2)
+    if toothed is not None:
+        return ceil(max(found))
     lobes = pitch.transmission.lobes.driving
-    return lobes * ceil(pitch.size.driving_teeth * worst / square / lobes)
+    return lobes * ceil(max(found) / lobes)

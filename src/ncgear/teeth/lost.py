@@ -16,6 +16,7 @@ from ncgear.teeth.flank import Flanks
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.regular import regular_depth
 from ncgear.teeth.tips import tip_crossing
+from ncgear.teeth.tool import RackLine
 
 ROUNDING_IN_MODULES = 1e-9
 """Height that is none, and difference of heights that are alike: rounding errors of the flanks."""
@@ -40,7 +41,7 @@ def shortening(gear: ToothedGear, chosen: Mask) -> Loss:
     Amounts are distances from the pitch curve.  A tip that was raised before it was shortened may have lost none.
     """
     flanks, which = gear.flanks, np.nonzero(chosen)[0]
-    full = np.maximum(flanks.tip_height_mm, flanks.rack.tip_height_mm)
+    full = np.maximum(flanks.tip_height_mm, flanks.full_tip_mm)
     amount = (full - flanks.tip_height_mm)[which]
     height, _, met = tip_crossing(replace(flanks, tip_height_mm=full), which)
     lost = np.where(met, height - gear.tips.height_mm[which], np.inf)
@@ -55,20 +56,18 @@ def undercutting(gear: ToothedGear) -> Loss:
     hF - r sin^2(alpha) on a pitch circle; such flanks lose no contact, as it is the mate's tips that are shortened.
     """
     flanks, which = gear.flanks, np.nonzero(gear.tips.undercut)[0]
-    full = _full_depth_mm(flanks)
+    full = _full_depth_mm(flanks)[which]
     left, cut = -gear.sides.flank_range()[1][which], flanks.flank_depth_mm[which]
     notched = left < cut - ROUNDING_IN_MODULES * flanks.rack.module_mm
-    amount = np.where(notched, cut - left, full - regular_depth(flanks, full)[which])
+    amount = np.where(notched, cut - left, full - regular_depth(flanks, float(full.max()))[which])
     return _largest(flanks, which, amount, np.where(notched, amount, 0.0))
 
 
-def _full_depth_mm(flanks: Flanks) -> float:
-    """Depth below the pitch line to which a flank goes that a tool of full depth cuts."""
-    rack, tool = flanks.rack, flanks.tool
-    if isinstance(tool, PitchCurve):
-        return rack.root_depth_mm - rack.rounding_height_mm
-    depth: Array = tool.flank_depth_mm(rack, np.array([rack.root_depth_mm]), np.array([rack.root_radius_mm]))
-    return float(depth[0])
+def _full_depth_mm(flanks: Flanks) -> Array:
+    """Depth below the pitch line to which each flank goes that a tool of full depth cuts, shape (2 z,)."""
+    radius = np.full(flanks.count, flanks.rack.root_radius_mm)
+    tool = RackLine() if isinstance(flanks.tool, PitchCurve) else flanks.tool
+    return tool.flank_depth_mm(flanks.slant, flanks.full_root_mm, radius)
 
 
 def _largest(flanks: Flanks, which: IndexArray, amount: Array, lost_mm: Array) -> Loss:
@@ -76,5 +75,5 @@ def _largest(flanks: Flanks, which: IndexArray, amount: Array, lost_mm: Array) -
     rack = flanks.rack
     # Of teeth that are alike the first is named.
     worst = int(np.argmax(amount >= amount.max() - ROUNDING_IN_MODULES * rack.module_mm))
-    pitches = float(lost_mm.max()) / rack.height_per_rolled / rack.pitch_mm
+    pitches = float((lost_mm / flanks.slant.of(which).height_per_rolled).max()) / rack.pitch_mm
     return Loss(float(amount[worst]), int(flanks.tooth[which[worst]]), pitches)

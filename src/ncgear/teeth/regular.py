@@ -5,8 +5,6 @@ Bounds of the curvature prove most of them regular; of the others the exact plac
 
 from __future__ import annotations
 
-from math import sin
-
 import numpy as np
 
 from ncgear.numerics.arrays import Array, Mask
@@ -46,7 +44,7 @@ def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
     doubtful = np.nonzero(~flanks.surely_regular(every, sense * reached))[0]
     if not doubtful.size:
         return reached
-    per_mm = -sense * flanks.side * flanks.rack.height_per_rolled
+    per_mm = -sense * flanks.side * flanks.slant.height_per_rolled
     ends, joints = np.array([0.0, limit]), _joints(flanks)
     cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in doubtful]
     reached[doubtful] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
@@ -71,7 +69,7 @@ def _never_folds(flanks: Flanks) -> bool:
     They are where the roundings stand below the pitch line, and the tool is either the mate, whose curve rolls with a
     positive sum of curvatures, or a rack on a curve without a concave stretch.
     """
-    below = flanks.flank_depth_mm > flanks.root_radius_mm * sin(flanks.rack.pressure_angle_rad)
+    below = flanks.flank_depth_mm > flanks.root_radius_mm * flanks.slant.sine
     mated = isinstance(flanks.tool, PitchCurve)
     straight = isinstance(flanks.tool, RackLine) and flanks.curve.curvature_bounds[0] >= 0.0
     return bool(below.all()) and (mated or straight)

@@ -11,15 +11,18 @@ ROUNDING = 1e-9
 """Share by which a chosen radius stays clear of the greatest one, where rounding would decide whether it fits."""
 
 
-def largest_root_radius(pressure_angle_rad: float, dedendum: float, half_width: float) -> float:
-    """The greatest radius of the rounding, in the unit of the other lengths.
+def largest_root_radius(angles_rad: tuple[float, float], dedendum: float, half_width: float) -> float:
+    """The greatest radius of the roundings at both corners, in the unit of the other lengths.
 
-    ``half_width`` is half the width of the cutter's tooth at the mid line; it has no backlash where it is a quarter of
-    the pitch.  A greater radius would leave the tip no flat (the formula of ISO 53) or begin above the mid line.  The
-    result is negative where the tooth is pointed before it is ``dedendum`` high.
+    ``angles_rad`` are the pressure angles of both flanks.  ``half_width`` is half the width of the cutter's tooth at
+    the mid line; it has no backlash where it is a quarter of the pitch.  A greater radius would leave the tip no flat
+    (the formula of ISO 53; of unequal flanks the mean of both sides counts) or begin above the mid line.  The result is
+    negative where the tooth is pointed before it is ``dedendum`` high.
     """
-    flat = (half_width - dedendum * tan(pressure_angle_rad)) / (1.0 / cos(pressure_angle_rad) - tan(pressure_angle_rad))
-    return min(flat, dedendum / (1.0 - sin(pressure_angle_rad)))
+    one, other = angles_rad
+    slope, length = (tan(one) + tan(other)) / 2.0, (1.0 / cos(one) + 1.0 / cos(other)) / 2.0
+    flat = (half_width - dedendum * slope) / (length - slope)
+    return min(flat, dedendum / (1.0 - sin(min(one, other))))
 
 
 def fitting_root_radius(wanted: float, largest: float) -> float:

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import sin
 
 import numpy as np
 from scipy.optimize import elementwise
@@ -43,19 +42,29 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     """The flanks as deep as a rack or pinion cutter cuts them, and which of them it undercuts at full depth."""
     tool, rack = flanks.tool, flanks.rack
     assert not isinstance(tool, PitchCurve)
-    full = np.full(flanks.count, rack.root_depth_mm)
-    depth = tool.flank_depth_mm(rack, full, flanks.root_radius_mm)
+    full, slant = flanks.full_root_mm, flanks.slant
+    depth = tool.flank_depth_mm(slant, full, flanks.root_radius_mm)
     # Searched a little deeper than the space is, so that spaces get shallower by degrees, without a jump between the
     # sections of helical teeth.
-    regular = regular_depth(flanks, rack.root_depth_mm / CLEAR_OF_CUSPS)
+    regular = regular_depth(flanks, float(full.max()) / CLEAR_OF_CUSPS)
     undercut = regular < depth
     allowed = CLEAR_OF_CUSPS * regular if avoid_undercut else np.full(flanks.count, np.inf)
-    bound = of_spaces(allowed)
-    radii = _largest_radii(flanks, np.minimum(bound, depth), rack.root_radius_mm)
+    every, sine = np.arange(flanks.count), np.broadcast_to(slant.sine, flanks.count)
+    beside = np.where(flanks.side > 0.0, every + 1, every - 1) % flanks.count
+
+    def bound(radius: Array, flank: IndexArray) -> Array:
+        # The tool's tip is level, though its rounding ends higher beside the flatter flank.
+        other = beside[flank]
+        level: Array = np.minimum(allowed[flank], allowed[other] + radius * (sine[flank] - sine[other]))
+        return level
+
+    radii = _largest_radii(flanks, np.minimum(of_spaces(allowed), depth), rack.root_radius_mm)
     if flanks.is_turned or not isinstance(tool, RackLine):
         # Play leaves the driven gear's teeth thicker, and the rack's thinner, before its idle flanks are turned.
-        radii = _fitted(flanks, radii, lambda r, i: np.minimum(bound[i], tool.flank_depth_mm(rack, full[i], r)))
-    depth = np.minimum(bound, tool.flank_depth_mm(rack, full, radii))
+        radii = _fitted(
+            flanks, radii, lambda r, i: np.minimum(bound(r, i), tool.flank_depth_mm(slant.of(i), full[i], r))
+        )
+    depth = np.minimum(bound(radii, every), tool.flank_depth_mm(slant, full, radii))
     return replace(flanks, flank_depth_mm=depth, root_radius_mm=radii), undercut
 
 
@@ -86,7 +95,7 @@ def _largest_radii(flanks: Flanks, depth: Array, wanted: Array | float) -> Array
     """
     if not np.all(depth > 0.0):
         raise no_root(flanks, int(np.nonzero(~(depth > 0.0))[0][0]), "no flank below the pitch curve is regular")
-    most = ROUND_ENOUGH * depth / sin(flanks.rack.pressure_angle_rad)
+    most = ROUND_ENOUGH * depth / flanks.slant.sine
     return of_spaces(np.minimum(wanted, most))
 
 
@@ -96,7 +105,8 @@ def _fitted(flanks: Flanks, radii: Array, depth_of: Depth) -> Array:
 
     def trial(flank: IndexArray, radius: Array) -> Rounding:
         depth = depth_of(radius, flank)
-        return rounding_of(flanks.tool, flanks.rack, flanks.crossing_mm[flank], flanks.side[flank], depth, radius)
+        module, slant = flanks.rack.module_mm, flanks.slant.of(flank)
+        return rounding_of(flanks.tool, module, slant, flanks.crossing_mm[flank], flanks.side[flank], depth, radius)
 
     def flats(radius: Array, number: IndexArray) -> Array:
         first, last = trial(front[number], radius), trial(back[number], radius)
@@ -241,7 +251,8 @@ def roots_of(flanks: Flanks) -> Roots:
     # Beyond the seam the tool has turned on: its next tooth stands elsewhere in its own frame.
     last = rounding_of(
         flanks.tool,
-        flanks.rack,
+        flanks.rack.module_mm,
+        flanks.slant.of(back),
         flanks.crossing_mm[back] + turn,
         flanks.side[back],
         flanks.flank_depth_mm[back],

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from math import degrees, sin, tan
+from math import degrees
 
 import numpy as np
 from scipy.optimize import elementwise
@@ -194,7 +194,7 @@ def _lowered(edges: _Edges, allowed: Array) -> Array:
 
 def _foot(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
     """Arc length of the pitch curve's point nearest to where flanks touch at heights, and its distance; shapes (n,)."""
-    start = flanks.rolled_mm(flank, height) + flanks.side[flank] * height / np.tan(flanks.rack.pressure_angle_rad)
+    start = flanks.rolled_mm(flank, height) + flanks.side[flank] * height / flanks.slant.of(flank).tangent
     return nearest(flanks.curve, flanks.unturned.flank(flank, height)[0], start, AGREEMENT * flanks.rack.module_mm)
 
 
@@ -235,11 +235,11 @@ def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array
     height h is 1 + h k radii up from the centre and h k cot(alpha) along, its tip land 1 + k tip radii off.  On a
     concave stretch a flank comes to the same height again beyond its cusp: it is the lesser height that is sought.
     """
-    angle, tip = flanks.rack.pressure_angle_rad, flanks.tip_height_mm[which]
+    slant, tip = flanks.slant.of(which), flanks.tip_height_mm[which]
     curvature = flanks.curve.at_length(flanks.rolled_mm(which, HALFWAY * tip)).curvature
     twice = tip * (2.0 + curvature * tip)
-    height = twice / (1.0 + np.sqrt(np.maximum(1.0 + twice * curvature / sin(angle) ** 2, 0.0)))
-    along = height / tan(angle) / np.maximum(1.0 + height * curvature, LEAST_SHARE)
+    height = twice / (1.0 + np.sqrt(np.maximum(1.0 + twice * curvature / slant.sine**2, 0.0)))
+    along = height / slant.tangent / np.maximum(1.0 + height * curvature, LEAST_SHARE)
     # An arc is x / (1 + x^2 / 3) of its radius, nearly, where its tangent is x.
     along /= 1.0 + (along * curvature) ** 2 / 3.0
     return height, flanks.rolled_mm(which, height) + flanks.side[which] * along
@@ -324,10 +324,11 @@ def _width(flanks: Flanks, both: IndexArray, at: Array, met: Mask) -> Array:
 
 def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
     """The error for a flank that cannot have a tip."""
+    angle = flanks.rack.angles_rad[int(flanks.idle[flank])]
     k = float(flanks.curve.at_length(flanks.crossing_mm[flank : flank + 1]).curvature[0])
     return NoSuchMechanism(
         f"{flank_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "
         f"{k:.4g} 1/mm, {k * flanks.rack.module_mm:.3g} per module, pressure angle of "
-        f"the rack {degrees(flanks.rack.pressure_angle_rad):g} deg); more teeth of a smaller module are needed",
+        f"the rack {degrees(angle):g} deg); more teeth of a smaller module are needed",
         key="gears.teeth",
     )

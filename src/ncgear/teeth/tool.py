@@ -13,7 +13,7 @@ pitch point where Q is nearest to the tool's curve, and reaches one radius deepe
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, sin
+from math import pi
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import CurvePoints, PitchCurve, RollingCurve, nearest
 from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.teeth.form import BasicRack, CutterKind, ToothForm
+from ncgear.teeth.form import BasicRack, CutterKind, Slant, ToothForm
 
 AGREEMENT = 1e-11
 """Distance, in modules, at which two points or curves count as meeting: about 1000 rounding errors of a gear of 20
@@ -40,9 +40,9 @@ class RackLine:
         position[..., 0], tangent[..., 0], normal[..., 1] = sigma_mm, 1.0, -1.0
         return CurvePoints(position, tangent, normal, np.zeros(np.shape(sigma_mm)))
 
-    def flank_depth_mm(self, rack: BasicRack, depth_mm: Array, radius_mm: Array) -> Array:
+    def flank_depth_mm(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """How deep the straight flank goes on a tool tooth of a depth and a tip radius."""
-        return depth_mm - radius_mm * (1.0 - sin(rack.pressure_angle_rad))
+        return depth_mm - radius_mm * (1.0 - slant.sine)
 
 
 @dataclass(frozen=True)
@@ -66,13 +66,13 @@ class PinionCircle:
             self.radius_mm * outward, tangent, outward, np.full(np.shape(sigma_mm), 1.0 / self.radius_mm)
         )
 
-    def flank_depth_mm(self, rack: BasicRack, depth_mm: Array, radius_mm: Array) -> Array:
+    def flank_depth_mm(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """How deep the involute goes on a tool tooth of a depth and a tip radius.
 
         The rounding's centre runs on an involute of the same base circle R cos(alpha); at the depth f of the contact
         its distance to the base circle's tangent point is R sin(alpha) + f / sin(alpha) - rho.
         """
-        sine, base = sin(rack.pressure_angle_rad), self.radius_mm * cos(rack.pressure_angle_rad)
+        sine, base = slant.sine, self.radius_mm * slant.cosine
         tangent = np.sqrt((self.radius_mm + depth_mm - radius_mm) ** 2 - base**2)
         depth: Array = sine * (tangent - self.radius_mm * sine + radius_mm)
         return depth
@@ -97,19 +97,25 @@ class Rounding:
 
 
 def rounding_of(
-    tool: RollingCurve, rack: BasicRack, crossing_mm: Array, side: Array, flank_depth_mm: Array, radius_mm: Array
+    tool: RollingCurve,
+    module_mm: float,
+    slant: Slant,
+    crossing_mm: Array,
+    side: Array,
+    flank_depth_mm: Array,
+    radius_mm: Array,
 ) -> Rounding:
     """The roundings of flanks that cross at ``crossing_mm`` and end at ``flank_depth_mm``, all of shape (n,).
 
-    ``side`` is -1 for back flanks and +1 for front flanks; ``radius_mm`` is the radius of each rounding.
+    ``side`` is -1 for back flanks and +1 for front flanks, ``slant`` is theirs; ``radius_mm`` is the radius of each
+    rounding.
     """
-    angle = rack.pressure_angle_rad
-    sigma = crossing_mm + side * flank_depth_mm / rack.height_per_rolled
+    sigma = crossing_mm + side * flank_depth_mm / slant.height_per_rolled
     at = tool.at_length(sigma)
-    u = side * cos(angle) * (radius_mm - flank_depth_mm / sin(angle))
-    v = radius_mm * sin(angle) - flank_depth_mm
+    u = side * slant.cosine * (radius_mm - flank_depth_mm / slant.sine)
+    v = radius_mm * slant.sine - flank_depth_mm
     center = at.position + u[:, None] * at.tangent - v[:, None] * at.normal
-    lowest, outwards = nearest(tool, center, sigma + u, AGREEMENT * rack.module_mm)
+    lowest, outwards = nearest(tool, center, sigma + u, AGREEMENT * module_mm)
     return Rounding(lowest, outwards + radius_mm, center)
 
 

@@ -1,65 +1,37 @@
 """The teeth that are made of gears that turn less than once, and how the body goes on behind the last of them.
 
 Teeth are made on the continued curves (ncgear.pitch.continued), and of these the ones that any flank of the range can
-touch: all whose middle crosses the pitch point within 1.25 pitches of the range, as flanks touch over one pitch at most
-to either side and stand a quarter of a pitch from the middle.  Beside the first and the last tooth stands the root land
-of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.  Its radius is
-that of the lower of both ends: there the mate's highest tips pass by with the clearance of the roots.
+touch (ncgear.pitch.pair.ToothedArc): flanks of usual height touch over one pitch at most to either side of the pitch
+point, and stand a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands the
+root land of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.  Its
+radius is that of the lower of both ends, or what the root land would fall to within another pitch: there the mate's
+last teeth pass by with the clearance of the roots.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import asin, cos, degrees, floor, pi, sin
+from collections.abc import Callable
+from dataclasses import replace
+from math import asin, cos, degrees, pi, sin
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.plane import as_points
 from ncgear.numerics.units import in_words
-from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.stretch import Stretch
 
-BESIDE_IN_PITCHES = 1.25
-"""How far from the range a tooth's middle may cross the pitch point and the tooth still touch in the range."""
-
-BEFORE = 1
-"""Teeth of each gear before the ones that cross the pitch point first within the range."""
+ComplexPair = tuple[ComplexArray, ComplexArray]
+"""Points and their derivatives by the share of the way."""
 
 LEAST_WALL = 0.25
 """Least height of a wall in modules; a lower step is evened out along the heel."""
 
 LEAST_GAP_RAD = pi / 18.0
 """Least angle that must be left for the heel, so that its corners can be made."""
-
-
-@dataclass(frozen=True)
-class ToothedArc:
-    """The teeth that are made of each gear, and the rolled length of the range."""
-
-    driving_teeth: int
-    driven_teeth: int
-    range_mm: float
-
-    def of(self, gear: Gear) -> int:
-        """The number of teeth of a gear."""
-        return self.driving_teeth if gear is Gear.DRIVING else self.driven_teeth
-
-
-def toothed_arc(pitch: PitchPair) -> ToothedArc | None:
-    """What is made of the gears of an open law; None where all teeth are.
-
-    Driving teeth stand at whole pitches of the rolled length, driven teeth half a pitch on.
-    """
-    covered = pitch.transmission.lobes.range
-    if covered is None:
-        return None
-    rolled = float(pitch.arc.length(np.array([covered.driving_rad]))[0]) * pitch.center_distance_mm
-    pitches = rolled / (pi * pitch.size.module_mm)
-    last = floor(pitches + BESIDE_IN_PITCHES), floor(pitches + BESIDE_IN_PITCHES - 0.5)
-    return ToothedArc(last[0] + BEFORE + 1, last[1] + BEFORE + 1, rolled)
 
 
 def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch]:
@@ -86,20 +58,21 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
     left = 2.0 * pi - _covered_rad(flanks, after, before)
     if left < LEAST_GAP_RAD:
         _refuse(flanks, left, after)
-    module, low = flanks.rack.module_mm, min(abs(end), abs(start))
+    module, low = flanks.rack.module_mm, min(abs(end), abs(start), *_beyond_mm(flanks, after, before))
     # Where the step is low, the heel's radius goes from one end to the other.
     radii = [low if abs(point) - low > LEAST_WALL * module else abs(point) for point in (end, start)]
     rounding = [_rounding(abs(point), radius, module, left) for point, radius in zip((end, start), radii, strict=True)]
     used = [asin(rho / (radius + rho)) for rho, radius in zip(rounding, radii, strict=True)]
     outward = end / abs(end), start / abs(start)
 
-    def wall(side: int, share: Array) -> tuple[Array, Array]:
+    def wall(side: int, share: Array) -> ComplexPair:
         rho, radius = rounding[side], radii[side]
         foot = (radius + rho) * cos(used[side])
         near, far = (abs(end), foot) if side == 0 else (foot, abs(start))
-        return outward[side] * (near + (far - near) * share), outward[side] * (far - near) * np.ones_like(share)
+        step: ComplexArray = np.full(share.shape, outward[side] * (far - near), dtype=complex)
+        return outward[side] * near + step * share, step
 
-    def corner(side: int, share: Array) -> tuple[Array, Array]:
+    def corner(side: int, share: Array) -> ComplexPair:
         rho, radius = rounding[side], radii[side]
         inwards = 1.0 if side == 0 else -1.0
         center = outward[side] * np.exp(1j * way * inwards * used[side]) * (radius + rho)
@@ -110,13 +83,13 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         speed = -1j * way * inwards * turned * (1.0 if side == 0 else -1.0)
         return center + arm, arm * speed
 
-    def heel(share: Array) -> tuple[Array, Array]:
+    def heel(share: Array) -> ComplexPair:
         turned = left - used[0] - used[1]
         angle = np.exp(1j * way * (used[0] + turned * share)) * outward[0]
         radius, rise = radii[0] + (radii[1] - radii[0]) * share, radii[1] - radii[0]
         return radius * angle, (rise + 1j * way * turned * radius) * angle
 
-    parts = [
+    parts: list[Callable[[Array], ComplexPair]] = [
         lambda share: wall(0, share),
         lambda share: corner(0, share),
         heel,
@@ -132,10 +105,7 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         for number in np.unique(owner):
             chosen = owner == number
             point, slope = parts[int(number)](share[chosen])
-            points[chosen], slopes[chosen] = (
-                np.column_stack([point.real, point.imag]),
-                np.column_stack([slope.real, slope.imag]),
-            )
+            points[chosen], slopes[chosen] = as_points(point), as_points(slope)
         return points, slopes
 
     ones = np.ones(rows.size)
@@ -143,6 +113,17 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
     # It rolls over nothing; arc lengths beyond the turns beside the first one have no joint of the pitch curve.
     rolled = 4.0 * flanks.curve.length_mm + np.array([rows, rows + 1.0])
     return Stretch(curve, rows, 0.0 * ones, ones, rolled, rank, ones, np.inf * ones, np.zeros_like(rows))
+
+
+def _beyond_mm(flanks: Flanks, after: Stretch, before: Stretch) -> list[float]:
+    """Distances from the axis of what root lands would be half a pitch and a pitch beyond both ends of the arc."""
+    ahead = flanks.rack.pitch_mm * np.array([0.5, 1.0])
+    found: list[float] = []
+    for land, sigma in ((after, after.rolled[1] + ahead), (before, before.rolled[0] - ahead)):
+        at = flanks.curve.at_length(sigma)
+        depth = flanks.root_depth_mm[land.owner]
+        found += np.linalg.norm(at.position - depth * at.normal, axis=1).tolist()
+    return found
 
 
 def _rounding(end_mm: float, radius_mm: float, module_mm: float, left_rad: float) -> float:
@@ -171,8 +152,8 @@ def _refuse(flanks: Flanks, left_rad: float, after: Stretch) -> None:
     gear = flanks.curve.gear.value
     covered = 2.0 * pi - left_rad
     raise NoSuchMechanism(
-        f"the teeth of the {gear} gear reach over {degrees(covered):.4g} deg, with a tooth beyond each end of the range, "
-        f"and {degrees(LEAST_GAP_RAD):.3g} deg must be left of a turn (the last tooth crosses the pitch point at phi1 = "
+        f"the teeth of the {gear} gear reach over {degrees(covered):.4g} deg, with a tooth beyond each end of the "
+        f"range, and {degrees(LEAST_GAP_RAD):.3g} deg must be left of a turn (the last tooth is in mesh at phi1 = "
         f"{in_words(float(flanks.curve.driving_angle(after.rolled[0, :1])[0]))}); a smaller range or smaller teeth "
         "are right",
         key="motion",

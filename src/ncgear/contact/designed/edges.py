@@ -118,6 +118,7 @@ def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Ar
     side = np.where(facing, meetings.side[row], PUSHING + BACK - meetings.side[row])
     lead = URGE[side] * _ahead(curves, turn)
     near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * paths.flanks.rack.pitch_mm
+    near &= meetings.there.ravel()[looked_at]
     near &= _met_first(turn, np.where(near, lead, -np.inf), number)
     behind_mm = (first_rad[side * curves.placement.count + position] - lead) * lever
     near &= behind_mm <= within_mm + paths.stray_mm.max()

@@ -71,7 +71,9 @@ def contact_extremes(
         return Extremum(sign * found.value + 0.0, float(placed_at(pitch, even, np.array([found.at])).phi1_rad[0]))
 
     known = _quantities(designed, speed_rad_s)
-    places, values = np.append(even.rolled_mm, even.pitch_mm * even.meetings), np.hstack([known, known[:, :1]])
+    places, values = even.rolled_mm, known
+    if even.toothed is None:
+        places, values = np.append(places, even.pitch_mm * even.meetings), np.hstack([known, known[:, :1]])
     found = largest_from(quantities, places, values, KNOWN * np.ptp(values, axis=1))
     *ranges, sliding, ahead = found
     spans = [Range(at_angle(low, -1.0), at_angle(high)) for high, low in zip(ranges[0::2], ranges[1::2], strict=True)]

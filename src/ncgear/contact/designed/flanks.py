@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, sin
 
 import numpy as np
 
@@ -61,23 +60,32 @@ class PairsInContact:
 
     ``arcs`` (shape (m,)) is how long the flanks of each meeting touch, in pitches.  ``gaps`` (shape (k, 2)) are starts
     and ends, in positions, of where no flanks touch.  ``fewest`` is the least number of pairs that touch at any angle.
-    ``positions`` is the number of positions in the cycle.
+    ``positions`` is the number of positions in the cycle, and ``pitches`` the number of pitches.  Where gears turn less
+    than once, the flanks that touch at an end of the range do so over a part of their arc: ``whole`` (shape (m,)) tells
+    of which meetings all of it lies within the range.
     """
 
     arcs: Array
     gaps: Array
     fewest: int
     positions: int
+    pitches: float
+    whole: Mask
 
     @property
     def contact_ratio(self) -> float:
-        """Mean number of pairs that touch: there is one meeting in each pitch, so it is the mean of all arcs."""
-        return float(self.arcs.mean())
+        """Mean number of pairs that touch, over the cycle or the range."""
+        return float(self.arcs.sum() / self.pitches)
 
     @property
     def least_arc(self) -> float:
-        """Least arc of contact of any pair, in pitches."""
-        return float(self.arcs.min())
+        """Least arc of contact of any pair, in pitches; infinite where all touch at an end of a range."""
+        return float(np.min(self.arcs, where=self.whole, initial=np.inf))
+
+    @property
+    def shortest(self) -> int:
+        """The meeting whose flanks touch over the least length."""
+        return int(np.argmin(np.where(self.whole, self.arcs, np.inf)))
 
     @property
     def longest_gap(self) -> float:
@@ -134,13 +142,54 @@ class FlankContacts:
             enters, leaves = np.maximum(enters, meet), np.minimum(leaves, part)
         arcs = self._arcs(enters, leaves)
         _, row, column = touch = np.nonzero(leaves > enters)
-        before, count = self.meetings.position[row, column], self.placement.count
+        before = self.meetings.position[row, column]
         starts, ends = before + enters[touch], before + leaves[touch]
         pushing, back = (
-            _pairs(arcs[self.meetings.side == side], starts[own], ends[own], count)
+            self._pairs(arcs[self.meetings.side == side], starts[own], ends[own], side)
             for side, own in ((side, self.meetings.side[row] == side) for side in (PUSHING, BACK))
         )
         return pushing, back
+
+    def _pairs(self, arcs: Array, starts: Array, ends: Array, side: int) -> PairsInContact:
+        """Pairs that touch over ``arcs``, from the stretches, in positions, in which they do."""
+        placement = self.placement
+        steps, pitches = placement.steps, placement.steps / placement.per_tooth
+        whole = self._whole[self.meetings.side == side]
+        if not starts.size:
+            return PairsInContact(arcs, np.array([[0.0, steps]]), 0, placement.count, pitches, whole)
+        starts, ends = np.sort(starts), np.sort(ends)
+        if placement.toothed is None:
+            began, ended = np.append(starts[1:], starts[0] + steps), ends
+        else:
+            began, ended = np.append(starts, steps), np.append(0.0, ends)
+        # Before a gap as many stretches have ended as have begun.
+        parted = began - ended > GAP
+        gaps = np.column_stack([ended[parted], began[parted]])
+        fewest = 0 if len(gaps) else _fewest(starts, ends, steps)
+        return PairsInContact(arcs, gaps, fewest, placement.count, pitches, whole)
+
+    @cached_property
+    def _whole(self) -> Mask:
+        """Of which meetings the whole arc of contact lies within the positions, shape (m,).
+
+        Of flanks that cannot touch at all, the crossing of the pitch point does.
+        """
+        if self.placement.toothed is None:
+            return np.ones(self.meetings.side.size, dtype=bool)
+        enters, leaves = self._reaching
+        lasting, before = leaves > enters, self.meetings.position[:, :-1]
+        first = np.min(before + enters, axis=(0, 2), where=lasting, initial=np.inf)
+        last = np.max(before + leaves, axis=(0, 2), where=lasting, initial=-np.inf)
+        inside = (first > GAP) & (last < self.placement.steps - GAP)
+        ahead = self.meetings.driving_ahead_mm
+        crosses = np.any((ahead[:, :-1] >= 0.0) & (ahead[:, 1:] <= 0.0) & self._steps_there, axis=1)
+        whole: Mask = np.where(lasting.any(axis=(0, 2)), inside, crosses)
+        return whole
+
+    @property
+    def _steps_there(self) -> Mask:
+        """Which steps between two positions of a meeting there are, shape (m, k - 1)."""
+        return self.meetings.there[:, :-1] & self.meetings.there[:, 1:]
 
     def beside_parted(self, foremost: Array) -> Mask:
         """At which positions or next to which flanks near contact do not touch, shape (2, n)."""
@@ -154,26 +203,15 @@ class FlankContacts:
     @cached_property
     def _reaching(self) -> tuple[Array, Array]:
         """Where between positions the flanks of each meeting begin and cease to reach each other."""
-        return _between(self.room, *self.place, self.meetings.position.shape)
+        enters, leaves = _between(self.room, *self.place, self.meetings.position.shape)
+        return enters, np.where(self._steps_there, leaves, enters)
 
     def _arcs(self, enters: Array, leaves: Array) -> Array:
         lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
         return lasting
 
 
-def _pairs(arcs: Array, starts: Array, ends: Array, count: int) -> PairsInContact:
-    """Pairs that touch over ``arcs``, from the stretches of a cycle of ``count`` positions in which they do."""
-    if not starts.size:
-        return PairsInContact(arcs, np.array([[0.0, count]]), 0, count)
-    starts, ends = np.sort(starts), np.sort(ends)
-    # Before a gap as many stretches have ended as have begun.
-    following = np.append(starts[1:], starts[0] + count)
-    parted = following - ends > GAP
-    gaps = np.column_stack([ends[parted], following[parted]])
-    return PairsInContact(arcs, gaps, 0 if len(gaps) else _fewest(starts, ends, count), count)
-
-
-def _fewest(starts: Array, ends: Array, count: int) -> int:
+def _fewest(starts: Array, ends: Array, steps: int) -> int:
     """Least number of stretches that cover a place anywhere, left out what is shorter than a gap may be.
 
     Both ``starts`` and ``ends`` are in order.
@@ -181,7 +219,7 @@ def _fewest(starts: Array, ends: Array, count: int) -> int:
     place = np.concatenate([starts, ends])
     order = np.argsort(place, kind="stable")
     number = np.cumsum(np.repeat([1, -1], starts.size)[order])
-    lasting = np.diff(place[order], append=count) > GAP
+    lasting = np.diff(place[order], append=steps) > GAP
     return int(number[lasting].min())
 
 
@@ -237,13 +275,13 @@ def _near(
     teeth: ToothedPair, placement: Placement, meetings: Meetings, driving: _Heights, driven: _Heights
 ) -> tuple[IndexArray, IndexArray, FacingFlanks]:
     """Where in the meetings' table (row, column) both flanks are on or near what is left of them, and these flanks."""
-    rack = teeth.driving.flanks.rack
+    pitch_mm, slant = teeth.driving.flanks.rack.pitch_mm, teeth.driving.flanks.slant.of(meetings.driving)
     # Heights, by the closed form, at which flanks touch before they cross the pitch point.
-    per_rolled = rack.height_per_rolled * meetings.urge[:, None]
+    per_rolled = (slant.height_per_rolled * meetings.urge)[:, None]
     first, second = -per_rolled * meetings.driving_ahead_mm, per_rolled * meetings.driven_ahead_mm
     room = _room(driving.room(meetings.driving[:, None], first), driven.room(meetings.driven[:, None], second))
-    beyond = BEYOND_IN_PITCHES * rack.pitch_mm * sin(rack.pressure_angle_rad) * cos(rack.pressure_angle_rad)
-    row, column = place = np.nonzero((room >= -beyond).all(axis=0).any(axis=0))
+    beyond = np.broadcast_to(BEYOND_IN_PITCHES * pitch_mm * slant.sine * slant.cosine, meetings.side.shape)
+    row, column = place = np.nonzero((room >= -beyond[:, None]).all(axis=0).any(axis=0) & meetings.there)
     numbers = meetings.driving[row], meetings.driven[row], meetings.position[place]
     upward = placement.ahead * meetings.urge[row]
     return row, column, FacingFlanks(teeth, placement, upward, *numbers, first[place], second[place])

@@ -13,7 +13,6 @@ axis to the driven flank, and the point that gets there first is closed in on.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from math import cos, sin
 from typing import TypeVar
 
 import numpy as np
@@ -252,7 +251,7 @@ def _about_joints(facing: FacingFlanks, state: _State) -> Mask:
     flanks = facing.teeth.driving.flanks
     joints = flanks.curve.joints_around_mm
     unequal = np.maximum(np.abs(state.driving_mm - facing.driving_mm), np.abs(state.driven_mm - facing.driven_mm))
-    reach = ABOUT_JOINTS * unequal / flanks.rack.height_per_rolled
+    reach = ABOUT_JOINTS * unequal / flanks.slant.of(facing.driving).height_per_rolled
     rolled = flanks.rolled_mm(facing.driving, state.driving_mm)
     about: Mask = np.searchsorted(joints, rolled + reach) > np.searchsorted(joints, rolled - reach)
     return about
@@ -288,12 +287,13 @@ def _first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
 
     ``limits_mm`` has shape (2, 2, n): driving and driven flank, least and greatest height.
     """
-    rack = facing.teeth.driving.flanks.rack
-    angle = rack.pressure_angle_rad
-    middle, reach = facing.driving_mm, REACH_IN_PITCHES * rack.pitch_mm * sin(angle) * cos(angle)
+    flanks, middle = facing.teeth.driving.flanks, facing.driving_mm
+    slant = flanks.slant.of(facing.driving)
+    far = REACH_IN_PITCHES * flanks.rack.pitch_mm * slant.sine * slant.cosine
+    reach = np.broadcast_to(far, middle.shape)
     first = np.arange(middle.size), np.zeros(middle.size, dtype=int)
     for _ in range(ROUNDS):
-        height = np.clip(middle[:, None] + reach * SHARES, *limits_mm[0, ..., None])
+        height = np.clip(middle[:, None] + reach[:, None] * SHARES, *limits_mm[0, ..., None])
         point, slope = facing.driving_curve(height)
         other_height, other = _on_circles(
             facing, square(point), (facing.driving_mm + facing.driven_mm)[:, None] - height

@@ -88,6 +88,9 @@ def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement
     driving_tips, driving_roots = _tips_and_roots(outlines.driving_mm, teeth.driving.flanks)
     driven_tips, driven_roots = _tips_and_roots(outlines.driven_mm, teeth.driven.flanks)
     number = np.arange(placement.meetings)
+    if placement.toothed is not None:
+        # Both teeth of a meeting, and the one before, are made.
+        number = np.arange(1, min(teeth.driving.teeth, teeth.driven.teeth))
     own, other = number % teeth.driving.teeth, number % teeth.driven.teeth
     before = (number - 1) % teeth.driven.teeth
     return (
@@ -149,8 +152,9 @@ POINTS_PER_TOOTH = 8
 
 def reach_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
     """Distance from the pitch point in mm within which outlines must be compared."""
-    racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
-    action = max(rack.dedendum_mm / sin(rack.pressure_angle_rad) for rack in racks)
+    both = teeth.driving.flanks, teeth.driven.flanks
+    highest = max(max(flanks.rack.dedendum_mm, float(flanks.full_tip_mm.max())) for flanks in both)
+    action = highest / sin(min(both[0].rack.angles_rad))
     if pitch.mesh is Mesh.INTERNAL:
         return BEYOND * max(action, tips_overlap_mm(pitch, teeth))
     return BEYOND * action * (1.0 if all(pitch.convex(gear) for gear in Gear) else BOWL)
@@ -168,4 +172,4 @@ def tips_overlap_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
 def _tip_curve(gear: ToothedGear) -> ComplexArray:
     """The curve on which tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
     sigma = np.linspace(0.0, gear.flanks.curve.length_mm, POINTS_PER_TOOTH * gear.teeth, endpoint=False)
-    return as_complex(gear.flanks.offset(sigma, gear.flanks.rack.tip_height_mm)[0])
+    return as_complex(gear.flanks.offset(sigma, float(gear.flanks.full_tip_mm.max()))[0])

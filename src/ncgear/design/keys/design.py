@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, TypeAdapter, create_model, model_validator
 
-from ncgear.design.keys.base import Model, fault
+from ncgear.design.keys.base import Model, fault, given, listed
 from ncgear.design.keys.drivetrain import Drivetrain
-from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
@@ -120,6 +120,21 @@ class Design(Model):
         return self
 
     @model_validator(mode="after")
+    def _gears_have_a_size(self) -> Self:
+        if self.gears is None:
+            return self
+        names, needed = (SIZES[:2], "one") if self.motion.gives_center_distance else (SIZES, "two")
+        found = given(self.gears, names)
+        if len(found) < len(names) - 1:
+            said = f"only {found[0]} is given" if found else "no size is given"
+            needed = f"{needed} of {listed(names, 'and')} {'is' if needed == 'one' else 'are'} needed"
+            follows = ", since the centre distance follows from the law" if self.motion.gives_center_distance else ""
+            raise fault("gears", f"{said}; {needed}{follows}")
+        if self.motion.gives_pitch_curve and self.gears.mesh == "internal":
+            raise fault("gears.mesh", "internal given, but the mate of a pitch curve is found beside it; leave it out")
+        return self
+
+    @model_validator(mode="after")
     def _slider_law_has_one_driven_lobe(self) -> Self:
         if self.gears and self.motion.gives_slider and self.gears.lobes.driven != 1:
             raise fault(
@@ -140,6 +155,30 @@ class Design(Model):
         motor = self.drivetrain.motor
         if motor is not None and motor.no_load_speed_rpm is not None and self.simulation.motor is not None:
             raise fault("drivetrain.motor.no_load_speed_rpm", "given, but simulation.motor has a line too; keep one")
+        return self
+
+    @model_validator(mode="after")
+    def _open_gears(self) -> Self:
+        """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key."""
+        if not self.motion.is_open:
+            return self
+        gears = self.gears
+        asked = {
+            "gears.mesh": gears is not None and gears.mesh != "external",
+            "gears.helix": gears is not None and gears.helix is not None,
+            "gears.lobes": gears is not None and (gears.lobes.driving, gears.lobes.driven) != (1, 1),
+            "gears.method": gears is not None and gears.method != "exact",
+            "masses": self.masses is not None,
+            "drivetrain": self.drivetrain is not None,
+            "comparison": self.comparison is not None,
+            "wishes": self.wishes != Wishes(),
+            "optimize": self.optimize is not None,
+        }
+        for key, is_given in asked.items():
+            if is_given:
+                raise fault(
+                    key, "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
+                )
         return self
 
     @model_validator(mode="after")

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from math import pi, radians
-from typing import Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, Strict, model_validator
 
-from ncgear.design.keys.base import Length, Model, fault, given, listed
+from ncgear.design.keys.base import Length, Model, fault, listed
 from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height, require_hub_wall
 from ncgear.design.keys.material import WrittenMaterials
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
+
+MOST_TEETH = 10_000
 
 
 class Profile(NamedTuple):
@@ -36,8 +38,9 @@ def _of_profile(data: dict[str, Any]) -> Profile:
 
 def _fitting_root_radius(data: dict[str, Any]) -> float:
     """The profile's root radius or, where it does not fit into teeth without backlash, the greatest one that does."""
-    angle, dedendum = radians(data["pressure_angle_deg"]), data["dedendum"]
-    return fitting_root_radius(_of_profile(data).root_radius, largest_root_radius(angle, dedendum, pi / 4.0))
+    pushing, idle = data["pressure_angle_deg"], data["idle_pressure_angle_deg"]
+    angles = radians(pushing), radians(pushing if idle is None else idle)
+    return fitting_root_radius(_of_profile(data).root_radius, largest_root_radius(angles, data["dedendum"], pi / 4.0))
 
 
 class TipRelief(Model):
@@ -49,19 +52,39 @@ class TipRelief(Model):
     )
 
 
+MOST_SHIFT = 1.0
+"""Greatest profile shift in modules, either way."""
+
+ToothShift = Annotated[float, Field(ge=-MOST_SHIFT, le=MOST_SHIFT)]
+
+
 class ProfileShift(Model):
     """Profile shift in modules, positive outwards; equal and opposite unless both are given."""
 
-    driving: float | None = Field(default=None, ge=-1.0, le=1.0, description="of the driving gear, in modules")
-    driven: float | None = Field(default=None, ge=-1.0, le=1.0, description="of the driven gear, in modules")
+    driving: float | None = Field(
+        default=None, ge=-MOST_SHIFT, le=MOST_SHIFT, description="of the driving gear, in modules"
+    )
+    driven: float | None = Field(
+        default=None, ge=-MOST_SHIFT, le=MOST_SHIFT, description="of the driven gear, in modules"
+    )
     against_undercut: bool = Field(
         default=False, description="true: chosen, equal and opposite, so that least is undercut"
+    )
+    per_tooth: Annotated[tuple[ToothShift, ...], Strict(False), Field(min_length=1, max_length=MOST_TEETH)] | None = (
+        Field(
+            default=None,
+            description="of each tooth of the driving gear, in modules, from tooth 1 on, which stands on the line of "
+            "centres at phi1 = 0, and on along growing arc length (clockwise); fewer are repeated round the gear. The "
+            "driven gear's spaces are as much deeper and wider",
+        )
     )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         if self.against_undercut and (self.driving is not None or self.driven is not None):
             raise fault("against_undercut", "the shifts are given; leave them out, or this")
+        if self.per_tooth is not None and (others := sorted(self.model_fields_set - {"per_tooth"})):
+            raise fault("per_tooth", f"{listed(others, 'and')} given as well; leave out one of both ways")
         return self
 
 
@@ -89,7 +112,18 @@ class Rack(Model):
 
     profile: Literal["A", "B", "C", "D"] = Field(default="A", description="basic rack profile of ISO 53: A, B, C or D")
     pressure_angle_deg: float = Field(
-        default=20.0, gt=5.0, lt=40.0, description="pressure angle of the rack's flanks in degrees"
+        default=20.0,
+        gt=5.0,
+        lt=40.0,
+        description="pressure angle of the rack's flanks in degrees; of those that push, where idle_pressure_angle_deg "
+        "is given as well",
+    )
+    idle_pressure_angle_deg: float | None = Field(
+        default=None,
+        gt=5.0,
+        lt=40.0,
+        description="pressure angle in degrees of the idle flanks, the back sides of the teeth while the driving gear "
+        "drives; left out: as the pushing ones",
     )
     addendum: float = Field(
         default_factory=lambda data: _of_profile(data).addendum, gt=0.0, le=10.0, description="addendum in modules"
@@ -104,6 +138,12 @@ class Rack(Model):
         description="radius of the root fillet in modules; left out: the profile's, or the most that fits",
     )
     tip_relief: TipRelief | None = Field(default=None, description="tip relief; left out: none")
+
+    @property
+    def angles_deg(self) -> tuple[float, float]:
+        """Pressure angles of the pushing and of the idle flanks."""
+        pushing, idle = self.pressure_angle_deg, self.idle_pressure_angle_deg
+        return pushing, pushing if idle is None else idle
 
     @model_validator(mode="after")
     def _relief_below_tip(self) -> Self:
@@ -173,7 +213,10 @@ class Tolerances(Model):
 
 
 MOST_LOBES = 100
-MOST_TEETH = 10_000
+
+
+SIZES = ("teeth", "module_mm", "center_distance_mm")
+"""Keys that give the pitch curves their size: two of them, or one of the first two where the law gives the last."""
 
 
 class Lobes(Model):
@@ -193,7 +236,11 @@ class Gears(Model):
     )
     lobes: Lobes = Field(default_factory=Lobes, description="lobes of each gear; left out: one each")
     teeth: int | None = Field(
-        default=None, ge=3, le=MOST_TEETH, description="teeth of the driving gear, a whole number"
+        default=None,
+        ge=3,
+        le=MOST_TEETH,
+        description="teeth of the driving gear, a whole number; of gears that turn less than once, "
+        "the pitches from end to end of the range (no more than one tooth is added at each end)",
     )
     module_mm: Length | None = Field(default=None, description="module in mm")
     center_distance_mm: Length | None = Field(default=None, description="distance of the two axes in mm")
@@ -292,15 +339,6 @@ class Gears(Model):
     driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")
 
     @model_validator(mode="after")
-    def _two_sizes(self) -> Self:
-        names = ("teeth", "module_mm", "center_distance_mm")
-        found = given(self, names)
-        if len(found) < 2:
-            said = f"only {found[0]} is given" if found else "no size is given"
-            raise fault("", f"{said}; two of {listed(names, 'and')} are needed")
-        return self
-
-    @model_validator(mode="after")
     def _body_is_that_of_the_mesh(self) -> Self:
         ring, driven = self.mesh == "internal", self.driven
         if ring and driven.about_axis:
@@ -310,6 +348,32 @@ class Gears(Model):
             raise fault(f"driven.{name}", f"given, but {why}; leave {all_given} out")
         if not ring and driven.rim_mm is not None:
             raise fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
+        return self
+
+    @property
+    def carrying_angle_deg(self) -> float:
+        """The rack's pressure angle of flanks that carry; driving both ways, the larger one, as idle ones carry too."""
+        pushing, idle = self.rack.angles_deg
+        return max(pushing, idle) if self.drives == "both_ways" else pushing
+
+    @model_validator(mode="after")
+    def _uneven_teeth_are_exact(self) -> Self:
+        pushing, idle = self.rack.angles_deg
+        if self.method != "exact" and pushing != idle:
+            raise fault("rack.idle_pressure_angle_deg", f"given, but gears of method: {self.method} have one angle")
+        if self.profile_shift.per_tooth is None:
+            return self
+        unfit = {
+            f"method: {self.method}": self.method != "exact",
+            "helix": self.helix is not None,
+            "cutter.kind: pinion": self.cutter.kind == "pinion",
+            "rack.tip_relief": self.rack.tip_relief is not None,
+        }
+        for name, is_given in unfit.items():
+            if is_given:
+                raise fault(
+                    "profile_shift.per_tooth", f"given, but not made together with {name}; leave out one of both"
+                )
         return self
 
     @model_validator(mode="after")

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from ncgear.ratio.transmission import Law, Lobes, Transmission
 
 
+SHORTEST_RANGE_DEG, LONGEST_RANGE_DEG = 5.0, 355.0
+"""What gears that turn less than once turn from end to end, in degrees: less is no gear, and more leaves no body."""
+
+
 class LawKeys(Model):
     """The keys under ``motion``: a law's own ones in the class derived from this."""
 
@@ -31,6 +35,21 @@ class LawKeys(Model):
     @property
     def gives_stroke(self) -> bool:
         """Whether the stroke, and so the length of the crank, follows from the law."""
+        return False
+
+    @property
+    def gives_pitch_curve(self) -> bool:
+        """Whether the law is that of a pitch curve and its mate beside it; most laws suit a ring too."""
+        return False
+
+    @property
+    def gives_center_distance(self) -> bool:
+        """Whether the distance of the gears' axes follows from the law; most laws hold for gears of any size."""
+        return False
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the law holds for a range of the driving angle, so that the gears turn to and fro, less than once."""
         return False
 
     @property

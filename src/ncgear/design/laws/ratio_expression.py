@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from math import radians
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, fault, require_one
-from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -32,26 +33,49 @@ class RatioExpression(LawKeys):
         default=False, description="true: multiply the ratio by the constant that makes the driven gear come round"
     )
 
+    range_deg: float | None = Field(
+        default=None,
+        ge=SHORTEST_RANGE_DEG,
+        le=LONGEST_RANGE_DEG,
+        description="for gears that turn to and fro, less than once: what the driving gear turns from end to end, in "
+        "degrees; left out: gears that turn on and on",
+    )
+
     @model_validator(mode="after")
     def _one_formula(self) -> Self:
         require_one(self, ("ratio", "driven_angle"))
+        if self.range_deg is not None and self.scale_to_close:
+            raise fault("scale_to_close", "true, but the gears turn over range_deg and do not close; leave it out")
         if self.scale_to_close and self.ratio is None:
             raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
         return self
 
+    @property
+    def is_open(self) -> bool:
+        """Whether a range is given."""
+        return self.range_deg is not None
+
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law by the given formula."""
-        from ncgear.ratio.laws.expression import driven_angle_expression_law, ratio_expression_law
+        from ncgear.ratio.laws import expression
 
+        if self.range_deg is not None:
+            covered = radians(self.range_deg)
+            if self.ratio is not None:
+                return expression.open_ratio_law(self.ratio, covered)
+            assert self.driven_angle is not None
+            return expression.open_driven_angle_law(self.driven_angle, covered)
         if self.ratio is not None:
-            return ratio_expression_law(self.ratio, lobes, scale_to_close=self.scale_to_close)
+            return expression.ratio_expression_law(self.ratio, lobes, scale_to_close=self.scale_to_close)
         assert self.driven_angle is not None
-        return driven_angle_expression_law(self.driven_angle, lobes)
+        return expression.driven_angle_expression_law(self.driven_angle, lobes)
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
         """A power of the ratio, or the same share of the driven angle's deviation from an even turn."""
         if self.driven_angle is not None:
             return {"driven_angle": f"{1.0 - share:g}*{even_turn}*phi + {share:g}*({self.driven_angle})"}
+        if self.is_open:
+            return {"ratio": f"({self.ratio})**{share:g}"}
         return {"ratio": f"({self.ratio})**{share:g}", "scale_to_close": True}
 
 
@@ -64,5 +88,6 @@ motion:                    # the law of the gears, as a formula of phi, the driv
   ratio: "1 + 0.3*cos(phi)"  # transmission ratio dphi1/dphi2
   scale_to_close: true     # multiply it by the constant that makes the driven gear come round
   # driven_angle: "phi - 0.08*sin(2*phi)"   # instead of ratio: the driven angle in rad
+  # range_deg: 200         # gears that turn to and fro over these degrees, less than once; without scale_to_close
 """,
 )

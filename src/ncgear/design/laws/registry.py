@@ -32,7 +32,10 @@ class LawName(StrEnum):
     SPLINE_RATIO = "spline_ratio"
     ELLIPSE = "ellipse"
     TABLE = "table"
+    PITCH_CURVE = "pitch_curve"
     UNIFORM_CRANK = "uniform_crank"
+    SPIRAL = "spiral"
+    FUNCTION_GENERATOR = "function_generator"
 
 
 DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE

@@ -8,10 +8,13 @@ from typing import Any
 
 from ncgear.design.keys.design import Design, design_model
 from ncgear.design.keys.machine import MOST_RESISTANCE_POINTS
+from ncgear.design.laws.pitch_curve import ANGLE_OR_X, RADIUS_OR_Y
+from ncgear.design.laws.pitch_curve import MOST_POINTS as CURVE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
+from ncgear.design.reading.contour_file import ContourKind
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Source
-from ncgear.design.reading.points import Columns, CsvKind, values_from_files
+from ncgear.design.reading.points import Columns, CsvKind, FileKind, values_from_files
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
@@ -23,14 +26,16 @@ FORCE_POINTS = CsvKind(
     ("displacement_mm", "force_n", "angle_deg", "torque_n_m"),
 )
 
-FILES = {
+FILES: dict[str, FileKind] = {
     "motion": CsvKind(
         Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), (*ANGLE_COLUMNS, *VALUE_COLUMNS), law="table"
     ),
+    "motion.points": CsvKind(Columns((ANGLE_OR_X, RADIUS_OR_Y), CURVE_POINTS), (*ANGLE_OR_X, *RADIUS_OR_Y)),
+    "motion.dxf": ContourKind(),
     "resistance.table": FORCE_POINTS,
     "resistance.returning.table": FORCE_POINTS,
 }
-"""Groups of the design file that can name a file of points instead of columns."""
+"""Groups of the design file that can name a file instead of columns of points or parts of a contour."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""CSV files that a group of a design or balance file names instead of some of its keys.
+"""Files that a group of a design or balance file names instead of some of its keys; here CSV files.
 
 The columns are read as numbers.  The line of each row is kept, so that a fault has its place.
 """
@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
+from typing import Any, Protocol
 
 from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import Document, FromFile, Place, named_by
@@ -63,8 +64,27 @@ class CsvKind:
     read: Callable[[PointsFile], FromFile] = lambda points: points
     law: str = ""
 
+    def from_file(self, file: Path, given: Mapping[str, Any]) -> FromFile:
+        """The values of a file; ``given`` are the other keys of its group."""
+        return self.read(read_points(file, self.columns))
 
-def values_from_files(document: Document, path: Path, kinds: Mapping[str, CsvKind]) -> dict[str, FromFile]:
+
+class FileKind(Protocol):
+    """What a group's file is read for: ``keys`` that it replaces, and the ``law`` of groups that may name it."""
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys that the file replaces."""
+
+    @property
+    def law(self) -> str:
+        """If not empty, only a group with this law may name a file."""
+
+    def from_file(self, file: Path, given: Mapping[str, Any]) -> FromFile:
+        """The values of a file; ``given`` are the other keys of its group."""
+
+
+def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKind]) -> dict[str, FromFile]:
     """The values of the files that groups name by their key ``file``; ``kinds`` are by the group's dotted key.
 
     Files must be beside ``path``.  The schema refuses a name of a file that is not text.  Raises WrongInput for a file
@@ -81,7 +101,7 @@ def values_from_files(document: Document, path: Path, kinds: Mapping[str, CsvKin
             raise WrongInput("given beside file; keep one of them", key=key, location=str(document.place(key)))
         file = path.parent / given["file"]
         with named_by(document, f"{group}.file", file):
-            found[group] = kind.read(read_points(file, kind.columns))
+            found[group] = kind.from_file(file, given)
     return found
 
 

@@ -95,7 +95,7 @@ def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable
     """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
     made = picture(scene, loop.width_px)
     # Without the end of the loop, which looks like its beginning.
-    angles = (np.linspace(0.0, scene.loop_rad, count, endpoint=False) for count in (loop.frames, SAMPLES))
+    angles = (scene.evenly_in_time(count) for count in (loop.frames, SAMPLES))
     frames, some = (made.frames(scene.poses(phi1)) for phi1 in angles)
     return PACKERS[kind](_counted(frames, loop.frames, on_frame), list(some), loop)
 

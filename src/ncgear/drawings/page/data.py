@@ -209,6 +209,7 @@ def page_data(scene: Scene, figures: Sequence[ChartFigure]) -> dict[str, Any]:
     numbers = {key: number for number, key in enumerate(grids)}
     return {
         "cycle_deg": degrees(scene.loop_rad),
+        "swings": scene.swings,
         "scene": scene_data(scene),
         "grids": [
             {"period_deg": period, "deg": _rounded(line.x, ANGLE_DECIMALS)} for (_, period), line in grids.items()

@@ -146,7 +146,7 @@ def _strength(drive: Drive) -> dict[str, Chart]:
 
 
 def _pressure_angle(drive: Drive, contact: PairContact) -> Chart:
-    """The pressure angle at the first contact as designed; for circular gears the rack's angle at all places."""
+    """The pressure angle at the first contact as designed; for circular gears the rack's, of flanks that push."""
     chart = contact_charts.pressure_angle(contact.as_designed)
     backs, pushing = chart.lines
     circular = np.full(2, degrees(drive.rack.pressure_angle_rad))
@@ -171,7 +171,9 @@ def _transmission_error(contact: PairContact) -> Chart:
 
 
 def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
-    """The line with its first value once more at the end of the cycle."""
+    """The line with its first value once more at the end of the cycle, unless it goes to the end by itself."""
+    if line.x[-1] >= end_deg * (1.0 - 1e-12):
+        return replace(line, role=role, label=label)
     return Line(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))
 
 

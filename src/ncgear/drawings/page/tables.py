@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
+from math import radians
 from typing import Any
 
 from ncgear import __version__
@@ -113,7 +114,7 @@ def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
             (f"{stage}pulsation", f"{to_digits(100.0 * displaced.pulsation, 3)} %"),
         ]
     )
-    steepest = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    steepest = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
     return [
         (f"{stage}teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
         (f"{stage}module", f"{shown(size.module_mm)} mm"),

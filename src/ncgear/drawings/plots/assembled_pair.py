@@ -88,10 +88,14 @@ class Assembled:
 
 def assembled_pitch_curves(drive: Drive) -> tuple[Assembled, tuple[Mask, Mask]]:
     """Both pitch curves of a drive, and masks (shape (n,)) of their points on concave stretches."""
-    curves = drive.pitch.driving, drive.pitch.driven
-    driving, driven = (curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS)) for curve in curves)
+    driving, driven = (curve.drawn(CURVE_POINTS) for curve in (drive.pitch.driving, drive.pitch.driven))
     dented = driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0
-    return _assembled(drive, driving.position, driven.position), (driving.curvature < 0.0, dented)
+    places, masks = [driving.position, driven.position], [driving.curvature < 0.0, dented]
+    if drive.pitch.toothed is not None:
+        # The straight sides from both ends to the axis lie on the line of centres at the end stops.
+        places = [np.vstack([curve, np.zeros((1, 2))]) for curve in places]
+        masks = [np.append(mask, False) for mask in masks]
+    return _assembled(drive, *places), (masks[0], masks[1])
 
 
 def assembled_teeth(drive: Drive) -> Assembled:

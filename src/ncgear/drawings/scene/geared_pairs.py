@@ -85,7 +85,7 @@ CURVE_POINTS = 721
 class SceneGear:
     """A gear in the view of the scene, the number of its shaft (0 is the driving shaft), and its closed pitch curve.
 
-    The curve is in mm, shape (n, 2).
+    The curve is in mm, shape (n, 2).  That of gears that turn less than once is closed by straight sides to the axis.
     """
 
     body: Body
@@ -151,8 +151,10 @@ def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting) -> SceneGea
     plan = drive.solids.of(gear).plan
     edges = tuple(mounting.seen(edge) for edge in _edges(plan))
     body = Body(name, Kind(gear.value), _seen(plan.section, mounting), edges)
-    curve = drive.pitch.of(gear)
-    points = curve.at_angle(np.linspace(0.0, curve.turn_rad, CURVE_POINTS)).position
+    points = drive.pitch.of(gear).drawn(CURVE_POINTS).position
+    if drive.pitch.toothed is not None:
+        # The straight sides from both ends to the axis lie on the line of centres at the end stops.
+        points = np.vstack([points, np.zeros((1, 2))])
     return SceneGear(body, gear, number + (gear is Gear.DRIVEN), mounting, mounting.seen(points))
 
 

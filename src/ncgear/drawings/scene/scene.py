@@ -56,9 +56,24 @@ class Scene:
     chamber: Chamber | None
 
     @property
+    def swings(self) -> bool:
+        """Whether the gears turn to and fro, less than once."""
+        return not self.machine.transmission.lobes.repeats
+
+    def evenly_in_time(self, count: int) -> Array:
+        """Driving angles in rad of so many frames, shape (n,), over the loop without its end, or forth and back."""
+        share = np.linspace(0.0, 1.0, count, endpoint=False)
+        return self.loop_rad * (1.0 - np.abs(1.0 - 2.0 * share) if self.swings else share)
+
+    @property
     def loop_rad(self) -> float:
-        """Least driving angle after which every body is back in its pose and every gear has made whole turns."""
+        """Least driving angle after which every body is back in its pose and every gear has made whole turns.
+
+        Of gears that turn less than once, the driving angle from one end to the other, from where they go back.
+        """
         lobes = self.machine.transmission.lobes
+        if self.swings:
+            return lobes.driving_period_rad
         return 2.0 * pi * lobes.driven / gcd(lobes.driving, lobes.driven)
 
     @cached_property

@@ -93,7 +93,7 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
 
 def pressure_angle(drive: Drive) -> Advice | None:
     """Flanks that press on the shafts more than they turn the driven gear."""
-    angle = drive.pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    angle = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
     if angle <= STEEPEST_DEG:
         return None
     at = degrees(drive.pitch.largest_tangent_angle_rad.at)
@@ -108,7 +108,7 @@ def pressure_angle(drive: Drive) -> Advice | None:
 
 
 def _less_steep(drive: Drive, angle: float) -> tuple[Remedy, ...]:
-    rack, mesh = drive.rack.pressure_angle_rad, drive.pitch.mesh
+    rack, mesh = radians(drive.gears.carrying_angle_deg), drive.pitch.mesh
 
     def steep(transmission: Transmission) -> bool:
         return degrees(largest_tangent_angle_rad(transmission, mesh).value + rack) > STEEPEST_DEG

@@ -137,7 +137,7 @@ def _ways_out_of_jumps(_: Drive) -> tuple[Remedy, ...]:
 
 def _lowered(gear: ToothedGear, reason: Limit) -> Mask:
     """Flanks whose tips a reason limits below the rack's full height; raised tips may be limited above it."""
-    lowered: Mask = (gear.flanks.tip_height_mm < gear.flanks.rack.tip_height_mm) & (gear.tips.limit == reason)
+    lowered: Mask = (gear.flanks.tip_height_mm < gear.flanks.full_tip_mm) & (gear.tips.limit == reason)
     return lowered
 
 

@@ -16,6 +16,8 @@ from ncgear.project.drive import Drive
 STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
 """Possible steps of the driving angle: whole parts of a turn that are easy to read."""
 
+TURN_DEG = 360.0
+
 ROUNDING = 1e-9
 """Part of a step by which a turn may exceed whole steps, so that no step is added for a rounding error."""
 
@@ -31,11 +33,12 @@ COLUMNS = (
 def pitch_table(drive: Drive) -> Table:
     """Angles, ratio and both pitch radii over one turn of the driving gear, at least one row for each of its teeth.
 
-    In the frame of a gear, the polar angle of a pitch point counts from the point where the gears meet at phi1 = 0.  It
-    equals the gear's own turn, in the opposite sense.
+    Gears that turn less than once have their range in place of a turn.  In the frame of a gear, the polar angle of a
+    pitch point counts from the point where the gears meet at phi1 = 0.  It equals the gear's own turn, in the
+    opposite sense.
     """
     pitch = drive.pitch
-    phi1_deg = turn_deg(pitch.size.driving_teeth)
+    phi1_deg = turn_deg(pitch.size.driving_teeth, _end_deg(pitch))
     columns = pitch_columns(pitch, np.radians(phi1_deg))
     columns[0] = phi1_deg
     columns[1] = np.degrees(columns[1])
@@ -43,10 +46,15 @@ def pitch_table(drive: Drive) -> Table:
     return Table("Pitch curves", COLUMNS, rows, (_interpolated(pitch, phi1_deg),), long=True)
 
 
-def turn_deg(teeth: int) -> Array:
-    """Driving angles in deg over a turn, ends included, in the coarsest step with at least one row for each tooth."""
-    step = next((step for step in STEPS_DEG if 360.0 / step >= teeth), 360.0 / teeth)
-    return np.linspace(0.0, 360.0, ceil(360.0 / step - ROUNDING) + 1)
+def turn_deg(teeth: int, end_deg: float = TURN_DEG) -> Array:
+    """Driving angles in deg over a turn or up to an end, in the coarsest step with at least one row for each tooth."""
+    step = next((step for step in STEPS_DEG if end_deg / step >= teeth), end_deg / teeth)
+    return np.linspace(0.0, end_deg, ceil(end_deg / step - ROUNDING) + 1)
+
+
+def _end_deg(pitch: PitchPair) -> float:
+    """A turn, or the range of gears that turn less than once."""
+    return TURN_DEG if pitch.toothed is None else degrees(pitch.toothed.covered_rad)
 
 
 def pitch_columns(pitch: PitchPair, phi1_rad: Array) -> Array:
@@ -69,13 +77,13 @@ def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:
 
 
 CSV_STEPS = 720
-"""Steps of half a degree over a turn of the driving gear."""
+"""Steps of half a degree over a turn of the driving gear; as many over a range."""
 
 CSV_COLUMNS = ("phi1_deg", "phi2_deg", "ratio", "radius_driving_mm", "radius_driven_mm")
 
 
 def pitch_csv(drive: Drive) -> str:
     """Angles, ratio and pitch radii over one turn of the driving gear, every half degree."""
-    degrees = np.linspace(0.0, 360.0, CSV_STEPS + 1)
-    _, driven, *others = pitch_columns(drive.pitch, np.radians(degrees))
-    return csv_text(CSV_COLUMNS, [degrees, np.degrees(driven), *others])
+    angles = np.linspace(0.0, _end_deg(drive.pitch), CSV_STEPS + 1)
+    _, driven, *others = pitch_columns(drive.pitch, np.radians(angles))
+    return csv_text(CSV_COLUMNS, [angles, np.degrees(driven), *others])

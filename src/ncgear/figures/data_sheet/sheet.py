@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import zip_longest
 from math import degrees, isclose
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import drawn, micrometres, shown, to_digits
-from ncgear.figures.tables import Table, Value, cell_text, markdown, markdown_text
+from ncgear.figures.tables import Column, Table, Value, cell_text, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
@@ -25,6 +26,7 @@ from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.measured import MeasuredGear, cut_gears, measured_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
+from ncgear.teeth.shifts import thickness_mm
 from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
@@ -97,6 +99,7 @@ def data_sheet(pair: Drive) -> DataSheet:
     groups = (Group(title, _entries(of)) for title, of in rows.items())
     tables: dict[str, Callable[[], tuple[Table, ...]]] = {
         "Cut by": lambda: tuple(map(cut_table, cut_gears(pair))),
+        "Teeth of their own shift": lambda: shifted_teeth(pair),
         "Pitch curves": lambda: (pitch_table(pair),),
     }
     for number, gear in enumerate(Gear):
@@ -150,6 +153,7 @@ def sizes(drive: Drive) -> tuple[Entry, ...]:
     return (
         Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven)),
         Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth),
+        *_turns(drive),
         Entry("module", "mm", pair=size.module_mm),
         Entry("centre distance", "mm", pair=size.center_distance_mm),
         Entry("face width", "mm", pair=drive.gears.face_width_mm),
@@ -157,6 +161,15 @@ def sizes(drive: Drive) -> tuple[Entry, ...]:
         *_radii(drive),
         _of_both("least radius of curvature", pitch.least_radius_mm(Gear.DRIVING), pitch.least_radius_mm(Gear.DRIVEN)),
     )
+
+
+def _turns(drive: Drive) -> list[Entry]:
+    """How far gears that turn less than once turn from one end stop to the other."""
+    covered = drive.pitch.transmission.lobes.range
+    if covered is None:
+        return []
+    angles = degrees(covered.driving_rad), degrees(covered.driven_rad)
+    return [Entry("turn between the end stops", "deg", driving=angles[0], driven=angles[1])]
 
 
 def _kind(curve: PitchCurve) -> str:
@@ -187,6 +200,33 @@ def _ends(name: str, driving: tuple[float, float], driven: tuple[float, float]) 
     return [_of_both(f"{word} {name}", *ends) for word, *ends in zip(words, driving, driven, strict=True)]
 
 
+SHIFTED = (
+    Column("tooth"),
+    Column("profile shift coefficient of the driving gear"),
+    Column("thickness on the driving pitch curve", "mm"),
+    Column("profile shift coefficient of the driven gear"),
+    Column("thickness on the driven pitch curve", "mm"),
+)
+
+
+def shifted_teeth(drive: Drive) -> tuple[Table, ...]:
+    """The shift of each tooth and its thickness along the pitch curve; no table where all teeth are alike."""
+    driving, driven = drive.teeth.driving.flanks, drive.teeth.driven.flanks
+    if not driving.has_own_shifts:
+        return ()
+    rack = drive.rack
+    columns = []
+    for flanks in (driving, driven):
+        shift = flanks.full_tip_mm[::2] - rack.addendum_mm
+        outwards = thickness_mm(rack.module_mm, shift, rack.angles_rad)
+        columns += [(shift / rack.module_mm).tolist(), outwards.tolist()]
+    rows = tuple((number, *row) for number, row in enumerate(zip_longest(*columns), 1))
+    note = (
+        "play is not taken off these thicknesses; they are pi m / 2 + x m (tan(alpha) + tan(beta)), x being the shift"
+    )
+    return (Table("Teeth with a profile shift of their own", SHIFTED, rows, (note,), long=True),)
+
+
 CUTTERS = {
     CutterKind.RACK: "rack (hob)",
     CutterKind.PINION: "pinion (shaper)",
@@ -203,7 +243,7 @@ def rack_data(drive: Drive) -> tuple[Entry, ...]:
     smaller = asked.root_radius < PROFILES[asked.profile].root_radius
     departed = ", coefficients as below" if given or smaller else ""
     return (
-        Entry("pressure angle of the rack", "deg", pair=degrees(rack.pressure_angle_rad)),
+        *_angles(drive),
         Entry("basic rack of ISO 53", pair=f"profile {drive.gears.rack.profile}{departed}"),
         Entry("addendum coefficient", pair=rack.addendum_mm / module),
         Entry("dedendum coefficient", pair=rack.dedendum_mm / module),
@@ -214,8 +254,28 @@ def rack_data(drive: Drive) -> tuple[Entry, ...]:
         Entry("greatest normal backlash", "mm", pair=drive.play.largest_normal_mm.value),
         Entry("play of the driven gear, the same at every position", "deg", pair=degrees(drive.play.driven_rad)),
         *_helix(drive),
-        Entry("cutter", pair=CUTTERS[drive.teeth.cutter]),
+        Entry("cutter", pair=_cutter(drive)),
     )
+
+
+def _angles(drive: Drive) -> list[Entry]:
+    """The rack's pressure angles and, where they differ, which flanks are which."""
+    pushing, idle = map(degrees, drive.rack.angles_rad)
+    if pushing == idle:
+        return [Entry("pressure angle of the rack", "deg", pair=pushing)]
+    # The driving gear turns counter-clockwise; a pushed flank faces against the driven gear's turning.
+    pushed = "clockwise" if drive.pitch.driven.is_ring else "counter-clockwise"
+    return [
+        Entry("pressure angle of the rack, flanks that push", "deg", pair=pushing),
+        Entry("pressure angle of the rack, idle flanks", "deg", pair=idle),
+        Entry("flanks that push face, seen from the end z > 0", driving="counter-clockwise", driven=pushed),
+    ]
+
+
+def _cutter(drive: Drive) -> str:
+    kind = drive.teeth.cutter
+    each = kind is CutterKind.RACK and drive.teeth.driving.flanks.has_own_shifts
+    return "rack, each space by itself" if each else CUTTERS[kind]
 
 
 def _relief(drive: Drive) -> list[Entry]:
@@ -229,6 +289,8 @@ def _relief(drive: Drive) -> list[Entry]:
 def _shifts(drive: Drive) -> Entry:
     driving, driven = (gear.flanks.rack for gear in (drive.teeth.driving, drive.teeth.driven))
     module = drive.rack.module_mm
+    if drive.teeth.driving.flanks.has_own_shifts:
+        return Entry("profile shift coefficient", pair="of each tooth, see its table")
     return Entry("profile shift coefficient", driving=driving.shift_mm / module, driven=driven.shift_mm / module)
 
 
@@ -369,7 +431,7 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
 def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tuple[Entry, ...]:
     """The means of measuring, and the number of places where they can be used."""
     driving, driven = gears
-    tool = "pins" if driving.working.base_cosine == 1.0 else "balls"
+    tool = "pins" if drive.helix is None else "balls"
 
     def of_both(label: str, value: Callable[[MeasuredGear], Value], unit: str = "") -> Entry:
         return Entry(label, unit, driving=_cell(partial(value, driving)), driven=_cell(partial(value, driven)))
@@ -383,8 +445,8 @@ def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tupl
 
 
 def _spaces(gear: MeasuredGear) -> Value:
-    measured, teeth = gear.pins.space.size, gear.toothed.teeth
-    return "all" if measured == teeth else f"{measured} of {teeth}"
+    measured, spaces = gear.pins.space.size, gear.toothed.teeth - (gear.toothed.flanks.made is not None)
+    return "all" if measured == spaces else f"{measured} of {spaces}"
 
 
 def _places(gear: MeasuredGear) -> Value:
@@ -394,6 +456,9 @@ def _places(gear: MeasuredGear) -> Value:
         return "not defined: plates do not reach the flanks of a ring"
     if gear.working.flanks.equivalent:
         return "not defined: flanks of equivalent gears do not follow the pitch curve"
+    pushing, idle = gear.working.flanks.rack.angles_rad
+    if pushing != idle:
+        return "not defined: flanks of unequal pressure angles have no common normal"
     if spans.everywhere:
         return "everywhere alike"
     if not spans.first.size:

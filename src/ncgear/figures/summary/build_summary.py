@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from math import degrees, isfinite, pi
+from math import degrees, isfinite, pi, radians
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +30,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.strengthening import known_verdict
 from ncgear.teeth.gear import ToothedGear, teeth_free_of_undercut
 from ncgear.teeth.lost import shortening, undercutting
+from ncgear.teeth.shifts import thickness_mm
 from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
@@ -138,7 +139,7 @@ def pitch_summary(drive: Drive) -> dict[str, Any]:
         result[f"concave_{name}_rad"] = [list(stretch) for stretch in pitch.concave_ranges(gear)]
     tangent = pitch.largest_tangent_angle_rad
     result["max_tangent_angle_deg"] = degrees(tangent.value)
-    result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(drive.rack.pressure_angle_rad)
+    result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
     result["max_pressure_angle_at_rad"] = tangent.at
     result["curvature_jumps"] = _jumps(pitch)
     return result
@@ -164,12 +165,12 @@ def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
 
 def teeth_summary(drive: Drive) -> dict[str, Any]:
     """Numbers, sizes, undercut, shortened tips."""
-    teeth, size = drive.teeth, drive.pitch.size
-    racks = teeth.driving.flanks.rack, teeth.driven.flanks.rack
+    teeth, size, toothed = drive.teeth, drive.pitch.size, drive.pitch.toothed
     return {
         "driving": size.driving_teeth,
         "driven": size.driven_teeth,
         "module_mm": size.module_mm,
+        **({"pitches_in_range": toothed.covered_mm / drive.rack.pitch_mm} if toothed else {}),
         "backlash_mm": drive.play.least_normal_mm.value,
         "backlash_max_mm": drive.play.largest_normal_mm.value,
         "play_rad": drive.play.driven_rad,
@@ -178,11 +179,11 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
         "undercut_driven": teeth.driven.undercut,
         **_undercut_depth(teeth.driving),
         **_undercut_depth(teeth.driven),
-        "free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, *racks),
+        **_free_of_undercut(drive),
         "method": drive.gears.method,
         "cutter": teeth.cutter.value,
-        "profile_shift_driving_mm": racks[0].shift_mm,
-        "profile_shift_driven_mm": racks[1].shift_mm,
+        **_flank_angles(drive),
+        **_shifts(drive),
         "tips_driving": _tips(teeth.driving),
         "tips_driven": _tips(teeth.driven),
         "points_driving": len(teeth.driving.outline_mm),
@@ -190,9 +191,40 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
     }
 
 
+def _free_of_undercut(drive: Drive) -> dict[str, Any]:
+    """From how many teeth on none is undercut; nothing where teeth have shifts of their own, which more would lack."""
+    driving, driven = drive.teeth.driving.flanks, drive.teeth.driven.flanks
+    if driving.has_own_shifts:
+        return {}
+    return {"free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, driving.rack, driven.rack)}
+
+
+DECIMALS = 9
+"""Decimals of shifts that are told: a millionth of a micrometre is rounding."""
+
+
+def _flank_angles(drive: Drive) -> dict[str, Any]:
+    pushing, idle = map(degrees, drive.rack.angles_rad)
+    return {} if pushing == idle else {"rack_angle_pushing_deg": pushing, "rack_angle_idle_deg": idle}
+
+
+def _shifts(drive: Drive) -> dict[str, Any]:
+    """Profile shifts; of teeth with shifts of their own those of each tooth, and their thickness on the pitch curve."""
+    rack, result = drive.rack, {}
+    for gear in (drive.teeth.driving, drive.teeth.driven):
+        name, flanks = gear.flanks.curve.gear.value, gear.flanks
+        if not drive.teeth.driving.flanks.has_own_shifts:
+            result[f"profile_shift_{name}_mm"] = flanks.rack.shift_mm
+            continue
+        shift = np.round(flanks.full_tip_mm[::2] - rack.addendum_mm, DECIMALS)
+        result[f"profile_shift_{name}_mm"] = shift.tolist()
+        result[f"tooth_thickness_{name}_mm"] = thickness_mm(rack.module_mm, shift, rack.angles_rad).tolist()
+    return result
+
+
 def _tips(gear: ToothedGear) -> dict[str, Any]:
     """Least height of the tips, how much they are shortened at most, and the teeth with shortened tips by reason."""
-    result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm.min())}
+    result: dict[str, Any] = {"least_height_mm": float(gear.flanks.tip_height_mm[gear.flanks.is_made].min())}
     for reason in Limit:
         if reason is not Limit.FULL and (numbers := gear.shortened(reason)):
             result[f"shortened_for_{reason.name.lower()}"] = numbers

@@ -49,6 +49,13 @@ def _achieved(drive: Drive) -> dict[str, Any]:
 def _drive(drive: Drive) -> dict[str, Any]:
     """Speeds, lobes, and the linkage where there is one."""
     lobes = drive.transmission.lobes
+    if lobes.range is not None:
+        return {
+            "speed_rpm": drive.design.operation.speed_rpm,
+            "law_speed_rpm": drive.law_speed_rpm,
+            "driving_range_deg": degrees(lobes.range.driving_rad),
+            "driven_range_deg": degrees(lobes.range.driven_rad),
+        }
     return {
         "speed_rpm": drive.design.operation.speed_rpm,
         "law_speed_rpm": drive.law_speed_rpm,
@@ -56,6 +63,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "lobes_driven": lobes.driven,
         **(_strokes(drive) if drive.linkage.RETURNS else {}),
         **(drive.law.stroke.facts if drive.law.stroke else {}),
+        **drive.law.facts,
     }
 
 
@@ -97,7 +105,7 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
     found = {"ratio_min": low.value, "ratio_max": high.value, "max_tangent_angle_deg": tangent}
     if drive.design.gears is None:
         return found
-    return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.rack.pressure_angle_deg}
+    return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.carrying_angle_deg}
 
 
 def _check(drive: Drive) -> dict[str, Any]:

@@ -141,7 +141,8 @@ def _tooth_force(task: Task, limit: float) -> Level:
     """The force of the flanks that carry: of those that do not, the other sign is far under the limit."""
     size = task.gears
     assert size is not None
-    angle, lobes = size.rack_angle_rad, task.lobes.driving
+    lobes, idle = task.lobes.driving, size.idle_angle_rad
+    angles = size.rack_angle_rad, size.rack_angle_rad if idle is None else idle
 
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         distance = size.center_distance_mm
@@ -149,7 +150,7 @@ def _tooth_force(task: Task, limit: float) -> Level:
             distance = size.teeth * pi * size.module_mm / (lobes * length)
         # Of the driven gear
         torque = quantities.driving_torque(at, slider, task.speed_rad_s) * at.ratio
-        pushing, back = quantities.inverse_levers(at, angle)
+        pushing, back = quantities.inverse_levers(at, angles)
         return torque * pushing / distance / limit, -torque * back / distance / limit
 
     return Level(

@@ -111,15 +111,19 @@ def shaking_force(at: Place, slider: Slider, speed_rad_s: Term) -> tuple[Term, T
     return along, across
 
 
-def inverse_levers(at: Place, rack_angle_rad: float) -> tuple[Term, Term]:
+def inverse_levers(at: Place, angles_rad: tuple[float, float]) -> tuple[Term, Term]:
     """Centre distance over the lever of the teeth's force about the driven axis, of pushing and of back flanks.
 
-    The lever is r2 cos(alpha +- atan f'/(1 + i)) with the rack's angle alpha: ``ncgear.dynamics.mesh_force``.
+    The lever is r2 cos(alpha +- atan f'/(1 + i)) with the rack's angle alpha on that side:
+    ``ncgear.dynamics.mesh_force``.
     """
     steep = tangent(at)
     per_radius = (1.0 + at.slope) * (1.0 + steep**2) ** 0.5
-    across, along = cos(rack_angle_rad), sin(rack_angle_rad)
-    return per_radius / (across - steep * along), per_radius / (across + steep * along)
+    pushing, back = angles_rad
+    return (
+        per_radius / (cos(pushing) - steep * sin(pushing)),
+        per_radius / (cos(back) + steep * sin(back)),
+    )
 
 
 def tangent(at: Place) -> Term:

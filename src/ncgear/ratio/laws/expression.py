@@ -2,6 +2,7 @@
 
 Where an expression goes over from one to another, as ``abs`` and ``max`` do, the law has a joint.  The ratio must go on
 there and at the seam; its slope may jump, which pitch curves refuse (``ncgear.pitch.pair``) and a slider may have.
+A law of gears that turn less than once holds for a range of the driving angle, and has no seam.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.proven import proven, smooth_parts
 from ncgear.numerics.tape import NotReal
 from ncgear.numerics.units import in_words
-from ncgear.ratio.laws.integrated import NEARLY_CLOSED, Slope, integrated_law, smooth_or_refused
-from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Transmission
+from ncgear.ratio.laws.integrated import NEARLY_CLOSED, Slope, integrated_law, smooth_or_refused, stretched
+from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Range, Transmission
 
 NO_JUMP = 1e-9
 """Relative difference of the ratio on both sides of a joint that counts as none: ten written digits give it."""
@@ -32,6 +33,34 @@ def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Tr
     _refuse_jumps([(start, end, _by_angle(ratio)) for start, end, ratio in parts], "the ratio", lobes, key)
     slopes = [_inverse(ratio, start, end, key) for start, end, ratio in parts]
     return integrated_law(slopes, lobes, scale_to_close=scale_to_close, key=key)
+
+
+def open_ratio_law(text: str, driving_rad: float) -> Transmission:
+    """The law of a ratio i12(phi) from phi = 0 to ``driving_rad``; raises as ``ratio_expression_law``."""
+    key = "motion.ratio"
+    parts = _open_parts(text, driving_rad, key)
+    _refuse_jumps([(start, end, _by_angle(ratio)) for start, end, ratio in parts], "the ratio", None, key)
+    slopes = [_inverse(ratio, start, end, key) for start, end, ratio in parts]
+    starts = np.cumsum([0.0, *(slope.integral.final for slope in slopes)])
+    pieces = tuple(stretched(slope, float(start), 1.0) for slope, start in zip(slopes, starts, strict=False))
+    if not starts[-1] > 0.0:
+        raise NoSuchMechanism("the ratio is negative; it must be positive over the whole range", key=key)
+    return Transmission(pieces, Range(driving_rad=driving_rad, driven_rad=float(starts[-1])))
+
+
+def open_driven_angle_law(text: str, driving_rad: float) -> Transmission:
+    """The law of a driven angle phi2(phi) from phi = 0 to ``driving_rad``, shifted so that phi2 = 0 at phi1 = 0."""
+    key = "motion.driven_angle"
+    parts = _open_parts(text, driving_rad, key)
+    _refuse_jumping_angle(parts, key)
+    _refuse_jumps([(start, end, _slope_of(angle)) for start, end, angle in parts], "dphi2/dphi1", None, key)
+    start, end = _value(parts[0][2], 0.0), _value(parts[-1][2], driving_rad)
+    if not end > start:
+        raise NoSuchMechanism(
+            f"the driven angle goes from {start:.6g} to {end:.6g} rad over the range; it must grow", key=key
+        )
+    covered = Range(driving_rad=driving_rad, driven_rad=end - start)
+    return Transmission(tuple(_angle_piece(part, start, 1.0, key) for part in parts), covered)
 
 
 def driven_angle_expression_law(text: str, lobes: Lobes) -> Transmission:
@@ -58,6 +87,11 @@ _Part = tuple[float, float, Formula]
 def _parts(formula: Formula, lobes: Lobes, key: str) -> list[_Part]:
     with smooth_or_refused(key):
         return smooth_parts(formula, 0.0, lobes.driving_period_rad)
+
+
+def _open_parts(text: str, driving_rad: float, key: str) -> list[_Part]:
+    with smooth_or_refused(key):
+        return smooth_parts(composed(text, key, "phi"), 0.0, driving_rad)
 
 
 def _inverse(ratio: Formula, start: float, end: float, key: str) -> Slope:
@@ -105,12 +139,13 @@ def _refuse_jumping_angle(parts: Sequence[_Part], key: str) -> None:
             )
 
 
-def _refuse_jumps(parts: Sequence[tuple[float, float, JetFunction]], named: str, lobes: Lobes, key: str) -> None:
+def _refuse_jumps(parts: Sequence[tuple[float, float, JetFunction]], named: str, lobes: Lobes | None, key: str) -> None:
     """Either ratio, ``named`` so, must go on at every joint and at the seam, and have a finite slope and curvature.
 
-    A jump of the ratio would be one of the slider's velocity.
+    A jump of the ratio would be one of the slider's velocity.  Without ``lobes`` there is no seam.
     """
-    for (_, end, before), (start, _, after) in zip([parts[-1], *parts[:-1]], parts, strict=True):
+    meeting = pairwise(parts) if lobes is None else zip([parts[-1], *parts[:-1]], parts, strict=True)
+    for (_, end, before), (start, _, after) in meeting:
         sides = [jets(np.array([phi1]), 2).coefficients[:, 0] for jets, phi1 in ((before, end), (after, start))]
         ratio, next_ratio = (float(side[0]) for side in sides)
         size = max(abs(ratio), abs(next_ratio))
@@ -121,7 +156,7 @@ def _refuse_jumps(parts: Sequence[tuple[float, float, JetFunction]], named: str,
             ends = "at the cycle's ends, phi1 = 0 or its period" if seam else place
             problem = f"the expression has no finite value {ends}"
         elif abs(next_ratio - ratio) > NO_JUMP * size:
-            wanted = f"; an expression of period {lobes.driving_period_rad:.6g} rad is needed" if seam else ""
+            wanted = f"; an expression of period {lobes.driving_period_rad:.6g} rad is needed" if seam and lobes else ""
             problem = f"{named} jumps {place}: it goes from {ratio:.9g} before it to {next_ratio:.9g} after it{wanted}"
         elif not np.all(np.isfinite(sides)):
             problem = f"{named} has an infinite slope or curvature {place}; the pitch curves would have a point there"

@@ -16,7 +16,7 @@ t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), each with the constan
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import factorial, log, pi
+from math import log, pi
 from typing import Protocol
 
 import numpy as np
@@ -60,7 +60,7 @@ class LogRatioLaw:
             return Jet(turned[None, :] / self.lobes.driven)
         speed = self.speed(turned, order - 1)
         scale = float(self.lobes.driving) ** np.arange(order + 1) / self.lobes.driven
-        return Jet(_jet_by_x(turned, speed, speed).coefficients * scale[:, None])
+        return Jet(jet.by_other(turned, speed, speed).coefficients * scale[:, None])
 
     def speed(self, turned: Array, order: int) -> Jet:
         """w = dt/dx with derivatives by t, at t = n2 phi2 in rad, shape (n,)."""
@@ -77,20 +77,6 @@ class LogRatioLaw:
         return tuple((self.integral.at(self.joints) / self.lobes.driving).tolist())
 
 
-def _jet_by_x(values: Array, rate: Jet, speed: Jet) -> Jet:
-    """The jet by x, one order more, of a function with these values, shape (n,), whose derivative by x is ``rate``.
-
-    ``rate`` and ``speed`` = dt/dx are jets by t of the same order: the next derivative by x is ``speed`` times the
-    derivative by t of the one before.
-    """
-    coefficients = np.empty((rate.order + 2, values.size))
-    coefficients[0], coefficients[1] = values, rate.value
-    for k in range(2, rate.order + 2):
-        rate = speed.truncated(rate.order - 1) * rate.differentiated()
-        coefficients[k] = rate.value / factorial(k)
-    return Jet(coefficients)
-
-
 @dataclass(frozen=True, eq=False)
 class StagedLaw:
     """A law shared by two pairs in series, one lobe each: the law of the whole, and that of the second pair."""
@@ -105,7 +91,7 @@ class StagedLaw:
         if not order:
             return Jet(values[None, :])
         speed = self.whole.speed(turned, order - 1)
-        return _jet_by_x(values, speed / self.second.speed(turned, order - 1), speed)
+        return jet.by_other(values, speed / self.second.speed(turned, order - 1), speed)
 
     def shaft_speed(self, phim: Array) -> Array:
         """Speed of the shaft between over the driving shaft's, at angles of the shaft between in rad, shape (n,)."""

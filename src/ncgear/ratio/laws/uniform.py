@@ -8,9 +8,9 @@ from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
 
 def uniform_law(lobes: Lobes) -> Transmission:
-    """The law of the constant ratio i12 = n2 / n1."""
+    """The law of the constant ratio i12 = n2 / n1, or that of both ranges of gears that turn less than once."""
 
     def driven_angle(phi1: Array, order: int) -> Jet:
-        return Jet.variable(phi1, order) * (lobes.driving / lobes.driven)
+        return Jet.variable(phi1, order) * lobes.even_slope
 
     return Transmission((Piece(0.0, lobes.driving_period_rad, driven_angle),), lobes)

@@ -2,7 +2,7 @@
 
 // Straight lines between the samples of a table over an angle.
 function straight(grid, values, deg) {
-  const x = wrapped(deg, grid.period_deg);
+  const x = deg === grid.period_deg ? deg : wrapped(deg, grid.period_deg);
   const place = placeOf(grid.deg, x);
   const width = grid.deg[place + 1] - grid.deg[place];
   const share = width > 0 ? (x - grid.deg[place]) / width : 0;

@@ -1,7 +1,7 @@
 // The driving angle in degrees, set by hand or carried on by time; `onChange` hears of every new one.
 
-function createClock(cycle, onChange) {
-  const state = { deg: 0, pace: 0, playing: false, last: null };
+function createClock(cycle, swings, onChange) {
+  const state = { deg: 0, pace: 0, playing: false, last: null, sense: 1 };
 
   function set(deg) {
     if (!Number.isFinite(deg)) return;
@@ -10,9 +10,17 @@ function createClock(cycle, onChange) {
     onChange(state.deg, state.playing);
   }
 
+  // Gears that turn less than once go back from each end; all others go on.
+  function go(step) {
+    if (!swings) return set(wrapped(state.deg + step, cycle));
+    const along = wrapped((state.sense > 0 ? state.deg : 2 * cycle - state.deg) + step, 2 * cycle);
+    state.sense = along < cycle ? 1 : -1;
+    set(along < cycle ? along : 2 * cycle - along);
+  }
+
   function tick(now) {
     if (!state.playing) return;
-    if (state.last !== null) set(wrapped(state.deg + (state.pace * (now - state.last)) / 1000, cycle));
+    if (state.last !== null) go((state.pace * (now - state.last)) / 1000);
     state.last = now;
     requestAnimationFrame(tick);
   }

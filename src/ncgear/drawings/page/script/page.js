@@ -14,7 +14,7 @@ function start() {
   const figures = data.charts.map((chart) => document.querySelector(`figure[data-key="${chart.key}"]`));
   const charts = data.charts.map((chart, number) => createChart(figures[number], chart));
   const readouts = createReadouts(data.charts);
-  const clock = createClock(data.cycle_deg, show);
+  const clock = createClock(data.cycle_deg, data.swings, show);
   const controls = createControls(clock, data.cycle_deg);
 
   function valuesAt(deg) {

@@ -1,0 +1,70 @@
+"""The law ``function_generator``: gears that compute y = f(x) by the angles of their shafts."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import TYPE_CHECKING, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import FORMULA, Expression, fault
+from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, DesignLaw, LawKeys
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.ratio.transmission import Lobes, Transmission
+
+
+class FunctionGenerator(LawKeys):
+    """Both angles are linear scales: the driving one of x, the driven one of y."""
+
+    law: Literal["function_generator"] = Field(description="the name of this law: function_generator")
+    function: Expression = Field(
+        description=f'y as a formula of x: "log(x)", {FORMULA}; it must rise, or fall, throughout, and be smooth'
+    )
+    x_from: float = Field(description="x at phi1 = 0")
+    x_to: float = Field(description="x at the other end of the range, greater than x_from")
+    driving_range_deg: float = Field(
+        ge=SHORTEST_RANGE_DEG,
+        le=LONGEST_RANGE_DEG,
+        description="what the driving gear turns while x goes from x_from to x_to, in degrees",
+    )
+    driven_range_deg: float = Field(
+        ge=SHORTEST_RANGE_DEG,
+        le=LONGEST_RANGE_DEG,
+        description="what the driven gear turns meanwhile, in degrees; where y falls, its scale runs backwards",
+    )
+
+    @model_validator(mode="after")
+    def _x_rises(self) -> Self:
+        if not self.x_to > self.x_from:
+            raise fault("x_to", f"{self.x_to:g} is not over x_from, {self.x_from:g}; a greater one is right")
+        return self
+
+    @property
+    def is_open(self) -> bool:
+        """A range of x has two ends."""
+        return True
+
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
+        """The law of both scales."""
+        from ncgear.ratio.laws.function_generator import generated_function
+
+        ranges = radians(self.driving_range_deg), radians(self.driven_range_deg)
+        return generated_function(self.function, (self.x_from, self.x_to), *ranges)
+
+
+LAW = DesignLaw(
+    keys=FunctionGenerator,
+    choice="a function y = f(x) that the gears compute, over a range of both angles",
+    template="""\
+motion:                    # the driving angle is a scale of x, the driven one of y
+  law: function_generator
+  function: "log(x)"       # y, as a formula of x
+  x_from: 1                # x at the beginning
+  x_to: 4                  # x at the end
+  driving_range_deg: 160   # what the driving gear turns from end to end
+  driven_range_deg: 160    # and the driven gear
+""",
+    narrower_ratio="take a smaller range of x (motion.x_from, motion.x_to) or a function that is more even",
+)

@@ -1,0 +1,60 @@
+"""The law ``spiral``: gears that turn less than once, on logarithmic spirals."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import TYPE_CHECKING, Any, Literal
+
+from pydantic import Field
+
+from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, DesignLaw, LawKeys
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.ratio.transmission import Lobes, Transmission
+
+
+class Spiral(LawKeys):
+    """Logarithmic spirals over a range of the driving angle; the pressure angle is the same everywhere."""
+
+    law: Literal["spiral"] = Field(description="the name of this law: spiral")
+    range_deg: float = Field(
+        ge=SHORTEST_RANGE_DEG,
+        le=LONGEST_RANGE_DEG,
+        description="what the driving gear turns from end to end, in degrees; the driven gear's angle follows",
+    )
+    ratio_start: float = Field(gt=0.0, description="transmission ratio i12 = dphi1/dphi2 at phi1 = 0")
+    ratio_end: float = Field(
+        gt=0.0, description="transmission ratio at the other end; between them the pitch radii are logarithmic spirals"
+    )
+
+    @property
+    def is_open(self) -> bool:
+        """Spirals do not close."""
+        return True
+
+    def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
+        """The law in closed form."""
+        from ncgear.ratio.laws.spiral import logarithmic_spirals
+
+        return logarithmic_spirals(self.ratio_start, self.ratio_end, radians(self.range_deg))
+
+    def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
+        """Both ratios nearer to their geometric mean."""
+        mean = (self.ratio_start * self.ratio_end) ** 0.5
+        start, end = (mean * (ratio / mean) ** share for ratio in (self.ratio_start, self.ratio_end))
+        return {"ratio_start": start, "ratio_end": end}
+
+
+LAW = DesignLaw(
+    keys=Spiral,
+    choice="logarithmic spirals that turn less than once",
+    template="""\
+motion:                    # logarithmic spirals: gears that turn to and fro, less than once
+  law: spiral
+  range_deg: 160           # what the driving gear turns from end to end
+  ratio_start: 1.5         # transmission ratio dphi1/dphi2 at the beginning
+  ratio_end: 0.8           # and at the end; the pressure angle is the same all the way
+""",
+    narrower_ratio="bring motion.ratio_start and motion.ratio_end nearer to each other",
+)

@@ -1,0 +1,122 @@
+"""I. Zarebski and T. Salacinski: gears of changing profile shift, of two pressure angles, and with concave sides."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import pi, radians, tan
+
+from ncgear.papers.entry import (
+    Below,
+    Computed,
+    Entry,
+    LeftOut,
+    Paper,
+    Printed,
+    Reason,
+    Relation,
+    Verdict,
+    computed,
+    counted,
+    equations,
+    from_readings,
+    texts,
+)  # fmt: skip
+from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.shape import Gear
+from ncgear.ratio.laws.curve_shapes import rounded_polygon
+from ncgear.ratio.laws.pitch_curve import ClosedLaw, GivenCurve, Search, closed_law
+from ncgear.ratio.transmission import Lobes
+
+SIDES, TEETH, CORNER_MM, CENTER_DISTANCE_MM, MODULE_MM = 4, 32, 25.0, 150.0, 4.91
+PRESSURE_ANGLE_RAD = radians(20.0)
+KEY = "side_mm"
+
+
+@cache
+def square_law(center_distance_mm: float | None, side_mm: float | None) -> ClosedLaw:
+    """The rounded square and its mate: its side found from the centre distance, or the distance from the side."""
+
+    def search() -> Search | None:
+        slope = 2.0 * tan(pi / SIDES)
+        return None if center_distance_mm is None else Search(slope * CORNER_MM, slope * center_distance_mm, KEY)
+
+    given = GivenCurve(
+        lambda side: rounded_polygon(SIDES, side_mm or side, CORNER_MM, (0.0, 0.0), KEY), search(),
+        drawn=True, driven=False, phase_rad=0.0, key=KEY,
+    )  # fmt: skip
+    return closed_law(given, Lobes(SIDES, SIDES), center_distance_mm)
+
+
+@cache
+def pair() -> PitchPair:
+    """The pitch curves at the printed centre distance with the printed number of teeth."""
+    return sized_pair(square_law(CENTER_DISTANCE_MM, None).transmission, TEETH, None, CENTER_DISTANCE_MM)
+
+
+def _distance_of_the_module() -> Computed:
+    """Centre distance at which the mate of the square closes whose sides and corners are 32 pitches of 4.91 mm."""
+    side = (pi * MODULE_MM * TEETH - 2.0 * pi * CORNER_MM) / SIDES + 2.0 * CORNER_MM
+    return computed(square_law(None, side).center_distance_mm)
+
+
+def _module_by_length() -> Computed:
+    """Eq. 15: the module is the length of the curve, integrated on the gear, by pi z."""
+    module = pair().size.module_mm
+    return computed(*(pair().length_mm(gear) / (pi * TEETH * module) - 1.0 for gear in Gear))
+
+
+def _closes() -> Computed:
+    """Eqs. 4 and 6 over a lobe."""
+    return computed(pair().transmission.closure_error_rad / (2.0 * pi))
+
+
+def _dented() -> Computed:
+    """Zero below the curvature of the mate's dents, in 1/mm."""
+    return computed(0.0, -pair().curvature_range[Gear.DRIVEN][0].value)
+
+
+def _thickness(module_text: str, *shifts: float) -> Computed:
+    """Thickness on the pitch curve, m (pi/2 + 2 x tan(alpha)), from a module as printed."""
+    slope = 2.0 * tan(PRESSURE_ANGLE_RAD)
+    return from_readings(lambda module: tuple(module * (pi / 2.0 + slope * shift) for shift in shifts), module_text)
+
+
+PAPER = Paper(
+    "Gears of changing shift, angle and shape",
+    "I. Zarebski, T. Salacinski, Designing of non-circular gears, The Archive of Mechanical Engineering 55(3), 2008",
+    promised=(*counted("Table", 4), *equations(*range(1, 16))),
+    entries=(
+        Entry(("eq. 4", "eq. 6"), "mate that closes over a lobe", Relation(), Verdict.REPRODUCED, _closes),
+        Entry(("eq. 15",), "module from the length of the curve", Relation(), Verdict.REPRODUCED, _module_by_length),
+        Entry(("Table 1",), "tooth thickness at the least and the greatest shift", Printed(texts("6.710 8.081"), "mm"),
+              Verdict.REPRODUCED, lambda: _thickness("4.71", -0.2, 0.2), of_printed=True),
+        Entry(("Table 3",), "tooth thickness without shift", Printed(("7.396",), "mm"), Verdict.REPRODUCED,
+              lambda: _thickness("4.71", 0.0), of_printed=True),
+        Entry(("Table 4",), "tooth thickness of the square", Printed(("7.714",), "mm"), Verdict.REPRODUCED,
+              lambda: _thickness("4.91", 0.0), of_printed=True),
+        Entry(("Table 4",), "module at the printed centre distance", Printed(("4.91",), "mm"),
+              Verdict.NOT_REPRODUCIBLE, lambda: computed(pair().size.module_mm),
+              "With straight sides, corners of 25 mm and 32 teeth, axes 150 mm apart make 4.923 mm."),
+        Entry(("section 9",), "centre distance at the printed module", Printed(("150",), "mm"), Verdict.REPRODUCED,
+              _distance_of_the_module),
+        Entry(("section 9",), "mate with concave sides", Below("0 < curvature of the dents"), Verdict.REPRODUCED,
+              _dented),
+    ),
+    left_out=(
+        LeftOut(("section 9",), "radius of the corners", Reason.GIVEN, texts("25")),
+        LeftOut(("Table 1",), "module, teeth, pressure angle, shifts, height and clearance", Reason.GIVEN,
+                texts("4.71 32 20 -0.2 0.2 1 0.25")),
+        LeftOut(("Table 2",), "profile shifts of 32 teeth", Reason.GIVEN,
+                texts("0 -0.1 -0.2 -0.1 0 0.1 0.2 0.1 " + "0 0.1 0.2 0.1 0 -0.1 -0.2 -0.1 "
+                      + "0 -0.1 -0.2 -0.1 0 0.1 0.2 0.1 " + "0 0.1 0.2 0.1 0 -0.1 -0.2 -0.1")),
+        LeftOut(("Table 3",), "module, teeth, both pressure angles, shift, height and clearance", Reason.GIVEN,
+                texts("4.71 32 17.5 22.5 0 1 0.25")),
+        LeftOut(("Table 4",), "teeth, pressure angle, shift, height and clearance", Reason.GIVEN,
+                texts("32 20 0 1 0.25")),
+        LeftOut(("eq. 5",), "an example of a period of pi, without its curve", Reason.GIVEN),
+        LeftOut(equations(1, 2, 3), "ratio, sum of radii and rolling, which the first equations of the paper before "
+                "are", Reason.DEFINED),
+        LeftOut(equations(*range(7, 15)), "arcs of spirals that stand for a curve, and the rolling rack",
+                Reason.DEFINED),
+    ),
+)  # fmt: skip

@@ -1,0 +1,268 @@
+"""Closed curves of named shapes, as pitch curves: formulas, points, ellipses, polygons, splines and chains of them.
+
+Lengths are in mm.  Shapes that are drawn in the plane have their axis at (0, 0) unless it is given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, hypot, pi, sin, tan, tau
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline, splrep
+
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.formula import Formula, composed
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.proven import proven, smooth_parts
+from ncgear.numerics.rational import RationalSpline, arc, closed_uniform, line
+from ncgear.numerics.units import in_words
+from ncgear.ratio.laws.closed_curve import JOINED, ClosedCurve, PointFunction, by_angle, drawn
+from ncgear.ratio.laws.integrated import smooth_or_refused
+from ncgear.ratio.transmission import JetFunction
+
+Point = tuple[float, float]
+
+STRAIGHT = 1e-9
+"""Share of a polygon's side below which a straight part or a corner's radius is left out."""
+
+SMOOTHINGS = 60
+"""Most halvings of the smoothing of points until they are kept to their tolerance; then the curve goes through them."""
+
+SAME_PLACE_RAD = 1e-9
+"""Angles of points nearer than this are one place of the curve."""
+
+DEGREE = 5
+"""Degree of the splines through points: curvature and its change are continuous."""
+
+
+def formula_curve(text: str, key: str) -> ClosedCurve:
+    """The curve of r(phi) in mm, phi in rad from 0 to 2 pi; raises WrongInput or NoSuchMechanism."""
+    formula = composed(text, key, "phi")
+    with smooth_or_refused(key):
+        parts = [
+            (_by_angle(part), proven(part, a, b).breaks.tolist()) for a, b, part in smooth_parts(formula, 0.0, tau)
+        ]
+    return by_angle(parts)
+
+
+def _by_angle(formula: Formula) -> JetFunction:
+    return lambda angle, order: formula(Jet.variable(angle, order))
+
+
+def modified_ellipse(latus_mm: float, eccentricity: float, lobes: int, modification: float) -> ClosedCurve:
+    """Lobes of r = p / (1 + e cos(n m phi)), with the factor m1 up to the greatest radius of a lobe, and m2 after it.
+
+    1/m1 + 1/m2 = 2 makes the parts fill the lobe, so m1 is over 1/2; with m1 = 1 the lobes are symmetric, and with one
+    lobe the curve is an ellipse about its focus.  The least radius is at phi = 0 (F. L. Litvin et al., "Noncircular
+    Gears", Cambridge 2009, chapter 4).
+    """
+
+    def radius(factor: float, about: float) -> JetFunction:
+        def at(angle: Array, order: int) -> Jet:
+            _, cosine = jet.sin_cos((Jet.variable(angle, order) - about) * factor)
+            return latus_mm / (1.0 + eccentricity * cosine)
+
+        return at
+
+    lobe, other = tau / lobes, modification / (2.0 * modification - 1.0)
+    if modification == 1.0:
+        return by_angle([(radius(float(lobes), 0.0), (0.0, tau))], endless=True)
+    parts = []
+    for number in range(lobes):
+        start, end = number * lobe, (number + 1) * lobe
+        top = start + pi / (lobes * modification)
+        parts += [(radius(lobes * modification, start), (start, top)), (radius(lobes * other, end), (top, end))]
+    return by_angle(parts)
+
+
+def ellipse(semi_major_mm: float, semi_minor_mm: float, axis_mm: Point, key: str) -> ClosedCurve:
+    """An ellipse about its centre, the major axis along x, that turns about any point inside."""
+    x, y = axis_mm
+
+    def point(at: Array, order: int) -> tuple[Jet, Jet]:
+        sine, cosine = jet.sin_cos(Jet.variable(at, order))
+        return cosine * semi_major_mm - x, sine * semi_minor_mm - y
+
+    if not (x / semi_major_mm) ** 2 + (y / semi_minor_mm) ** 2 < 1.0:
+        raise NoSuchMechanism(
+            f"the axis at ({x:g}, {y:g}) mm is not inside the ellipse with semi axes of {semi_major_mm:.6g} and "
+            f"{semi_minor_mm:.6g} mm",
+            key=key,
+        )
+    return drawn([(point, (0.0, tau))], key, endless=True)
+
+
+def rounded_polygon(sides: int, side_mm: float, corner_radius_mm: float, axis_mm: Point, key: str) -> ClosedCurve:
+    """A regular polygon about its centre, the middle of a side at +x, whose corners are rounded by arcs.
+
+    ``side_mm`` is the side of the sharp polygon; the radius is at most that of the circle in it.
+    """
+    step = tau / sides
+    flat = side_mm / 2.0 / tan(step / 2.0)
+    reach, along = (flat - corner_radius_mm) * tan(step / 2.0), (flat - corner_radius_mm) / cos(step / 2.0)
+    parts: list[RationalSpline] = []
+    for number in range(sides):
+        ray, corner = number * step, (number + 0.5) * step
+        if reach > STRAIGHT * side_mm:
+            ends = [(flat * cos(ray) - y * sin(ray), flat * sin(ray) + y * cos(ray)) for y in (-reach, reach)]
+            parts.append(line(*ends))
+        if corner_radius_mm > STRAIGHT * side_mm:
+            parts.append(arc((along * cos(corner), along * sin(corner)), corner_radius_mm, ray, step))
+    return chain(parts, axis_mm, key)
+
+
+def closed_b_spline(points_mm: Array, degree: int, axis_mm: Point, key: str) -> ClosedCurve:
+    """The closed uniform B-spline of control points (shape (n, 2)) about an axis."""
+    spline = closed_uniform(points_mm - np.array(axis_mm), degree)
+    parts = spline.smooth_parts()
+    return drawn([(part.at, part.breaks.tolist()) for part in parts], key, endless=len(parts) == 1)
+
+
+def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedCurve:
+    """The contour of curves that follow each other, each beginning where the one before ends."""
+    parts: list[tuple[PointFunction, Sequence[float]]] = []
+    for curve in curves:
+        moved = RationalSpline(curve.degree, curve.knots, curve.points - np.array(axis_mm), curve.weights)
+        parts += [(part.at, part.breaks.tolist()) for part in moved.smooth_parts()]
+    return drawn(parts, key)
+
+
+def one_contour(curves: Sequence[RationalSpline], key: str) -> list[RationalSpline]:
+    """Curves in any order and sense as a chain that closes; raises WrongInput where they are not one closed contour.
+
+    Ends within a millionth of the contour's size are one point, and are put together there.
+    """
+    left = [curve for curve in curves if np.any(curve.points != curve.points[0])]
+    if not left:
+        raise WrongInput("no lines, arcs or curves; one closed contour is needed", key=key)
+    every = np.concatenate([curve.points for curve in left])
+    near = JOINED * float(np.max(np.ptp(every, axis=0)))
+    found = [left.pop(0)]
+    while _gap(found[-1].points[-1], found[0].points[0]) > near:
+        tip = found[-1].points[-1]
+        reach, number, backwards = min(
+            ((_gap(curve.points[-1 if back else 0], tip), i, back) for i, curve in enumerate(left) for back in (0, 1)),
+            default=(np.inf, 0, 0),
+        )
+        if reach > near:
+            nearest = f", the nearest one {reach:.3g} mm away" if left else ""
+            raise WrongInput(
+                f"the contour is open: it ends at ({tip[0]:.6g}, {tip[1]:.6g}), where no other part begins{nearest}; "
+                "one closed contour is needed",
+                key=key,
+            )
+        following = left.pop(number)
+        found.append(following.reversed() if backwards else following)
+    if left:
+        at = left[0].points[0]
+        raise WrongInput(
+            f"{len(left)} further part{'s' if len(left) > 1 else ''} beside a closed contour, at ({at[0]:.6g}, "
+            f"{at[1]:.6g}); one closed contour is needed: name its layer, or remove the others",
+            key=key,
+        )
+    ends = [curve.points[-1] for curve in found]
+    return [_from(curve, start, end) for curve, start, end in zip(found, [ends[-1], *ends], ends, strict=False)]
+
+
+def _gap(one: Array, other: Array) -> float:
+    return hypot(*(one - other).tolist())
+
+
+def _from(curve: RationalSpline, start: Array, end: Array) -> RationalSpline:
+    points = curve.points.copy()
+    points[0], points[-1] = start, end
+    return RationalSpline(curve.degree, curve.knots, points, curve.weights)
+
+
+def polar_points(points_mm: Array, key: str) -> tuple[Array, Array]:
+    """Polar angle in rad, rising, and radius in mm of points (shape (n, 2)) around the axis, in either sense.
+
+    Raises NoSuchMechanism where they do not go round the axis once, or turn back.
+    """
+    radius = np.hypot(points_mm[:, 0], points_mm[:, 1])
+    if np.any(points_mm[0] != points_mm[-1]):
+        points_mm, radius = np.concatenate([points_mm, points_mm[:1]]), np.append(radius, radius[0])
+    if not np.all(radius > 0.0):
+        raise NoSuchMechanism("a point is at the axis; the curve must go round it", key=key)
+    steps = np.diff(np.unwrap(np.arctan2(points_mm[:, 1], points_mm[:, 0])))
+    turns = round(float(steps.sum()) / tau)
+    if turns not in (1, -1):
+        said = f"go round the axis {abs(turns)} times" if turns else "do not go round the axis"
+        raise NoSuchMechanism(f"the points {said}; once is right: move the axis, or put them in order", key=key)
+    wrong = np.flatnonzero(steps * turns < 0.0)
+    if wrong.size:
+        at = points_mm[wrong[0] + 1]
+        raise NoSuchMechanism(
+            f"the points turn back before ({at[0]:.6g}, {at[1]:.6g}) mm from the axis, at the polar angle "
+            f"{in_words(float(np.arctan2(at[1], at[0])) % tau)}; every ray from the axis must meet the curve once: "
+            "move the axis, or smooth the points there",
+            key=key,
+        )
+    return np.mod(np.arctan2(points_mm[:-1, 1], points_mm[:-1, 0]), tau), radius[:-1]
+
+
+def smoothed_points(
+    angle_rad: Array, radius_mm: Array, tolerance_mm: float, repeats: int, key: str
+) -> tuple[ClosedCurve, float]:
+    """The smooth closed curve near points in polar form (shape (n,)), and its largest radial distance from one in mm.
+
+    Of the periodic quintic smoothing splines (P. Dierckx, "Curve and Surface Fitting with Splines", Oxford 1993,
+    chapter 6), it is one that keeps the tolerance and has few knots; where none does, the spline through the points.
+    With several lobes all points shape one lobe.  Raises NoSuchMechanism where lobes differ by more than the tolerance.
+    """
+    period = tau / repeats
+    folded = np.mod(angle_rad, period)
+    order = np.argsort(folded, kind="stable")
+    groups = np.cumsum(np.diff(folded[order], prepend=folded[order][0]) > SAME_PLACE_RAD)
+    count = np.bincount(groups)
+    angles = np.bincount(groups, folded[order]) / count
+    radii = np.bincount(groups, radius_mm[order]) / count
+    if angles.size > 1 and angles[0] + period - angles[-1] <= SAME_PLACE_RAD:
+        angles, radii = angles[:-1], radii[:-1]
+    if angles.size <= DEGREE:
+        raise WrongInput(f"{angles.size} different places of a lobe; at least {DEGREE + 1} are needed", key=key)
+    closed = np.append(angles, angles[0] + period), np.append(radii, radii[0])
+
+    def missed(spline: BSpline) -> Array:
+        distance: Array = np.abs(spline(folded, extrapolate="periodic") - radius_mm)
+        return distance
+
+    sum_ = angles.size * tolerance_mm**2
+    for halving in range(SMOOTHINGS):
+        knots_and_more, _, fault, _ = splrep(*closed, k=DEGREE, s=sum_ / 2.0**halving, per=True, full_output=1, quiet=1)
+        spline = BSpline(*knots_and_more)
+        if fault > 0:
+            break
+        if np.max(missed(spline)) <= tolerance_mm:
+            return _periodic(spline, period, repeats), float(np.max(missed(spline)))
+    spline = make_interp_spline(*closed, k=DEGREE, bc_type="periodic")
+    worst = int(np.argmax(missed(spline)))
+    if missed(spline)[worst] > tolerance_mm:
+        raise NoSuchMechanism(
+            f"{repeats} equal lobes miss the point at {in_words(float(angle_rad[worst]))}, {radius_mm[worst]:.6g} mm, "
+            f"by {missed(spline)[worst]:.3g} mm, over the tolerance of {tolerance_mm:g} mm; give gears.lobes that the "
+            "points have, or a wider tolerance_mm",
+            key=key,
+        )
+    return _periodic(spline, period, repeats), float(missed(spline)[worst])
+
+
+def _periodic(spline: BSpline, period: float, repeats: int) -> ClosedCurve:
+    start = float(spline.t[DEGREE])
+    inner = np.unique(spline.t[(spline.t > start) & (spline.t < start + period)])
+    lobes = start + period * np.arange(repeats)[:, None]
+    breaks = np.append((lobes + np.append(0.0, inner - start)).ravel(), start + tau)
+    slopes = [spline.derivative(k) if k else spline for k in range(DEGREE + 1)]
+
+    def radius(angle: Array, order: int) -> Jet:
+        within = start + np.mod(angle - start, period)
+        rows, factorial = [], 1.0
+        for k in range(order + 1):
+            factorial *= max(k, 1)
+            rows.append(slopes[k](within) / factorial if k <= DEGREE else np.zeros_like(within))
+        return Jet(np.array(rows))
+
+    return by_angle([(radius, breaks.tolist())], endless=True)

@@ -1,0 +1,299 @@
+"""A law by the pitch curve of one gear: the mate is the curve that rolls on it, at the distance at which it closes.
+
+With r(phi) the radius of the given curve where it faces the mate, phi the angle that its gear has turned, and a the
+centre distance, the mate turns by dpsi = r / (a - r) dphi (F. L. Litvin et al., "Noncircular Gears", Cambridge 2009,
+chapter 2; A. Pogacnik, "Non-circular gears", KISSsoft AG 2022, section 2).  With n lobes of the given gear and m of its
+mate, that closes where
+
+    integral of r / (a - r) over 2 pi / n  =  2 pi / m.
+
+The integral falls strictly with a, from infinity where a is the greatest radius, and by Jensen's inequality it is still
+too large at a = (1 + m / n) times the mean radius, and too small at (1 + m / n) times the greatest one: one distance
+closes, and it lies between.  Where a is given, curves that lie inside each other make the integral grow with the one
+shape parameter that is sought, so that again at most one closes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import tau
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics import chebyshev, jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import in_words
+from ncgear.numerics.zeros import zeros_between
+from ncgear.ratio.laws.closed_curve import JOINED, ClosedCurve, Radius, Stretch
+from ncgear.ratio.laws.integrated import Slope, integrated_law, smooth_or_refused
+from ncgear.ratio.transmission import Lobes, Piece, Transmission
+
+NEAREST = 1.0001
+"""Least centre distance by the greatest radius: nearer, the mate would be 10 000 times as fast as the given gear."""
+
+ALIKE = 200
+"""Angles of a lobe at which it is compared with the others."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """A shape parameter between two values, for which the curve is the larger the greater it is, or the smaller."""
+
+    low: float
+    high: float
+    key: str
+    unit: str = " mm"
+
+
+@dataclass(frozen=True, eq=False)
+class GivenCurve:
+    """A curve that a gear shall have, by the value that is found; without a ``search`` every value gives the same one.
+
+    Angles of a curve that is ``drawn`` are polar angles in the gear, those of another one are angles that the gear has
+    turned when the place faces the mate.  The gear has turned by ``phase_rad`` when angle 0 faces the mate.
+    """
+
+    curve_of: Callable[[float], ClosedCurve]
+    search: Search | None
+    drawn: bool
+    driven: bool
+    phase_rad: float
+    key: str
+
+    def facing(self, value: float) -> ClosedCurve:
+        """The curve by the angle that its gear has turned.
+
+        A place at a polar angle faces the mate of a driving gear when the gear has turned back by it, and that of a
+        driven one, which turns the other way, when it has turned on by it.
+        """
+        curve = self.curve_of(value)
+        curve.require_gear(self.key)
+        mirrored = self.drawn and not self.driven
+        return (curve.mirrored() if mirrored else curve).turned(self.phase_rad)
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLaw:
+    """A law, its centre distance in mm, and the value of the shape or the scale that closes it (1 where none does)."""
+
+    transmission: Transmission
+    center_distance_mm: float
+    value: float
+
+
+def closed_law(given: GivenCurve, lobes: Lobes, center_distance_mm: float | None) -> ClosedLaw:
+    """The law of a curve and its mate.
+
+    Without a centre distance that is what closes the mate; with one, the scale of the curve or the value that it has a
+    search for does.  Raises NoSuchMechanism for a curve that is no gear, and where nothing closes the mate.
+    """
+    own = (lobes.driven, lobes.driving) if given.driven else (lobes.driving, lobes.driven)
+    make = driven_curve_law if given.driven else driving_curve_law
+    if given.search is not None and center_distance_mm is not None:
+        value = closing_value(given.curve_of, given.search, center_distance_mm, own)
+        return ClosedLaw(make(given.facing(value), center_distance_mm, lobes, given.key), center_distance_mm, value)
+    curve = given.facing(1.0)
+    closing = closing_distance_mm(curve, *own, given.key)
+    transmission = make(curve, closing, lobes, given.key)
+    if center_distance_mm is None:
+        return ClosedLaw(transmission, closing, 1.0)
+    # The law is that of the curve and its mate at any size.
+    return ClosedLaw(transmission, center_distance_mm, center_distance_mm / closing)
+
+
+@dataclass(frozen=True, eq=False)
+class TurnedBy:
+    """How far the mate turns in all while a gear with a curve makes one turn, as a function of the centre distance.
+
+    ``weighted`` (two columns) are radius in mm and d angle by a common parameter of all stretches.
+    """
+
+    weighted: PiecewiseChebyshev
+    greatest_mm: float
+
+    def at(self, center_distance_mm: float) -> float:
+        """The mate's turn in rad; infinite where the centre distance is not over the greatest radius."""
+        if center_distance_mm < NEAREST * self.greatest_mm:
+            return np.inf
+
+        def slope(at: Array) -> Array:
+            radius, angle = self.weighted(at).T
+            values: Array = radius / (center_distance_mm - radius) * angle
+            return values
+
+        return chebyshev.fitted(slope, self.weighted.breaks).integrated().final
+
+    @property
+    def mean_mm(self) -> float:
+        """Mean radius over the angle."""
+        form = self.weighted
+        product = chebyshev.fitted(lambda at: form(at).prod(axis=1), form.breaks)
+        return product.integrated().final / tau
+
+
+def turned_by(curve: ClosedCurve, key: str) -> TurnedBy:
+    """The mate's turn of a curve; raises NoSuchMechanism for one that cannot be resolved."""
+    forms, start = [], 0.0
+    for stretch in curve.stretches:
+        columns = _columns(stretch, stretch.start - start)
+        try:
+            forms.append(chebyshev.fitted(columns, stretch.breaks - stretch.start + start))
+        except NotSmooth as fault:
+            at = float(stretch.polar(np.array([fault.at + stretch.start - start]), 0)[0].value[0])
+            raise NoSuchMechanism(
+                f"the pitch curve is not smooth near the polar angle {in_words(at % tau)}", key=key
+            ) from fault
+        start += stretch.end - stretch.start
+    return TurnedBy(chebyshev.joined(forms), curve.radius_range_mm[1])
+
+
+def _columns(stretch: Stretch, shift: float) -> Callable[[Array], Array]:
+    def columns(at: Array) -> Array:
+        angle, radius = stretch.polar(at + shift, 1)
+        return np.column_stack([radius.value, angle.derivative(1)])
+
+    return columns
+
+
+def closing_distance_mm(curve: ClosedCurve, repeats: int, mate_repeats: int, key: str) -> float:
+    """The centre distance at which the mate of a curve with so many lobes closes with its own number of lobes.
+
+    Raises NoSuchMechanism where the mate would have to come within a millionth of standing still.
+    """
+    mate, wanted = turned_by(curve, key), tau * repeats / mate_repeats
+    share = 1.0 + mate_repeats / repeats
+    low, high = max(NEAREST * mate.greatest_mm, share * mate.mean_mm), share * mate.greatest_mm
+    if not mate.at(low) >= wanted * (1.0 - 1e-12):
+        raise NoSuchMechanism(
+            f"the mate does not close: even at a centre distance of {low:.6g} mm, next to the curve's greatest radius, "
+            f"it turns by {mate.at(low):.4g} rad where it must turn by {wanted:.4g}; a curve of less varying radius is "
+            "needed",
+            key=key,
+        )
+    return _zero(lambda distance: wanted / mate.at(distance) - 1.0, low, high)
+
+
+def closing_value(
+    curve_of: Callable[[float], ClosedCurve], search: Search, center_distance_mm: float, lobes: tuple[int, int]
+) -> float:
+    """The value of a shape parameter with which the mate closes at a given centre distance; lobes of gear and mate.
+
+    Raises NoSuchMechanism where no value of the range does.
+    """
+    wanted = tau * lobes[0] / lobes[1]
+
+    def missing(value: float) -> float:
+        return wanted / turned_by(curve_of(value), search.key).at(center_distance_mm) - 1.0
+
+    ends = missing(search.low), missing(search.high)
+    if not min(ends) <= 0.0 <= max(ends):
+        ever = "too far" if max(ends) < 0.0 else "not far enough"
+        raise NoSuchMechanism(
+            f"no value closes the mate at a centre distance of {center_distance_mm:g} mm: from {search.low:.6g} to "
+            f"{search.high:.6g}{search.unit} the mate turns {ever}; a centre distance further "
+            f"{'apart' if max(ends) < 0.0 else 'together'} is needed, or another size of the curve",
+            key=search.key,
+        )
+    return _zero(missing, search.low, search.high)
+
+
+def _zero(function: Callable[[float], float], low: float, high: float) -> float:
+    ends = np.array([low]), np.array([high])
+    return float(zeros_between(lambda at: np.array([function(float(at[0]))]), *ends)[0])
+
+
+def driving_curve_law(curve: ClosedCurve, center_distance_mm: float, lobes: Lobes, key: str) -> Transmission:
+    """The law of a driving gear whose curve's angle is the driving angle at which that place faces the mate.
+
+    Raises NoSuchMechanism for a curve with fewer lobes than the gear, or a mate that does not close.
+    """
+    radii = _one_lobe(curve, lobes.driving, key)
+    slopes = [_slope(radius, center_distance_mm, key) for radius in radii]
+    return integrated_law(slopes, lobes, scale_to_close=False, key=key)
+
+
+def driven_curve_law(curve: ClosedCurve, center_distance_mm: float, lobes: Lobes, key: str) -> Transmission:
+    """The law of a driven gear whose curve's angle is the driven angle; the inverse of the mate's law.
+
+    Raises NoSuchMechanism for a curve with fewer lobes than the gear, or a mate that does not close.
+    """
+    radii = _one_lobe(curve, lobes.driven, key)
+    swapped = Lobes(lobes.driven, lobes.driving)
+    slopes = [_slope(radius, center_distance_mm, key) for radius in radii]
+    mate = integrated_law(slopes, swapped, scale_to_close=False, key=key)
+    with smooth_or_refused(key):
+        return Transmission(
+            tuple(_inverse(piece, slope) for piece, slope in zip(mate.pieces, slopes, strict=True)), lobes
+        )
+
+
+def _one_lobe(curve: ClosedCurve, repeats: int, key: str) -> tuple[Radius, ...]:
+    """The radius over the first lobe; refuses a curve whose lobes differ."""
+    period = tau / repeats
+    with smooth_or_refused(key):
+        first = curve.radii(0.0, period)
+        for number in range(1, repeats):
+            other = curve.radii(number * period, (number + 1) * period)
+            _require_alike(first, other, period, number, key)
+    return first
+
+
+def _require_alike(first: Sequence[Radius], other: Sequence[Radius], period: float, number: int, key: str) -> None:
+    angles: Array = np.linspace(0.5, ALIKE - 0.5, ALIKE) * (period / ALIKE)
+    radii = _values(first, angles), _values(other, np.add(angles, number * period, dtype=float))
+    differing = np.abs(radii[1] - radii[0])
+    worst = int(np.argmax(differing))
+    if differing[worst] > JOINED * np.max(radii[0]):
+        turns = number * period
+        raise NoSuchMechanism(
+            f"the gear shall have {round(tau / period)} equal lobes, but the radius of the pitch curve is "
+            f"{radii[0][worst]:.6g} mm at phi = {in_words(float(angles[worst]))} and {radii[1][worst]:.6g} mm at "
+            f"{in_words(float(angles[worst]) + turns)}; give gears.lobes that the curve has, or another curve",
+            key=key,
+        )
+
+
+def _values(radii: Sequence[Radius], angles: Array) -> Array:
+    which = np.searchsorted([radius.start_rad for radius in radii[1:]], angles, side="right")
+    values = np.empty_like(angles)
+    for number, radius in enumerate(radii):
+        values[which == number] = radius.at(angles[which == number], 0).value
+    return values
+
+
+def _slope(radius: Radius, center_distance_mm: float, key: str) -> Slope:
+    def jets(phi: Array, order: int) -> Jet:
+        there = radius.at(phi, order)
+        return there / (center_distance_mm - there)
+
+    with smooth_or_refused(key):
+        return Slope(jets, chebyshev.fitted(lambda phi: jets(phi, 0).value, radius.breaks_rad).integrated())
+
+
+def _inverse(piece: Piece, slope: Slope) -> Piece:
+    """The driven angle by the driving one, where the driving angle is known by the driven one."""
+    breaks = np.array([piece.start_rad, *piece.knots_rad, piece.end_rad])
+    driving = piece.driven_angle(breaks, 0).value
+
+    def angle(phi1: Array) -> Array:
+        place = np.clip(np.searchsorted(driving, phi1, side="right"), 1, breaks.size - 1)
+        ends = driving[place - 1] - phi1, driving[place] - phi1
+        return zeros_between(
+            lambda phi2: piece.driven_angle(phi2, 0).value - phi1, breaks[place - 1], breaks[place], ends
+        )
+
+    form = chebyshev.fitted(angle, driving)
+
+    def driven_angle(phi1: Array, order: int) -> Jet:
+        values = form(phi1)
+        if not order:
+            return Jet(values[None, :])
+        speed = 1.0 / piece.driven_angle(values, order).differentiated()
+        return jet.by_other(values, speed, speed)
+
+    knots = form.breaks[1:-1]
+    return Piece(float(driving[0]), float(driving[-1]), driven_angle, tuple(knots.tolist()))
