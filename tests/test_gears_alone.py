@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from commands import Run
 from drives import drive_of_text
@@ -155,6 +156,22 @@ def test_the_page_shows_gears_and_no_crank(run: Run) -> None:
     assert "uniform crank" not in page
     assert 'id="scene-slider"' not in page
     assert run("animate", "d.yaml", "--out", "page/a.gif", "--frames", "4", "--width", "320")[0] == 0
+
+
+@pytest.mark.thorough
+def test_gears_by_themselves_are_balanced(run: Run) -> None:
+    """The centre of mass is that of the solid as read back from its file by another library."""
+    off = "{law: pitch_curve, ellipse: {semi_major_mm: 40, semi_minor_mm: 38, axis_x_mm: 4}}"
+    gears = "gears: {teeth: 36, face_width_mm: 10, driving: {bore_mm: 10}, driven: {bore_mm: 10}}"
+    Path("d.yaml").write_text(f"name: egg\noperation: {{speed_rpm: 60}}\nmotion: {off}\n{gears}\n", encoding="utf-8")
+    Path("b.yaml").write_text("name: b\nspeed_rpm: 60\ngears: {design: d.yaml}\n", encoding="utf-8")
+    assert run("build", "d.yaml", "--out", "built")[0] == 0
+    status, _, err = run("balance", "b.yaml", "--out", "balance")
+    assert (status, err) == (0, "")
+    told = json.loads(Path("balance/balance.json").read_text(encoding="utf-8"))["gears"]
+    for gear in ("driving", "driven"):
+        center = trimesh.load_mesh(f"built/{gear}.stl").center_mass
+        assert told[gear]["eccentricity_mm"] == pytest.approx(float(np.hypot(*center[:2])), rel=1e-4)
 
 
 def test_a_design_of_gears_can_be_sent_to_another_process() -> None:
