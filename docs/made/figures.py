@@ -39,7 +39,9 @@ COMMANDS: dict[str, dict[str, str]] = {
     },
     "animate designs/pusher.yaml --frames 36 --width 640 --out {folder}/pusher.gif": {"pusher.gif": "pusher.gif"},
     **{
-        f"animate designs/{name}.yaml --frames 24 --width 480 --out {{folder}}/{name}.gif": {f"{name}.gif": f"{name}.gif"}
+        f"animate designs/{name}.yaml --frames 24 --width 480 --out {{folder}}/{name}.gif": {
+            f"{name}.gif": f"{name}.gif"
+        }
         for name in (
             "rocker-drive",
             "quick-return-shaper",

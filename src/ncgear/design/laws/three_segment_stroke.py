@@ -25,7 +25,7 @@ from ncgear.design.keys.base import (
 )
 from ncgear.design.laws.base import DesignLaw, LawKeys
 from ncgear.design.reading.text import quoted
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -291,7 +291,21 @@ class ThreeSegmentStroke(LawKeys):
             stroke_mm=stroke_mm,
             a1_speed_rad_s=None if self.a1_speed_rpm is None else self.a1_speed_rpm * RAD_S_PER_RPM,
         )
-        return solved_stroke(request)
+        try:
+            return solved_stroke(request)
+        except NoSuchMechanism as refused:
+            raise self._in_own_units(refused) if self.turns else refused from None
+
+    @staticmethod
+    def _in_own_units(refused: NoSuchMechanism) -> NoSuchMechanism:
+        """A refusal of a stroke, which speaks of a slider and of mm, in the words and keys of an output that turns."""
+        words = (("the slider", "the output"), (" mm/s^2", " rad/s^2"), (" mm/s", " rad/s"), (" mm ", " rad "))
+        problem, key = refused.problem, refused.key or ""
+        for sliding, turning in words:
+            problem = problem.replace(sliding, turning)
+        for sliding, turning in SOLVED_KEYS.values():
+            key = key.replace(sliding, turning)
+        return NoSuchMechanism(problem, key=key)
 
     def _refuse_other_stroke(self, linkage: Mechanism) -> None:
         """Refuse a stroke in the file that differs from that of the mechanism."""

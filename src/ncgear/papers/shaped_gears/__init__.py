@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache
 from math import pi, radians, tan
 
+import numpy as np
+
 from ncgear.papers.entry import (
     Below,
     Computed,
@@ -26,9 +28,9 @@ from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.curve_shapes import rounded_polygon
 from ncgear.ratio.laws.pitch_curve import ClosedLaw, GivenCurve, Search, closed_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.teeth.shifts import thickness_mm
 
 SIDES, TEETH, CORNER_MM, CENTER_DISTANCE_MM, MODULE_MM = 4, 32, 25.0, 150.0, 4.91
-PRESSURE_ANGLE_RAD = radians(20.0)
 KEY = "side_mm"
 
 
@@ -75,10 +77,12 @@ def _dented() -> Computed:
     return computed(0.0, -pair().curvature_range[Gear.DRIVEN][0].value)
 
 
-def _thickness(module_text: str, *shifts: float) -> Computed:
-    """Thickness on the pitch curve, m (pi/2 + 2 x tan(alpha)), from a module as printed."""
-    slope = 2.0 * tan(PRESSURE_ANGLE_RAD)
-    return from_readings(lambda module: tuple(module * (pi / 2.0 + slope * shift) for shift in shifts), module_text)
+def _thickness(module_text: str, *shifts: float, angles_deg: tuple[float, float] = (20.0, 20.0)) -> Computed:
+    """Thickness on the pitch curve of teeth with profile shifts, from a module as printed."""
+    one, other = map(radians, angles_deg)
+    return from_readings(
+        lambda module: tuple(thickness_mm(module, module * np.array(shifts), (one, other)).tolist()), module_text
+    )
 
 
 PAPER = Paper(
@@ -91,7 +95,7 @@ PAPER = Paper(
         Entry(("Table 1",), "tooth thickness at the least and the greatest shift", Printed(texts("6.710 8.081"), "mm"),
               Verdict.REPRODUCED, lambda: _thickness("4.71", -0.2, 0.2), of_printed=True),
         Entry(("Table 3",), "tooth thickness without shift", Printed(("7.396",), "mm"), Verdict.REPRODUCED,
-              lambda: _thickness("4.71", 0.0), of_printed=True),
+              lambda: _thickness("4.71", 0.0, angles_deg=(17.5, 22.5)), of_printed=True),
         Entry(("Table 4",), "tooth thickness of the square", Printed(("7.714",), "mm"), Verdict.REPRODUCED,
               lambda: _thickness("4.91", 0.0), of_printed=True),
         Entry(("Table 4",), "module at the printed centre distance", Printed(("4.91",), "mm"),
