@@ -63,12 +63,12 @@ def yokes(draw: Draw) -> Data:
 def levers(draw: Draw) -> Data:
     """Slotted levers; at times the crank's circle reaches the lever's axis, or the lever is too short."""
     crank = draw(number(5.0, 200.0))
-    pivot = crank * draw(number(0.95, 4.0))
+    pivot = crank * draw(st.one_of(number(1.05, 4.0), number(1.2, 2.5), number(0.95, 1.05)))
     return {
         "kind": "slotted_lever",
         "crank_mm": crank,
         "pivot_mm": pivot,
-        "lever_mm": (pivot + crank) * draw(number(0.98, 2.0)),
+        "lever_mm": (pivot + crank) * draw(st.one_of(number(1.01, 2.0), number(0.98, 1.02))),
     }
 
 
@@ -81,7 +81,7 @@ def rockers(draw: Draw) -> Data:
     return {
         "kind": "crank_rocker",
         "crank_mm": crank,
-        "coupler_mm": low + (high - low) * draw(number(-0.05, 1.05)),
+        "coupler_mm": low + (high - low) * draw(st.one_of(number(0.02, 0.98), number(0.1, 0.9), number(-0.05, 1.05))),
         "rocker_mm": rocker,
         "ground_mm": ground,
         **draw(group(side=at_times(st.sampled_from([1, -1])))),
@@ -341,7 +341,7 @@ FOUND_CURVES = st.one_of(
     group(
         solve_for=st.just("side"), rounded_polygon=group(sides=st.integers(3, 6), corner_radius_mm=number(3.0, 12.0))
     ),
-    group(solve_for=st.just("corner_radius"), rounded_polygon=group(sides=st.just(4), side_mm=number(32.0, 36.0))),
+    group(solve_for=st.just("corner_radius"), rounded_polygon=group(sides=st.just(4), side_mm=number(36.0, 39.5))),
 ).map(lambda values: {"law": "pitch_curve", "center_distance_mm": 40.0, **values})
 """Curves of which one quantity is found for a centre distance of 40 mm; mostly there is one."""
 
@@ -538,9 +538,11 @@ OTHERS = {
 @st.composite
 def other_designs(draw: Draw, teeth: tuple[int, int]) -> Data:
     """Gears by themselves or another mechanism on gears that turn on and on, with masses at times."""
-    kind, lobes = draw(st.sampled_from(["none", "none", *OTHERS])), draw(st.sampled_from(LOBES))
+    kind = draw(st.sampled_from(["none", "none", *OTHERS]))
     linkage, loads = OTHERS[kind]
-    motion = draw(st.one_of(motions(None, lobes), traced_curves(), FOUND_CURVES))
+    curved = draw(st.booleans())
+    lobes = (1, 1) if curved else draw(st.sampled_from(LOBES))
+    motion = draw(st.one_of(traced_curves(), FOUND_CURVES) if curved else motions(None, lobes))
     return {
         "name": "random",
         "operation": {"speed_rpm": draw(number(1.0, 600.0))},
