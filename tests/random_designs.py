@@ -53,6 +53,47 @@ def linkages(draw: Draw) -> Data:
     return {"crank_mm": crank, "rod_mm": rod, **({} if offset is None else {"offset_mm": offset * (rod - crank)})}
 
 
+@st.composite
+def yokes(draw: Draw) -> Data:
+    """Scotch yokes."""
+    return {"kind": "scotch_yoke", "crank_mm": draw(number(5.0, 400.0))}
+
+
+@st.composite
+def levers(draw: Draw) -> Data:
+    """Slotted levers; at times the crank's circle reaches the lever's axis, or the lever is too short."""
+    crank = draw(number(5.0, 200.0))
+    pivot = crank * draw(st.one_of(number(1.05, 4.0), number(1.2, 2.5), number(0.95, 1.05)))
+    return {
+        "kind": "slotted_lever",
+        "crank_mm": crank,
+        "pivot_mm": pivot,
+        "lever_mm": (pivot + crank) * draw(st.one_of(number(1.01, 2.0), number(0.98, 1.02))),
+    }
+
+
+@st.composite
+def rockers(draw: Draw) -> Data:
+    """Crank-rockers, whose coupler is at times a little too short or too long for the crank to turn fully."""
+    crank = draw(number(5.0, 200.0))
+    ground, rocker = (crank * draw(number(1.1, 6.0)) for _ in range(2))
+    low, high = abs(ground - rocker) + crank, ground + rocker - crank
+    return {
+        "kind": "crank_rocker",
+        "crank_mm": crank,
+        "coupler_mm": low + (high - low) * draw(st.one_of(number(0.02, 0.98), number(0.1, 0.9), number(-0.05, 1.05))),
+        "rocker_mm": rocker,
+        "ground_mm": ground,
+        **draw(group(side=at_times(st.sampled_from([1, -1])))),
+    }
+
+
+@st.composite
+def racks_on_pinions(draw: Draw) -> Data:
+    """Racks, each on a pinion on the driven shaft."""
+    return {"kind": "rack_pinion", "radius_mm": draw(number(5.0, 100.0))}
+
+
 EXPRESSIONS = ["200", "200 + 3*exp(x/900)", "5*x", "1000/(9 + x)", "300 - 2*x", "log(9 + x)*50", "sqrt(x)"]
 
 resistances = st.one_of(
@@ -71,12 +112,62 @@ resistances = st.one_of(
     group(expression_n=st.sampled_from(EXPRESSIONS)),
 )
 
+torques = st.one_of(
+    group(
+        polynomial_n_m=number(-5.0, 60.0).map(lambda torque: [torque]),
+        where_negative=at_times(st.sampled_from(["zero", "keep"])),
+    ),
+    st.tuples(number(0.1, 20.0), number(0.0, 40.0), number(0.0, 6.0), st.integers(1, 3)).map(
+        lambda of: {"expression_n_m": f"{of[0]} + {of[1]}*sin({of[3]}*x + {of[2]})"}
+    ),
+    number(0.1, 40.0).map(lambda torque: {"expression_n_m": f"{torque}*sin(x)"}),
+    st.lists(number(-5.0, 60.0), min_size=2, max_size=6).map(
+        lambda torques: {
+            "table": {
+                "angle_deg": [360.0 * i / len(torques) for i in range(len(torques) + 1)],
+                "torque_n_m": [*torques, torques[0]],
+            }
+        }
+    ),
+)
+"""Torques against an output that turns, nearly all the same after a turn."""
+
+
+def both_ways(loads: st.SearchStrategy[Data], friction: str) -> st.SearchStrategy[Data]:
+    """Loads out, and at times on the way back and by friction."""
+    more = group(**{"returning": at_times(loads), friction: at_times(number(0.0, 20.0))})
+    return st.tuples(loads, more).map(lambda parts: {**parts[0], **parts[1]})
+
+
 published = group(
     name=st.sampled_from(["another", "a $ and \\frac", "ü"]),
     speed_rpm=number(10.0, 100.0),
     peak_power_w=number(1.0, 9000.0),
     peak_acceleration_mm_s2=at_times(number(1.0, 9000.0)),
 )
+
+
+BODY = {"mass_kg": number(0.1, 20.0), "center_mm": number(-20.0, 60.0)}
+SWINGING = group(**BODY, inertia_kg_mm2=number(72_000.0, 1e6))
+LINK = group(**BODY, inertia_kg_mm2=number(0.0, 1e5))
+
+SHARED_MASSES = {
+    "driven_gear_kg_mm2": at_times(number(0.0, 1e4)),
+    "flywheel": at_times(group(inertia_kg_mm2=number(0.0, 1e6))),
+}
+MASSES = {
+    "none": group(shaft_kg_mm2=number(0.0, 1e6), **SHARED_MASSES),
+    "scotch_yoke": group(slider_kg=number(0.0, 50.0), crank=SWINGING, **SHARED_MASSES),
+    "crank_rocker": group(rocker=SWINGING, coupler=LINK, crank=SWINGING, **SHARED_MASSES),
+    "slotted_lever": group(
+        slider_kg=number(0.0, 50.0),
+        block_kg=at_times(number(0.0, 3.0)),
+        lever=SWINGING,
+        crank=SWINGING,
+        **SHARED_MASSES,
+    ),
+}
+"""What moves, by the kind of mechanism; none is gears by themselves."""
 
 
 # --- motions
@@ -138,8 +229,8 @@ def ratio_expressions(lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
     ).map(lambda values: {"law": "ratio_expression", **values})
 
 
-def tables(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
-    """Points of a wave, some of them noisy, as ratio or as displacement of the linkage."""
+def tables(linkage: Data | None, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
+    """Points of a wave, some of them noisy, as ratio or as displacement of the crank-slider if there is one."""
 
     @st.composite
     def made(draw: Draw) -> Data:
@@ -147,7 +238,7 @@ def tables(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
         noise = draw(at_times(st.lists(number(-0.05, 0.05), min_size=count, max_size=count)))
         phi = [2.0 * pi / lobes[0] * i / count for i in range(count)]
         around = [wave * cos(lobes[0] * angle) + (noise[i] if noise else 0.0) for i, angle in enumerate(phi)]
-        if lobes != (1, 1) or draw(st.booleans()):
+        if linkage is None or lobes != (1, 1) or draw(st.booleans()):
             ratio = [lobes[1] / lobes[0] * (1.0 + value) for value in around]
             return {"law": "table", "phi1_rad": phi, "ratio": ratio, "scale_to_close": draw(st.booleans())}
         phi = np.linspace(0.0, 2.0 * pi, 2 * count, endpoint=False)
@@ -212,11 +303,89 @@ def pitch_curves() -> st.SearchStrategy[Data]:
     )
 
 
-def motions(linkage: Data, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
-    """Any law."""
+@st.composite
+def traced_curves(draw: Draw) -> Data:
+    """Points of a wavy round curve, some hundredths of a millimetre off, in polar form or in the plane."""
+    count, wave, places = draw(st.integers(12, 60)), draw(number(0.0, 0.3)), draw(st.integers(1, 3))
+    off = draw(st.lists(number(-0.03, 0.03), min_size=count, max_size=count))
+    angle = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
+    radius = 30.0 * (1.0 + wave / places * np.cos(places * angle)) + np.array(off)
+    points = {"phi_deg": np.degrees(angle).tolist(), "radius_mm": radius.tolist()}
+    if draw(st.booleans()):
+        points = {"x_mm": (radius * np.cos(angle)).tolist(), "y_mm": (radius * np.sin(angle)).tolist()}
+    closing = draw(st.sampled_from(["scale", "center_distance"]))
+    tolerance = draw(st.sampled_from([0.01, 0.05, 0.2]))
+    return {"law": "pitch_curve", "points": {**points, "tolerance_mm": tolerance}, "solve_for": closing}
+
+
+FOUND_CURVES = st.one_of(
+    number(15.0, 24.0).flatmap(
+        lambda major: group(
+            solve_for=st.just("semi_minor"),
+            ellipse=group(
+                semi_major_mm=st.just(major),
+                axis_x_mm=at_times(number(-0.2 * major, 0.2 * major)),
+                axis_y_mm=at_times(number(-0.2 * major, 0.2 * major)),
+            ),
+        )
+    ),
+    group(
+        solve_for=st.just("semi_major"), ellipse=group(semi_minor_mm=number(15.0, 20.0), axis_x_mm=number(-4.0, 4.0))
+    ),
+    group(
+        solve_for=st.just("eccentricity"),
+        modified_ellipse=group(
+            semi_latus_rectum_mm=number(14.0, 20.0), lobes=at_times(st.integers(1, 3)), modification=number(0.8, 1.4)
+        ),
+    ),
+    group(
+        solve_for=st.just("side"), rounded_polygon=group(sides=st.integers(3, 6), corner_radius_mm=number(3.0, 12.0))
+    ),
+    group(solve_for=st.just("corner_radius"), rounded_polygon=group(sides=st.just(4), side_mm=number(36.0, 39.5))),
+).map(lambda values: {"law": "pitch_curve", "center_distance_mm": 40.0, **values})
+"""Curves of which one quantity is found for a centre distance of 40 mm; mostly there is one."""
+
+FUNCTIONS = [
+    ("log(x)", 1.0, 5.0),
+    ("exp(x)", 0.0, 1.2),
+    ("1/x", 1.0, 2.5),
+    ("x + 0.1*sin(3*x)", 0.0, 3.0),
+    ("x**2", 0.5, 1.5),
+    ("sqrt(x)", 0.0, 1.0),
+]
+
+open_motions = st.one_of(
+    group(
+        law=st.just("spiral"), range_deg=number(20.0, 330.0), ratio_start=number(0.5, 2.2), ratio_end=number(0.5, 2.2)
+    ),
+    st.tuples(st.sampled_from(FUNCTIONS), number(60.0, 320.0), number(0.7, 1.4)).map(
+        lambda of: {
+            "law": "function_generator",
+            **dict(zip(("function", "x_from", "x_to"), of[0], strict=True)),
+            "driving_range_deg": of[1],
+            "driven_range_deg": of[1] * of[2],
+        }
+    ),
+    st.tuples(number(0.7, 1.6), number(0.0, 0.5), number(0.3, 1.5), number(30.0, 320.0), st.booleans()).map(
+        lambda of: {
+            "law": "ratio_expression",
+            "range_deg": of[3],
+            **(
+                {"driven_angle": f"{of[0]}*phi + {of[1]}*sin({of[2]}*phi)"}
+                if of[4]
+                else {"ratio": f"{of[0]}*(1 + {of[1]}*cos({of[2]}*phi))"}
+            ),
+        }
+    ),
+)
+"""Laws of gears that turn less than once."""
+
+
+def motions(linkage: Data | None, lobes: tuple[int, int]) -> st.SearchStrategy[Data]:
+    """Any law that a crank-slider can have or, without one, any law of a ratio."""
     uniform = st.just({"law": "uniform_crank"})
     strategies = {
-        LawName.THREE_SEGMENT_STROKE: strokes(linkage) if lobes == (1, 1) else uniform,
+        LawName.THREE_SEGMENT_STROKE: strokes(linkage) if linkage and lobes == (1, 1) else uniform,
         LawName.RATIO_EXPRESSION: ratio_expressions(lobes),
         LawName.TABLE: tables(linkage, lobes),
         LawName.ELLIPSE: ellipses,
@@ -321,8 +490,8 @@ HELICES = group(
 
 
 @st.composite
-def designs(draw: Draw, teeth: tuple[int, int] = (6, 60)) -> Data:
-    """A design as a file's plain values, with gears."""
+def slider_designs(draw: Draw, teeth: tuple[int, int]) -> Data:
+    """A crank-slider on gears that turn on and on."""
     linkage, lobes = draw(linkages()), draw(st.sampled_from(LOBES))
     motion = draw(motions(linkage, lobes))
     if motion.get("solve_for") == "stroke":
@@ -335,10 +504,7 @@ def designs(draw: Draw, teeth: tuple[int, int] = (6, 60)) -> Data:
             output=at_times(group(chord_tolerance_mm=st.sampled_from([0.002, 0.01, 0.05, 0.2])), 2),
         )
     )
-    pair = draw(gears(lobes, teeth))
-    if motion["law"] == "pitch_curve":
-        dropped = {"mesh"} if motion["solve_for"] == "scale" else {"mesh", "module_mm", "center_distance_mm"}
-        pair = {key: value for key, value in pair.items() if key not in dropped}
+    pair = fitted(draw(gears(lobes, teeth)), motion)
     return {
         "name": "random",
         "linkage": linkage,
@@ -347,6 +513,68 @@ def designs(draw: Draw, teeth: tuple[int, int] = (6, 60)) -> Data:
         "gears": pair,
         **values,
     }
+
+
+def fitted(pair: Data, motion: Data) -> Data:
+    """Gears without the keys that the law's pitch curve gives."""
+    if motion["law"] != "pitch_curve":
+        return pair
+    dropped = {"mesh"} if motion["solve_for"] == "scale" else {"mesh", "module_mm", "center_distance_mm"}
+    return {key: value for key, value in pair.items() if key not in dropped}
+
+
+TORQUES_BOTH_WAYS = both_ways(torques, "friction_n_m")
+FORCES_BOTH_WAYS = both_ways(resistances, "friction_n")
+
+OTHERS = {
+    "none": (st.none(), torques),
+    "scotch_yoke": (yokes(), FORCES_BOTH_WAYS),
+    "crank_rocker": (rockers(), TORQUES_BOTH_WAYS),
+    "slotted_lever": (levers(), FORCES_BOTH_WAYS),
+}
+"""What gears drive besides a crank-slider, with its loads."""
+
+
+@st.composite
+def other_designs(draw: Draw, teeth: tuple[int, int]) -> Data:
+    """Gears by themselves or another mechanism on gears that turn on and on, with masses at times."""
+    kind = draw(st.sampled_from(["none", "none", *OTHERS]))
+    linkage, loads = OTHERS[kind]
+    curved = draw(st.booleans())
+    lobes = (1, 1) if curved else draw(st.sampled_from(LOBES))
+    motion = draw(st.one_of(traced_curves(), FOUND_CURVES) if curved else motions(None, lobes))
+    return {
+        "name": "random",
+        "operation": {"speed_rpm": draw(number(1.0, 600.0))},
+        "motion": motion,
+        "gears": fitted(draw(gears(lobes, teeth)), motion),
+        **draw(group(linkage=linkage, resistance=at_times(loads), masses=at_times(MASSES[kind]))),
+    }
+
+
+@st.composite
+def open_designs(draw: Draw, teeth: tuple[int, int]) -> Data:
+    """Gears that turn less than once, by module and centre distance, on any mechanism or none."""
+    kind = draw(st.sampled_from(["none", "rack_pinion", "rack_pinion", "crank_slider", *OTHERS]))
+    more = {"rack_pinion": (racks_on_pinions(), FORCES_BOTH_WAYS), "crank_slider": (linkages(), FORCES_BOTH_WAYS)}
+    linkage, loads = {**OTHERS, **more}[kind]
+    pair = draw(gears((1, 1), teeth))
+    count = pair.pop("teeth")
+    sizes = {"module_mm": pair.get("module_mm", 1.0), "center_distance_mm": count * pair.get("module_mm", 1.0)}
+    refused = {"helix", "lobes", "method"}
+    return {
+        "name": "random",
+        "operation": {"speed_rpm": draw(number(1.0, 60.0))},
+        "motion": draw(open_motions),
+        "gears": {key: value for key, value in {**pair, **sizes}.items() if key not in refused},
+        **draw(group(linkage=linkage, resistance=at_times(loads))),
+    }
+
+
+@st.composite
+def designs(draw: Draw, teeth: tuple[int, int] = (6, 60)) -> Data:
+    """A design as a file's plain values, with gears; two thirds of them are crank-sliders that turn on and on."""
+    return draw(draw(st.sampled_from([slider_designs] * 4 + [other_designs, open_designs]))(teeth))
 
 
 @st.composite

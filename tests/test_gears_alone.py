@@ -82,6 +82,13 @@ def test_the_load_begins_again_with_every_turn_of_the_shaft() -> None:
     assert made.machine.motion(np.array([np.pi])).load[0] == pytest.approx(10_000.0, rel=1e-9)
 
 
+@pytest.mark.parametrize("torque", ['{expression_n_m: "3*sin(x)"}', "{polynomial_n_m: [0, -6.283185307179586, 1]}"])
+def test_a_torque_may_be_zero_at_the_ends_of_a_turn(torque: str) -> None:
+    """Rounding leaves 7e-16 N m at 360 deg, which is no jump."""
+    made = alone(torque)
+    assert np.abs(made.motion.load).max() > 2000.0
+
+
 @pytest.mark.parametrize("torque", TORQUES)
 def test_driving_torque_is_lagranges(torque: str) -> None:
     """tau1 = (J q'' + T) q', J all that turns with the driven shaft, at even driving speed."""

@@ -363,12 +363,30 @@ def test_what_leaves_no_room_or_cannot_go_on_is_refused(made: Any, said: str) ->
 def test_the_machine_goes_from_end_to_end_and_no_farther() -> None:
     found = drive("spiral-pair")
     assert found.motion.phi1_rad[[0, -1]] == pytest.approx([0.0, radians(230.0)], abs=1e-15)
-    assert np.all(np.diff(found.motion.displacement_mm) > 0.0)
-    assert found.stroke_residual_mm <= 1e-9
+    assert np.all(np.diff(found.motion.displacement) > 0.0)
+    assert found.stroke_residual <= 1e-9
     # The energy that the slider takes on its way, by the trapezoid rule, is the mean power times the time.
     time_s = radians(230.0) / found.machine.speed_rad_s
-    work = np.trapezoid(found.motion.force_n, found.motion.displacement_mm) / 1000.0
+    work = np.trapezoid(found.motion.load, found.motion.displacement) / 1000.0
     assert found.check.mean_power_w * time_s == pytest.approx(work, rel=1e-5)
+
+
+def test_a_range_that_ends_before_the_sharp_corner_of_a_short_rod_is_checked() -> None:
+    """A rod of the crank's length but 0.1 % has its corner at half a turn of the crank, which this range never sees."""
+    short = OPEN.replace("range_deg: 200, ratio_start: 1.6", "range_deg: 60, ratio_start: 1.6")
+    found = drive_of_text(short.replace("rod_mm: 200", "rod_mm: 60.06"))
+    velocity = found.machine.motion(golden(radians(60.0), 2000)).velocity
+    assert found.check.peak_speed.value == pytest.approx(np.abs(velocity).max(), rel=1e-3)
+
+
+def test_a_range_may_swing_a_rocker() -> None:
+    """The wishes of an output that turns are other ones than a slider's, and none of them is given."""
+    linkage = "{kind: crank_rocker, crank_mm: 40, coupler_mm: 130, rocker_mm: 90, ground_mm: 140}"
+    short = OPEN.replace("range_deg: 200, ratio_start: 1.6", "range_deg: 60, ratio_start: 1.6")
+    found = drive_of_text(short.replace("{crank_mm: 60, rod_mm: 200}", linkage))
+    end = found.transmission.driven_angle(np.array([radians(60.0)]))
+    swung = found.motion.displacement[[0, -1]]
+    assert swung == pytest.approx([0.0, found.linkage.displacement(end).value[0]], abs=1e-12)
 
 
 def test_solids_are_watertight_and_have_the_area_of_their_outline() -> None:

@@ -12,7 +12,7 @@ import re
 from collections import Counter
 from collections.abc import Callable
 from io import BytesIO, StringIO
-from math import isfinite, pi
+from math import isfinite, pi, radians
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from shapely import Polygon
 from commands import Run
 from ncgear.cli.arguments import opened
 from ncgear.design.keys.design import Design
+from ncgear.design.laws.function_generator import FunctionGenerator
 from ncgear.errors import DesignError
 from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.summary.check_summary import check_summary
@@ -33,6 +34,7 @@ from ncgear.files import build as build_module
 from ncgear.files.meshes import outline_of_csv
 from ncgear.files.workshop.formats import USUAL
 from ncgear.project.drive import Drive
+from ncgear.ratio.transmission import Range
 from oracles import meshing
 from random_designs import Data, designs, spoiled_designs
 
@@ -107,15 +109,35 @@ def numbers_in(values: Any) -> list[float]:
     return [values] if isinstance(values, int | float) else []
 
 
+def range_holds(drive: Drive, covered: Range) -> None:
+    """An open law covers what its keys say, and what its slope adds up to by Gauss's rule."""
+    motion = drive.design.motion
+    asked = motion.driving_range_deg if isinstance(motion, FunctionGenerator) else motion.range_deg
+    assert covered.driving_rad == pytest.approx(radians(asked), rel=1e-14)
+    if isinstance(motion, FunctionGenerator):
+        assert covered.driven_rad == pytest.approx(radians(motion.driven_range_deg), rel=1e-12)
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    phi1 = covered.driving_rad * (nodes + 1.0) / 2.0
+    slope = drive.transmission.driven_angle(phi1, 1).differentiated().value
+    assert covered.driving_rad / 2.0 * weights @ slope == pytest.approx(covered.driven_rad, rel=1e-9)
+
+
 def check_holds(drive: Drive) -> None:
     """The figures of a check are finite and the law closes, by its own word and by its values at both ends."""
     summary = check_summary(drive)
     assert all(isfinite(number) for number in numbers_in(summary))
     assert summary["closure"]["residual_rad"] <= CLOSED_RAD
-    assert summary["closure"]["stroke_residual_mm"] <= CLOSED_RAD * drive.linkage.stroke_mm
+    linkage, place = drive.linkage, drive.linkage.OUTPUT.place
+    residuals = {key: value for key, value in summary["closure"].items() if key.startswith("stroke_residual")}
+    assert residuals.keys() == ({f"stroke_residual_{place.ending}"} if linkage.RETURNS else set())
+    assert sum(residuals.values()) <= CLOSED_RAD * place.factor * linkage.stroke_mm
     lobes = drive.transmission.lobes
     ends = drive.transmission.driven_angle(np.array([0.0, lobes.driving_period_rad * (1.0 - 1e-15)])).value
-    assert abs(ends[1] - ends[0] - 2.0 * pi / lobes.driven) <= 2.0 * CLOSED_RAD
+    assert abs(ends[1] - ends[0] - lobes.driven_period_rad) <= 2.0 * CLOSED_RAD
+    if lobes.range is None:
+        assert lobes.driven_period_rad == 2.0 * pi / lobes.driven
+    else:
+        range_holds(drive, lobes.range)
     assert 0.0 < summary["ratio"]["min"] <= summary["ratio"]["max"]
 
 
@@ -165,7 +187,8 @@ def solid_holds(stl: bytes) -> None:
 def gears_hold(drive: Drive, files: dict[str, bytes]) -> None:
     """Written outlines never overlap while they turn by the law."""
     pitch, tolerance = drive.pitch, drive.design.output.chord_tolerance_mm
-    phi1 = np.linspace(0.0, pitch.driving.turn_rad, POSITIONS + 1)
+    covered = pitch.transmission.lobes.range
+    phi1 = np.linspace(0.0, covered.driving_rad if covered else pitch.driving.turn_rad, POSITIONS + 1)
     phi2 = pitch.transmission.driven_angle(phi1).value
     driving, driven = (Polygon(outline_of_csv(files[f"{gear}.csv"])) for gear in ("driving", "driven"))
     if pitch.driven.is_ring:

@@ -76,7 +76,7 @@ class Machine:
         return float(self.driving_angles(np.array([self.linkage.working_angle_rad]))[0])
 
     def driving_angles(self, crank_rad: Array) -> Array:
-        """Driving angles in the first cycle at crank angles in rad, shape (n,), without those next to the cycle's end.
+        """Driving angles in the first cycle at crank angles in rad, shape (n,), without those at its end or beyond.
 
         Raises ArithmeticError where one is not found, which a law that rises cannot cause.
         """
@@ -86,6 +86,8 @@ class Machine:
 
         end = self.transmission.cycle_rad * (1.0 - 1e-12)
         wanted = crank_rad[crank_rad < driven(np.array([end]))[0]]
+        if not wanted.size:
+            return wanted
         return zeros_between(lambda phi1: driven(phi1) - wanted, np.zeros(wanted.shape), np.full(wanted.shape, end))
 
     def working(self, phi2: Array) -> Mask:

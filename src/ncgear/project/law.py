@@ -112,13 +112,14 @@ def load_of(design: Design) -> SliderLoad:
 
 
 SAME_TORQUE = 1e-9
-"""Difference of the torque after a turn, relative to both, that counts as none."""
+"""Difference of the torque after a turn, as a share of the largest torque within it, that counts as none."""
 
 
 def _refuse_a_seam(torque: Resistance) -> None:
     """Refuse a torque on the driven shaft that is not the same after a turn; raises WrongInput."""
-    first, last = torque.force_n(np.array([0.0, 2.0 * pi]))
-    if abs(last - first) > SAME_TORQUE * max(abs(first), abs(last)):
+    turn = torque.force_n(np.linspace(0.0, 2.0 * pi, 181))
+    first, last = turn[[0, -1]]
+    if abs(last - first) > SAME_TORQUE * np.abs(turn).max():
         raise WrongInput(
             f"the torque is {first / N_MM_PER_N_M:.6g} N m at 0 deg and {last / N_MM_PER_N_M:.6g} N m at 360 deg, "
             "but it repeats every turn of the driven shaft; the same value at both is right",

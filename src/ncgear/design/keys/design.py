@@ -171,7 +171,7 @@ class Design(Model):
             "masses": self.masses is not None,
             "drivetrain": self.drivetrain is not None,
             "comparison": self.comparison is not None,
-            "wishes": self.wishes != Wishes(),
+            "wishes": self.wishes != type(self.wishes)(),
             "optimize": self.optimize is not None,
         }
         for key, is_given in asked.items():
