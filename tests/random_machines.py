@@ -9,10 +9,14 @@ from math import pi, radians
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.mechanisms.crank_rocker import CrankRocker
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
+from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.mechanisms.slider_load import SliderLoad
+from ncgear.mechanisms.slotted_lever import SlottedLever
 from ncgear.optimum.certified.limit import least_power
 from ncgear.optimum.makeable.demanded import demands_of
 from ncgear.optimum.makeable.wishes import Goal, Wishes
@@ -21,6 +25,9 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, single
 
 RPM = pi / 30.0
+CRANK_SLIDERS = 200
+"""Seeds below this are crank-sliders, the others Scotch yokes, crank-rockers and slotted levers."""
+
 FORCES = ("constant", "spring", "hump", "table", "step", "both strokes")
 
 
@@ -43,23 +50,37 @@ class RandomMachine:
 def random_machine(seed: int) -> RandomMachine:
     """The machine of a seed."""
     random = np.random.default_rng([2026, seed])
-    linkage = _linkage(random)
+    linkage = _crank_slider(random) if seed < CRANK_SLIDERS else _other(random, seed % 3)
     lobes = Lobes(2) if random.random() < 0.15 else Lobes()
     load = _load(random, float(linkage.stroke_mm))
     task = Task(linkage, load, float(10.0 ** random.uniform(1.0, 2.6)) * RPM / lobes.driving, lobes)
     uniform = figures(task, single(uniform_law(lobes)))
-    if random.random() < 0.3:
+    if random.random() < 0.3 and isinstance(linkage, CrankSlider):
         task = replace(task, masses=_masses(random, task, uniform))
         uniform = figures(task, single(uniform_law(lobes)))
     wishes = Wishes(_shape_limits(random, lobes), convex=bool(random.random() < 0.8), knots=96)
     return RandomMachine(task, _capped(random, task, wishes, uniform), uniform)
 
 
-def _linkage(random: np.random.Generator) -> CrankSlider:
+def _crank_slider(random: np.random.Generator) -> CrankSlider:
     crank = float(10.0 ** random.uniform(0.7, 2.8))
     rod = crank * float(2.0 * 4.0 ** random.random())
     offset = (rod - crank) * float(random.uniform(-0.6, 0.6)) if random.random() < 0.6 else 0.0
     return CrankSlider(crank, rod, offset)
+
+
+def _other(random: np.random.Generator, kind: int) -> Mechanism:
+    """A mechanism with dead centres, well inside of what can turn."""
+    crank = float(10.0 ** random.uniform(0.7, 2.8))
+    if kind == 0:
+        return ScotchYoke(crank)
+    if kind == 1:
+        pivot = crank * float(random.uniform(1.5, 4.0))
+        return SlottedLever(crank, pivot, (pivot + crank) * float(random.uniform(1.05, 1.5)))
+    ground, rocker = (crank * float(random.uniform(2.0, 5.0)) for _ in range(2))
+    low, high = abs(ground - rocker) + crank, ground + rocker - crank
+    coupler = low + (high - low) * float(random.uniform(0.2, 0.8))
+    return CrankRocker(crank, coupler, rocker, ground, 1 if random.random() < 0.5 else -1)
 
 
 def _resistance(random: np.random.Generator, kind: str, stroke: float) -> Resistance:

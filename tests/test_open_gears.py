@@ -371,6 +371,19 @@ def test_the_machine_goes_from_end_to_end_and_no_farther() -> None:
     assert found.check.mean_power_w * time_s == pytest.approx(work, rel=1e-5)
 
 
+@pytest.mark.parametrize(("range_deg", "holds"), [(12.0, False), (16.0, True)])
+def test_a_range_must_hold_the_whole_arc_of_a_pair_of_flanks(range_deg: float, holds: bool) -> None:
+    """Module 2 at 110 mm: 12 deg are 2.6 pitches long, 16 deg 3.0, and a pair of flanks touches over 1.8 pitches."""
+    text = OPEN.replace("range_deg: 200, ratio_start: 1.6", f"range_deg: {range_deg}, ratio_start: 1.6")
+    found = drive_of_text(text)
+    if holds:
+        assert found.designed_contact.least_arc == pytest.approx(1.8, abs=0.05)
+        return
+    with pytest.raises(NoSuchMechanism, match=r"tooth pitches long, and no pair of .* flanks") as refusal:
+        _ = found.designed_contact
+    assert refusal.value.key == "gears.module_mm"
+
+
 def test_a_range_that_ends_before_the_sharp_corner_of_a_short_rod_is_checked() -> None:
     """A rod of the crank's length but 0.1 % has its corner at half a turn of the crank, which this range never sees."""
     short = OPEN.replace("range_deg: 200, ratio_start: 1.6", "range_deg: 60, ratio_start: 1.6")

@@ -1,4 +1,7 @@
-"""Two hundred machines at random: a law or a refusal that names why, limit <= law, and law <= the crank as it is."""
+"""Machines at random: a law or a refusal that names why, limit <= law, and law <= the crank as it is.
+
+Two hundred are crank-sliders, sixty Scotch yokes, crank-rockers and slotted levers.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,12 @@ from ncgear.optimum.makeable.demanded import certified_limit, demands_of, start_
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures, figures
-from random_machines import RandomMachine, random_machine
+from random_machines import CRANK_SLIDERS, RandomMachine, random_machine
 
 ROUNDING = 1.0 + 1e-7
-QUICK, WHOLE, OTHERS = range(3), range(3, 23), range(23, 200)
+QUICK, WHOLE, OTHERS = range(3), range(3, 23), range(23, CRANK_SLIDERS)
+FEW_KINDS, WHOLE_KINDS = range(CRANK_SLIDERS, CRANK_SLIDERS + 3), range(CRANK_SLIDERS + 3, CRANK_SLIDERS + 9)
+MORE_KINDS = range(CRANK_SLIDERS + 9, CRANK_SLIDERS + 60)
 
 COARSE = 60
 """Places of a quick limit of power with masses."""
@@ -79,14 +84,20 @@ def test_a_few_machines(seed: int) -> None:
     judge(seed, whole=False)
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", FEW_KINDS)
+def test_a_machine_of_each_other_mechanism(seed: int) -> None:
+    judge(seed, whole=False)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", WHOLE)
-def test_twenty_machines_with_their_certified_limit(seed: int) -> None:
+@pytest.mark.parametrize("seed", [*WHOLE, *WHOLE_KINDS])
+def test_some_machines_with_their_certified_limit(seed: int) -> None:
     judge(seed, whole=True)
 
 
 @pytest.mark.slow
 @pytest.mark.long
-@pytest.mark.parametrize("seed", OTHERS)
-def test_the_others_of_two_hundred_machines(seed: int) -> None:
+@pytest.mark.parametrize("seed", [*OTHERS, *MORE_KINDS])
+def test_all_other_machines(seed: int) -> None:
     judge(seed, whole=False)

@@ -82,6 +82,20 @@ def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
     _refuse(designed.overlap_mm, tolerance_mm, designed)
 
 
+def refuse_cut_arcs(designed: AsDesigned) -> None:
+    """Refuse gears that turn less than once by so few pitches that no pair of flanks touches over its whole arc.
+
+    Nothing could be said of their contact ratio.  Raises NoSuchMechanism with the length of the range.
+    """
+    for side, name in ((designed.pushing, "pushing"), (designed.back, "idle")):
+        if not side.pairs.whole.any():
+            raise NoSuchMechanism(
+                f"the range is {side.pairs.pitches:.3g} tooth pitches long, and no pair of {name} flanks both meets "
+                "and parts within it; a smaller module or a greater range is right",
+                key="gears.module_mm",
+            )
+
+
 BETWEEN_BODIES = 5
 """Every so many positions whole bodies are laid over each other; between them they move by a quarter of a pitch."""
 

@@ -55,12 +55,13 @@ class Drive(Geared):
     def _free_contact(self) -> AsDesigned:
         """Contact of the exact teeth, however short; raises where they overlap."""
         from ncgear.contact.designed.as_designed import as_designed
-        from ncgear.contact.pair import refuse_clashing_bodies, refuse_overlap
+        from ncgear.contact.pair import refuse_clashing_bodies, refuse_cut_arcs, refuse_overlap
         from ncgear.contact.placement import placed
 
         pitch, teeth = self.pitch, self.teeth
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
+            refuse_cut_arcs(contact)
             refuse_overlap(contact, self.design.output.chord_tolerance_mm)
             refuse_clashing_bodies(contact, teeth, self.design.output.chord_tolerance_mm)
             return contact
