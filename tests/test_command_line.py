@@ -74,7 +74,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         changed(STROKE, ROD, f"{ROD}\n  zzz: 1"),
         "zzz:",
         "linkage.zzz",
-        "unknown key; known are crank_mm, rod_mm and offset_mm",
+        "unknown key; known are crank_mm, rod_mm, offset_mm and kind",
     ),
     "unknown key of a law": (changed(STROKE, "v1_mm_s", "v1_m_s"), "v1_m_s", "motion.v1_m_s", "did you mean v1_mm_s?"),
     "unknown top key": (changed(STROKE, "output:", "outputs:"), "outputs:", "outputs", "did you mean output?"),

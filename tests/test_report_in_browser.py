@@ -136,12 +136,13 @@ def charts(name: str) -> dict[str, PageChart]:
 def test_readouts_are_the_motion_at_the_angle(baler: Opened, angle_deg: float) -> None:
     baler.show(angle_deg)
     drive, known = drives.drive("baler"), charts("baler")
+    output = drive.linkage.OUTPUT
     for machine, line in ((drive.machine, 0), (drive.uniform_machine, 1)):
         motion = machine.motion(np.radians([angle_deg]))
         for quantity in (*MOTION, *LOAD):
-            shown = baler.text(f"figure [data-now={quantity.column}][data-line='{line}']")
-            digit = 10.0 ** -known[quantity.column].decimals
-            wanted = float(quantity.values(motion)[0])
+            shown = baler.text(f"figure [data-now={quantity.key_of(output)}][data-line='{line}']")
+            digit = 10.0 ** -known[quantity.key_of(output)].decimals
+            wanted = float(quantity.values(motion, output)[0])
             assert float(shown) == pytest.approx(wanted, abs=0.51 * digit), quantity
     contact = reports.contacts("baler")[0].as_designed
     pressure = np.degrees(contact.pushing.first.pressure_angle_rad)

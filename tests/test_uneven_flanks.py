@@ -13,7 +13,6 @@ import shapely
 from scipy.optimize import brentq
 from shapely import Polygon
 
-import ncgear.teeth.gear
 from drives import drive, drive_of_text
 from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.placement import placed
@@ -35,7 +34,6 @@ from ncgear.teeth.backlash import play_of
 from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.shifts import thickness_mm, tooth_shifts
-from ncgear.teeth.toothed_arc import ToothedArc
 from oracles import meshing
 from pairs import rack, sine_law
 from test_cutter import apart
@@ -518,10 +516,13 @@ def test_shifts_and_angles_that_leave_no_teeth_are_refused(teeth: int, more: str
     assert words in caught.value.problem
 
 
-def test_gears_that_turn_less_than_once_have_no_shifts_for_each_tooth(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ncgear.teeth.gear, "toothed_arc", lambda pitch: ToothedArc(5, 5, 20.0))
+def test_gears_that_turn_less_than_once_have_no_shifts_for_each_tooth() -> None:
+    spiral = drive_of_text(
+        "name: s\noperation: {speed_rpm: 60}\nmotion: {law: spiral, range_deg: 160, ratio_start: 1.3, ratio_end: 0.8}\n"
+        f"gears: {{module_mm: {MODULE}, center_distance_mm: 80, face_width_mm: 10}}\n"
+    )
     with pytest.raises(WrongInput, match="turn less than once") as caught:
-        toothed_pair(pitch_of("circle"), FORMS["shifts"], 0.005)
+        toothed_pair(spiral.pitch, FORMS["shifts"], 0.005)
     assert caught.value.key == "gears.profile_shift.per_tooth"
 
 

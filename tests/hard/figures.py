@@ -12,6 +12,7 @@ from mpmath import mp
 
 from ncgear.design.laws.three_segment_stroke import ThreeSegmentStroke
 from ncgear.numerics.extrema import Extremum
+from ncgear.pitch.pair import PitchPair
 from ncgear.project.drive import Drive
 from oracles import laws
 
@@ -43,9 +44,14 @@ def reported(drive: Drive) -> dict[str, Figure]:
         "ratio max": _peak(high),
         "peak acceleration": _peak(check.peak_acceleration_cycle),
         "peak power": _peak(check.peak_power_w),
-        "pitch length": Figure(drive.pitch.arc.period),
+        "pitch length": Figure(_length(drive.pitch)),
     }
     return {name: figure for name, figure in figures.items() if figure.value}
+
+
+def _length(pitch: PitchPair) -> float:
+    """Length of a period of the pitch curves at unit centre distance, or of the range of gears that turn less."""
+    return pitch.arc.period if pitch.toothed is None else pitch.toothed.covered_mm / pitch.center_distance_mm
 
 
 def _driven(drive: Drive) -> dict[str, Figure]:
