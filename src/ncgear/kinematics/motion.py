@@ -85,7 +85,7 @@ class Machine:
             return self.transmission.driven_angle(phi1).value
 
         end = self.transmission.cycle_rad * (1.0 - 1e-12)
-        wanted = crank_rad[crank_rad < driven(np.array([end]))[0]]
+        wanted: Array = crank_rad[crank_rad < driven(np.array([end]))[0]]
         if not wanted.size:
             return wanted
         return zeros_between(lambda phi1: driven(phi1) - wanted, np.zeros(wanted.shape), np.full(wanted.shape, end))
