@@ -175,7 +175,9 @@ def pitches(summary: dict[str, Any]) -> float:
 def end_rad(summary: dict[str, Any]) -> float:
     """The last driving angle of the law's table: a turn at least, or the end of the range."""
     covered = summary["drive"].get("driving_range_deg")
-    return radians(covered) if covered else 2 * np.pi * max(1, summary["drive"]["lobes_driven"])
+    if covered:
+        return radians(covered)
+    return 2 * np.pi * max(1, summary["drive"]["lobes_driven"] / summary["drive"]["lobes_driving"])
 
 
 def value_of(summary: dict[str, Any], key: str) -> Any:
@@ -234,12 +236,11 @@ def test_law_table_is_consistent_in_itself(name: str) -> None:
     case, table = built(name), built(name).table("law.csv")
     assert table.size >= 2001
     assert table["phi1_rad"][0] == 0.0
-    lobes = case.summary["drive"]["lobes_driven"] / case.summary["drive"]["lobes_driving"]
-    assert table["phi1_rad"][-1] == pytest.approx(2 * np.pi * max(1, lobes), rel=1e-15)
     assert table["phi1_rad"][-1] == pytest.approx(end_rad(case.summary), rel=1e-15)
     omega = case.summary["drive"]["speed_rpm"] * np.pi / 30
     time = table["phi1_rad"] / omega
-    for value, rate in (("displacement_mm", "velocity_mm_s"), ("velocity_mm_s", "acceleration_mm_s2")):
+    place, speed, acceleration, load = table.dtype.names[3:7]
+    for value, rate in ((place, speed), (speed, acceleration)):
         summed = np.concatenate([[0.0], np.cumsum(np.diff(time) * (table[rate][1:] + table[rate][:-1]) / 2)])
         # 2001 points: (2 pi / 2000)^2 / 12 is 1e-6 of the second derivative, at most 1e-4 of the range with these laws.
         assert np.max(np.abs(summed - (table[value] - table[value][0]))) <= 1e-4 * np.ptp(table[value])
@@ -247,8 +248,8 @@ def test_law_table_is_consistent_in_itself(name: str) -> None:
         [[0.0], np.cumsum(np.diff(table["phi1_rad"]) * (1 / table["ratio"][1:] + 1 / table["ratio"][:-1]) / 2)]
     )
     assert np.max(np.abs(turned - table["phi2_rad"])) <= 1e-4
-    # The force counts against the motion, on both strokes.
-    by_hand = table["force_n"] * np.abs(table["velocity_mm_s"]) / 1000
+    # The load counts against the motion, on both strokes; a torque is in N m.
+    by_hand = table[load] * np.abs(table[speed]) / (1 if load == "torque_n_m" else 1000)
     assert table["power_w"] == pytest.approx(by_hand, rel=1e-12, abs=1e-9)
 
 
@@ -256,12 +257,18 @@ def test_law_table_is_consistent_in_itself(name: str) -> None:
 @every_design
 def test_peaks_are_those_of_the_table(name: str) -> None:
     check, table = built(name).summary["check"], built(name).table("law.csv")
+    _, speed, acceleration, _ = table.dtype.names[3:7]
     for peak, column in (
         ("peak_power_w", "power_w"),
-        ("peak_speed_mm_s", "velocity_mm_s"),
-        ("peak_acceleration_cycle_mm_s2", "acceleration_mm_s2"),
+        (speed.replace("velocity", "peak_speed"), speed),
+        (acceleration.replace("acceleration", "peak_acceleration_cycle"), acceleration),
     ):
         sampled = float(np.max(np.abs(table[column])))
+        if name == "rounded-square" and column == acceleration:
+            # It jumps where corners begin and falls fast from there: the table misses the peak by its place in a step.
+            law = drive(name).transmission
+            beside = np.concatenate([law.joints_rad - 1e-9, law.joints_rad + 1e-9])
+            sampled = max(sampled, float(np.abs(drive(name).machine.motion(beside).acceleration).max()))
         # An exact peak lies above its neighbours in the table by a curvature's worth of half a step.
         assert sampled <= check[peak] * (1 + 1e-12)
         assert sampled >= check[peak] * (1 - 1e-4)
@@ -389,6 +396,12 @@ def test_comparison_is_at_one_speed_and_mixed_speeds_are_marked() -> None:
     assert "18945 W" in mixed[1]["note"]
 
 
+SLIDING = "phi1_rad,phi2_rad,ratio,displacement_mm,velocity_mm_s,acceleration_mm_s2,force_n,power_w"
+TURNING = "phi1_rad,phi2_rad,ratio,displacement_rad,velocity_rad_s,acceleration_rad_s2,torque_n_m,power_w"
+
+OF_STROKES = ("closure.stroke_residual_mm", "check.peak_acceleration_working_mm_s2")
+"""Keys that an output without a return has not."""
+
 INTERFACE = [
     "design.name",
     "drive.speed_rpm",
@@ -431,8 +444,14 @@ INTERFACE = [
 @in_tiers
 @every_design
 def test_the_summary_has_every_key_of_the_interface(name: str) -> None:
-    values = {key: value_of(built(name).summary, key) for key in INTERFACE}
+    linkage, header = drive(name).linkage, SLIDING
+    keys = [key for key in INTERFACE if linkage.RETURNS or key not in OF_STROKES]
+    if linkage.OUTPUT.angular:
+        header = TURNING
+        of_output = [key for key in keys if key.startswith(("check.", "closure."))]
+        others = [key for key in keys if key not in of_output]
+        keys = [*others, *(key.replace("residual_mm", "residual_deg").replace("_mm_s", "_rad_s") for key in of_output)]
+    values = {key: value_of(built(name).summary, key) for key in keys}
     assert all(value is not None for value in values.values())
-    header = (built(name).folder / "law.csv").read_text().splitlines()[0]
-    assert header == "phi1_rad,phi2_rad,ratio,displacement_mm,velocity_mm_s,acceleration_mm_s2,force_n,power_w"
+    assert (built(name).folder / "law.csv").read_text().splitlines()[0] == header
     assert (built(name).folder / "driving.csv").read_text().splitlines()[0] == "x_mm,y_mm"
