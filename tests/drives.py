@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.design import Design, design_model
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.files.build import build
 from ncgear.project.drive import Drive
@@ -52,6 +53,11 @@ def loaded(name: str) -> LoadedDesign:
 def drive(name: str) -> Drive:
     """The drive of a file of designs/."""
     return Drive(loaded(name).design)
+
+
+def design_of(data: dict[str, Any]) -> Design:
+    """A design from plain values, of whatever mechanism they name."""
+    return design_model(data).model_validate(data)
 
 
 def drive_of_text(text: str) -> Drive:

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from drives import loaded
-from ncgear.design.keys.design import Design, json_schema
+from drives import design_of, loaded
+from ncgear.design.keys.design import json_schema
 from ncgear.figures.advice.collected import build_advice, check_advice
 from ncgear.figures.advice.law_advice import crank_pin
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
@@ -84,7 +84,7 @@ def data_of(name: str) -> Data:
 
 
 def drive_of(data: Data) -> Drive:
-    return Drive(Design.model_validate(data))
+    return Drive(design_of(data))
 
 
 @cache
@@ -101,7 +101,7 @@ def followed(data: Data, remedy: Remedy) -> Data:
         assert remedy.command == "ncgear optimize"
         # The law alone counts here: few knots, and nothing that the law's own goal needs beside it.
         wished = merged(data, {"optimize": {"knots": 36}})
-        law = BestLaw(Design.model_validate(wished)).law
+        law = BestLaw(design_of(wished)).law
         motion = {"law": "spline_ratio", "ratio": law.ratio.tolist()}
         data = {**data, "motion": motion}
     return data

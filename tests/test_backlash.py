@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from drives import DESIGNS, loaded
+from drives import DESIGNS, design_of, loaded
 from engaged import LAWS, RINGS
-from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.figures.advice.teeth_advice import contact_ratio, idle_flanks
 from ncgear.figures.advice.values import Kind
@@ -135,7 +134,7 @@ def with_gears(name: str, **gears: Any) -> Data:
 
 
 def drive_of(data: Data) -> Drive:
-    return Drive(Design.model_validate(data))
+    return Drive(design_of(data))
 
 
 def test_a_file_may_give_the_angle() -> None:

@@ -14,8 +14,7 @@ from pydantic import ValidationError
 from scipy.signal import find_peaks
 from shapely import Point, Polygon
 
-from drives import built, drive, loaded
-from ncgear.design.keys.design import Design
+from drives import built, design_of, drive, loaded
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
 from ncgear.errors import NoSuchMechanism
@@ -33,7 +32,7 @@ LIMITS = {"standard": "ISO 1328-1", "tooth_thickness_upper_mm": -0.05, "tooth_th
 def changed(name: str, **gears: Any) -> Drive:
     """A design with other keys of its gears."""
     data = loaded(name).data
-    return Drive(Design.model_validate({**data, "gears": {**data["gears"], **gears}}))
+    return Drive(design_of({**data, "gears": {**data["gears"], **gears}}))
 
 
 @cache

@@ -16,8 +16,7 @@ import pytest
 
 import ncgear.teeth.fitting
 import ncgear.teeth.gear
-from drives import DESIGNS, drive, loaded
-from ncgear.design.keys.design import Design
+from drives import DESIGNS, design_of, drive, loaded
 from ncgear.errors import NoSuchMechanism
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Mesh
@@ -64,7 +63,7 @@ def tight(name: str) -> tuple[Drive, ...]:
     data = deepcopy(loaded(name).data)
     data["gears"]["backlash_mm"] = 0.0
     data["gears"].pop("helix", None)
-    return Drive(Design.model_validate(data)).by_stage
+    return Drive(design_of(data)).by_stage
 
 
 def test_designs_that_are_left_out_have_no_gears() -> None:

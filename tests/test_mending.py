@@ -17,7 +17,7 @@ from shapely.affinity import rotate, translate
 
 import ncgear
 from commands import ROOT, Run
-from ncgear.design.keys.design import Design
+from drives import design_of
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.errors import DesignError, NoSuchMechanism
@@ -46,7 +46,7 @@ def data_of(motion: Data, teeth: int, **gears: Any) -> Data:
 
 
 def drive_of(data: Data) -> Drive:
-    return Drive(Design.model_validate(data))
+    return Drive(design_of(data))
 
 
 def with_changes(data: Data, changes: dict[str, Any]) -> Data:

@@ -24,8 +24,8 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 from commands import Run
+from drives import design_of
 from ncgear.cli.arguments import opened
-from ncgear.design.keys.design import Design
 from ncgear.design.laws.function_generator import FunctionGenerator
 from ncgear.errors import DesignError
 from ncgear.figures.csv_text import outline_csv
@@ -269,7 +269,7 @@ def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
     gears = {"teeth": 20, "module_mm": 2.0, "face_width_mm": 10.0}
     linkage, motion = {"crank_mm": 10.0, "rod_mm": 30.0}, {"law": "uniform_crank"}
     values = {"name": "a", "linkage": linkage, "operation": {"speed_rpm": 1.0}, "motion": motion, "gears": gears}
-    drive = Drive(Design.model_validate(values))
+    drive = Drive(design_of(values))
     files = build_module._made(drive, lambda _: None, ()).files
     files_hold(drive, files)
     spoiled = {**files, name: SPOILERS[name](files[name])}

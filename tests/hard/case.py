@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 from ruamel.yaml import YAML
 
+from drives import design_of
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
 from ncgear.design.reading.messages import problems
@@ -62,7 +63,7 @@ class Case:
 def drive_of(data: dict[str, Any]) -> Drive:
     """The drive of plain values; raises WrongInput for what no file may hold."""
     try:
-        return Drive(Design.model_validate(data))
+        return Drive(design_of(data))
     except ValidationError as error:
         first = problems(error, Design)[0]
         raise WrongInput(first.text, key=first.key) from error
