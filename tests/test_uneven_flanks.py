@@ -316,7 +316,7 @@ def turning(pitch: PitchPair, driving: ToothedGear, driven: ToothedGear, count: 
 
 
 @pytest.mark.judges("contact")
-@pytest.mark.tiers(quick=["ellipse-both"], rest="thorough")
+@pytest.mark.tiers(quick=["both-ellipse"], rest="thorough")
 @pytest.mark.parametrize("name", ["ellipse", "concave"])
 @pytest.mark.parametrize("asked", ["angles", "shifts", "both"])
 def test_whole_outlines_never_overlap_and_always_touch(name: str, asked: str) -> None:
