@@ -134,8 +134,8 @@ def mechanism_of(linkage: Model) -> Mechanism:
     return entry.load()(**lengths)
 
 
-def mechanism_of_stroke(linkage: Model, stroke_mm: float) -> Mechanism:
-    """The mechanism whose crank gives the stroke that follows from a law.
+def mechanism_of_stroke(linkage: Model, stroke_mm_of: Callable[[type[Mechanism]], float]) -> Mechanism:
+    """The mechanism whose crank gives the stroke that follows from a law on a mechanism of its class.
 
     Raises WrongInput where the file also gives the crank, and where no crank gives that stroke.
     """
@@ -146,7 +146,8 @@ def mechanism_of_stroke(linkage: Model, stroke_mm: float) -> Mechanism:
             f"{crank_mm:g} mm is given, but the crank follows from the stroke that is solved for; leave it out",
             key=f"linkage.{entry.stroke_key}",
         )
-    return entry.load().of_stroke(stroke_mm, **lengths)
+    mechanism = entry.load()
+    return mechanism.of_stroke(stroke_mm_of(mechanism), **lengths)
 
 
 def mechanisms_of(linkages: Sequence[Model]) -> Mechanisms[Array]:

@@ -32,6 +32,7 @@ class DrivenShaft(Mechanism):
     PISTON: ClassVar[bool] = False
     POINTS: ClassVar[tuple[str, ...]] = ()
     CRANK: ClassVar[str] = "driven shaft"
+    HAS_CRANK: ClassVar[bool] = False
     GUIDED: ClassVar[bool] = False
     JOINTS: ClassVar[Mapping[str, str]] = {}
 

@@ -190,6 +190,9 @@ class Mechanism(Mechanisms[float]):
     CRANK: ClassVar[str] = "crank"
     """What the driven shaft carries, in the names of bearings and moments of inertia."""
 
+    HAS_CRANK: ClassVar[bool] = True
+    """Whether the driven shaft carries a body of its own beside the gear, whose mass and centre a design file gives."""
+
     GUIDED: ClassVar[bool] = True
     """Whether a guide bears its output."""
 

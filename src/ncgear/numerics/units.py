@@ -16,6 +16,9 @@ N_PER_KG_MM_S2 = 1e-3
 N_M_PER_N_MM = 1e-3
 """One N mm in N m."""
 
+CM3_PER_MM3 = 1e-3
+"""One mm3 in cm3."""
+
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Acceleration of gravity where none is given: the standard one (3rd General Conference on Weights and Measures)."""
 

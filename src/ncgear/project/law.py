@@ -23,7 +23,7 @@ def law_of(design: Design) -> Law:
     """
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
-        return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm()), lobes)
+        return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm), lobes)
     law = motion.law_on(mechanism_of(design.linkage), lobes)
     covered, linkage = law.transmission.lobes.range, law.linkage
     if covered is None and not linkage.RETURNS and not linkage.OUTPUT.angular:

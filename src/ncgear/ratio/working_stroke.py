@@ -24,6 +24,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.mechanisms.mechanism import SLIDER, Output
 from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.units import RAD_S_PER_RPM, in_words
 
@@ -50,7 +51,9 @@ class StrokeRequests(Generic[Number]):
 
 @dataclass(frozen=True)
 class StrokeRequest(StrokeRequests[float]):
-    """What is asked of one stroke."""
+    """What is asked of one stroke, and of which output; rad stand in the place of mm where it turns."""
+
+    output: Output = SLIDER
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +108,7 @@ def solved_stroke(request: StrokeRequest) -> WorkingStroke:
     with np.errstate(all="ignore"):
         closed = _closed(request)
     if not 0.0 < _known(closed.law_speed_rad_s) < inf:
-        raise _no_speed(closed)
+        raise _no_speed(closed, request.output)
     assembled = _assembled(closed, _approach_slope(closed)).items()
     fields: dict[str, Any] = {name: value if np.ndim(value) else float(value) for name, value in assembled}
     stroke = WorkingStroke(**fields)
@@ -239,10 +242,12 @@ def _a1_speed(request: StrokeRequests[Number], law_speed: Number) -> Number:
     return law_speed if request.a1_speed_rad_s is None else request.a1_speed_rad_s
 
 
-def _no_speed(request: StrokeRequests[float]) -> NoSuchMechanism:
-    stroke, v1, v2, a1 = request.stroke_mm, request.v1_mm_s, request.v2_mm_s, request.a1_mm_s2
+def _no_speed(request: StrokeRequests[float], output: Output) -> NoSuchMechanism:
+    v1, v2, a1 = request.v1_mm_s, request.v2_mm_s, request.a1_mm_s2
+    stroke = output.place.factor * _known(request.stroke_mm)
     return NoSuchMechanism(
-        f"no law speed closes a stroke of {stroke:g} mm with v1 = {v1:g}, v2 = {v2:g} mm/s and a1 = {a1:g} mm/s^2; "
+        f"no law speed closes a stroke of {stroke:g} {output.place.text} with v1 = {v1:g}, v2 = {v2:g} "
+        f"{output.speed.text} and a1 = {a1:g} {output.acceleration.text}; "
         "bring a1 nearer to zero or solve for another quantity",
         key="motion.solve_for",
     )
@@ -259,7 +264,7 @@ def _assembled(request: StrokeRequests[Number], approach: Array) -> dict[str, An
     omega, v2 = _known(request.law_speed_rad_s), _known(request.v2_mm_s)
     braking = _braking_slope(request, v2 / omega, _known(request.a1_mm_s2) / _a1_speed(request, omega) ** 2)
     return {
-        **{name: value for name, value in vars(request).items() if name != "a1_speed_rad_s"},
+        **{name: value for name, value in vars(request).items() if name not in ("a1_speed_rad_s", "output")},
         "pressing_mm_rad": v2 / omega,
         "approach_slope": approach,
         "approach_root": _root_form(approach),
@@ -268,16 +273,16 @@ def _assembled(request: StrokeRequests[Number], approach: Array) -> dict[str, An
     }
 
 
-def _refuse_backwards(request: StrokeRequests[float]) -> None:
+def _refuse_backwards(request: StrokeRequest) -> None:
     """Without braking, v1 and v2 must lead forwards, whatever law speed is to be found."""
     per_v1, per_v2, _ = _stroke_sensitivities(request)
     if not per_v1 * _known(request.v1_mm_s) + per_v2 * _known(request.v2_mm_s) > 0.0:
         most = _most_of_v1(request) * _known(request.v2_mm_s)
         reason = (
-            f"the approach goes backwards altogether; theta1 lies too near 0 or theta2: v1 under {most:.5g} mm/s is "
-            f"right there, or {_free_theta1(request)}"
+            f"the approach goes backwards altogether; theta1 lies too near 0 or theta2: v1 under {most:.5g} "
+            f"{request.output.speed.text} is right there, or {_free_theta1(request)}"
         )
-        raise _reversal(request.theta1_rad, reason, "motion.theta1_rad")
+        raise _reversal(request, request.theta1_rad, reason, "theta1_rad")
 
 
 def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
@@ -289,30 +294,36 @@ def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
 
     is a sum of terms that are not negative.
     """
+    speed, acceleration = request.output.speed, request.output.acceleration
     if not stroke.v1_mm_s > 0.0:
         remedy = f"{_remedy_of_v1(request)}{_closing_speeds(request)}"
-        raise _not_closing(request.theta1_rad, "v1_mm_s", stroke.v1_mm_s, remedy)
+        reason = f"closing the stroke needs v1 = {stroke.v1_mm_s:.4g} {speed.text}; {remedy}"
+        raise _reversal(request, request.theta1_rad, reason, f"v1_{speed.ending}")
     if not stroke.v2_mm_s > 0.0:
         remedy = f"lower v1, bring a1 nearer to zero or lengthen the stroke{_closing_speeds(request)}"
-        raise _not_closing(stroke.theta2_rad, "v2_mm_s", stroke.v2_mm_s, remedy)
+        reason = f"closing the stroke needs v2 = {stroke.v2_mm_s:.4g} {speed.text}; {remedy}"
+        raise _reversal(request, stroke.theta2_rad, reason, f"v2_{speed.ending}")
     if not stroke.a1_mm_s2 < 0.0:
-        raise _reversal(stroke.theta4_rad, f"a1 = {stroke.a1_mm_s2:.4g} mm/s^2 is not negative", "motion.a1_mm_s2")
+        reason = f"a1 = {stroke.a1_mm_s2:.4g} {acceleration.text} is not negative"
+        raise _reversal(request, stroke.theta4_rad, reason, f"a1_{acceleration.ending}")
     angle = _first_zero(stroke.approach_slope, stroke.theta2_rad)
     if angle is not None:
-        key = "motion.v2_mm_s" if request.v2_mm_s is None else "motion.v1_mm_s"
-        raise _reversal(angle, _too_far_apart(stroke, request), key)
+        changed = "v2" if request.v2_mm_s is None else "v1"
+        raise _reversal(request, angle, _too_far_apart(stroke, request), f"{changed}_{speed.ending}")
 
 
 def _too_far_apart(stroke: WorkingStroke, request: StrokeRequest) -> str:
-    """The words for v1 and v2 between which the slider turns back, with the values that would do."""
+    """The words for v1 and v2 between which the output turns back, with the values that would do."""
     most, v1, v2 = _most_of_v1(request), stroke.v1_mm_s, stroke.v2_mm_s
-    enough = f"v1 under {most * v2:.5g} mm/s is right"
+    unit = request.output.speed.text
+    enough = f"v1 under {most * v2:.5g} {unit} is right"
     if request.v1_mm_s is None:
-        said = f"closing the stroke needs v1 = {v1:.5g} mm/s, too much for v2 = {v2:g}; {enough} with this v2"
+        said = f"closing the stroke needs v1 = {v1:.5g} {unit}, too much for v2 = {v2:g}; {enough} with this v2"
     elif request.v2_mm_s is None:
-        said = f"closing the stroke needs v2 = {v2:.5g} mm/s, too little for v1 = {v1:g}; over {v1 / most:.5g} is right"
+        least = f"over {v1 / most:.5g} is right"
+        said = f"closing the stroke needs v2 = {v2:.5g} {unit}, too little for v1 = {v1:g}; {least}"
     else:
-        said = f"v1 = {v1:g} and v2 = {v2:g} mm/s are too far apart; {enough}, or v2 over {v1 / most:.5g}"
+        said = f"v1 = {v1:g} and v2 = {v2:g} {unit} are too far apart; {enough}, or v2 over {v1 / most:.5g}"
     return f"{said}{_closing_speeds(request)}, or {_free_theta1(request)}"
 
 
@@ -374,13 +385,9 @@ def _first_zero(coefficients: Array, end: float) -> float | None:
     return float(inside.min()) if inside.size else None
 
 
-def _not_closing(angle: float, name: str, value: float, remedy: str) -> NoSuchMechanism:
-    return _reversal(angle, f"closing the stroke needs {name} = {value:.4g}; {remedy}", f"motion.{name}")
-
-
-def _reversal(angle: float, reason: str, key: str) -> NoSuchMechanism:
+def _reversal(request: StrokeRequest, angle: float, reason: str, key: str) -> NoSuchMechanism:
     return NoSuchMechanism(
-        f"the slider stops or reverses inside the working stroke at phi1 = {in_words(angle)}, "
+        f"the {request.output.name} stops or reverses inside the working stroke at phi1 = {in_words(angle)}, "
         f"{angle / pi:.4g} pi: {reason}",
-        key=key,
+        key=f"motion.{key}",
     )

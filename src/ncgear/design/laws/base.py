@@ -62,8 +62,11 @@ class LawKeys(Model):
         """Pairs of gears that make the ratio: 1 or 2."""
         return 1
 
-    def solved_stroke_mm(self) -> float:
-        """The stroke in mm of a law that ``gives_stroke``; raises NoSuchMechanism where it has none."""
+    def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
+        """The stroke in mm or rad of a law that ``gives_stroke``.
+
+        Raises WrongInput where the law's keys do not suit the mechanism, NoSuchMechanism where there is no stroke.
+        """
         raise NotImplementedError(self.law)
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:

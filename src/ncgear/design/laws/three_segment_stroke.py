@@ -25,10 +25,10 @@ from ncgear.design.keys.base import (
 )
 from ncgear.design.laws.base import DesignLaw, LawKeys
 from ncgear.design.reading.text import quoted
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.mechanisms.mechanism import Mechanism, Output
     from ncgear.ratio.laws.three_segment import StrokeLaw
     from ncgear.ratio.transmission import Law, Lobes
     from ncgear.ratio.working_stroke import WorkingStroke
@@ -235,9 +235,13 @@ class ThreeSegmentStroke(LawKeys):
         """Whether the stroke is solved for."""
         return self.solve_for == "stroke"
 
-    def solved_stroke_mm(self) -> float:
-        """The stroke in mm that follows from the other quantities; raises NoSuchMechanism where there is none."""
-        return self._stroke(None).stroke_mm
+    def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
+        """The stroke in mm or rad that follows from the other quantities.
+
+        Raises WrongInput where the keys are not those of the mechanism's output, NoSuchMechanism where there is none.
+        """
+        self._refuse_other_units(mechanism)
+        return self._stroke(None, mechanism.OUTPUT).stroke_mm
 
     def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
         """The closed law, with the figures of its stroke and its return.
@@ -263,18 +267,18 @@ class ThreeSegmentStroke(LawKeys):
         """The law with the polynomials of its stroke and its return; raises the errors of ``law_on``."""
         from ncgear.ratio.laws.three_segment import stroke_law
 
-        self._refuse_other_units(linkage)
+        self._refuse_other_units(type(linkage))
         if not self.gives_stroke:
             self._refuse_other_stroke(linkage)
         return stroke_law(
-            self._stroke(None if self.gives_stroke else linkage.stroke_mm),
+            self._stroke(None if self.gives_stroke else linkage.stroke_mm, linkage.OUTPUT),
             linkage,
             lobes,
             constant=None if self.return_.e == "least_acceleration" else self.return_.e,
             inverse_basis=self.return_.basis == "inverse_ratio",
         )
 
-    def _stroke(self, stroke_mm: float | None) -> WorkingStroke:
+    def _stroke(self, stroke_mm: float | None, output: Output) -> WorkingStroke:
         """The working stroke with the free quantity solved for; if the stroke is None, it is that quantity."""
         from ncgear.numerics.units import RAD_S_PER_RPM
         from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
@@ -290,22 +294,9 @@ class ThreeSegmentStroke(LawKeys):
             law_speed_rad_s=None if self.law_speed_rpm is None else self.law_speed_rpm * RAD_S_PER_RPM,
             stroke_mm=stroke_mm,
             a1_speed_rad_s=None if self.a1_speed_rpm is None else self.a1_speed_rpm * RAD_S_PER_RPM,
+            output=output,
         )
-        try:
-            return solved_stroke(request)
-        except NoSuchMechanism as refused:
-            raise self._in_own_units(refused) if self.turns else refused from None
-
-    @staticmethod
-    def _in_own_units(refused: NoSuchMechanism) -> NoSuchMechanism:
-        """A refusal of a stroke, which speaks of a slider and of mm, in the words and keys of an output that turns."""
-        words = (("the slider", "the output"), (" mm/s^2", " rad/s^2"), (" mm/s", " rad/s"), (" mm ", " rad "))
-        problem, key = refused.problem, refused.key or ""
-        for sliding, turning in words:
-            problem = problem.replace(sliding, turning)
-        for sliding, turning in SOLVED_KEYS.values():
-            key = key.replace(sliding, turning)
-        return NoSuchMechanism(problem, key=key)
+        return solved_stroke(request)
 
     def _refuse_other_stroke(self, linkage: Mechanism) -> None:
         """Refuse a stroke in the file that differs from that of the mechanism."""
@@ -318,16 +309,17 @@ class ThreeSegmentStroke(LawKeys):
                 key=f"motion.stroke_{place.ending}",
             )
 
-    def _refuse_other_units(self, linkage: Mechanism) -> None:
+    def _refuse_other_units(self, mechanism: type[Mechanism]) -> None:
         """Refuse speeds in mm/s of an output that turns, and in rad/s of one that slides; raises WrongInput."""
-        if self.turns is linkage.OUTPUT.angular:
+        output = mechanism.OUTPUT
+        if self.turns is output.angular:
             return
         for pair in SOLVED_KEYS.values():
             wrong, right = pair[self.turns], pair[not self.turns]
             if wrong != right and getattr(self, wrong) is not None:
-                does = "turns" if linkage.OUTPUT.angular else "slides"
+                does = "turns" if output.angular else "slides"
                 raise WrongInput(
-                    f"given, but the {linkage.OUTPUT.name} of {linkage.NAME} {does}; {right} is right",
+                    f"given, but the {output.name} of {mechanism.NAME} {does}; {right} is right",
                     key=f"motion.{wrong}",
                 )
 

@@ -17,6 +17,7 @@ from ncgear.figures.summary.build_summary import contact_summary
 from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, compared_columns, labelled
+from ncgear.numerics.units import CM3_PER_MM3
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict, known_verdict
 
@@ -110,7 +111,7 @@ def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
         []
         if displaced is None
         else [
-            (f"{stage}displacement", f"{shown(1e-3 * displaced.per_turn_mm3)} cm\u00b3 a turn"),
+            (f"{stage}displacement", f"{shown(CM3_PER_MM3 * displaced.per_turn_mm3)} cm\u00b3 a turn"),
             (f"{stage}pulsation", f"{to_digits(100.0 * displaced.pulsation, 3)} %"),
         ]
     )

@@ -24,6 +24,7 @@ from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.units import CM3_PER_MM3
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -81,7 +82,7 @@ def _strength(drive: Drive) -> dict[str, Any]:
     return {} if verdict is None else {"strength": strength_summary(verdict)}
 
 
-CM3_PER_MM3, L_PER_MM3 = 1e-3, 1e-6
+L_PER_MM3 = 1e-3 * CM3_PER_MM3
 
 
 def _pumped(drive: Drive) -> dict[str, Any]:
