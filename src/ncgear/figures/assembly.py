@@ -11,7 +11,6 @@ import numpy as np
 from ncgear.figures.numbers import DRAWN_DECIMALS, rounded
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
-from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.project.drive import Drive
 from ncgear.solids.plan.body import RoundHole
@@ -47,16 +46,33 @@ def assembly_of(drive: Drive) -> dict[str, Any]:
         pitch.size.module_mm,
         pitch.mesh,
     )
-    return {**pose, **_end_stops(pitch)}
+    return {**pose, **_end_stops(drive)}
 
 
-def _end_stops(pitch: PitchPair) -> dict[str, Any]:
-    """Where gears that turn less than once must stop: angles counter-clockwise from the pose; nothing for others."""
+def _end_stops(drive: Drive) -> dict[str, Any]:
+    """Where gears that turn less than once must stop: angles counter-clockwise from the pose; nothing for others.
+
+    A pin is in the frame, from the axis of the gear that it stops.
+    """
+    pitch = drive.pitch
     covered = pitch.transmission.lobes.range
     if covered is None:
         return {}
     turned = {"driving": covered.driving_rad, "driven": pitch.mesh.sense * covered.driven_rad}
-    return {"end_stops": {f"{gear}_rad": [0.0, rounded(angle, RAD_DECIMALS)] for gear, angle in turned.items()}}
+    angles = {f"{gear}_rad": [0.0, rounded(angle, RAD_DECIMALS)] for gear, angle in turned.items()}
+    pins = {f"{gear.value}_pin": pin for gear in Gear if (pin := _pin(drive, gear))}
+    return {"end_stops": {**angles, **pins}}
+
+
+def _pin(drive: Drive, gear: Gear) -> dict[str, float]:
+    """The pin in the slot of a gear; nothing where it has none."""
+    bodies = {Gear.DRIVING: drive.gears.driving, Gear.DRIVEN: drive.gears.driven}
+    asked, place = bodies[gear].end_stop, drive.solids.of(gear).plan.pin_mm
+    if asked is None or place is None:
+        return {}
+    decimals = DRAWN_DECIMALS["mm"]
+    sizes = {"x_mm": place[0], "y_mm": place[1], "diameter_mm": asked.pin_mm}
+    return {key: rounded(size_mm, decimals) for key, size_mm in sizes.items()}
 
 
 def _pitch_radius_mm(curve: PitchCurve) -> float:

@@ -12,7 +12,7 @@ from ncgear.errors import WrongInput
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.helix import Helix
-from ncgear.solids.plan.body import Blank, Bore, HoleSet, Hub, Keyway, RingBlank, SetScrew, WebSize
+from ncgear.solids.plan.body import Blank, Bore, EndStop, HoleSet, Hub, Keyway, RingBlank, SetScrew, WebSize
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair
 
@@ -31,11 +31,13 @@ def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, toleranc
     from ncgear.solids.mesh.pair import SolidPair, gear_solid, ring_solid
 
     module, outline = pitch.size.module_mm, teeth.driven.outline_mm
-    blank = _blank(gears, gears.driving)
+    covered = pitch.transmission.lobes.range
+    turned = (0.0, 0.0) if covered is None else (covered.driving_rad, pitch.mesh.sense * covered.driven_rad)
+    blank = _blank(gears, gears.driving, turned[0])
     driving = gear_solid(Gear.DRIVING, teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
     if pitch.driven.is_ring:
         return SolidPair(driving, ring_solid(outline, _ring_blank(gears, module), module, tolerance_mm))
-    driven = gear_solid(Gear.DRIVEN, outline, _blank(gears, gears.driven), module, tolerance_mm)
+    driven = gear_solid(Gear.DRIVEN, outline, _blank(gears, gears.driven, turned[1]), module, tolerance_mm)
     return SolidPair(driving, driven)
 
 
@@ -49,8 +51,9 @@ def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix
     return helical_pair(pitch, form, helix, blanks, tolerance_mm)
 
 
-def _blank(gears: Gears, body: GearBody) -> Blank:
-    """The body that the file asks for, of one gear that is not a ring."""
+def _blank(gears: Gears, body: GearBody, turned_rad: float = 0.0) -> Blank:
+    """The body that the file asks for, of one gear that is not a ring; ``turned_rad`` is between its end stops."""
+    stop = body.end_stop
     keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
     holes = body.lightening_holes
     return Blank(
@@ -60,6 +63,7 @@ def _blank(gears: Gears, body: GearBody) -> Blank:
         hub=_hub(body.hub, gears.face_width_mm) if body.hub else None,
         web=_web(body),
         holes=HoleSet(holes.count, holes.least_wall_mm, holes.diameter_mm) if holes else None,
+        end_stop=EndStop(stop.pin_mm, stop.radius_mm, stop.clearance_mm, turned_rad) if stop else None,
         chamfer_mm=gears.first_layer_chamfer_mm,
         clearance_mm=gears.process_clearance_mm,
     )

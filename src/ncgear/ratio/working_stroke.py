@@ -349,6 +349,7 @@ def _free_theta1(request: StrokeRequests[float]) -> str:
 def _closing_speeds(request: StrokeRequest) -> str:
     """The law speeds at which a v1 or v2 that is solved for is one that advances; empty where there are none."""
     most = _most_of_v1(request)
+    ends: dict[str, tuple[Any, ...]]
     if request.v1_mm_s is None:
         ends = {"v1_mm_s": (0.0, most * _known(request.v2_mm_s))}
     elif request.v2_mm_s is None:

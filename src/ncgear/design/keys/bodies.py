@@ -79,6 +79,19 @@ class LighteningHoles(Model):
     )
 
 
+class EndStop(Model):
+    """An arc slot about the axis, in which a pin of the frame stops a gear that turns less than once."""
+
+    pin_mm: Length = Field(description="diameter of the pin in mm; it stands in the frame, away from the other gear")
+    radius_mm: Length = Field(description="distance in mm of the pin, and of the slot's middle, from the gear's axis")
+    clearance_mm: float = Field(
+        default=0.2,
+        ge=0.0,
+        le=10.0,
+        description="by how much the slot is wider than the pin in mm; its ends meet the pin where the range ends",
+    )
+
+
 class GearBody(Model):
     """What is cut into one gear around its axis, and what stands on it."""
 
@@ -88,6 +101,11 @@ class GearBody(Model):
     web: Web | None = Field(default=None, description="web under pockets in the upper face; left out: none")
     lightening_holes: LighteningHoles | None = Field(
         default=None, description="round holes that save weight; left out: none"
+    )
+
+    end_stop: EndStop | None = Field(
+        default=None,
+        description="arc slot for a pin that stops gears which turn less than once; left out: none",
     )
 
     @model_validator(mode="after")
@@ -146,7 +164,11 @@ class DrivenBody(GearBody):
     @property
     def about_axis(self) -> list[str]:
         """The given keys that a ring has no room for, because it is open about its axis."""
-        return [name for name in ("bore_mm", "hub", "web", "lightening_holes") if getattr(self, name) is not None]
+        return [
+            name
+            for name in ("bore_mm", "hub", "web", "lightening_holes", "end_stop")
+            if getattr(self, name) is not None
+        ]
 
 
 def require_hub_wall(name: str, body: GearBody, clearance: float) -> None:

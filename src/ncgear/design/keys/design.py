@@ -159,10 +159,20 @@ class Design(Model):
 
     @model_validator(mode="after")
     def _open_gears(self) -> Self:
-        """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key."""
-        if not self.motion.is_open:
-            return self
+        """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
+
+        Only they have end stops.
+        """
         gears = self.gears
+        if not self.motion.is_open:
+            for body in ("driving", "driven"):
+                if gears is not None and getattr(gears, body).end_stop is not None:
+                    raise fault(
+                        f"gears.{body}.end_stop",
+                        f"given, but gears of {self.motion.law} turn on and on; leave it out, or give a law over a "
+                        "range (range_deg, spiral or function_generator)",
+                    )
+            return self
         asked = {
             "gears.mesh": gears is not None and gears.mesh != "external",
             "gears.helix": gears is not None and gears.helix is not None,

@@ -358,6 +358,7 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
         Entry("hub, diameter x height", "mm", driving=_hub(driving.hub), driven=_hub(driven.hub)),
         Entry("thickness of web", "mm", driving=_thickness(driving.web), driven=_thickness(driven.web)),
         *_round_holes(drive),
+        Entry("pin of the end stop, diameter, distance from the axis", "mm", None, _stop(driving), _stop(driven)),
         Entry("rim outside the deepest root", "mm", driven=rim),
         Entry("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
         _process(drive.gears.process_clearance_mm),
@@ -381,6 +382,10 @@ def _mm(size_mm: float) -> str:
 
 def _hub(hub: Hub | None) -> Value:
     return f"{_mm(hub.diameter_mm)} x {_mm(hub.height_mm)}" if hub else None
+
+
+def _stop(body: GearBody) -> Value:
+    return f"{_mm(body.end_stop.pin_mm)}, {_mm(body.end_stop.radius_mm)}" if body.end_stop else None
 
 
 def _thickness(web: Web | None) -> Value:

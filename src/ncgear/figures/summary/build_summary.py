@@ -417,4 +417,7 @@ def _cuts(plan: BodyPlan) -> dict[str, Any]:
         found["pocket_areas_mm2"] = [float(pocket.area) for pocket in plan.web.pockets]
     if plan.lightening_holes:
         found["lightening_holes"] = [asdict(hole) for hole in plan.lightening_holes]
+    if plan.slot is not None:
+        found["end_stop_slot_width_mm"] = plan.slot.width_mm
+        found["end_stop_slot_radius_mm"] = plan.slot.radius_mm
     return found

@@ -58,6 +58,7 @@ class Layer(Enum):
     RIM = "outer circle of the ring", Use.THROUGH
     BORE = "bore with its keyway", Use.THROUGH
     INDEX_HOLE = "index hole; those of both gears face each other at phi1 = 0", Use.THROUGH
+    END_STOP = "slot in which a pin of the frame stops the gear", Use.THROUGH
     LIGHTENING_HOLES = "lightening holes", Use.THROUGH
     POCKETS = "pockets from the upper face down to the web", Use.PART_WAY
     HUB = "hub on the upper face", Use.PART_WAY
@@ -186,6 +187,7 @@ def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
         **_toothed(plan),
         Layer.BORE: () if plan.bore is None else (_bore(plan.bore),),
         Layer.INDEX_HOLE: () if plan.index_hole is None else (_circle(plan.index_hole),),
+        Layer.END_STOP: () if plan.slot is None else (Polyline(plan.slot.points, plan.slot.bulges),),
         Layer.LIGHTENING_HOLES: tuple(_circle(hole) for hole in plan.lightening_holes),
         Layer.POCKETS: () if plan.web is None else _contours(shapely.union_all(plan.web.pockets)),
         Layer.HUB: () if plan.hub is None else (Circle(0.0, 0.0, plan.hub.diameter_mm / 2.0),),

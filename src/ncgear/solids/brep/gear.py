@@ -21,7 +21,18 @@ from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Wire
 from shapely import LinearRing
 
 from ncgear.numerics.arrays import Array
-from ncgear.solids.brep.shapes import bore_wire, circle_wire, cut, cylinder, fused, knots_of, parts_of, prism, wire_of
+from ncgear.solids.brep.shapes import (
+    bore_wire,
+    circle_wire,
+    cut,
+    cylinder,
+    fused,
+    knots_of,
+    parts_of,
+    prism,
+    slot_wire,
+    wire_of,
+)
 from ncgear.solids.helical.patches import Patches
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.contour import DEGREE, SAME_MM, Contour, Spline, ring_of_arcs
@@ -45,7 +56,7 @@ def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
 
     Raises RuntimeError, a fault of ncgear, unless the kernel finds one valid solid.
     """
-    outer, holes = wire_of(contour.curves), _round_holes(plan)
+    outer, holes = wire_of(contour.curves), _holes(plan)
     if plan.hub is not None or plan.web is not None:
         return _sound(_cut_and_bored(prism(outer, holes, 0.0, plan.face_width_mm), plan))
     bore = [] if plan.bore is None else [bore_wire(plan.bore)]
@@ -54,18 +65,20 @@ def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
 
 def helical_gear_shape(patches: Patches, plan: BodyPlan, *, herringbone: bool) -> TopoDS_Shape:
     """A gear with helical teeth, as ``gear_shape``."""
-    drills = [prism(hole, [], -BEYOND_MM, plan.face_width_mm + BEYOND_MM) for hole in _round_holes(plan)]
+    drills = [prism(hole, [], -BEYOND_MM, plan.face_width_mm + BEYOND_MM) for hole in _holes(plan)]
     return _sound(_cut_and_bored(cut(_helical_shape(patches, herringbone=herringbone), drills), plan))
 
 
 def ring_shape(contour: Contour, plan: BodyPlan, radius_mm: float) -> TopoDS_Shape:
     """A ring between its tooth outline and a cylinder about its axis; raises as ``gear_shape``."""
-    holes = [wire_of(contour.curves), *_round_holes(plan)]
+    holes = [wire_of(contour.curves), *_holes(plan)]
     return _sound(prism(circle_wire(0.0, 0.0, radius_mm), holes, 0.0, plan.face_width_mm))
 
 
-def _round_holes(plan: BodyPlan) -> list[TopoDS_Wire]:
-    return [circle_wire(hole.x_mm, hole.y_mm, hole.diameter_mm / 2.0) for hole in plan.round_holes]
+def _holes(plan: BodyPlan) -> list[TopoDS_Wire]:
+    """The round through holes beside the axis, and the slot."""
+    slot = [slot_wire(plan.slot)] if plan.slot else []
+    return slot + [circle_wire(hole.x_mm, hole.y_mm, hole.diameter_mm / 2.0) for hole in plan.round_holes]
 
 
 def _sound(shape: TopoDS_Shape) -> TopoDS_Shape:

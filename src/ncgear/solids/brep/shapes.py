@@ -32,7 +32,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape, TopoDS_Wire
 
 from ncgear.numerics.arrays import Array
-from ncgear.solids.plan.body import Bore
+from ncgear.solids.plan.body import ArcSlot, Bore
 from ncgear.teeth.contour import DEGREE, Arc, Curve, Line, Spline
 
 UP = gp_Dir(0.0, 0.0, 1.0)
@@ -98,6 +98,15 @@ def bore_wire(bore: Bore) -> TopoDS_Wire:
     floor = np.array([[reach, -half], [reach, half]])
     arc = Arc(upper, np.array([-radius, 0.0]), lower)
     return wire_of([arc, Line(lower, floor[0]), Line(*floor), Line(floor[1], upper)])
+
+
+def slot_wire(slot: ArcSlot) -> TopoDS_Wire:
+    """The six arcs of a slot."""
+    start = slot.points
+    end = np.roll(start, -1, axis=0)
+    chord = end - start
+    middle = (start + end + slot.bulges[:, None] * np.stack([chord[:, 1], -chord[:, 0]], axis=1)) / 2.0
+    return wire_of([Arc(*three) for three in zip(start, middle, end, strict=True)])
 
 
 def prism(outer: TopoDS_Wire, holes: Sequence[TopoDS_Wire], low_mm: float, high_mm: float) -> TopoDS_Shape:

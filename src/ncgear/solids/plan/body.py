@@ -7,7 +7,7 @@ lower face at z = 0, pose of phi1 = 0.
   its circle, and the one interior is the tooth outline), already moved inwards by the clearance for the process, or
   outwards by half a kerf.
 - through cuts: ``bore`` with its keyway (enlarged by the clearance), ``index_hole``, ``lightening_holes``: circles, and
-  for a keyway ``bore_points``; all of them narrower by a kerf.
+  for a keyway ``bore_points``; ``slot`` (enlarged as the bore is); all of them narrower by a kerf.
 - ``web``: pockets from the upper face down to the web, as polygons; a pocket's floor is at ``web.thickness_mm``.
 - ``hub``: a cylinder about the axis on the upper face; the bore goes through it, and its radial ``set_screw`` hole goes
   from one side down to the bore.
@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import acos, asin, ceil, pi
+from math import acos, asin, ceil, cos, pi, sin, tan
 
 import numpy as np
 import shapely
@@ -107,6 +107,61 @@ class HoleSet:
 
 
 @dataclass(frozen=True)
+class EndStop:
+    """A pin in the frame, in an arc slot of a gear that turns by ``turned_rad``, counter-clockwise where positive.
+
+    The slot is wider than the pin by ``clearance_mm`` and so much shorter that its ends still meet the pin exactly at
+    both ends of the turn.
+    """
+
+    pin_mm: float
+    radius_mm: float
+    clearance_mm: float
+    turned_rad: float
+
+    def pin_rad(self, middle_rad: float) -> float:
+        """Polar angle of the pin in the frame, for a slot about ``middle_rad`` in the pose of phi1 = 0."""
+        return middle_rad + self.turned_rad / 2.0
+
+    def slot(self, middle_rad: float) -> ArcSlot:
+        """The slot about a polar angle in the gear's own frame.
+
+        Where the pin stops the gear, its centre is half the clearance beyond that of the slot's round end.
+        """
+        beyond = 2.0 * asin(self.clearance_mm / 4.0 / self.radius_mm)
+        half = abs(self.turned_rad) / 2.0 - beyond
+        return ArcSlot(self.radius_mm, self.pin_mm + self.clearance_mm, middle_rad - half, middle_rad + half)
+
+
+@dataclass(frozen=True)
+class ArcSlot:
+    """A through slot along an arc about the gear's axis, with round ends; ``low_rad`` and ``high_rad`` are of these."""
+
+    radius_mm: float
+    width_mm: float
+    low_rad: float
+    high_rad: float
+
+    @property
+    def points(self) -> Array:
+        """Where its six arcs begin, shape (6, 2), counter-clockwise; each long side is two arcs."""
+        half, middle = self.width_mm / 2.0, (self.low_rad + self.high_rad) / 2.0
+        radii = self.radius_mm + half * np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
+        angles = np.array([self.low_rad, middle, self.high_rad, self.high_rad, middle, self.low_rad])
+        return np.asarray(radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
+
+    @property
+    def bulges(self) -> Array:
+        """The tangent of a quarter of the angle that each arc turns by, positive counter-clockwise."""
+        along = tan((self.high_rad - self.low_rad) / 8.0)
+        return np.array([along, along, 1.0, -along, -along, 1.0])
+
+    def widened(self, distance_mm: float) -> ArcSlot:
+        """The slot with all its sides moved outwards by a distance."""
+        return replace(self, width_mm=self.width_mm + 2.0 * distance_mm)
+
+
+@dataclass(frozen=True)
 class Blank:
     """What is asked of a gear's body beside its teeth, whether there is room for it or not.
 
@@ -120,6 +175,7 @@ class Blank:
     hub: Hub | None = None
     web: WebSize | None = None
     holes: HoleSet | None = None
+    end_stop: EndStop | None = None
     chamfer_mm: float = 0.0
     clearance_mm: float = 0.0
 
@@ -174,7 +230,8 @@ class BodyPlan:
     """One gear's body; see the module.
 
     Curves become polygons whose chords stay within ``chord_tolerance_mm``.  Outline and bore have already been moved by
-    ``clearance_mm``, which is minus half the kerf where a cutter follows the lines.
+    ``clearance_mm``, which is minus half the kerf where a cutter follows the lines.  ``pin_mm`` is the centre of the
+    pin that stands in the slot, in the pose of phi1 = 0.
     """
 
     disc: Polygon
@@ -187,6 +244,8 @@ class BodyPlan:
     web: Web | None = None
     chamfer_mm: float = 0.0
     clearance_mm: float = 0.0
+    slot: ArcSlot | None = None
+    pin_mm: tuple[float, float] | None = None
 
     @property
     def round_holes(self) -> tuple[RoundHole, ...]:
@@ -210,8 +269,9 @@ class BodyPlan:
 
     @cached_property
     def section(self) -> Polygon:
-        """The section under all pockets: the disc less bore, keyway and round holes."""
+        """The section under all pockets: the disc less bore, keyway, round holes and slot."""
         holes = [hole_points(hole, self.chord_tolerance_mm) for hole in self.round_holes]
+        holes += [slot_points(self.slot, self.chord_tolerance_mm)] if self.slot else []
         around_axis = [self.bore_polygon.exterior] if self.bore else []
         return Polygon(self.disc.exterior, [*self.disc.interiors, *around_axis, *holes])
 
@@ -262,6 +322,19 @@ def hole_points(hole: RoundHole, chord_tolerance_mm: float) -> Array:
     """The hole's polygon in mm, like ``bore_points``."""
     center = np.array([hole.x_mm, hole.y_mm])
     return center + circle_points(hole.diameter_mm / 2.0, chord_tolerance_mm)
+
+
+def slot_points(slot: ArcSlot, chord_tolerance_mm: float) -> Array:
+    """The slot's polygon in mm, like ``bore_points``."""
+    half = slot.width_mm / 2.0
+
+    def end(angle: float, start: float) -> Array:
+        center = slot.radius_mm * np.array([cos(angle), sin(angle)])
+        return np.asarray(center + _arc(half, start, start + pi, chord_tolerance_mm)[1:-1])
+
+    outer = _arc(slot.radius_mm + half, slot.low_rad, slot.high_rad, chord_tolerance_mm)
+    inner = _arc(slot.radius_mm - half, slot.low_rad, slot.high_rad, chord_tolerance_mm)[::-1]
+    return np.concatenate([outer, end(slot.high_rad, slot.high_rad), inner, end(slot.low_rad, slot.low_rad + pi)])
 
 
 def circle_points(radius_mm: float, chord_tolerance_mm: float) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import cos, pi, sin
 
 import numpy as np
 import shapely
@@ -13,9 +14,27 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.solids.plan.areas import moved_inwards, moved_outwards
-from ncgear.solids.plan.body import Blank, BodyPlan, RingBlank, RoundHole, circle_points
+from ncgear.solids.plan.body import (
+    ArcSlot,
+    Blank,
+    BodyPlan,
+    RingBlank,
+    RoundHole,
+    circle_points,
+    hole_points,
+    slot_points,
+)
 from ncgear.solids.plan.pockets import lightening_holes, web_of
-from ncgear.solids.plan.room import full_disc, index_hole, require_hub_room, require_room, rim_hole
+from ncgear.solids.plan.room import (
+    INNER_WALL_IN_MODULES,
+    around_axis,
+    full_disc,
+    index_hole,
+    require_hub_room,
+    require_room,
+    require_slot_room,
+    rim_hole,
+)
 
 CLEARANCE_KEY = "gears.process_clearance_mm"
 
@@ -52,14 +71,44 @@ def planned_within(
         require_hub_room(room, blank.hub, key)
     bore = blank.bore.widened(blank.clearance_mm) if blank.bore else None
     hub_mm = blank.hub.diameter_mm if blank.hub else 0.0
-    mark = index_hole(room, bore, direction_rad, module_mm, hub_mm) if blank.index_hole else None
-    web = web_of(room, mark, blank.web, module_mm, tolerance_mm, key) if blank.web else None
+    slot, pin_mm = _slot(room, blank, around_axis(bore, hub_mm, module_mm), direction_rad, module_mm, key)
+    slotted = slot_points(slot, tolerance_mm) if slot else None
+    of_slot = None if slotted is None else Polygon(slotted)
+    mark = index_hole(room, bore, direction_rad, module_mm, hub_mm, of_slot) if blank.index_hole else None
+    cuts = [*([hole_points(mark, tolerance_mm)] if mark else []), *([] if slotted is None else [slotted])]
+    web = web_of(room, cuts, blank.web, module_mm, tolerance_mm, key) if blank.web else None
     plan = BodyPlan(
-        disc, blank.face_width_mm, tolerance_mm, bore, mark, (), blank.hub, web, blank.chamfer_mm, blank.clearance_mm
+        disc,
+        blank.face_width_mm,
+        tolerance_mm,
+        bore,
+        mark,
+        (),
+        blank.hub,
+        web,
+        blank.chamfer_mm,
+        blank.clearance_mm,
+        slot,
+        pin_mm,
     )
     if blank.holes is None:
         return plan
     return replace(plan, lightening_holes=lightening_holes(_free(plan, room), blank.holes, tolerance_mm, key))
+
+
+def _slot(
+    room: Polygon, blank: Blank, axis: BaseGeometry, direction_rad: float, module_mm: float, key: str
+) -> tuple[ArcSlot | None, tuple[float, float] | None]:
+    """The slot of the end stop, away from the mate, and its pin's centre; nothing where none is asked for."""
+    stop = blank.end_stop
+    if stop is None:
+        return None, None
+    middle = direction_rad + pi
+    wide = replace(stop, clearance_mm=stop.clearance_mm + 2.0 * blank.clearance_mm)
+    require_slot_room(room, wide, axis, middle, INNER_WALL_IN_MODULES * module_mm, key)
+    pin = stop.pin_rad(middle)
+    place = stop.radius_mm * cos(pin), stop.radius_mm * sin(pin)
+    return stop.slot(middle).widened(blank.clearance_mm), place
 
 
 def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
@@ -90,6 +139,7 @@ def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
         bore=plan.bore.widened(-half_mm) if plan.bore else None,
         index_hole=_narrowed(plan.index_hole, half_mm) if plan.index_hole else None,
         lightening_holes=tuple(_narrowed(hole, half_mm) for hole in plan.lightening_holes),
+        slot=plan.slot.widened(-half_mm) if plan.slot else None,
         clearance_mm=-half_mm,
     )
 
@@ -100,6 +150,7 @@ def _widths_cut(plan: BodyPlan) -> list[tuple[str, float]]:
     openings = [("a bore", bore.diameter_mm)] if bore else []
     openings += [("a keyway", bore.keyway.width_mm)] if bore and bore.keyway else []
     openings += [("an index hole", hole.diameter_mm)] if hole else []
+    openings += [("a slot", plan.slot.width_mm)] if plan.slot else []
     return openings + [("lightening holes", one.diameter_mm) for one in plan.lightening_holes[:1]]
 
 

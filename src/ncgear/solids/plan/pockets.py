@@ -7,6 +7,7 @@ other, and take away most of the moment of inertia.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import acos, ceil, pi
 
 import numpy as np
@@ -17,7 +18,7 @@ from shapely.geometry.base import BaseGeometry
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.solids.plan.areas import floored, largest_fitting, polygons, said_largest
-from ncgear.solids.plan.body import HoleSet, RoundHole, Web, WebSize, circle_points, hole_points
+from ncgear.solids.plan.body import HoleSet, RoundHole, Web, WebSize, circle_points
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, USEFUL_MM
 
 CORNER_IN_MODULES = 1.0
@@ -27,15 +28,13 @@ TURNS = 12
 """Ways, between one direction and the next, in which the directions of holes are turned to find most room."""
 
 
-def web_of(
-    disc: Polygon, mark: RoundHole | None, size: WebSize, module_mm: float, tolerance_mm: float, key: str
-) -> Web:
-    """The web of a gear whose disc in mm has an index hole or none.
+def web_of(disc: Polygon, cuts: Sequence[Array], size: WebSize, module_mm: float, tolerance_mm: float, key: str) -> Web:
+    """The web of a gear whose disc in mm has cuts, polygons of shape (n, 2): an index hole, a slot, or none.
 
     Pockets keep the rim's wall to the nearest point of the tooth outline.  Raises WrongInput for ``key``.web.rim_mm,
     with the thickest rim that leaves a pocket, where there is no room for any.
     """
-    around = _kept(mark, size.hub_mm, module_mm, tolerance_mm)
+    around = _kept(cuts, size.hub_mm, module_mm, tolerance_mm)
     corner = CORNER_IN_MODULES * module_mm
     pockets = _pockets(disc, around, size.rim_mm, corner, tolerance_mm)
     if pockets:
@@ -46,13 +45,11 @@ def web_of(
     raise WrongInput(problem, key=f"{key}.web.rim_mm")
 
 
-def _kept(mark: RoundHole | None, hub: float, module: float, tolerance: float) -> BaseGeometry:
-    """What no pocket cuts: the hub, and the wall around the index hole."""
+def _kept(cuts: Sequence[Array], hub: float, module: float, tolerance: float) -> BaseGeometry:
+    """What no pocket cuts: the hub, and the wall around each cut."""
     kept: BaseGeometry = Polygon(circle_points(hub / 2.0 + tolerance, tolerance))
-    if mark is None:
-        return kept
-    hole = Polygon(hole_points(mark, tolerance))
-    return kept.union(hole.buffer(INNER_WALL_IN_MODULES * module, quad_segs=quarter_chords(module, tolerance)))
+    wall, quarter = INNER_WALL_IN_MODULES * module, quarter_chords(module, tolerance)
+    return shapely.union_all([kept, *(Polygon(cut).buffer(wall, quad_segs=quarter) for cut in cuts)])
 
 
 def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, tolerance: float) -> list[Polygon]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import cos, sin
+from math import cos, degrees, pi, sin
 
 import numpy as np
 import shapely
@@ -18,8 +18,8 @@ from shapely.geometry.base import BaseGeometry
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.solids.plan.areas import largest_fitting, said_largest, stl_resolution_mm
-from ncgear.solids.plan.body import FEWEST_CHORDS, Bore, Hub, RoundHole, bore_points
+from ncgear.solids.plan.areas import floored, largest_fitting, said_largest, stl_resolution_mm
+from ncgear.solids.plan.body import FEWEST_CHORDS, Bore, EndStop, Hub, RoundHole, bore_points, slot_points
 from ncgear.teeth.outline import simple_polygon
 
 DIAMETER_IN_MODULES = 0.5
@@ -35,6 +35,12 @@ between the roots at its sides."""
 
 INNER_WALL_IN_MODULES = 1.0
 """Least material between the hole and the bore, its keyway, the axis of a gear without bore, or a ring's circle."""
+
+SLOT_CHORDS = 1e-3
+"""Chord tolerance, as a share of its width, of a slot for which room is sought: far under any wall."""
+
+RADII = 200
+"""Radii that are tried for a slot where the given one has no room."""
 
 
 def full_disc(outline_mm: Array, key: str) -> Polygon:
@@ -98,16 +104,58 @@ def require_hub_room(disc: Polygon, hub: Hub, key: str) -> None:
     raise WrongInput(problem, key=f"{key}.hub.diameter_mm")
 
 
+def require_slot_room(
+    disc: Polygon, stop: EndStop, around_axis: BaseGeometry, middle_rad: float, wall_mm: float, key: str
+) -> None:
+    """Raise WrongInput for ``key``.end_stop.radius_mm unless the slot keeps a wall to everything, itself included.
+
+    ``around_axis`` is what is cut about the axis or stands there.  The message states a radius that would do.
+    """
+
+    def fits(radius_mm: float) -> bool:
+        slot = replace(stop, radius_mm=radius_mm).slot(middle_rad)
+        if not slot.low_rad < slot.high_rad or slot.radius_mm <= slot.width_mm / 2.0:
+            return False
+        if 2.0 * radius_mm * sin(pi - (slot.high_rad - slot.low_rad) / 2.0) < slot.width_mm + wall_mm:
+            return False
+        cut = Polygon(slot_points(slot, SLOT_CHORDS * slot.width_mm)).buffer(wall_mm, quad_segs=FEWEST_CHORDS)
+        return bool(disc.contains(cut) and not cut.intersects(around_axis))
+
+    if fits(stop.radius_mm):
+        return
+    reach = float(np.abs(disc.bounds).max())
+    fitting = [radius for radius in np.linspace(0.0, reach, RADII + 1)[1:].tolist() if fits(radius)]
+    right = (
+        f"{floored(min(fitting, key=lambda radius: abs(radius - stop.radius_mm))):g} mm fits"
+        if fitting
+        else ("no radius fits; a thinner pin, a smaller bore or a larger gear is needed")
+    )
+    slot = stop.slot(middle_rad)
+    turned = degrees(abs(stop.turned_rad))
+    problem = (
+        f"a slot of {slot.width_mm:g} mm for a turn of {turned:.5g} deg, {stop.radius_mm:g} mm from the axis, leaves "
+        f"less than {wall_mm:g} mm, one module, to the teeth, to what is about the axis, or between its ends; {right}"
+    )
+    raise WrongInput(problem, key=f"{key}.end_stop.radius_mm")
+
+
 def index_hole(
-    disc: Polygon, bore: Bore | None, direction_rad: float, module_mm: float, hub_mm: float = 0.0
+    disc: Polygon,
+    bore: Bore | None,
+    direction_rad: float,
+    module_mm: float,
+    hub_mm: float = 0.0,
+    slot: BaseGeometry | None = None,
 ) -> RoundHole | None:
     """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
 
     Its diameter is half a module, or ``USEFUL_MM`` where that is more and has room, or ``LEAST_MM``.  The walls above
     are left all around it.  ``disc`` is the gear's section without bore, in mm; ``hub_mm`` is the diameter of its hub,
-    beside which the hole stands.
+    and ``slot`` the area of its slot, beside which the hole stands.
     """
-    return _hole_on_ray(disc, direction_rad, module_mm, disc.exterior, _axis(bore, hub_mm, module_mm), np.argmax)
+    other = around_axis(bore, hub_mm, module_mm)
+    other = other if slot is None else other.union(slot)
+    return _hole_on_ray(disc, direction_rad, module_mm, disc.exterior, other, np.argmax)
 
 
 def rim_hole(ring: Polygon, direction_rad: float, module_mm: float) -> RoundHole | None:
@@ -115,7 +163,7 @@ def rim_hole(ring: Polygon, direction_rad: float, module_mm: float) -> RoundHole
     return _hole_on_ray(ring, direction_rad, module_mm, ring.interiors[0], ring.exterior, np.argmin)
 
 
-def _axis(bore: Bore | None, hub: float, module: float) -> BaseGeometry:
+def around_axis(bore: Bore | None, hub: float, module: float) -> BaseGeometry:
     """What is cut around the axis or stands there; the axis itself where nothing does."""
     if hub > 0.0:
         return Point(0.0, 0.0).buffer(hub / 2.0, quad_segs=FEWEST_CHORDS)
