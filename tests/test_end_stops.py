@@ -21,6 +21,7 @@ from shapely import Point, Polygon, affinity
 from drives import drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.assembly import assembly_of
+from ncgear.files.workshop.drawing import pitch_points
 from ncgear.files.workshop.dxf import dxf_files
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -102,6 +103,18 @@ def test_solid_and_drawing_lack_the_slot() -> None:
     (line,) = drawn.modelspace().query('LWPOLYLINE[layer=="END_STOP"]')
     flat = Polygon([(point.x, point.y) for point in ezdxf.path.make_path(line).flattening(1e-4)])
     assert flat.area == pytest.approx(exact_area(plan.slot), rel=1e-4)
+
+
+@pytest.mark.parametrize("gear", list(Gear))
+def test_the_pitch_curve_that_is_drawn_is_the_sector_of_the_range(gear: Gear) -> None:
+    curve = stopped().pitch.of(gear)
+    *points, axis = pitch_points(curve, 0.005)
+    covered = stopped().transmission.lobes.range
+    assert covered is not None
+    exact = curve.at_angle(np.linspace(0.0, covered.driving_rad, 20_001)).position
+    assert np.array(points)[[0, -1]] == pytest.approx(exact[[0, -1]], abs=1e-9)
+    assert Polygon([*points, axis]).symmetric_difference(Polygon([*exact, axis])).area < 0.005 * curve.length_mm
+    assert axis.tolist() == [0.0, 0.0]
 
 
 def test_a_kerf_narrows_the_slot_and_a_clearance_widens_it() -> None:

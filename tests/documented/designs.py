@@ -45,7 +45,7 @@ def put(text: str) -> None:
 
 def require_sound(path: Path) -> None:
     """Read a complete file and compute the check of a design, or the figures of a balance."""
-    if re.search("^linkage:", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
+    if re.search("^motion:", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
         assert Drive(load(path).design).check is not None
     else:
         assert figures_of(Balancing(load_balance(path)))

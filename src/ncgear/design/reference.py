@@ -159,7 +159,7 @@ def _unknown(keys: Sequence[Key], wanted: str) -> str:
     """The message about an unknown key: first the keys that begin with the word, then those with a similar spelling."""
     begun = [key.path for key in keys if key.name.startswith(f"{wanted.lower()}_")]
     by_name = {key.name: key.path for key in reversed(keys)}
-    by_quantity = {name.rpartition("_")[0]: path for name, path in by_name.items() if "_" in name}
+    by_quantity = {_quantity(name): path for name, path in by_name.items() if label_and_unit(name)[1]}
     known = {**by_quantity, **by_name, **{key.path: key.path for key in keys}}
     close = [known[word] for word in get_close_matches(wanted.lower(), known, n=MOST_GUESSES)]
     meant = list(dict.fromkeys([*begun, *close]))[:MOST_GUESSES]

@@ -233,11 +233,17 @@ def _points(ring: BaseGeometry) -> Array:
 def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
     """Evenly spread points of a pitch curve, shape (n, 2); no chord is off the curve by more than the tolerance.
 
-    Over an arc of length s, a chord is off by at most k s^2 / 8, with the largest curvature k.
+    Over an arc of length s, a chord is off by at most k s^2 / 8, with the largest curvature k.  Of gears that turn less
+    than once it is the sector of the range, whose last point is the axis.
     """
     sharpest = max(abs(bound) for bound in curve.curvature_bounds)
-    count = ceil(curve.length_mm * sqrt(sharpest / (8.0 * tolerance_mm)))
-    return curve.at_length(np.linspace(0.0, curve.length_mm, count, endpoint=False)).position
+    covered = curve.transmission.lobes.range
+    if covered is None:
+        count = ceil(curve.length_mm * sqrt(sharpest / (8.0 * tolerance_mm)))
+        return curve.at_length(np.linspace(0.0, curve.length_mm, count, endpoint=False)).position
+    end_mm = float(curve.arc.length(np.array([covered.driving_rad]))[0]) * curve.center_distance_mm
+    count = ceil(end_mm * sqrt(sharpest / (8.0 * tolerance_mm))) + 1
+    return np.vstack([curve.at_length(np.linspace(0.0, end_mm, count)).position, np.zeros((1, 2))])
 
 
 def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
