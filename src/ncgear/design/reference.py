@@ -290,6 +290,8 @@ KNOWN = {
     "web.thickness_mm": "6",
     "web.rim_mm": "6",
     "web.hub_mm": "20",
+    "end_stop.pin_mm": "5",
+    "end_stop.radius_mm": "20",
     "lightening_holes.count": "5",
     "lightening_holes.least_wall_mm": "4",
     "lightening_holes.diameter_mm": "12",
