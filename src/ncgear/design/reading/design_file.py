@@ -8,8 +8,8 @@ from typing import Any
 
 from ncgear.design.keys.design import Design, design_model
 from ncgear.design.keys.machine import MOST_RESISTANCE_POINTS
-from ncgear.design.laws.pitch_curve import ANGLE_OR_X, RADIUS_OR_Y
-from ncgear.design.laws.pitch_curve import MOST_POINTS as CURVE_POINTS
+from ncgear.design.keys.pitch_shapes import ANGLE_OR_X, RADIUS_OR_Y
+from ncgear.design.keys.pitch_shapes import MOST_POINTS as CURVE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.contour_file import ContourKind
 from ncgear.design.reading.messages import checked

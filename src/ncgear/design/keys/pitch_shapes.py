@@ -1,0 +1,358 @@
+"""The keys of shapes of pitch curves: points, a B-spline, a contour of a DXF file, ellipses and rounded polygons."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import cos, hypot, inf, pi, sqrt, tan
+from typing import TYPE_CHECKING, Annotated, Literal, Self
+
+from pydantic import Field, Strict, model_validator
+
+from ncgear.design.keys.base import (
+    LONGEST_MM,
+    Length,
+    Model,
+    Numbers,
+    fault,
+    given,
+    in_rad,
+    require_one,
+    spellings,
+)
+
+if TYPE_CHECKING:
+    from ncgear.numerics.arrays import Array
+    from ncgear.numerics.rational import RationalSpline
+    from ncgear.ratio.laws.closed_curve import ClosedCurve
+    from ncgear.ratio.laws.pitch_curve import Search
+
+MOST_POINTS = 20_000
+FEWEST_POINTS = 6
+MOST_CONTROL_POINTS = 500
+MOST_SIDES = 100
+HIGHEST_DEGREE = 5
+MOST_CURVES = 2000
+HIGHEST_DXF_DEGREE = 11
+FLATTEST = 1e-3
+"""Least semi axis that is sought, as a share of the other one: no gear turns with a flatter one."""
+INSIDE = 1.01
+"""What a size that is sought must be over, as a multiple of that at which the curve comes to its axis."""
+
+POLAR_COLUMNS = spellings("phi")
+ANGLE_OR_X = (*POLAR_COLUMNS, "x_mm")
+RADIUS_OR_Y = ("radius_mm", "y_mm")
+
+PointColumn = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
+ControlColumn = Annotated[Numbers, Field(min_length=3, max_length=MOST_CONTROL_POINTS)]
+Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
+
+UNIT_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}
+
+KEY = "motion"
+
+
+class Shape(Model):
+    """A shape of a pitch curve; ``solvable`` are the quantities that can be found, each with its key."""
+
+    @property
+    def solvable(self) -> Mapping[str, str]:
+        """By the value of ``solve_for`` the key that is left out."""
+        return {}
+
+    def search(self, wanted: str, center_distance_mm: float) -> Search:
+        """Where the value of a quantity is sought; raises NoSuchMechanism where there is no place for one."""
+        raise NotImplementedError(wanted)
+
+
+class Drawn(Shape):
+    """A curve drawn in the plane, and the point about which it turns."""
+
+    axis_x_mm: Place = Field(default=0.0, description="x of the gear's axis in the drawing, in mm")
+    axis_y_mm: Place = Field(default=0.0, description="y of the gear's axis in the drawing, in mm")
+
+    @property
+    def axis_mm(self) -> tuple[float, float]:
+        """The gear's axis in the drawing."""
+        return self.axis_x_mm, self.axis_y_mm
+
+
+class CurvePoints(Drawn):
+    """Points of the curve, in polar form or in the plane, in the order in which they follow each other."""
+
+    phi_rad: PointColumn | None = Field(
+        default=None, description="angles in rad by which the gear has turned when its point faces the mate"
+    )
+    phi_deg: PointColumn | None = Field(
+        default=None, description="angles in degrees by which the gear has turned when its point faces the mate"
+    )
+    phi_pi: PointColumn | None = Field(
+        default=None,
+        description="angles in multiples of pi by which the gear has turned when its point faces the mate",
+    )
+    radius_mm: PointColumn | None = Field(default=None, description="radii in mm, one for each angle")
+    x_mm: PointColumn | None = Field(default=None, description="x of points of the drawn curve in mm, with y_mm")
+    y_mm: PointColumn | None = Field(default=None, description="y of points of the drawn curve in mm")
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="CSV file with the columns instead, its header naming them; its path counts from the design file",
+    )
+    tolerance_mm: float = Field(
+        gt=0.0, le=100.0, description="how far the smooth curve may be from a point in mm, along its radius"
+    )
+
+    @model_validator(mode="after")
+    def _columns(self) -> Self:
+        require_one(self, ANGLE_OR_X)
+        first = given(self, ANGLE_OR_X)[0]
+        second, other = RADIUS_OR_Y if first != "x_mm" else RADIUS_OR_Y[::-1]
+        if getattr(self, other) is not None:
+            raise fault(other, f"given, but {first} goes with {second}")
+        if getattr(self, second) is None:
+            raise fault("", f"{second} is missing; {first} needs it")
+        counts = len(getattr(self, first)), len(getattr(self, second))
+        if counts[0] != counts[1]:
+            raise fault(second, f"{counts[1]} values, but {first} has {counts[0]}; as many are right")
+        if first != "x_mm" and self.axis_mm != (0.0, 0.0):
+            raise fault("axis_x_mm", "given, but points in polar form have their axis at the pole; leave it out")
+        for i, radius in enumerate(self.radius_mm or ()):
+            if not radius > 0.0:
+                raise fault(f"radius_mm.{i}", f"{radius:g} mm given; a radius over 0 is right")
+        return self
+
+    @property
+    def in_plane(self) -> bool:
+        """Whether the points are drawn in the plane."""
+        return self.x_mm is not None
+
+    def polar(self) -> tuple[Array, Array]:
+        """Angle in rad and radius in mm of each point, of drawn ones about the axis; raises NoSuchMechanism."""
+        import numpy as np
+
+        if not self.in_plane:
+            name = given(self, POLAR_COLUMNS)[0]
+            angles = [in_rad(value, name.removeprefix("phi_")) for value in getattr(self, name)]
+            return np.array(angles), np.array(self.radius_mm)
+        from ncgear.ratio.laws.curve_shapes import polar_points
+
+        points = np.column_stack([np.array(self.x_mm), np.array(self.y_mm)])
+        return polar_points(points - np.array(self.axis_mm), f"{KEY}.points")
+
+
+class BSpline(Drawn):
+    """A closed uniform B-spline."""
+
+    x_mm: ControlColumn = Field(description="x of the control points in mm, around the curve")
+    y_mm: ControlColumn = Field(description="y of the control points in mm")
+    degree: int = Field(
+        default=3, ge=2, le=HIGHEST_DEGREE, description="degree; with 2 the curvature jumps, from 3 on it does not"
+    )
+
+    @model_validator(mode="after")
+    def _enough_points(self) -> Self:
+        if len(self.x_mm) != len(self.y_mm):
+            raise fault("y_mm", f"{len(self.y_mm)} values, but x_mm has {len(self.x_mm)}; as many are right")
+        if len(self.x_mm) <= self.degree:
+            problem = f"{len(self.x_mm)} control points for degree {self.degree}; {self.degree + 1} or more are right"
+            raise fault("x_mm", problem)
+        return self
+
+
+class RationalCurve(Model):
+    """A line, an arc or a spline of a contour, as a rational B-spline in the unit of the drawing."""
+
+    degree: int = Field(ge=1, le=HIGHEST_DXF_DEGREE, description="degree")
+    knots: Numbers = Field(description="knots, rising")
+    x: Numbers = Field(description="x of the control points")
+    y: Numbers = Field(description="y of the control points")
+    weights: Numbers = Field(description="weights of the control points")
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        count = len(self.x)
+        if not (len(self.y) == len(self.weights) == count and len(self.knots) == count + self.degree + 1):
+            raise fault("knots", f"{count} control points need as many weights, and {count + self.degree + 1} knots")
+        if count <= self.degree or any(b < a for a, b in zip(self.knots, self.knots[1:], strict=False)):
+            raise fault("knots", "must rise, and there must be more control points than the degree")
+        if not self.knots[self.degree] < self.knots[-self.degree - 1]:
+            raise fault("knots", "the curve has no length")
+        if min(self.weights) <= 0.0:
+            raise fault("weights", "must be over 0")
+        return self
+
+
+class DxfContour(Drawn):
+    """A contour of a DXF file: lines, arcs and splines that make one closed curve."""
+
+    file: str | None = Field(
+        default=None,
+        min_length=1,
+        description="DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; "
+        "its path counts from the design file",
+    )
+    unit: Literal["mm", "cm", "m", "inch"] = Field(description="unit of the drawing")
+    layer: str | None = Field(
+        default=None, min_length=1, max_length=255, description="layer of the contour; left out: all layers"
+    )
+    curves: Annotated[tuple[RationalCurve, ...], Strict(False), Field(min_length=1, max_length=MOST_CURVES)] | None = (
+        Field(
+            default=None, description="the contour's parts, read from the file; given in place of it by programs only"
+        )
+    )
+
+    @model_validator(mode="after")
+    def _has_curves(self) -> Self:
+        if self.curves is None:
+            raise fault("", "file is missing; the name of a DXF file is needed")
+        return self
+
+    def contour(self) -> list[RationalSpline]:
+        """The parts as one closed chain, in mm; raises WrongInput where they are not one."""
+        import numpy as np
+
+        from ncgear.numerics.rational import RationalSpline
+        from ncgear.ratio.laws.curve_shapes import one_contour
+
+        scale = UNIT_MM[self.unit]
+        parts = [
+            RationalSpline(
+                part.degree,
+                np.array(part.knots),
+                scale * np.column_stack([np.array(part.x), np.array(part.y)]),
+                np.array(part.weights),
+            ).clamped()
+            for part in self.curves or ()
+        ]
+        return one_contour(parts, f"{KEY}.dxf.file")
+
+
+class OffsetEllipse(Drawn):
+    """An ellipse about its centre, with the axis at any point inside."""
+
+    semi_major_mm: Length | None = Field(default=None, description="semi axis along x in mm; left out to be found")
+    semi_minor_mm: Length | None = Field(default=None, description="semi axis along y in mm; left out to be found")
+
+    @property
+    def solvable(self) -> Mapping[str, str]:
+        """Either semi axis."""
+        return {"semi_major": "semi_major_mm", "semi_minor": "semi_minor_mm"}
+
+    def search(self, wanted: str, center_distance_mm: float) -> Search:
+        """From where the ellipse comes to its axis to the centre distance."""
+        x, y = self.axis_mm
+        minor = wanted == "semi_minor"
+        known = self.semi_major_mm if minor else self.semi_minor_mm
+        assert known is not None
+        along, across = (x, y) if minor else (y, x)
+        least = abs(across) / sqrt(1.0 - (along / known) ** 2) if abs(along) < known else inf
+        return search(max(FLATTEST * known, INSIDE * least), center_distance_mm, f"ellipse.{self.solvable[wanted]}")
+
+    def curve(self, key: str) -> ClosedCurve:
+        """The ellipse."""
+        from ncgear.ratio.laws.curve_shapes import ellipse
+
+        assert self.semi_major_mm is not None
+        assert self.semi_minor_mm is not None
+        return ellipse(self.semi_major_mm, self.semi_minor_mm, self.axis_mm, key)
+
+
+class ModifiedEllipse(Shape):
+    """Lobes of r = p / (1 + e cos(n m phi)), the least radius at phi = 0."""
+
+    semi_latus_rectum_mm: Length = Field(
+        description="p in mm, of r = p/(1 + e cos(n m phi)): the radius where the cosine is zero"
+    )
+    eccentricity: float | None = Field(default=None, ge=0.0, lt=1.0, description="e, from 0 (a circle) to under 1")
+    lobes: int = Field(default=1, ge=1, le=100, description="n, how often the curve repeats in a turn")
+    modification: float = Field(
+        default=1.0,
+        gt=0.5,
+        le=100.0,
+        description="m up to a lobe's greatest radius, over 0.5; after it m/(2 m - 1), so that the lobe is filled. 1: "
+        "both alike, an ellipse about its focus where n is 1",
+    )
+
+    @property
+    def solvable(self) -> Mapping[str, str]:
+        """The eccentricity."""
+        return {"eccentricity": "eccentricity"}
+
+    def search(self, wanted: str, center_distance_mm: float) -> Search:
+        """From a circle to where the greatest radius is the centre distance."""
+        high = 1.0 - self.semi_latus_rectum_mm / center_distance_mm
+        return search(0.0, high, "modified_ellipse.eccentricity", "")
+
+    def curve(self, key: str) -> ClosedCurve:
+        """The curve."""
+        from ncgear.ratio.laws.curve_shapes import modified_ellipse
+
+        assert self.eccentricity is not None
+        return modified_ellipse(self.semi_latus_rectum_mm, self.eccentricity, self.lobes, self.modification)
+
+
+class RoundedPolygon(Drawn):
+    """A regular polygon about its centre, a side at +x, its corners rounded."""
+
+    sides: int = Field(ge=3, le=MOST_SIDES, description="number of sides")
+    side_mm: Length | None = Field(
+        default=None, description="side of the sharp polygon in mm, before rounding; left out to be found"
+    )
+    corner_radius_mm: float | None = Field(
+        default=None, ge=0.0, le=LONGEST_MM, description="radius of the rounded corners in mm; left out to be found"
+    )
+
+    @property
+    def _half_angle(self) -> float:
+        return pi / self.sides
+
+    @model_validator(mode="after")
+    def _corners_fit(self) -> Self:
+        if self.side_mm is not None and self.corner_radius_mm is not None:
+            most = self.side_mm / 2.0 / tan(self._half_angle)
+            if self.corner_radius_mm > most:
+                problem = (
+                    f"{self.corner_radius_mm:g} mm is more than the circle in the polygon; up to {most:.6g} is right"
+                )
+                raise fault("corner_radius_mm", problem)
+        return self
+
+    @property
+    def solvable(self) -> Mapping[str, str]:
+        """The side or the radius of the corners."""
+        return {"side": "side_mm", "corner_radius": "corner_radius_mm"}
+
+    def search(self, wanted: str, center_distance_mm: float) -> Search:
+        """A side between the circle of the corners and the centre distance, or corners from sharp to round."""
+        slope, key = 2.0 * tan(self._half_angle), f"rounded_polygon.{self.solvable[wanted]}"
+        if wanted == "corner_radius":
+            assert self.side_mm is not None
+            return search(0.0, self.side_mm / slope, key)
+        assert self.corner_radius_mm is not None
+        least = max(self.corner_radius_mm, INSIDE * hypot(*self.axis_mm) / cos(self._half_angle))
+        return search(slope * max(least, FLATTEST * center_distance_mm), slope * center_distance_mm, key)
+
+    def curve(self, key: str) -> ClosedCurve:
+        """The polygon."""
+        from ncgear.ratio.laws.curve_shapes import rounded_polygon
+
+        assert self.side_mm is not None
+        assert self.corner_radius_mm is not None
+        return rounded_polygon(self.sides, self.side_mm, self.corner_radius_mm, self.axis_mm, key)
+
+
+Solvable = OffsetEllipse | ModifiedEllipse | RoundedPolygon
+"""Shapes of which one quantity can be found."""
+
+
+def search(low: float, high: float, key: str, unit: str = " mm") -> Search:
+    """The range of a quantity; raises NoSuchMechanism where it is empty."""
+    from ncgear.errors import NoSuchMechanism
+    from ncgear.ratio.laws.pitch_curve import Search
+
+    if not low < high:
+        raise NoSuchMechanism(
+            "no value makes a curve that goes round its axis and stays below the centre distance; move the axis, or "
+            "give a greater center_distance_mm",
+            key=f"{KEY}.{key}",
+        )
+    return Search(low, high, f"{KEY}.{key}", unit)
