@@ -9,20 +9,20 @@ from itertools import zip_longest
 from math import degrees, isclose
 from typing import TYPE_CHECKING
 
-from ncgear.design.keys.bodies import GearBody, Hub, Web
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
+from ncgear.figures.data_sheet.bodies import bodies
 from ncgear.figures.data_sheet.cut_table import cut_table
+from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
-from ncgear.figures.numbers import drawn, micrometres, shown, to_digits
-from ncgear.figures.tables import Column, Table, Value, cell_text, markdown, markdown_text
+from ncgear.figures.numbers import micrometres, shown, to_digits
+from ncgear.figures.tables import Column, Table, Value, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.measured import MeasuredGear, cut_gears, measured_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
@@ -30,36 +30,10 @@ from ncgear.teeth.shifts import thickness_mm
 from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
-    from ncgear.solids.plan.body import BodyPlan, RoundHole
     from ncgear.teeth.gear import ToothedGear
 
 ROUND = 1e-9
 """A gear is called circular where the ratio varies by less than this, relatively: that is rounding."""
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One line of the sheet: a value of the ``pair``, or one each of the ``driving`` and the ``driven`` gear.
-
-    ``unit`` may be empty.
-    """
-
-    label: str
-    unit: str = ""
-    pair: Value = None
-    driving: Value = None
-    driven: Value = None
-
-    @property
-    def of_pair(self) -> bool:
-        """Whether the value belongs to the pair, so that it needs one cell only."""
-        return self.pair is not None
-
-    @property
-    def texts(self) -> tuple[str, ...]:
-        """The value of the pair, or those of both gears, for reading, to the decimals of their unit."""
-        values = (self.pair,) if self.of_pair else (self.driving, self.driven)
-        return tuple(cell_text(value, self.unit) for value in values)
 
 
 @dataclass(frozen=True)
@@ -346,76 +320,6 @@ def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: 
         return shown(numbers)
     found = loss(gear)
     return f"{shown(numbers)}, by up to {micrometres(found.amount_mm)} (tooth {found.tooth})"
-
-
-def bodies(drive: Drive) -> tuple[Entry, ...]:
-    """Bores, keyways and the other parts of the bodies."""
-    driving, driven = drive.gears.driving, drive.gears.driven
-    rim = rim_mm_of(drive.gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
-    rows = [
-        Entry("bore", "mm", driving=driving.bore_mm, driven=driven.bore_mm),
-        Entry("keyway, width x depth", "mm", driving=_keyway(driving), driven=_keyway(driven)),
-        Entry("hub, diameter x height", "mm", driving=_hub(driving.hub), driven=_hub(driven.hub)),
-        Entry("thickness of web", "mm", driving=_thickness(driving.web), driven=_thickness(driven.web)),
-        *_round_holes(drive),
-        Entry("pin of the end stop, diameter, distance from the axis", "mm", None, _stop(driving), _stop(driven)),
-        Entry("rim outside the deepest root", "mm", driven=rim),
-        Entry("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
-        _process(drive.gears.process_clearance_mm),
-    ]
-    return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
-
-
-def _process(clearance_mm: float) -> Entry:
-    if clearance_mm < 0.0:
-        return Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance_mm)
-    return Entry("clearance for the process", "mm", pair=clearance_mm or None)
-
-
-def _keyway(body: GearBody) -> Value:
-    return f"{_mm(body.keyway.width_mm)} x {_mm(body.keyway.depth_mm)}" if body.keyway else None
-
-
-def _mm(size_mm: float) -> str:
-    return drawn(size_mm, "mm")
-
-
-def _hub(hub: Hub | None) -> Value:
-    return f"{_mm(hub.diameter_mm)} x {_mm(hub.height_mm)}" if hub else None
-
-
-def _stop(body: GearBody) -> Value:
-    return f"{_mm(body.end_stop.pin_mm)}, {_mm(body.end_stop.radius_mm)}" if body.end_stop else None
-
-
-def _thickness(web: Web | None) -> Value:
-    return web.thickness_mm if web else None
-
-
-def _round_holes(drive: Drive) -> list[Entry]:
-    """The round holes as they are made; solids are made only where a gear has some."""
-    gears = drive.gears
-    if not gears.index_holes and gears.driving.lightening_holes is None and gears.driven.lightening_holes is None:
-        return []
-    driving, driven = drive.solids.driving.plan, drive.solids.driven.plan
-    rows = [
-        Entry("lightening holes, number x diameter", "mm", driving=_lightening(driving), driven=_lightening(driven))
-    ]
-    if gears.index_holes:
-        sizes, places = zip(_marked(driving.index_hole), _marked(driven.index_hole), strict=True)
-        rows.append(Entry("diameter of index hole", "mm", None, *sizes))
-        rows.append(Entry("centre of index hole, x and y", "mm", None, *places))
-    return rows
-
-
-def _lightening(plan: BodyPlan) -> Value:
-    holes = plan.lightening_holes
-    return f"{len(holes)} x {_mm(holes[0].diameter_mm)}" if holes else None
-
-
-def _marked(hole: RoundHole | None) -> tuple[Value, Value]:
-    """Diameter and centre of an index hole."""
-    return ("no room for one", None) if hole is None else (hole.diameter_mm, f"{_mm(hole.x_mm)}, {_mm(hole.y_mm)}")
 
 
 def tolerances(drive: Drive) -> tuple[Entry, ...]:
