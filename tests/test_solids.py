@@ -239,3 +239,22 @@ def test_outline_radius_along_a_ray() -> None:
     assert outline_radius_mm(square, 0.0) == pytest.approx(1.0)
     assert outline_radius_mm(square, pi / 4.0 - 1e-9) == pytest.approx(hypot(1.0, 1.0))
     assert np.isnan(outline_radius_mm(square + 10.0, pi))
+
+
+@pytest.mark.parametrize("points", [1, 3])
+def test_points_in_line_stay_corners_of_both_faces(points: int) -> None:
+    """Earcut leaves them out, and then the walls beside them would not close."""
+    side = np.linspace(0.0, 40.0, points + 2)[:-1]
+    square = np.concatenate(
+        [
+            np.column_stack([side, 0.0 * side]),
+            np.column_stack([40.0 + 0.0 * side, side]),
+            np.column_stack([40.0 - side, 40.0 + 0.0 * side]),
+            np.column_stack([0.0 * side, 40.0 - side]),
+        ]
+    )
+    ring = square + np.array([-20.0, -20.0])
+    section = Polygon(ring, [0.5 * ring, 0.1 * ring + np.array([15.0, 0.0])])
+    mesh = slab_mesh([Slab(section, 0.0, 7.0)], None)
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(7.0 * section.area, rel=1e-12)

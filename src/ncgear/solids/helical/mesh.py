@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import mapbox_earcut
 import numpy as np
 from trimesh import Trimesh
 
@@ -22,16 +21,12 @@ from ncgear.solids.helical.sections import Sections
 from ncgear.solids.helical.stack import OUTLINE, Stack, close_stacks, falls, middle_section
 from ncgear.solids.mesh.finish import finished
 from ncgear.solids.mesh.pair import GearSolid, SolidPair
-from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, require_sound
+from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, filling, require_sound
 from ncgear.solids.plan.areas import stl_resolution_mm
 from ncgear.solids.plan.body import Blank, bore_points, hole_points
 from ncgear.solids.plan.plan import planned_within
 from ncgear.solids.plan.room import common_disc, full_disc
 from ncgear.teeth.form import ToothForm
-
-UNEVEN = 1e-9
-"""How unevenly points are shifted, relative to their distance from the axis, to choose the triangles of an end: far
-below single precision."""
 
 
 def helical_pair(
@@ -140,8 +135,5 @@ def _cap(tubes: Sequence[_Tube], layer: int) -> IndexArray:
     kept = [np.unique(tube.column[layer]) for tube in tubes]
     points = np.concatenate([tube.rings[layer, own] for tube, own in zip(tubes, kept, strict=True)])
     vertex = np.concatenate([tube.numbers[layer, own] for tube, own in zip(tubes, kept, strict=True)])
-    ends = np.cumsum([own.size for own in kept]).astype(np.uint32)
-    # Earcut passes over points exactly in line with their neighbours; after uneven shifts there are none.
-    uneven = points * (1.0 + UNEVEN * np.random.default_rng(0).random((len(points), 1)))
-    corners = mapbox_earcut.triangulate_float64(uneven, ends).reshape(-1, 3).astype(np.intp)
+    corners = filling(points, np.cumsum([own.size for own in kept]))
     return np.asarray(vertex[corners if np.sum(signed_area(points[corners])) > 0.0 else corners[:, ::-1]])

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import mapbox_earcut
 import numpy as np
 import shapely
 import trimesh.creation
@@ -23,6 +24,10 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_complex, signed_area
 from ncgear.solids.plan.areas import moved_inwards, parallel, polygons, rings
 from ncgear.solids.plan.body import Slab
+
+UNEVEN = 1e-9
+"""How unevenly points are shifted, relative to their distance from the axis, to choose the triangles of an end: far
+below single precision."""
 
 VOLUME_TOLERANCE = 1e-9
 """Relative difference allowed between the mesh's volume and section areas times heights: rounding only."""
@@ -86,8 +91,21 @@ def faces(area: BaseGeometry, height_mm: float, *, up: bool) -> list[Trimesh]:
     made = []
     for polygon in polygons(area):
         points, triangles = trimesh.creation.triangulate_polygon(polygon, engine="earcut")
+        around = [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+        ends = np.cumsum([len(ring) for ring in around])
+        if len(triangles) < ends[-1] + 2 * len(around) - 4:
+            points, triangles = np.vstack(around), filling(np.vstack(around), ends)
         made.append(facing(np.column_stack([points, np.full(len(points), height_mm)]), triangles, up=up))
     return made
+
+
+def filling(points: Array, ends: IndexArray) -> IndexArray:
+    """Triangles, shape (t, 3), between rings of points (n, 2) that end at ``ends``; every point is a corner of some.
+
+    Earcut passes over points exactly in line with their neighbours; after uneven shifts there are none.
+    """
+    uneven = points * (1.0 + UNEVEN * np.random.default_rng(0).random((len(points), 1)))
+    return mapbox_earcut.triangulate_float64(uneven, ends.astype(np.uint32)).reshape(-1, 3).astype(np.intp)
 
 
 def walls(area: BaseGeometry, low_mm: float, high_mm: float) -> list[Trimesh]:
