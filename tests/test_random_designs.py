@@ -165,7 +165,8 @@ def judge_checks(folder: Path, count: int, number: int) -> Counter[str]:
 @pytest.mark.thorough
 def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
     found = judge_checks(tmp_path, 36, 10**6)
-    assert min(found["made"], found["refused 2"], found["refused 3"]) >= 3, found
+    assert min(found["made"], found["refused 2"]) >= 3, found
+    assert found["refused 3"] > 0, found
 
 
 @pytest.mark.slow
