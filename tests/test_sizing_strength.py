@@ -10,7 +10,7 @@ import pytest
 from commands import Run, on_text
 from drives import drive, drive_of_text
 from ncgear.design.reading.design_file import load
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
@@ -234,3 +234,23 @@ def test_gears_are_on_a_circle_of_their_module() -> None:
     pitch = drive_of_text(TEXT).pitch
     assert pitch.center_distance_mm == pytest.approx(48.0, rel=1e-9)
     assert pitch.driving.length_mm == pytest.approx(48.0 * pi, rel=1e-9)
+
+
+def curve_text(*parts: str) -> str:
+    curve = "{law: pitch_curve, ellipse: {semi_major_mm: 23, axis_x_mm: 4, axis_y_mm: -4%s}, solve_for: %s%s}"
+    text = TEXT.replace("linkage: {crank_mm: 38, rod_mm: 96}\n", "").replace(
+        "polynomial_n: [2000]", "polynomial_n_m: [2]"
+    )
+    return text.replace("{law: uniform_crank}", curve % parts).replace("teeth: 24", "teeth: 47")
+
+
+def test_a_curve_in_mm_has_no_smaller_size() -> None:
+    text = curve_text("", "semi_minor", ", center_distance_mm: 40").replace(", module_mm: 2", "")
+    with pytest.raises(WrongInput, match="motion: a curve in mm that gives gears of 40 mm centre distance"):
+        smallest_gears(drive_of_text(text), Space())
+
+
+@pytest.mark.slow
+def test_a_curve_that_grows_with_its_gears_is_sized() -> None:
+    text = curve_text(", semi_minor_mm: 16.44", "scale", "").replace("module_mm: 2", "module_mm: 1")
+    assert smallest_gears(drive_of_text(text), Space())[0].verdict.holds

@@ -130,9 +130,17 @@ def outer_radii_mm(drive: Drive) -> dict[Gear, float]:
 def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
     """The smallest gears that hold for each of a few modules, by the method ``estimate``, the smallest first.
 
-    Raises NoSuchMechanism where none are found, with the nearest that were computed, and as ``verdict_of`` does for
-    the design as given.
+    Raises NoSuchMechanism where none are found, with the nearest that were computed, WrongInput where the law gives the
+    gears' size, and as ``verdict_of`` does for the design as given.
     """
+    motion = drive.design.motion
+    if motion.gives_center_distance:
+        raise WrongInput(
+            f"a curve in mm that gives gears of {drive.pitch.center_distance_mm:.6g} mm centre distance, so there is "
+            "no smaller size to look for; with solve_for: scale and no center_distance_mm it grows and shrinks with the "
+            "gears, and `ncgear strength` says whether gears of this size hold",
+            key="motion",
+        )
     search = _Search(drive, space, on_trial, [Sized({}, drive, verdict_of(drive, "estimate"))])
     found: list[Sized] = []
     for module, guessed in search.modules():
