@@ -137,8 +137,8 @@ def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, 
     if motion.gives_center_distance:
         raise WrongInput(
             f"a curve in mm that gives gears of {drive.pitch.center_distance_mm:.6g} mm centre distance, so there is "
-            "no smaller size to look for; with solve_for: scale and no center_distance_mm it grows and shrinks with the "
-            "gears, and `ncgear strength` says whether gears of this size hold",
+            "no smaller size to look for; with solve_for: scale and no center_distance_mm it grows with the gears, and "
+            "`ncgear strength` says whether gears of this size hold",
             key="motion",
         )
     search = _Search(drive, space, on_trial, [Sized({}, drive, verdict_of(drive, "estimate"))])
