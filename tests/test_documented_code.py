@@ -15,6 +15,7 @@ from documented.pages import PAGES, prepare, run_block, run_page, run_steps
 from documented.sessions import Step, differs, steps_of
 from documented.shell import WIDTH
 from ncgear.errors import WrongInput
+from tiers import long_but
 
 THOROUGH = ["README.md", "docs/commands/balance.md", "docs/python.md", "docs/baler.md"]
 
@@ -33,7 +34,11 @@ with_code = [page for page in PAGES if blocks_of(page.read_text(encoding="utf-8"
 
 
 @pytest.mark.tiers(thorough=THOROUGH, rest="slow")
-@pytest.mark.parametrize("page", with_code, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize(
+    "page",
+    long_but([page for page in with_code if page.stem != "frontier"], with_code),
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
 def test_page(page: Path, folder: Path) -> None:
     prepare(folder)
     run_page(page)

@@ -235,6 +235,7 @@ def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_cap_out_of_reach_is_refused_with_what_is_in_reach() -> None:
     """The work of a stroke in a whole cycle is a power no law goes below."""
     mean_w = PRESS.cycle_work_n_mm(760.0) / 1000.0

@@ -38,7 +38,9 @@ def found(folder: Path) -> dict[str, bytes]:
 
 @pytest.mark.slow
 @pytest.mark.attack
-@pytest.mark.parametrize(("before", "after"), [(ONE, OTHER), (STAGES, OTHER_STAGES)])
+@pytest.mark.parametrize(
+    ("before", "after"), [pytest.param(ONE, OTHER, marks=pytest.mark.long), (STAGES, OTHER_STAGES)]
+)
 def test_killed_at_each_step_the_folder_is_whole_and_the_next_run_clears_up(
     tmp_path: Path, before: Files, after: Files
 ) -> None:

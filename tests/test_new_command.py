@@ -23,6 +23,7 @@ from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import template
 from ncgear.project.drive import load, loads
+from tiers import long_but
 
 SOURCE = str(Path(ncgear.__file__).parents[1])
 PATIENCE_S = 60.0
@@ -349,7 +350,7 @@ SIZES = (
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", LawName)
+@pytest.mark.parametrize("law", long_but([LawName.TABLE, LawName.PITCH_CURVE, LawName.SPIRAL], LawName))
 @pytest.mark.parametrize("flags", SIZES, ids=["small", "large", "few teeth"])
 def test_what_is_written_builds_and_the_rest_is_refused_with_a_reason(run: Run, law: LawName, flags: list[str]) -> None:
     status, out, err = run("new", "a", "--law", law.value, *flags)

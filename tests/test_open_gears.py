@@ -545,6 +545,7 @@ def test_random_pairs_mesh_or_are_refused(drawn: tuple[Any, ...], module: float)
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @settings(max_examples=150, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 @given(drawn=st.one_of(spirals, generators), module=st.floats(0.6, 4.0))
 def test_many_random_pairs_mesh_or_are_refused(drawn: tuple[Any, ...], module: float) -> None:

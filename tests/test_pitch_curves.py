@@ -40,6 +40,7 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.pitch_curve import closing_distance_mm, driven_curve_law, driving_curve_law
 from ncgear.ratio.transmission import CLOSED, Lobes, Transmission
 from oracles import laws, pitch_curves
+from tiers import long_but
 
 KEY = "motion"
 CENTER = (0.0, 0.0)
@@ -190,7 +191,13 @@ MOTIONS: dict[str, tuple[dict[str, Any], tuple[int, int]]] = {
 
 
 @pytest.mark.tiers(thorough=["ellipse", "expression", "modified"], rest="slow")
-@pytest.mark.parametrize("name", [name for name in MOTIONS if name not in ("b_spline", "quadratic")])
+@pytest.mark.parametrize(
+    "name",
+    long_but(
+        ["ellipse", "expression", "modified", "polygon"],
+        [name for name in MOTIONS if name not in ("b_spline", "quadratic")],
+    ),
+)
 def test_a_law_is_that_of_its_oracle(name: str) -> None:
     """Closed in 40 digits by the definition of the shape; the law's own search must come to the same mate.
 
@@ -701,6 +708,7 @@ def test_a_part_too_narrow_to_be_followed_is_refused_with_its_place() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @settings(max_examples=1000, deadline=None)
 @given(polygons)
 def test_a_thousand_random_polygons_close(values: tuple[int, float, float, float, float]) -> None:
@@ -744,6 +752,7 @@ def test_random_splines_close_or_say_where_they_do_not(polar: list[tuple[float, 
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @settings(max_examples=1000, deadline=None)
 @given(splines, st.integers(2, 5))
 def test_a_thousand_random_splines_close_or_say_where_they_do_not(

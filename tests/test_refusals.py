@@ -14,6 +14,7 @@ import pytest
 
 from commands import ROOT, Process, Run, changed, fresh
 from ncgear.design.laws.registry import LawName
+from tiers import long_but
 
 BALER = (ROOT / "designs" / "baler.yaml").read_text(encoding="utf-8")
 MOTION = "motion: {law: ellipse, eccentricity: 0.35, phase_deg: 200}"
@@ -233,10 +234,7 @@ def test_timing_is_reported_beside_the_results(program: Program, tmp_path: Path)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "law",
-    LawName,
-)
+@pytest.mark.parametrize("law", long_but([LawName.THREE_SEGMENT_STROKE, LawName.FUNCTION_GENERATOR], LawName))
 def test_a_new_design_builds(law: LawName, program: Program, tmp_path: Path) -> None:
     assert program("new", "mine", "--law", law).returncode == 0
     done = program("build", "mine.yaml")

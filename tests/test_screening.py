@@ -205,7 +205,8 @@ def test_hundreds_of_random_harmonics_agree_with_single_designs(seed: int) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, *(pytest.param(seed, marks=pytest.mark.long) for seed in (3, 4, 5))])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [2, 3, 4, 5])
 def test_hundreds_of_random_strokes_agree_with_single_designs(seed: int) -> None:
     designs = random_strokes(seed, 100)
     assert disagreement(screened(designs), designs) <= AGREEMENT

@@ -465,6 +465,7 @@ WITH_TIMES = {"summary.json", "manifest.json"}
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_files_of_all_kinds_do_not_hang_on_how_a_process_orders_words(tmp_path: Path) -> None:
     pytest.importorskip("OCP")
     (tmp_path / "wheel.yaml").write_text(WHEEL)
