@@ -39,7 +39,7 @@ INNER_WALL_IN_MODULES = 1.0
 SLOT_CHORDS = 1e-3
 """Chord tolerance, as a share of its width, of a slot for which room is sought: far under any wall."""
 
-RADII = 200
+RADII = 60
 """Radii that are tried for a slot where the given one has no room."""
 
 
