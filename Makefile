@@ -5,10 +5,10 @@ PYTHON := .venv/bin/python
 	python3 -m venv .venv && .venv/bin/pip install -q -e '.[dev]'
 	touch .venv
 
-quick: .venv  ## a judge for every room, within a minute on two cores
+quick: .venv  ## a judge for every room, four minutes on two cores
 	$(PYTHON) -m pytest -m "not thorough and not slow"
 
-test: .venv  ## quick and thorough tests, about two minutes on two quick cores
+test: .venv  ## quick and thorough tests, nine minutes on two cores
 	$(PYTHON) -m pytest
 
 slow: .venv  ## the tests that take longer
