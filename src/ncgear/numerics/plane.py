@@ -103,3 +103,13 @@ class Vector:
     def cross(self, other: Vector) -> Term:
         """Vector product: the counter-clockwise moment of a force ``other`` at this place."""
         return self.x * other.y - self.y * other.x
+
+
+def bow_middles(points: Array, bulges: Array) -> Array:
+    """Middles of the lines and arcs of a closed contour, shape (n, 2), whose points (n, 2) are not repeated.
+
+    ``bulges`` (n,) are the tangents of a quarter of the angle that each turns by, positive counter-clockwise.
+    """
+    chord = np.roll(points, -1, axis=0) - points
+    across = np.stack([chord[:, 1], -chord[:, 0]], axis=1)
+    return np.asarray(points + (chord + bulges[:, None] * across) / 2.0)

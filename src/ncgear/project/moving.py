@@ -131,6 +131,14 @@ class Moving:
         with self.stopwatch("check"):
             return max(abs(stroke_error_mm(self.machine)), prescribed)
 
+    @property
+    def told_stroke_residual(self) -> dict[str, float]:
+        """The stroke's residual by its key, in the unit that people read; nothing of an output that never returns."""
+        place = self.linkage.OUTPUT.place
+        if not self.linkage.RETURNS:
+            return {}
+        return {f"stroke_residual_{place.ending}": place.factor * self.stroke_residual}
+
     @computed
     def uniform_check(self) -> KinematicCheck:
         """The uniform crank's peaks at the same speed."""

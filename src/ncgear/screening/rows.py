@@ -119,7 +119,7 @@ def single_figures(design: Design) -> dict[str, float]:
     figures = {
         "drive.law_speed_rpm": drive.law_speed_rpm,
         "closure.residual_rad": abs(drive.transmission.closure_error_rad),
-        **_stroke_residual(drive),
+        **{f"closure.{key}": value for key, value in drive.told_stroke_residual.items()},
         "ratio.min": low.value,
         "ratio.max": high.value,
         "check.peak_power_w": check.peak_power_w.value,
@@ -130,14 +130,6 @@ def single_figures(design: Design) -> dict[str, float]:
     }
     # With two stages each pair has its own curves, and only a build tells them apart.
     return figures if design.gears is None or design.stages > 1 else {**figures, **_pitch(drive)}
-
-
-def _stroke_residual(drive: Drive) -> dict[str, float]:
-    """What the motion misses of the stroke; nothing of an output that never returns."""
-    if not drive.linkage.RETURNS:
-        return {}
-    place = drive.linkage.OUTPUT.place
-    return {f"closure.stroke_residual_{place.ending}": place.factor * drive.stroke_residual}
 
 
 def _pitch(drive: Drive) -> dict[str, float]:

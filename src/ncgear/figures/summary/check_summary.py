@@ -23,21 +23,13 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
         "drive": _drive(drive),
         **stages_summary(drive),
-        "closure": _closure(drive),
+        "closure": {"residual_rad": abs(drive.transmission.closure_error_rad), **drive.told_stroke_residual},
         "ratio": {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at},
         "check": _check(drive),
         **_achieved(drive),
         "comparison": comparison_rows(drive),
         "warnings": [advice.line for advice in (*check_advice(drive), *rough_advice(drive))],
     }
-
-
-def _closure(drive: Drive) -> dict[str, float]:
-    found = {"residual_rad": abs(drive.transmission.closure_error_rad)}
-    if not drive.linkage.RETURNS:
-        return found
-    place = drive.linkage.OUTPUT.place
-    return {**found, f"stroke_residual_{place.ending}": place.factor * drive.stroke_residual}
 
 
 def _achieved(drive: Drive) -> dict[str, Any]:

@@ -16,6 +16,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import bow_middles
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -88,9 +89,7 @@ class Polyline:
     @property
     def corners(self) -> Array:
         """Points whose box holds the contour, but for what arcs rise above the middles of their bows."""
-        chord = np.roll(self.points, -1, axis=0) - self.points
-        across = np.stack([chord[:, 1], -chord[:, 0]], axis=1)
-        return np.vstack([self.points, self.points + (chord + self.bulges[:, None] * across) / 2.0])
+        return np.vstack([self.points, bow_middles(self.points, self.bulges)])
 
 
 def polygon(points: Array) -> Polyline:

@@ -32,6 +32,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape, TopoDS_Wire
 
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import bow_middles
 from ncgear.solids.plan.body import ArcSlot, Bore
 from ncgear.teeth.contour import DEGREE, Arc, Curve, Line, Spline
 
@@ -103,10 +104,8 @@ def bore_wire(bore: Bore) -> TopoDS_Wire:
 def slot_wire(slot: ArcSlot) -> TopoDS_Wire:
     """The six arcs of a slot."""
     start = slot.points
-    end = np.roll(start, -1, axis=0)
-    chord = end - start
-    middle = (start + end + slot.bulges[:, None] * np.stack([chord[:, 1], -chord[:, 0]], axis=1)) / 2.0
-    return wire_of([Arc(*three) for three in zip(start, middle, end, strict=True)])
+    arcs = zip(start, bow_middles(start, slot.bulges), np.roll(start, -1, axis=0), strict=True)
+    return wire_of([Arc(*three) for three in arcs])
 
 
 def prism(outer: TopoDS_Wire, holes: Sequence[TopoDS_Wire], low_mm: float, high_mm: float) -> TopoDS_Shape:

@@ -94,7 +94,8 @@ def faces(area: BaseGeometry, height_mm: float, *, up: bool) -> list[Trimesh]:
         around = [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
         ends = np.cumsum([len(ring) for ring in around])
         if len(triangles) < ends[-1] + 2 * len(around) - 4:
-            points, triangles = np.vstack(around), filling(np.vstack(around), ends)
+            points = np.vstack(around)
+            triangles = filling(points, ends)
         made.append(facing(np.column_stack([points, np.full(len(points), height_mm)]), triangles, up=up))
     return made
 
