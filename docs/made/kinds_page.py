@@ -118,6 +118,11 @@ def _built(drive: Drive) -> None:
     _ = drive.contact_extremes, drive.solids
 
 
+def _shown(drive: Drive) -> None:
+    drive.require_sound_pairs()
+    scene_of(drive)
+
+
 def _wished(drive: Drive) -> None:
     if not drive.motion_wishes:
         raise AssertionError("the wish is not there")
@@ -126,7 +131,7 @@ def _wished(drive: Drive) -> None:
 CAPABILITIES: dict[str, Callable[[str], object]] = {
     "check": lambda kind: check_summary(tried(kind)),
     "build: teeth, contact, solids": lambda kind: _built(tried(kind)),
-    "report and animation": lambda kind: scene_of(tried(kind)),
+    "report and animation": lambda kind: _shown(tried(kind)),
     "sweep": lambda kind: single_figures(tried(kind).design),
     "load on the output": lambda kind: kinematic_check(tried(kind, "resistance").machine),
     "load on its way back": lambda kind: kinematic_check(tried(kind, "returning").machine),

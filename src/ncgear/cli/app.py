@@ -11,6 +11,7 @@ from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.new import new
 from ncgear.cli.search import frontier, optimize, size, sweep
+from ncgear.cli.studio import studio
 
 app = typer.Typer(
     name="ncgear",
@@ -22,6 +23,7 @@ app = typer.Typer(
 )
 
 COMMANDS = (
+    studio,
     build,
     report,
     animate,

@@ -160,6 +160,7 @@ def animate(
 
         drive = Drive(loaded.design)
         with naming_what_helps(drive, BUILD):
+            drive.require_sound_pairs()
             scene = scene_of(drive)
         with counted("frames") as on_frame:
             content = animated(scene, kind, Loop(frames, seconds, width), on_frame)

@@ -8,7 +8,7 @@ imported where a mechanism is made, so that reading a design file loads no numer
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import Model
@@ -42,6 +42,8 @@ class Entry:
     masses: type[GearMasses] = SlidingMasses
     resistance: type[Load] = Resistance
     wishes: type[Timing] = Wishes
+    proportions: Mapping[str, float] = field(default_factory=dict)
+    """Lengths of a machine that works, as multiples of its crank or pinion, for whoever begins with this mechanism."""
 
     @property
     def stroke_key(self) -> str | None:
@@ -99,11 +101,20 @@ NO_LINKAGE = "none"
 """The name of gears by themselves."""
 
 MECHANISMS: dict[str, Entry] = {
-    "crank_slider": Entry(_crank_slider, Linkage, Masses),
-    "scotch_yoke": Entry(_scotch_yoke, YokeKeys),
-    "crank_rocker": Entry(_crank_rocker, RockerKeys, RockerMasses, RockerTorque, TurningWishes),
-    "slotted_lever": Entry(_slotted_lever, LeverKeys, LeverMasses),
-    "rack_pinion": Entry(_rack_pinion, RackKeys),
+    "crank_slider": Entry(_crank_slider, Linkage, Masses, proportions={"crank_mm": 1.0, "rod_mm": 3.0}),
+    "scotch_yoke": Entry(_scotch_yoke, YokeKeys, proportions={"crank_mm": 1.0}),
+    "crank_rocker": Entry(
+        _crank_rocker,
+        RockerKeys,
+        RockerMasses,
+        RockerTorque,
+        TurningWishes,
+        {"crank_mm": 1.0, "coupler_mm": 3.25, "rocker_mm": 2.25, "ground_mm": 3.5},
+    ),
+    "slotted_lever": Entry(
+        _slotted_lever, LeverKeys, LeverMasses, proportions={"crank_mm": 1.0, "pivot_mm": 2.5, "lever_mm": 5.0}
+    ),
+    "rack_pinion": Entry(_rack_pinion, RackKeys, proportions={"radius_mm": 1.0}),
     NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque),
 }
 """All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""

@@ -114,6 +114,11 @@ class Drive(Geared):
         """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""
         _ = self.contact_extremes
 
+    def require_sound_pairs(self) -> None:
+        """Raise as ``require_sound_teeth`` does for any pair of gears; a design without gears has none."""
+        for pair in self.by_stage if self.design.gears is not None else ():
+            pair.require_sound_teeth()
+
     def contact(self, written: Sequence[Outlines]) -> PairContact:
         """Contact of the exact teeth and of the written outlines.
 

@@ -44,8 +44,8 @@ from ncgear.project.drive import Drive
 PACKAGE = "ncgear.drawings.page"
 
 SCENE_SCRIPTS = ("angles", "places", "gestures", "scene")
-PAGE_SCRIPTS = ("shafts", "clock", "charts", "readouts", "controls", "page")
-"""Files of scene/ and of script/; each may use those before it."""
+SHARED_SCRIPTS = ("shafts", "clock", "charts", "views", "readouts", "controls")
+"""Files of scene/ and of script/; each may use those before it.  The studio has them too."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 
@@ -61,7 +61,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
     figures = [drawn(chart) for chart in charts]
     data = page_data(scene, figures)
     about_pairs = {
-        "facts": [*facts(drive), *chain.from_iterable(gear_facts(*pair) for pair in pairs)],
+        "facts": [*facts(drive), *chain.from_iterable(gear_facts(pair) for pair, _ in pairs)],
         "pairs": [
             {
                 "title": _stage_name(pair),
@@ -108,8 +108,12 @@ def _rendered(content: Mapping[str, Any]) -> bytes:
     environment = Environment(loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined)
     environment.policies["json.dumps_kwargs"] = JSON_FORM
     template = environment.get_template("template.html.j2")
-    css, script = style_of_colors() + _asset("page.css") + scene_style(), _page_script()
-    return template.render(**content, css=Markup(css), script=Markup(script), policy=_policy(script)).encode()
+    css, script = page_style(), in_own_scope(shared_script(), _asset("script/page.js"))
+    policy = (
+        f"default-src 'none'; script-src {hash_source(script)}; style-src 'unsafe-inline'; base-uri 'none'; "
+        "form-action 'none'"
+    )
+    return template.render(**content, css=Markup(css), script=Markup(script), policy=policy).encode()
 
 
 def scene_script() -> str:
@@ -122,18 +126,24 @@ def scene_style() -> str:
     return with_fallbacks(_asset("scene.css"))
 
 
-def _page_script() -> str:
-    """The page's code, in a scope of its own."""
-    parts = [scene_script(), *(_asset(f"script/{name}.js") for name in PAGE_SCRIPTS)]
-    return "\n".join(["(() => {", '"use strict";', *parts, "})();"])
+def page_style() -> str:
+    """The style sheet of a page with charts, tables and a scene."""
+    return style_of_colors() + _asset("page.css") + scene_style()
 
 
-def _policy(script: str) -> str:
-    """The policy of the page: it makes no request of any kind, and runs no code but this script."""
-    own = b64encode(sha256(script.encode()).digest()).decode()
-    return (
-        f"default-src 'none'; script-src 'sha256-{own}'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
-    )
+def shared_script() -> str:
+    """The scene, and all that shows and changes its angle: clock, charts, readouts, controls."""
+    return "\n".join([scene_script(), *(_asset(f"script/{name}.js") for name in SHARED_SCRIPTS)])
+
+
+def in_own_scope(*scripts: str) -> str:
+    """Scripts together in a scope of their own."""
+    return "\n".join(["(() => {", '"use strict";', *scripts, "})();"])
+
+
+def hash_source(script: str) -> str:
+    """The source of a content security policy that lets this script run, and no other code."""
+    return f"'sha256-{b64encode(sha256(script.encode()).digest()).decode()}'"
 
 
 def _asset(name: str) -> str:

@@ -8,7 +8,7 @@ for the second of two stages is on the shaft between the stages.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import degrees
@@ -115,18 +115,21 @@ def split_angles(end_rad: float, jumps_rad: Iterable[float]) -> Array:
 
 def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
     """Pressure angle and transmission error of one pair, stresses where a load is known; of a stage its ratio, too."""
-    charts = {
-        "pressure_angle": _pressure_angle(drive, contact),
-        "transmission_error": _transmission_error(contact),
-        **_strength(drive),
-    }
-    joints = np.degrees(joints_up_to(drive.pair.transmission, contact.as_designed.placement.cycle_rad))
+    return charts_of_pair(
+        drive, {"transmission_error": _transmission_error(contact)}, contact.as_designed.placement.cycle_rad
+    )
+
+
+def charts_of_pair(drive: Drive, written: Mapping[str, Chart], cycle_rad: float) -> list[PageChart]:
+    """Charts of one pair that need no file, with those of what was written, by their keys, after the first."""
+    charts = {"pressure_angle": _pressure_angle(drive), **written, **_strength(drive)}
+    joints = np.degrees(joints_up_to(drive.pair.transmission, cycle_rad))
     if drive.stage is None:
         return [PageChart(key, replace(chart, joints_deg=joints)) for key, chart in charts.items()]
     shaft, stage = DRIVING if drive.stage == 1 else BETWEEN, drive.stage
     return [
         PageChart(f"{key}_{stage}", replace(chart, name=f"{chart.name}, stage {stage}", joints_deg=joints), shaft)
-        for key, chart in {"ratio": _ratio(drive, contact), **charts}.items()
+        for key, chart in {"ratio": _ratio(drive, cycle_rad), **charts}.items()
     ]
 
 
@@ -145,9 +148,9 @@ def _strength(drive: Drive) -> dict[str, Chart]:
     }
 
 
-def _pressure_angle(drive: Drive, contact: PairContact) -> Chart:
+def _pressure_angle(drive: Drive) -> Chart:
     """The pressure angle at the first contact as designed; for circular gears the rack's, of flanks that push."""
-    chart = contact_charts.pressure_angle(contact.as_designed)
+    chart = contact_charts.pressure_angle(drive.designed_contact)
     backs, pushing = chart.lines
     circular = np.full(2, degrees(drive.rack.pressure_angle_rad))
     lines = (
@@ -177,8 +180,8 @@ def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
     return Line(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))
 
 
-def _ratio(drive: Drive, contact: PairContact) -> Chart:
-    law, end = drive.pair.transmission, contact.as_designed.placement.cycle_rad
+def _ratio(drive: Drive, end: float) -> Chart:
+    law = drive.pair.transmission
     angle = split_angles(end, joints_up_to(law, end).tolist())
     values = 1.0 / law.driven_angle(angle, 1).derivative(1)
     line = Line(Role.OWN, "this design", np.degrees(angle), values)

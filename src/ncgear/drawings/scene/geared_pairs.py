@@ -128,7 +128,7 @@ class ScenePair:
 def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
     """The pairs of a drive from the driving shaft on; none where its design has no gears.
 
-    Raises WrongInput or NoSuchMechanism where the teeth cannot be made or their contact is not sound.
+    The contact of the teeth is not judged.  Raises WrongInput or NoSuchMechanism where the teeth cannot be made.
     """
     gears = drive.design.gears
     if gears is None:
@@ -141,7 +141,6 @@ def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
 
 
 def _pair(drive: Drive, number: int, mounting: Mounting) -> ScenePair:
-    drive.require_sound_teeth()
     driving, driven = (_gear(drive, gear, number, mounting) for gear in Gear)
     return ScenePair(drive.pitch, drive.pitch.size.module_mm, mounting, driving, driven)
 

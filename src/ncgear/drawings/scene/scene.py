@@ -7,7 +7,7 @@ clockwise.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import gcd, pi
 
@@ -156,10 +156,15 @@ class Scene:
 
 
 def scene_of(drive: Drive) -> Scene:
-    """The scene of a drive, with all pairs of gears that the design has.
+    """The scene of a drive, with all pairs of gears that the design has; whether their teeth mesh is not judged.
 
-    Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made, or teeth do not mesh.
+    Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made.
     """
+    return replace(scene_without_gears(drive), pairs=scene_pairs(drive))
+
+
+def scene_without_gears(drive: Drive) -> Scene:
+    """The scene of a drive's mechanism alone; raises WrongInput or NoSuchMechanism where its law cannot be made."""
     machine = drive.machine
     chamber = chamber_of(drive.linkage, machine.load)
-    return Scene(drive.design.name, machine, drive.law.train, scene_pairs(drive), chamber)
+    return Scene(drive.design.name, machine, drive.law.train, (), chamber)

@@ -261,12 +261,13 @@ def contact_summary(contact: PairContact, extremes: ContactExtremes) -> dict[str
         "contact_ratio_mean": designed.contact_ratio,
         "contact_ratio_min": designed.least_arc,
         "penetration_max_mm": contact.penetration_mm,
-        "as_designed": _as_designed(designed, extremes),
+        "as_designed": designed_contact(designed, extremes),
         "as_written": {written.source: _as_written(written, designed) for written in contact.as_written},
     }
 
 
-def _as_designed(designed: AsDesigned, extremes: ContactExtremes) -> dict[str, Any]:
+def designed_contact(designed: AsDesigned, extremes: ContactExtremes) -> dict[str, Any]:
+    """Figures of the contact of the exact teeth, each with its unit at the end of its key."""
     pushing, back = designed.pushing, designed.back
     return {
         "transmission_error_rad": extremes.pushing_error_rad.width,

@@ -12,6 +12,8 @@
  *   scene.shaft_angles(phi1)  how far each shaft has turned, in rad, the driving one first, the crank's last
  *   scene.zoom(factor)        magnify about the middle of the view; scene.reset() undoes zooming and dragging
  *   scene.place(name, phi1)   {x, y, angle} of a body in mm and rad, y upwards: "crank", "rod", "slider", "driving"
+ *   scene.looking()           view, zoom and place of the picture, which scene.lookAs(...) of another scene takes over
+ *   scene.follow(shafts)      turn by the tables of another law, while its gears are not there yet
  *   scene.loop                driving angle in rad after which every body is back in its pose
  *
  * Angles are those of the law to 1e-6 rad; they are interpolated by Hermite's cubics from a table, all other places
@@ -98,6 +100,22 @@ function createScene(svg, data) {
     look();
   }
 
+  // What is looked at, for another scene of the same machine.
+  function looking() {
+    return { view: state.view, zoom: state.zoom, dx: state.dx, dy: state.dy };
+  }
+
+  function lookAs(other) {
+    view(data.views[other.view] ? other.view : "machine");
+    Object.assign(state, { zoom: other.zoom, dx: other.dx, dy: other.dy });
+    look();
+  }
+
+  // The shafts turn by another law, of which the gears know nothing yet.
+  function follow(shafts) {
+    data.shafts = shafts;
+  }
+
   function zoom(factor) {
     state.zoom = bounded(state.zoom * factor);
     look();
@@ -128,5 +146,5 @@ function createScene(svg, data) {
   const place = (name, phi1) => placesAt(data, phi1)[name];
   const shaft_angles = (phi1) => shaftsAt(data.shafts, phi1).map((shaft) => shaft.value);
   const views = Object.keys(data.views);
-  return { show, view, driven_angle, shaft_angles, zoom, reset, place, views, loop: data.loop };
+  return { show, view, looking, lookAs, follow, driven_angle, shaft_angles, zoom, reset, place, views, loop: data.loop };
 }

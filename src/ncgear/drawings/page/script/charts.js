@@ -34,13 +34,16 @@ function createChart(figure, chart) {
   return { show };
 }
 
-// `onPick` gets the angle, of the chart's own axis, under the pointer while it is pressed.
-function followPointer(plot, chart, onPick) {
-  const svg = plot.querySelector("svg");
+// The place of a pointer in the units of an SVG element.
+function placeIn(svg, event) {
+  return new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+}
 
+// `onPick` gets the angle, of the axis of the chart that is there at the moment, under the pointer while it is pressed.
+function followPointer(plot, chartNow, onPick) {
   function pick(event) {
-    const inside = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-    const deg = between(inside.x, chart.x, chart.angle_deg);
+    const chart = chartNow();
+    const deg = between(placeIn(plot.querySelector("svg"), event).x, chart.x, chart.angle_deg);
     onPick(Math.min(Math.max(deg, chart.angle_deg[0]), chart.angle_deg[1]));
   }
 

@@ -1,18 +1,26 @@
 // The driving angle in degrees, set by hand or carried on by time; `onChange` hears of every new one.
+// `cycle` are the degrees of a cycle, and gears that swing turn to and fro.
 
-function createClock(cycle, swings, onChange) {
-  const state = { deg: 0, pace: 0, playing: false, last: null, sense: 1 };
+function createClock(onChange) {
+  const state = { deg: 0, cycle: 360, swings: false, pace: 0, playing: false, last: null, sense: 1 };
+
+  // A machine with another cycle has its angle within it.
+  function fit(cycle, swings) {
+    Object.assign(state, { cycle, swings });
+    set(state.deg);
+  }
 
   function set(deg) {
     if (!Number.isFinite(deg)) return;
     // Both ends of the cycle can be chosen; beyond them it begins anew.
-    state.deg = deg < 0 || deg > cycle ? wrapped(deg, cycle) : deg;
+    state.deg = deg < 0 || deg > state.cycle ? wrapped(deg, state.cycle) : deg;
     onChange(state.deg, state.playing);
   }
 
   // Gears that turn less than once go back from each end; all others go on.
   function go(step) {
-    if (!swings) return set(wrapped(state.deg + step, cycle));
+    const cycle = state.cycle;
+    if (!state.swings) return set(wrapped(state.deg + step, cycle));
     const along = wrapped((state.sense > 0 ? state.deg : 2 * cycle - state.deg) + step, 2 * cycle);
     state.sense = along < cycle ? 1 : -1;
     set(along < cycle ? along : 2 * cycle - along);
@@ -44,6 +52,7 @@ function createClock(cycle, swings, onChange) {
   }
 
   return {
+    fit,
     set,
     play,
     pause,
@@ -51,5 +60,6 @@ function createClock(cycle, swings, onChange) {
     toggle: () => (state.playing ? pause() : play()),
     setPace: (degPerSecond) => (state.pace = degPerSecond),
     deg: () => state.deg,
+    cycle: () => state.cycle,
   };
 }

@@ -3,7 +3,7 @@
 const STEP_DEG = 1;
 const LEAP_DEG = 10;
 
-function createControls(clock, cycle) {
+function createControls(clock) {
   const [button, scrub, angle, pace] = ["play", "scrub", "angle", "pace"].map((id) => document.getElementById(id));
 
   button.addEventListener("click", clock.toggle);
@@ -13,11 +13,12 @@ function createControls(clock, cycle) {
   angle.addEventListener("change", () => (angle.value = clock.deg().toFixed(2)));
   pace.addEventListener("change", () => clock.setPace(Number(pace.value)));
   clock.setPace(Number(pace.value));
-  document.addEventListener("keydown", (event) => onKey(event, clock, cycle));
+  document.addEventListener("keydown", (event) => onKey(event, clock));
   document.addEventListener("visibilitychange", clock.rest);
 
   return {
     show(deg, playing) {
+      scrub.max = clock.cycle();
       scrub.value = deg;
       scrub.setAttribute("aria-valuetext", `${deg.toFixed(1)} degrees`);
       if (document.activeElement !== angle || playing) angle.value = deg.toFixed(2);
@@ -27,7 +28,7 @@ function createControls(clock, cycle) {
   };
 }
 
-function keyActions(clock, cycle, step) {
+function keyActions(clock, step) {
   return {
     " ": clock.toggle,
     ArrowRight: () => clock.set(clock.deg() + step),
@@ -35,7 +36,7 @@ function keyActions(clock, cycle, step) {
     ArrowLeft: () => clock.set(clock.deg() - step),
     ArrowDown: () => clock.set(clock.deg() - step),
     Home: () => clock.set(0),
-    End: () => clock.set(cycle),
+    End: () => clock.set(clock.cycle()),
   };
 }
 
@@ -47,9 +48,9 @@ function isTaken(key, target) {
   return key === "ArrowUp" || key === "ArrowDown" || target.closest("pre, .table-frame") !== null;
 }
 
-function onKey(event, clock, cycle) {
+function onKey(event, clock) {
   if (event.altKey || event.ctrlKey || event.metaKey || isTaken(event.key, event.target)) return;
-  const action = keyActions(clock, cycle, event.shiftKey ? LEAP_DEG : STEP_DEG)[event.key];
+  const action = keyActions(clock, event.shiftKey ? LEAP_DEG : STEP_DEG)[event.key];
   if (!action) return;
   event.preventDefault();
   action();

@@ -1,21 +1,13 @@
 // The page put together: one angle, and everything that shows it.
 
-function viewButtons(scene) {
-  for (const choice of document.querySelectorAll('input[name="view"]')) {
-    choice.addEventListener("change", () => scene.view(choice.value));
-  }
-  const zooms = { nearer: () => scene.zoom(1.5), farther: () => scene.zoom(1 / 1.5), whole: scene.reset };
-  for (const [id, zoom] of Object.entries(zooms)) document.getElementById(id).addEventListener("click", zoom);
-}
-
 function start() {
   const data = JSON.parse(document.getElementById("data").textContent);
   const scene = createScene(document.querySelector("svg.scene"), data.scene);
   const figures = data.charts.map((chart) => document.querySelector(`figure[data-key="${chart.key}"]`));
   const charts = data.charts.map((chart, number) => createChart(figures[number], chart));
   const readouts = createReadouts(data.charts);
-  const clock = createClock(data.cycle_deg, data.swings, show);
-  const controls = createControls(clock, data.cycle_deg);
+  const clock = createClock(show);
+  const controls = createControls(clock);
 
   function valuesAt(deg) {
     const degrees = degreesAt(scene, deg);
@@ -32,12 +24,12 @@ function start() {
   }
 
   data.charts.forEach((chart, number) =>
-    followPointer(figures[number].querySelector(".plot"), chart, (deg) =>
+    followPointer(figures[number].querySelector(".plot"), () => chart, (deg) =>
       clock.set(chart.angle === "driving" ? deg : drivingOf(scene, chart.angle, deg)),
     ),
   );
-  viewButtons(scene);
-  clock.set(0);
+  listenToViews(() => scene);
+  clock.fit(data.cycle_deg, data.swings);
 
   // For whoever looks at the page by script: angles in rad.
   window.ncgear = Object.freeze({

@@ -1,0 +1,51 @@
+"""The command that opens the studio."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ncgear.cli.arguments import EXPORT, DesignFile
+from ncgear.errors import WrongInput
+from ncgear.extras import require
+
+
+def studio(
+    design_file: DesignFile,
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for what the page makes, one folder for each design.")
+    ] = EXPORT,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port on this computer.", show_default="any that is free")
+    ] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+) -> None:
+    """Design by looking: a page on which the machine runs and follows every value at once.
+
+    The page is served to this computer only, at an address that nobody can guess; Ctrl-C ends it.
+    """
+    for library in ("starlette", "uvicorn", "websockets"):
+        require(library, "studio", "ncgear studio")
+    if not design_file.exists():
+        name = design_file.stem or "machine"
+        raise WrongInput(f"is not there; `ncgear new {name}` writes a design to begin with", location=str(design_file))
+
+    from ncgear.studio.editing import design_on_disk
+    from ncgear.studio.server import listening, serve
+
+    design_on_disk(design_file)
+    try:
+        bound = listening(port)
+    except OSError as error:
+        raise WrongInput(f"{port} cannot be used ({error.strerror}); leave it out, or give another", key="--port") from error
+
+    def begun(address: str) -> None:
+        typer.echo(f"{design_file} is open at {address}\nCtrl-C ends the studio; what is not saved is lost then.")
+        if browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve(design_file, out, bound, begun)

@@ -1,0 +1,131 @@
+"""The two processes of a page that compute answers, seen from the server: started, asked, watched, ended."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from ncgear.project.frontier_run import ONE_THREAD
+from ncgear.studio.worker import CHAINS
+
+LONGEST_S = 60.0
+"""Time for all answers of one text, after which the process is replaced: an ordinary design takes a second or two."""
+
+LONGEST_ANSWER = 64 << 20
+"""Bytes of one answer: outlines of gears with thousands of teeth have some megabytes."""
+
+Told = Callable[[str], Awaitable[None]]
+
+
+@dataclass
+class Chain:
+    """One process that computes answers; ``told`` gets each answer as a line of JSON."""
+
+    name: str
+    told: Told
+    _process: asyncio.subprocess.Process | None = None
+    _listening: asyncio.Task[None] | None = None
+    _watching: asyncio.Task[None] | None = None
+    _asked: tuple[int, bytes] | None = None
+
+    async def ask(self, number: int, text: str, path: str) -> None:
+        """Ask for the answers of a text; those to earlier questions are broken off."""
+        request = json.dumps({"n": number, "text": text, "path": path}).encode() + b"\n"
+        self._asked = number, request
+        if self._process is None or self._process.returncode is not None:
+            await self._start()
+        await self._send(request)
+        if self._watching is not None:
+            self._watching.cancel()
+        self._watching = asyncio.create_task(self._watch(number))
+
+    async def _start(self) -> None:
+        environment = {**ONE_THREAD, **os.environ}
+        self._process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-m",
+            "ncgear.studio.worker",
+            self.name,
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            env=environment,
+            limit=LONGEST_ANSWER,
+            # Ctrl-C in the terminal is for the server, which closes the input of this process.
+            start_new_session=os.name == "posix",
+        )
+        self._listening = asyncio.create_task(self._listen(self._process))
+
+    async def _send(self, request: bytes) -> None:
+        assert self._process is not None and self._process.stdin is not None
+        with suppress(ConnectionError):
+            self._process.stdin.write(request)
+            await self._process.stdin.drain()
+
+    async def _listen(self, process: asyncio.subprocess.Process) -> None:
+        assert process.stdout is not None
+        with suppress(asyncio.LimitOverrunError, ValueError):
+            while line := await process.stdout.readline():
+                if self._asked is not None and line.startswith(b'{"is":"done"') and self._is_newest(line):
+                    self._asked = None
+                await self.told(line.decode().rstrip())
+        if process is self._process and self._asked is not None:
+            # It has ended by itself, as when memory is short.
+            number = self._asked[0]
+            self._asked = None
+            self.kill()
+            await self.told(self._broken(number, "the computation ended without an answer"))
+
+    def _is_newest(self, line: bytes) -> bool:
+        return self._asked is not None and json.loads(line)["n"] == self._asked[0]
+
+    async def _watch(self, number: int) -> None:
+        await asyncio.sleep(LONGEST_S)
+        if self._asked is not None and self._asked[0] == number:
+            self._asked = None
+            self.kill()
+            await self.told(self._broken(number, f"stopped after {LONGEST_S:g} s without an answer"))
+
+    def _broken(self, number: int, problem: str) -> str:
+        said = {"problem": problem, "after": "", "key": "", "line": None, "wrong_input": False}
+        return json.dumps({"is": "refused", "n": number, "from": self.name, "content": said})
+
+    def kill(self) -> None:
+        """End the process now; the next question starts another."""
+        process, self._process = self._process, None
+        if process is not None and process.returncode is None:
+            with suppress(ProcessLookupError):
+                process.kill()
+
+    async def close(self) -> None:
+        """End the process and wait until it is gone."""
+        process = self._process
+        self.kill()
+        for task in (self._watching, self._listening):
+            if task is not None:
+                task.cancel()
+        if process is not None:
+            await process.wait()
+
+
+@dataclass
+class Chains:
+    """Both processes of a page."""
+
+    told: Told
+    chains: list[Chain] = field(default_factory=list)
+
+    async def ask(self, number: int, text: str, path: str) -> None:
+        """Ask both for the answers of a text."""
+        if not self.chains:
+            self.chains = [Chain(name, self.told) for name in CHAINS]
+        await asyncio.gather(*(chain.ask(number, text, path) for chain in self.chains))
+
+    async def close(self) -> None:
+        """End both."""
+        await asyncio.gather(*(chain.close() for chain in self.chains))
+        self.chains = []

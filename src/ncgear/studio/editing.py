@@ -1,0 +1,191 @@
+"""The text of a design while it is edited: changes of keys, history, the difference from the file, and saving.
+
+The text stays that of the design file throughout, so its comments and their order stay, and whatever the page shows is
+what ``ncgear check`` would read.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from difflib import unified_diff
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml.error import YAMLError
+
+from ncgear.design.beginning import begun
+from ncgear.design.laws.registry import LawName
+from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
+from ncgear.design.reading.text import read_text, whole
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.rewritten import rewritten
+from ncgear.errors import WrongInput
+from ncgear.files.publish import exchange, opened
+
+MOST_STEPS = 500
+"""Steps that can be undone; with texts of some kilobytes they take a megabyte or two."""
+
+LARGEST_MB = 1
+"""Size of a text that can be edited: a hundred times that of a long design, and read in a few seconds."""
+
+DIGITS = 7
+"""Significant digits of a value that was dragged; a pixel of any screen is a thousandth of a chart."""
+
+
+@dataclass(frozen=True)
+class History:
+    """The text that is shown, those before it, and those that were undone."""
+
+    now: str
+    past: tuple[str, ...] = ()
+    future: tuple[str, ...] = ()
+
+    def kept(self, text: str) -> History:
+        """The history with one more step; a text that is shown already makes none."""
+        if text == self.now:
+            return self
+        return History(text, (*self.past, self.now)[-MOST_STEPS:])
+
+    def undone(self) -> History:
+        """One step back; the same history where there is none."""
+        if not self.past:
+            return self
+        return History(self.past[-1], self.past[:-1], (self.now, *self.future))
+
+    def redone(self) -> History:
+        """One step forth; the same history where there is none."""
+        if not self.future:
+            return self
+        return History(self.future[0], (*self.past, self.now), self.future[1:])
+
+
+@dataclass(frozen=True)
+class DesignOnDisk:
+    """A design file and the bytes that it had when it was read or saved."""
+
+    path: Path
+    content: bytes
+
+    @property
+    def text(self) -> str:
+        """Its text."""
+        return self.content.decode("utf-8-sig")
+
+    def saved(self, text: str, *, over: bool) -> DesignOnDisk:
+        """The file with another text, written at one instant: a process that is killed leaves the old file or the new.
+
+        Raises WrongInput where the file cannot be written, and unless ``over`` where another program has changed it.
+        """
+        if not over and self._on_disk() != self.content:
+            raise WrongInput(
+                "has been changed by another program since it was opened; save over it, or open it anew",
+                location=str(self.path),
+            )
+        content = text.encode()
+        with opened(self.path.parent):
+            mode = self.path.stat().st_mode if self.path.exists() else None
+            exchange(self.path.parent, {self.path.name: content})
+            if mode is not None:
+                self.path.chmod(mode & 0o777)
+        return replace(self, content=content)
+
+    def _on_disk(self) -> bytes | None:
+        try:
+            return self.path.read_bytes()
+        except FileNotFoundError:
+            return None
+
+
+def design_on_disk(path: Path) -> DesignOnDisk:
+    """The design file at a path, whatever its text says; raises WrongInput where it cannot be read as text."""
+    read_text(path, limit_mb=LARGEST_MB)
+    real = Path(os.path.realpath(path))
+    return DesignOnDisk(real, real.read_bytes())
+
+
+def difference(old: str, new: str, name: str) -> str:
+    """The lines that differ, in the form of ``diff -u``; empty where none does."""
+    lines = unified_diff(old.splitlines(), new.splitlines(), f"{name} (saved)", f"{name} (edited)", lineterm="", n=2)
+    return "\n".join(lines)
+
+
+def edited(text: str, changes: Mapping[str, Any]) -> str:
+    """The text with other values at some dotted keys; None leaves a key out.
+
+    A number in a key stands for an item of a list (``motion.ratio.3``).  Another law or mechanism takes the whole of
+    its group.  Raises WrongInput where the text has no such places.
+    """
+    values: dict[str, Any] = {}
+    for key, value in changes.items():
+        if key == "motion.law":
+            values |= _another_law(text, value)
+        elif key == "linkage.kind":
+            values |= _another_mechanism(text, value)
+        else:
+            values |= _one(text, values, key, _written(value))
+    try:
+        return rewritten(text, values)
+    except (YAMLError, AttributeError, TypeError, KeyError, IndexError) as error:
+        raise WrongInput("the text has no place for this value; mend the text first", key=next(iter(changes))) from error
+
+
+def _written(value: Any) -> Any:
+    """A value in the digits in which a file has it."""
+    if isinstance(value, float):
+        return whole(float(f"{value:.{DIGITS}g}"))
+    return [_written(item) for item in value] if isinstance(value, list) else value
+
+
+def _one(text: str, values: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
+    """A value for ``rewritten``, which replaces whole lists only."""
+    parts = key.split(".")
+    number = next((place for place, part in enumerate(parts) if part.isdigit()), None)
+    if number is None:
+        return {key: value}
+    group = ".".join(parts[:number])
+    found = values[group] if group in values else read_yaml(text, "design").at(group)
+    if not isinstance(found, list) or int(parts[number]) >= len(found):
+        raise WrongInput("the text has no such item", key=key)
+    items = list(found)
+    if number + 1 == len(parts):
+        items[int(parts[number])] = value
+    else:
+        item = dict(items[int(parts[number])])
+        item[parts[number + 1]] = value
+        if value is None:
+            del item[parts[number + 1]]
+        items[int(parts[number])] = item
+    return {group: [item for item in items if item is not None]}
+
+
+def _another_law(text: str, name: Any) -> dict[str, Any]:
+    """The group ``motion`` of another law in proportion to the machine of the text."""
+    if name not in tuple(LawName):
+        raise WrongInput(f"{name!r} given; a law of ncgear is right", key="motion.law")
+    document = read_yaml(text, "design")
+    crank = document.at("linkage.crank_mm")
+    answers = {"crank_mm": crank} if isinstance(crank, int | float) and not isinstance(crank, bool) else {}
+    return {"motion": read_yaml(begun("new", LawName(name), answers), "template").at("motion")}
+
+
+def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
+    """The group ``linkage`` of another mechanism with a crank as long as the text's; what has other keys is left out."""
+    if name not in MECHANISMS:
+        raise WrongInput(f"{name!r} given; a mechanism of ncgear is right", key="linkage.kind")
+    if name == NO_LINKAGE:
+        return {"linkage": None, "masses": None, "resistance": None, "wishes": None, "optimize": None}
+    document = read_yaml(text, "design")
+    own = document.at("linkage.crank_mm") or document.at("linkage.radius_mm") or 40
+    unit = float(own) if isinstance(own, int | float) else 40.0
+    lengths = {key: _written(share * unit) for key, share in MECHANISMS[name].proportions.items()}
+    usual = name == next(iter(MECHANISMS))
+    values: dict[str, Any] = {"linkage": lengths if usual else {"kind": name, **lengths}}
+    old = document.at("linkage.kind") or next(iter(MECHANISMS))
+    before, after = (MECHANISMS.get(one) for one in (old, name))
+    for group in ("masses", "resistance", "wishes"):
+        if before is None or after is None or getattr(before, group) is not getattr(after, group):
+            values[group] = None
+    return values
+

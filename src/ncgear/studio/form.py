@@ -1,0 +1,142 @@
+"""The values of a design as the page shows them: every key with its name, unit, meaning, range and value.
+
+All of it comes from the models that check design files; there is no other list of keys.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+
+from ncgear.design.keys.base import UNITS, quantity, spellings
+from ncgear.design.keys.design import design_model
+from ncgear.design.laws.registry import LawName, design_law
+from ncgear.design.reading.messages import fields_of
+from ncgear.design.reading.text import whole
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.reference import Key, allowed, choices, default_words, example, is_list, law_of, unit_of
+from ncgear.numerics.units import label_and_unit
+
+Row = dict[str, Any]
+
+MOST_ITEMS = 40
+"""Items of a list that have a row each; longer lists are points, which are dragged, or stand in the text."""
+
+
+def form(data: Any) -> list[Row]:
+    """The rows of a design's keys, given the plain values of its file, groups with their rows in ``rows``.
+
+    A row has ``path``, ``label``, ``unit``, ``meaning``, ``allowed``, ``default`` in words, ``given`` and ``value``,
+    and by its ``kind`` (number, integer, choice, truth, text, numbers, group, groups, other): ``least`` and ``most``
+    where there are such bounds, ``choices``, or ``rows``.  A group that is left out has ``begin``, a value with which
+    it can begin.
+    """
+    given = data if isinstance(data, dict) else {}
+    return list(_rows(design_model(given), given, "", ""))
+
+
+def _rows(model: type[BaseModel], given: Mapping[str, Any], above: str, law: str) -> Iterator[Row]:
+    root = design_model({})
+    for name, field in fields_of(model).items():
+        path = f"{above}.{name}" if above else name
+        key = Key(path, law, model, field)
+        if name not in given and _another_spelling_is_given(name, model, given):
+            continue
+        yield _group(key, given.get(name), root) if key.group else _plain(key, name in given, given.get(name), root)
+
+
+def _another_spelling_is_given(name: str, model: type[BaseModel], given: Mapping[str, Any]) -> bool:
+    """Whether the same quantity is given in another unit; of angles that are left out, degrees alone are shown."""
+    alike = [one for one in spellings(quantity(name)) if one in model.model_fields]
+    if quantity(name) == name or len(alike) < len(UNITS):
+        return False
+    return any(one in given for one in alike) or not name.endswith("_deg")
+
+
+def _group(key: Key, value: Any, root: type[BaseModel]) -> Row:
+    row = _head(key, value is not None)
+    if is_list(key.rule):
+        items = value if isinstance(value, list) else []
+        rows = [_item(key, items[place], place) for place in range(min(len(items), MOST_ITEMS))]
+        return {**row, "kind": "groups", "rows": rows, "begin": _begin(key, root)}
+    if value is not None and not isinstance(value, dict):
+        return {**row, "kind": "text", "value": value}
+    inner = value or {}
+    model = _model_of(key, inner)
+    law = str(inner.get("law", "")) if len(key.group) > 1 else key.law
+    begin = None if value is not None else _begin(key, root)
+    return {**row, "kind": "group", "rows": list(_rows(model, inner, key.path, law)) if inner else [], "begin": begin}
+
+
+def _item(key: Key, value: Any, place: int) -> Row:
+    path = f"{key.path}.{place}"
+    inner = value if isinstance(value, dict) else {}
+    rows = list(_rows(_model_of(key, inner), inner, path, key.law))
+    return {**_head(key, True), "path": path, "label": f"{place + 1}", "meaning": "", "kind": "group", "rows": rows}
+
+
+def _model_of(key: Key, given: Mapping[str, Any]) -> type[BaseModel]:
+    """The model of a group; of ``motion`` that of its law."""
+    if len(key.group) == 1:
+        return key.group[0]
+    by_law = {law_of(model): model for model in key.group if "law" in model.model_fields}
+    fewest = min(key.group, key=lambda one: len(fields_of(one)))
+    return by_law.get(str(given.get("law", "")), fewest)
+
+
+def _begin(key: Key, root: type[BaseModel]) -> Any:
+    """What a group may begin with: the example that ``ncgear explain`` gives of it."""
+    name, _, text = example(key, root).partition(": ")
+    return read_yaml(f"{name}: {text}", "example").at(name)
+
+
+def _head(key: Key, given: bool) -> Row:
+    return {
+        "path": key.path,
+        "label": label_and_unit(key.name)[0].replace("_", " "),
+        "unit": unit_of(key.name),
+        "meaning": key.meaning,
+        "given": given,
+    }
+
+
+def _plain(key: Key, given: bool, value: Any, root: type[BaseModel]) -> Row:
+    rules = choices(key.rule)
+    row = {**_head(key, given), "allowed": allowed(key), "default": default_words(key), "value": value}
+    row["needed"] = key.field.is_required()
+    if key.is_law_name:
+        return {**row, "kind": "choice", "choices": [law.value for law in LawName], "named": _law_choices()}
+    words = [str(word) for rule in rules for word in rule.get("enum", [rule["const"]] if "const" in rule else [])]
+    if len(rules) > 1 or (isinstance(value, str) and not words and rules[0].get("type") != "string"):
+        return {**row, "kind": "other", "choices": words}
+    rule = rules[0]
+    if words:
+        return {**row, "kind": "choice", "choices": rule.get("enum", [rule.get("const")])}
+    match rule.get("type"):
+        case "boolean":
+            return {**row, "kind": "truth"}
+        case "array":
+            return {**row, "kind": "numbers"}
+        case "number" | "integer":
+            return {**row, "kind": rule["type"], **_bounds(rule), "step": _step(key, value, root)}
+    return {**row, "kind": "text"}
+
+
+def _law_choices() -> dict[str, str]:
+    return {name.value: design_law(name).choice for name in LawName}
+
+
+def _bounds(rule: Mapping[str, Any]) -> dict[str, float]:
+    low, high = rule.get("minimum", rule.get("exclusiveMinimum")), rule.get("maximum", rule.get("exclusiveMaximum"))
+    return {name: bound for name, bound in (("least", low), ("most", high)) if bound is not None}
+
+
+def _step(key: Key, value: Any, root: type[BaseModel]) -> float:
+    """The step by which an arrow key changes a number: a hundredth of it, as a power of ten, or one."""
+    if choices(key.rule)[0].get("type") == "integer":
+        return 1
+    number = abs(value) if isinstance(value, int | float) and value else 1.0
+    digits = len(str(int(number))) if number >= 1.0 else 0
+    return float(whole(float(10.0 ** (digits - 3))))

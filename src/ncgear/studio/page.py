@@ -1,0 +1,45 @@
+"""The page of the studio as one file of HTML; everything that it shows comes over its web socket."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from ncgear import __version__
+from ncgear.drawings.page.page import PACKAGE, hash_source, in_own_scope, page_style, shared_script
+from ncgear.studio.jobs import COMMANDS
+
+WEB = "ncgear.studio.web"
+
+SCRIPTS = ("link", "machine", "lines", "handles", "board", "form", "told", "making", "studio")
+"""Files of web/script/; each may use those before it."""
+
+VIEWS = ("machine", "gears", "mesh")
+
+
+def page(file_name: str) -> tuple[str, str]:
+    """The page, and its content security policy: it runs its own script only, and talks to its own server only."""
+    loader = ChoiceLoader([PackageLoader(WEB, ""), PackageLoader(PACKAGE, "")])
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
+    script = in_own_scope(shared_script(), *(_asset(f"script/{name}.js") for name in SCRIPTS))
+    content = environment.get_template("studio.html.j2").render(
+        file_name=file_name,
+        ncgear_version=__version__,
+        commands=COMMANDS,
+        views=VIEWS,
+        cycle_deg=360,
+        paces=(),
+        css=Markup(page_style() + _asset("studio.css")),
+        script=Markup(script),
+    )
+    policy = (
+        f"default-src 'none'; script-src {hash_source(script)}; style-src 'unsafe-inline'; connect-src 'self'; "
+        "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
+    return content, policy
+
+
+def _asset(name: str) -> str:
+    return (files(WEB) / name).read_text(encoding="utf-8")

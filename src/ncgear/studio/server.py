@@ -1,0 +1,218 @@
+"""The server of the studio: for this computer only, and only for whoever has the address with its token.
+
+Every request must name the server's own host, which a page of another site that was led here by its name server does
+not; a web socket must come from the studio's own page; and every path begins with the token.  The server reads and
+writes the opened design file and the export folder, nothing else.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import secrets
+import socket
+from collections.abc import Awaitable, Callable, MutableMapping
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from ncgear.files.publish import is_staging
+from ncgear.studio.page import page
+from ncgear.studio.session import Session
+
+HOST = "127.0.0.1"
+"""The loopback address; other computers cannot reach it."""
+
+TOKEN_BYTES = 24
+
+MOST_PAGES = 6
+"""Pages that are open at once; each has two processes."""
+
+MOST_SESSIONS = 30
+"""Pages that are remembered, so that a page that is loaded anew goes on where it was."""
+
+LARGEST_MESSAGE = 2 << 20
+"""Bytes of a message from a page: a text of a megabyte, escaped."""
+
+SANDBOX = "sandbox allow-scripts; frame-ancestors 'none'"
+"""Files of the export folder are shown as if they came from elsewhere: no script of theirs reaches the studio."""
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+
+
+class Guard:
+    """Lets through what names this host, comes from this page, and has the token; all else gets 403 or 404."""
+
+    def __init__(self, app: Any, hosts: frozenset[str], token: str) -> None:
+        self.app, self.hosts, self.token = app, hosts, token
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer or refuse one request."""
+        if scope["type"] == "lifespan":
+            await self.app(scope, receive, send)
+            return
+        problem = self._problem(scope)
+        if problem is None:
+            await self.app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await WebSocket(scope, receive, send).close(code=1008)
+        else:
+            await PlainTextResponse(problem, status_code=403)(scope, receive, send)
+
+    def _problem(self, scope: Scope) -> str | None:
+        headers = [(name.decode("latin-1"), value.decode("latin-1")) for name, value in scope["headers"]]
+        hosts = [value for name, value in headers if name == "host"]
+        origins = [value for name, value in headers if name == "origin"]
+        if len(hosts) != 1 or hosts[0] not in self.hosts:
+            return "this server answers to its own address only"
+        if any(origin.removeprefix("http://") not in self.hosts for origin in origins):
+            return "asked by another page"
+        if scope["type"] == "websocket" and not origins:
+            return "asked by no page"
+        given = scope["path"].split("/")[1] if "/" in scope["path"] else ""
+        return None if secrets.compare_digest(given.encode(), self.token.encode()) else "the address lacks its token"
+
+
+class Studio:
+    """The sessions of all pages of one design."""
+
+    def __init__(self, path: Path, out: Path) -> None:
+        self.path, self.out = path, out.absolute()
+        self.sessions: dict[str, Session] = {}
+        self.open: set[str] = set()
+
+    def session(self, name: str) -> Session:
+        """The session of a page by the name that it has chosen; the oldest ones that are closed are forgotten."""
+        if name not in self.sessions:
+            for old in [one for one in self.sessions if one not in self.open][: len(self.sessions) - MOST_SESSIONS + 1]:
+                del self.sessions[old]
+            self.sessions[name] = Session(self.path, self.out)
+        return self.sessions[name]
+
+    async def index(self, request: Request) -> Response:
+        """The page."""
+        content, policy = page(self.path.name)
+        headers = {
+            "content-security-policy": policy,
+            "referrer-policy": "no-referrer",
+            "cache-control": "no-store",
+            "x-content-type-options": "nosniff",
+        }
+        return Response(content, media_type="text/html", headers=headers)
+
+    async def file(self, request: Request) -> Response:
+        """A file of the export folder."""
+        wanted = (self.out / request.path_params["name"]).resolve()
+        root = self.out.resolve()
+        inside = wanted.is_relative_to(root) and wanted.is_file()
+        if not inside or any(part.startswith(".") for part in wanted.relative_to(root).parts) or is_staging(wanted):
+            return PlainTextResponse("no such file", status_code=404)
+        headers = {"content-security-policy": SANDBOX, "x-content-type-options": "nosniff", "cache-control": "no-store"}
+        return FileResponse(wanted, headers=headers)
+
+    async def talk(self, socket: WebSocket) -> None:
+        """The conversation with one page."""
+        name = socket.query_params.get("page", "")[:64]
+        if not name or name in self.open or len(self.open) >= MOST_PAGES:
+            await socket.accept()
+            why = "this page is open already" if name in self.open else f"{MOST_PAGES} pages are open; close one"
+            await socket.send_text(json.dumps({"is": "said", "content": why}))
+            await socket.close(code=1013)
+            return
+        await socket.accept()
+        self.open.add(name)
+        session = self.session(name)
+        sending = asyncio.Lock()
+
+        async def send(text: str) -> None:
+            with suppress(RuntimeError, WebSocketDisconnect):
+                async with sending:
+                    await socket.send_text(text)
+
+        try:
+            await session.connected(send)
+            while True:
+                message = _read(await socket.receive_text())
+                if message is not None:
+                    await session.hear(message)
+        except WebSocketDisconnect:
+            pass
+        finally:
+            self.open.discard(name)
+            await session.disconnected()
+
+    async def close(self) -> None:
+        """End all processes."""
+        await asyncio.gather(*(session.closed() for session in self.sessions.values()))
+
+
+def _read(text: str) -> dict[str, Any] | None:
+    """A message; None for what is not an object of JSON."""
+    try:
+        message = json.loads(text, parse_constant=lambda _: None)
+    except (ValueError, RecursionError):
+        return None
+    return message if isinstance(message, dict) else None
+
+
+def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
+    """The whole application behind its guard."""
+
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> Any:
+        yield
+        await studio.close()
+
+    routes = [
+        Route(f"/{token}/", studio.index),
+        Route(f"/{token}/export/{{name:path}}", studio.file),
+        WebSocketRoute(f"/{token}/talk", studio.talk),
+    ]
+    return Guard(Starlette(routes=routes, lifespan=lifespan), hosts, token)
+
+
+def listening(port: int) -> socket.socket:
+    """A socket on the loopback address; port 0 takes any that is free.  Raises OSError where the port is taken."""
+    made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        made.bind((HOST, port))
+    except OSError:
+        made.close()
+        raise
+    return made
+
+
+def serve(path: Path, out: Path, bound: socket.socket, begun: Callable[[str], None]) -> None:
+    """Serve a design until Ctrl-C; calls ``begun`` with the address once the server answers."""
+    port, token = bound.getsockname()[1], secrets.token_urlsafe(TOKEN_BYTES)
+    hosts = frozenset({f"{HOST}:{port}", f"localhost:{port}"})
+    config = uvicorn.Config(
+        application(Studio(path, out), hosts, token),
+        log_level="error",
+        access_log=False,
+        ws="websockets-sansio",
+        ws_max_size=LARGEST_MESSAGE,
+        server_header=False,
+        timeout_graceful_shutdown=2,
+    )
+    server = uvicorn.Server(config)
+
+    async def run() -> None:
+        serving = asyncio.create_task(server.serve(sockets=[bound]))
+        while not server.started and not serving.done():
+            await asyncio.sleep(0.01)
+        if server.started:
+            begun(f"http://{HOST}:{port}/{token}/")
+        await serving
+
+    asyncio.run(run())

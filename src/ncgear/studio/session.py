@@ -1,0 +1,275 @@
+"""One page of the studio: what it asks for, the text that it edits, the answers and jobs that it is told of.
+
+Messages are values of JSON.  From the page come ``{"do": ..., ...}``, as the methods of ``Session`` named after them
+say; to it go ``state`` (the text and all that follows from it), the answers of ``answers.py`` with the number ``n`` of
+the text that they belong to, ``job`` and ``said``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ncgear.design.reading.design_file import parsed
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.errors import DesignError, WrongInput
+from ncgear.studio.chains import Chains
+from ncgear.studio.editing import LARGEST_MB, DesignOnDisk, History, design_on_disk, difference, edited
+from ncgear.studio.form import form
+from ncgear.studio.jobs import Job, require_command
+
+MOST_CHANGES = 200
+"""Keys that one message changes; a remedy changes three."""
+
+MOST_JOBS = 2
+"""Commands that run at once; each may use all cores."""
+
+
+class Session:
+    """The state of one page; it outlives a connection, so that a page that is loaded anew goes on where it was."""
+
+    def __init__(self, path: Path, out: Path) -> None:
+        self.file: DesignOnDisk = design_on_disk(path)
+        self.out = out
+        self.history = History(self.file.text)
+        self.changes: dict[str, Any] = {}
+        self.number = 0
+        self.jobs: dict[int, Job] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._send: Callable[[str], Awaitable[None]] | None = None
+        self._chains = Chains(self._tell)
+        self._changed = asyncio.Event()
+
+    async def connected(self, send: Callable[[str], Awaitable[None]]) -> None:
+        """Tell a page that has just connected everything, and go on telling it."""
+        self._send = send
+        self._spawn(self._follow())
+        await self._show()
+
+    async def disconnected(self) -> None:
+        """End the processes of the page; commands that write files go on."""
+        self._send = None
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._chains.close()
+        self.changes = {}
+
+    async def closed(self) -> None:
+        """End everything, commands as well."""
+        await asyncio.gather(*(job.cancel() for job in self.jobs.values() if job.status is None))
+        await self.disconnected()
+
+    async def hear(self, message: Mapping[str, Any]) -> None:
+        """Do what a message asks for; what cannot be done is said, and nothing changes."""
+        actions: dict[str, Callable[[Mapping[str, Any]], Awaitable[None]]] = {
+            "change": self.change,
+            "set": self.set,
+            "keep": self.keep,
+            "text": self.text,
+            "undo": self.undo,
+            "redo": self.redo,
+            "save": self.save,
+            "run": self.run,
+            "cancel": self.cancel,
+            "adopt": self.adopt,
+            "point": self.point,
+        }
+        action = actions.get(str(message.get("do")))
+        if action is None:
+            await self._say(f"{message.get('do')!r} asked for; {', '.join(actions)} are right")
+            return
+        try:
+            await action(message)
+        except DesignError as error:
+            await self._say(str(error))
+            await self._show()
+
+    async def change(self, message: Mapping[str, Any]) -> None:
+        """``changes`` by key, while something is dragged: answers follow, the history does not."""
+        self.changes |= _changes_of(message)
+        self._changed.set()
+
+    async def set(self, message: Mapping[str, Any]) -> None:
+        """``changes`` by key, as one step of the history."""
+        self.changes |= _changes_of(message)
+        await self.keep(message)
+
+    async def keep(self, _: Mapping[str, Any]) -> None:
+        """Make one step of the history of what was changed since the last one."""
+        changes, self.changes = self.changes, {}
+        self._changed.clear()
+        if changes:
+            text = await asyncio.to_thread(edited, self.history.now, changes)
+            self.history = self.history.kept(text)
+        await self._show()
+
+    async def text(self, message: Mapping[str, Any]) -> None:
+        """The whole ``text``, typed by hand."""
+        text = message.get("text")
+        if not isinstance(text, str) or len(text.encode(errors="replace")) > LARGEST_MB * 1_000_000:
+            raise WrongInput(f"a text of at most {LARGEST_MB} MB is right", key="text")
+        await self._step(self.history.kept(text))
+
+    async def undo(self, _: Mapping[str, Any]) -> None:
+        """One step back."""
+        await self._step(self.history.undone())
+
+    async def redo(self, _: Mapping[str, Any]) -> None:
+        """One step forth."""
+        await self._step(self.history.redone())
+
+    async def save(self, message: Mapping[str, Any]) -> None:
+        """Save into the design file; with ``over`` also where another program has changed it."""
+        text = self.history.now
+        self.file = await asyncio.to_thread(self.file.saved, text, over=message.get("over") is True)
+        await self._say(f"saved {self.file.path.name}")
+        await self._show()
+
+    async def run(self, message: Mapping[str, Any]) -> None:
+        """Run a ``command`` on the text that is shown."""
+        await self._run(message.get("command"), self.history.now)
+
+    async def cancel(self, message: Mapping[str, Any]) -> None:
+        """Cancel the command of a ``job``."""
+        job = self._job(message)
+        await job.cancel()
+
+    async def adopt(self, message: Mapping[str, Any]) -> None:
+        """Take over the design that a ``job`` has found."""
+        job = self._job(message)
+        found = sorted(job.folder.glob("*-optimized.yaml")) if job.name == "optimize" and job.status == 0 else []
+        if not found:
+            raise WrongInput("has found no design", key="job")
+        text = design_on_disk(found[0]).text
+        await self._step(self.history.kept(text))
+
+    async def point(self, message: Mapping[str, Any]) -> None:
+        """Look for the best law at ``power_w``, the power of a point of the frontier."""
+        power = message.get("power_w")
+        if not isinstance(power, int | float) or isinstance(power, bool):
+            raise WrongInput("a number is right", key="power_w")
+        wanted = {"optimize.goal": "least_acceleration", "optimize.limits.peak_power_w": float(power)}
+        await self._run("optimize", await asyncio.to_thread(edited, self.history.now, wanted))
+
+    async def _run(self, name: Any, text: str) -> None:
+        command = require_command(name)
+        if sum(job.status is None for job in self.jobs.values()) >= MOST_JOBS:
+            raise WrongInput(f"{MOST_JOBS} commands run already; wait for one, or cancel it", key="command")
+        loaded = await asyncio.to_thread(parsed, text, self.file.path)
+        design = loaded.design.name
+        folder = self.out / f"{design}{command.out}"
+        job = Job(len(self.jobs) + 1, str(name), text, design, folder, self._job_told)
+        self.jobs[job.number] = job
+        task = asyncio.create_task(self._carried_out(job))
+        job_tasks.add(task)
+        task.add_done_callback(job_tasks.discard)
+        self._job_told(job)
+
+    async def _carried_out(self, job: Job) -> None:
+        try:
+            await job.run(self.out, self.file.path)
+        except (DesignError, OSError) as error:
+            job.lines.append(str(error))
+            job.status = getattr(error, "exit_status", 2)
+            self._job_told(job)
+
+    def _job(self, message: Mapping[str, Any]) -> Job:
+        job = self.jobs.get(message.get("job")) if isinstance(message.get("job"), int) else None
+        if job is None:
+            raise WrongInput("no such job", key="job")
+        return job
+
+    def _job_told(self, job: Job) -> None:
+        self._spawn(self._tell(json.dumps({"is": "job", "content": self._plain(job)})))
+
+    def _plain(self, job: Job) -> dict[str, Any]:
+        """A job for the page, with the files of its folder and the points of a frontier once it is done."""
+        content = job.as_plain
+        if job.status == 0:
+            content["files"] = _files_of(job.folder, self.out)
+            if job.name == "frontier":
+                content["frontier"] = json.loads((job.folder / "frontier.json").read_text(encoding="utf-8"))
+        return content
+
+    def _spawn(self, work: Any) -> None:
+        task = asyncio.get_running_loop().create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _step(self, history: History) -> None:
+        self.changes = {}
+        self._changed.clear()
+        self.history = history
+        await self._show()
+
+    async def _follow(self) -> None:
+        """Ask for the answers of what is dragged: of the newest place only, however fast the hand is."""
+        while True:
+            await self._changed.wait()
+            self._changed.clear()
+            changes = dict(self.changes)
+            try:
+                text = await asyncio.to_thread(edited, self.history.now, changes)
+            except DesignError as error:
+                await self._say(str(error))
+                continue
+            if changes == self.changes:
+                await self._ask(text)
+
+    async def _show(self) -> None:
+        """Tell the page the text and what follows from it by itself, and ask for the answers."""
+        text = self.history.now
+        self.number += 1
+        await self._tell(json.dumps({"is": "state", "n": self.number, "content": await asyncio.to_thread(self._state)}))
+        await self._chains.ask(self.number, text, str(self.file.path))
+
+    async def _ask(self, text: str) -> None:
+        self.number += 1
+        await self._tell(json.dumps({"is": "asked", "n": self.number}))
+        await self._chains.ask(self.number, text, str(self.file.path))
+
+    def _state(self) -> dict[str, Any]:
+        text, saved = self.history.now, self.file.text
+        try:
+            data = read_yaml(text, self.file.path.name).data
+        except WrongInput:
+            data = None
+        rows = form(data) if isinstance(data, dict) else None
+        return {
+            "file": self.file.path.name,
+            "text": text,
+            "form": rows,
+            "saved": text == saved,
+            "difference": difference(saved, text, self.file.path.name),
+            "undo": len(self.history.past),
+            "redo": len(self.history.future),
+            "jobs": [self._plain(job) for job in self.jobs.values()],
+        }
+
+    async def _say(self, text: str) -> None:
+        await self._tell(json.dumps({"is": "said", "content": text}))
+
+    async def _tell(self, text: str) -> None:
+        if self._send is not None:
+            await self._send(text)
+
+
+job_tasks: set[asyncio.Task[None]] = set()
+"""Commands that run, whatever page has asked for them; asyncio itself keeps no task alive."""
+
+
+def _changes_of(message: Mapping[str, Any]) -> dict[str, Any]:
+    changes = message.get("changes")
+    if not isinstance(changes, dict) or not 0 < len(changes) <= MOST_CHANGES:
+        raise WrongInput(f"1 to {MOST_CHANGES} keys with their values are right", key="changes")
+    return changes
+
+
+def _files_of(folder: Path, out: Path) -> list[str]:
+    """The files of a folder, by their way from the export folder."""
+    places = sorted(place for place in folder.rglob("*") if place.is_file() and not place.name.startswith("."))
+    return [place.relative_to(out).as_posix() for place in places]

@@ -1,0 +1,109 @@
+// The charts: drawn as in the report, with lines that follow at once, lines that were kept, and handles.
+
+function createBoard(place, handles, onPick) {
+  const charts = new Map();
+  const state = { handles: [], held: null, deg: 0, degrees: null };
+
+  function created(key) {
+    const figure = document.createElement("figure");
+    figure.className = "chart";
+    figure.dataset.key = key;
+    figure.innerHTML =
+      '<figcaption><span class="name"></span><span class="extremes"></span><span class="key"></span></figcaption><div class="plot"></div>';
+    place.append(figure);
+    const one = { figure, plot: figure.querySelector(".plot"), chart: null, live: null, cursor: null };
+    followPointer(one.plot, () => one.chart, (deg) => onPick(one.chart, deg));
+    charts.set(key, one);
+    return one;
+  }
+
+  // A chart as the server has drawn it.
+  function draw(content) {
+    const one = charts.get(content.key) ?? created(content.key);
+    one.late = null;
+    if (handles.dragging()) {
+      one.late = content;
+      return;
+    }
+    Object.assign(one, { chart: content, live: null });
+    one.plot.innerHTML = content.svg;
+    one.figure.classList.remove("pale");
+    one.figure.querySelector(".name").textContent = content.name;
+    one.figure.querySelector(".extremes").textContent = content.extremes;
+    one.figure.querySelector(".key").replaceChildren(...content.labels.map((line, i) => keyOf(content, line, i)));
+    one.cursor = createChart(one.figure, content);
+    one.cells = [...one.figure.querySelectorAll("[data-value]")];
+    overlay(one);
+    point(one);
+  }
+
+  function keyOf(content, line, number) {
+    const made = document.createElement("span");
+    made.className = `line ${line.role}`;
+    made.innerHTML = '<i aria-hidden="true"></i><span></span> <b data-value></b> <span></span>';
+    made.querySelector("span").textContent = line.label;
+    made.querySelector("b").dataset.value = number;
+    made.lastChild.textContent = content.unit;
+    return made;
+  }
+
+  function overlay(one) {
+    const svg = one.plot.querySelector("svg");
+    if (!svg) return;
+    drawLines(svg, one.chart, one.live?.lines, "live");
+    drawLines(svg, one.chart, state.held?.get(one.chart.key), "held");
+    handles.put(svg, one.chart, state.handles);
+  }
+
+  // Lines that follow a motion before its charts are drawn.
+  function follow(motion) {
+    state.handles = motion.handles;
+    for (const live of motion.charts) {
+      const one = charts.get(live.key);
+      if (!one?.chart) continue;
+      one.live = live;
+      one.figure.classList.add("pale");
+      overlay(one);
+    }
+  }
+
+  // What was drawn while something was dragged is shown at its end.
+  function settle() {
+    for (const one of charts.values()) if (one.late) draw(one.late);
+  }
+
+  function valuesAt(one) {
+    return valuesOf(one.chart, one.chart.grids, state.degrees[one.chart.angle]);
+  }
+
+  function point(one) {
+    if (!one.chart || !state.degrees) return;
+    const values = valuesAt(one);
+    one.cursor.show(state.degrees[one.chart.angle], values);
+    for (const cell of one.cells) cell.textContent = shown(values[Number(cell.dataset.value)], one.chart.decimals);
+  }
+
+  function show(degrees) {
+    state.degrees = degrees;
+    for (const one of charts.values()) point(one);
+  }
+
+  // Keeps the lines of the design as it is now, or lets go of them.
+  function hold(motion) {
+    const own = (live) => live.lines.filter((line) => line.role === "own");
+    state.held = motion && new Map(motion.charts.map((live) => [live.key, own(live)]));
+    for (const one of charts.values()) if (one.chart) overlay(one);
+  }
+
+  // Charts of gears that are not there any more.
+  function keepOnly(keys) {
+    for (const [key, one] of charts) {
+      if (keys.has(key)) continue;
+      one.figure.remove();
+      charts.delete(key);
+    }
+  }
+
+  const chart = (key) => charts.get(key)?.chart;
+  return { draw, follow, settle, show, hold, keepOnly, chart, pale: (key) => charts.get(key)?.figure.classList.add("pale") };
+}

@@ -1,0 +1,111 @@
+// Round points on the charts that are dragged, or moved by the arrow keys.
+
+// Steps of the arrow keys, as shares of the scales of the chart.
+const NUDGE = 0.005;
+const LEAP = 5;
+
+const AXES = { x: { scale: "angle_deg", place: "x" }, y: { scale: "values", place: "y" } };
+
+function digits(value) {
+  return Number(value.toPrecision(5)).toString().replace("-", "\u2212");
+}
+
+function spoken(handle, at) {
+  return Object.entries(handle.moves)
+    .map(([axis, move]) => `${digits(valueAt(move, at[axis] - handle[axis]))} ${move.unit}`.trim())
+    .join(", ");
+}
+
+function valueAt(move, step) {
+  return move.base + move.factor * step;
+}
+
+// `acts.change(changes)` hears of every place on the way, `acts.keep()` of its end.
+function createHandles(acts) {
+  const state = { dragged: null };
+
+  function changesAt(handle, at) {
+    const moves = Object.entries(handle.moves);
+    return Object.fromEntries(moves.map(([axis, move]) => [move.key, valueAt(move, at[axis] - handle[axis])]));
+  }
+
+  function move(dot, handle, at, chart) {
+    const free = { x: "x" in handle.moves ? at.x : handle.x, y: "y" in handle.moves ? at.y : handle.y };
+    place(dot, free, chart);
+    dot.setAttribute("aria-valuetext", spoken(handle, free));
+    acts.change(changesAt(handle, free));
+  }
+
+  function place(dot, at, chart) {
+    dot.setAttribute("cx", between(at.x, chart.angle_deg, chart.x));
+    dot.setAttribute("cy", between(at.y, chart.values, chart.y));
+  }
+
+  function placeOfPointer(svg, event, chart) {
+    const inside = placeIn(svg, event);
+    return { x: between(inside.x, chart.x, chart.angle_deg), y: between(inside.y, chart.y, chart.values) };
+  }
+
+  function listen(dot, handle, svg, chart) {
+    dot.addEventListener("pointerdown", (event) => {
+      event.stopPropagation();
+      event.preventDefault();
+      dot.focus();
+      dot.setPointerCapture(event.pointerId);
+      state.dragged = handle;
+    });
+    dot.addEventListener("pointermove", (event) => {
+      if (!dot.hasPointerCapture(event.pointerId)) return;
+      event.stopPropagation();
+      move(dot, handle, placeOfPointer(svg, event, chart), chart);
+    });
+    for (const name of ["pointerup", "pointercancel"]) {
+      dot.addEventListener(name, () => {
+        if (state.dragged === null) return;
+        state.dragged = null;
+        acts.keep();
+      });
+    }
+    dot.addEventListener("keydown", (event) => onArrow(event, dot, handle, chart));
+    dot.addEventListener("keyup", (event) => event.key.startsWith("Arrow") && acts.keep());
+  }
+
+  function onArrow(event, dot, handle, chart) {
+    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (!steps) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const share = NUDGE * (event.shiftKey ? LEAP : 1);
+    dot.at = dot.at ?? { x: handle.x, y: handle.y };
+    Object.keys(AXES).forEach((axis, i) => {
+      const [low, high] = chart[AXES[axis].scale];
+      if (axis in handle.moves) dot.at[axis] += steps[i] * share * (high - low);
+    });
+    move(dot, handle, dot.at, chart);
+  }
+
+  // Puts the handles of a chart into its drawing; while one is dragged all stay as they are.
+  function put(svg, chart, handles) {
+    if (state.dragged) return;
+    const focused = document.activeElement?.dataset?.handle;
+    svg.querySelector("g.handles")?.remove();
+    const group = svgElement("g", { class: "handles" }, svg);
+    for (const handle of handles.filter((one) => one.chart === chart.key)) {
+      const name = Object.values(handle.moves).map((move) => move.key).join(" ");
+      const dot = svgElement(
+        "circle",
+        { r: 7, tabindex: 0, role: "slider", "aria-label": handle.name, "data-handle": name },
+        group,
+      );
+      const main = handle.moves.y ?? handle.moves.x;
+      dot.setAttribute("aria-valuenow", main.base);
+      dot.setAttribute("aria-valuetext", spoken(handle, handle));
+      svgElement("title", {}, dot).textContent = `${handle.name}: ${spoken(handle, handle)}`;
+      place(dot, handle, chart);
+      listen(dot, handle, svg, chart);
+      if (focused === name) dot.focus({ preventScroll: true });
+    }
+  }
+
+  return { put, dragging: () => state.dragged !== null };
+}

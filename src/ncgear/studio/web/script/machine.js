@@ -1,0 +1,48 @@
+// The machine running, and beside it the one that was kept; what is not computed anew yet is pale.
+
+function createMachine(stage, heldStage) {
+  const state = { scene: null, data: null, svg: "", held: null, n: 0 };
+
+  function put(place, svg, data) {
+    place.querySelector("svg.scene")?.remove();
+    place.insertAdjacentHTML("beforeend", svg);
+    return createScene(place.querySelector("svg.scene"), data);
+  }
+
+  // A whole machine, teeth and all.
+  function take(content) {
+    const looked = state.scene?.looking();
+    stage.querySelector(".waiting")?.remove();
+    Object.assign(state, { svg: content.svg, data: content.data, scene: put(stage, content.svg, content.data) });
+    if (looked) state.scene.lookAs(looked);
+    stage.classList.remove("pale");
+  }
+
+  // Another law: the shafts follow it at once, the teeth are those of the law before.
+  function follow(motion) {
+    if (!state.scene || state.data.shafts.length !== motion.shafts.length) return;
+    state.scene.follow(motion.shafts);
+    stage.classList.add("pale");
+  }
+
+  function hold() {
+    if (!state.scene) return false;
+    const data = structuredClone(state.data);
+    state.held = put(heldStage, state.svg.replaceAll('id="scene-', 'id="scene-'), data);
+    heldStage.hidden = false;
+    return true;
+  }
+
+  function release() {
+    heldStage.querySelector("svg.scene")?.remove();
+    heldStage.hidden = true;
+    state.held = null;
+  }
+
+  function show(phi1) {
+    state.scene?.show(phi1);
+    state.held?.show(phi1);
+  }
+
+  return { take, follow, hold, release, show, scene: () => state.scene, pale: () => stage.classList.add("pale") };
+}

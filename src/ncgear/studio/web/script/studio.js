@@ -1,0 +1,175 @@
+// The page put together: one design, and everything that shows it or changes it.
+
+const PART_OF_GEARS = "gears";
+
+function start() {
+  const at = (id) => document.getElementById(id);
+  const state = { newest: 0, refused: { motion: null, gears: null }, motion: null, state: null, held: false };
+  const link = createLink(hear, (on) => {
+    document.body.classList.toggle("offline", !on);
+    if (!on) say("The server does not answer; the page connects anew as soon as it does.");
+    else if (at("said").textContent.startsWith("The server")) say("");
+  });
+
+  const machine = createMachine(at("stage"), at("held-stage"));
+  const clock = createClock(show);
+  const controls = createControls(clock);
+  const acts = {
+    change: (changes) => {
+      link.send({ do: "change", changes });
+      form.follow(changes);
+    },
+    keep: () => {
+      link.send({ do: "keep" });
+      board.settle();
+    },
+    set: (changes) => link.send({ do: "set", changes }),
+    reveal: (key) => form.reveal(key),
+  };
+  const handles = createHandles(acts);
+  const board = createBoard(at("charts"), handles, pick);
+  const form = createForm(at("form"), at("find"), acts);
+  const told = createTold(acts);
+  const making = createMaking(at("jobs"), link.send);
+
+  function show(deg, playing) {
+    machine.show(deg * RAD);
+    controls.show(deg, playing);
+    const scene = machine.scene();
+    if (scene) board.show(degreesAt(scene, deg));
+  }
+
+  function pick(chart, deg) {
+    clock.set(chart.angle === "driving" ? deg : drivingOf(machine.scene(), chart.angle, deg));
+  }
+
+  function say(text) {
+    at("said").textContent = text;
+  }
+
+  function hear(message) {
+    const { is, n, content } = message;
+    if (n !== undefined) {
+      // Answers to a text that is not shown any more come too late.
+      if (is !== "state" && is !== "asked" && n < state.newest && is === "refused") return;
+      state.newest = Math.max(state.newest, n);
+    }
+    const answers = { state: takeState, motion: takeMotion, scene: takeScene, figures: told.figures, teeth: told.teeth };
+    Object.assign(answers, { advice: told.advice, strength: told.strength, chart: takeChart, job: making.show, said: say });
+    if (is === "refused") takeRefusal(message);
+    else if (answers[is]) answers[is](content, message);
+    if (is === "done") settled(message);
+  }
+
+  function takeState(content, message) {
+    state.state = content;
+    at("name").textContent = content.file;
+    at("saved").textContent = content.saved ? "saved" : "not saved";
+    at("save").disabled = content.saved;
+    at("undo").disabled = !content.undo;
+    at("redo").disabled = !content.redo;
+    if (document.activeElement !== at("text")) at("text").value = content.text;
+    at("difference").textContent = content.difference || "Nothing.";
+    if (content.form) form.show(content.form);
+    for (const job of content.jobs) making.show(job);
+    document.body.dataset.asked = message.n;
+  }
+
+  function takeMotion(content) {
+    state.motion = content;
+    clear("motion");
+    machine.follow(content);
+    board.follow(content);
+    setPaces(content.paces);
+    clock.fit(content.loop / RAD, content.swings);
+  }
+
+  function takeScene(content) {
+    clear("gears");
+    machine.take(content);
+    clock.set(clock.deg());
+    if (!content.gears) told.withoutGears("");
+  }
+
+  function takeChart(content) {
+    board.draw(content);
+  }
+
+  function setPaces(paces) {
+    const select = at("pace");
+    const chosen = Math.max(select.selectedIndex, 0);
+    select.replaceChildren(...paces.map((pace) => made("option", { value: pace.deg_s }, pace.name)));
+    select.selectedIndex = Math.min(chosen, paces.length - 1);
+    clock.setPace(Number(select.value));
+  }
+
+  function takeRefusal(message) {
+    state.refused[message.from] = message.content;
+    if (message.from === PART_OF_GEARS) told.withoutGears(message.content.after);
+    machine.pale();
+    showRefusals();
+  }
+
+  function clear(chain) {
+    if (!state.refused[chain]) return;
+    state.refused[chain] = null;
+    showRefusals();
+  }
+
+  // The same refusal of both chains is told once.
+  function showRefusals() {
+    const found = Object.values(state.refused).filter(Boolean);
+    const once = found.filter((one, i) => found.findIndex((other) => other.problem === one.problem) === i);
+    told.refusals(once);
+    form.mark(new Set(once.map((one) => one.key)));
+  }
+
+  function settled(message) {
+    document.body.dataset[`done${message.from === PART_OF_GEARS ? "Gears" : "Motion"}`] = message.n;
+  }
+
+  function hold() {
+    state.held = !state.held && machine.hold();
+    if (!state.held) machine.release();
+    board.hold(state.held ? state.motion : null);
+    told.hold(state.held);
+    at("hold").setAttribute("aria-pressed", String(state.held));
+    at("hold").textContent = state.held ? "Let go of the kept one" : "Keep to compare";
+    clock.set(clock.deg());
+  }
+
+  function save(event) {
+    link.send({ do: "save", over: event?.shiftKey === true });
+  }
+
+  at("undo").addEventListener("click", () => link.send({ do: "undo" }));
+  at("redo").addEventListener("click", () => link.send({ do: "redo" }));
+  at("save").addEventListener("click", save);
+  at("hold").addEventListener("click", hold);
+  at("take").addEventListener("click", () => {
+    at("text").blur();
+    link.send({ do: "text", text: at("text").value });
+  });
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+    const typing = event.target.closest("textarea, input[type=text], input[type=search]");
+    const key = event.key.toLowerCase();
+    if (key === "s") save(event);
+    else if (key === "z" && !typing) link.send({ do: event.shiftKey ? "redo" : "undo" });
+    else if (key === "y" && !typing) link.send({ do: "redo" });
+    else return;
+    event.preventDefault();
+  });
+  listenToViews(() => machine.scene() ?? { view() {}, zoom() {}, reset() {} });
+
+  // For whoever looks at the page by script: angles in rad.
+  window.ncgear = Object.freeze({
+    show: (phi1) => clock.set(phi1 / RAD),
+    drivenAngle: (phi1) => machine.scene().driven_angle(phi1),
+    motion: () => state.motion,
+    chart: board.chart,
+    send: link.send,
+  });
+}
+
+start();
