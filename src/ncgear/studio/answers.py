@@ -17,6 +17,7 @@ import numpy as np
 
 from ncgear.design.reading.design_file import parsed
 from ncgear.drawings.charts.chart import Line
+from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.data import angle_table, page_data, paces, scene_data
 from ncgear.drawings.page.page_charts import PageChart, charts_of_pair, motion_charts
@@ -35,6 +36,9 @@ from ncgear.studio.handles import handles
 
 Answer = tuple[str, Any]
 
+FIRST = (Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER, Quantity.RATIO)
+"""The charts that a designer looks at first, which are drawn first."""
+
 LIVE_POINTS = 400
 """Points of a line that follows while something is dragged: one for each pixel or two of a chart."""
 
@@ -45,7 +49,10 @@ def motion_answers(text: str, path: Path) -> Iterator[Answer]:
 
 
 def gear_answers(text: str, path: Path) -> Iterator[Answer]:
-    """The machine and its teeth: ``scene``, ``teeth``, ``advice``, ``strength``, ``chart`` for each chart of teeth."""
+    """The machine and its teeth: ``scene``, ``teeth``, ``advice``, ``strength``, ``chart`` for each chart of teeth.
+
+    Where there are no gears such as the design wants, ``bare`` is the mechanism without them.
+    """
     yield from _guarded("design", partial(_gears, text, path))
 
 
@@ -73,7 +80,10 @@ def _motion(text: str, path: Path) -> Iterator[Answer]:
     loaded = parsed(text, path)
     drive = Drive(loaded.design, loaded=loaded)
     scene = scene_without_gears(drive)
-    charts = motion_charts(drive, scene.loop_rad)
+    first = [quantity.key_of(drive.linkage.OUTPUT) for quantity in FIRST]
+    charts = sorted(
+        motion_charts(drive, scene.loop_rad), key=lambda one: first.index(one.key) if one.key in first else len(first)
+    )
     yield (
         "motion",
         {
@@ -100,9 +110,13 @@ def _motion(text: str, path: Path) -> Iterator[Answer]:
 def _gears(text: str, path: Path) -> Iterator[Answer]:
     loaded = parsed(text, path)
     drive = Drive(loaded.design, loaded=loaded)
-    scene = scene_of(drive)
+    try:
+        scene = scene_of(drive)
+    except DesignError:
+        yield "bare", _shown(scene_without_gears(drive), gears=False)
+        raise
     has_gears = drive.design.gears is not None
-    yield "scene", {"svg": scene_svg(scene), "data": scene_data(scene), "swings": scene.swings, "gears": has_gears}
+    yield "scene", _shown(scene, gears=has_gears)
     if not has_gears:
         return
     pairs = [(f"Stage {pair.stage}" if pair.stage else "", pair) for pair in drive.by_stage]
@@ -115,6 +129,10 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
     yield "strength", [_table(table) for _, pair in pairs for table in strength_tables(pair)]
     for _, pair in pairs:
         yield from _drawn(scene, charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
+
+
+def _shown(scene: Scene, *, gears: bool) -> dict[str, Any]:
+    return {"svg": scene_svg(scene), "data": scene_data(scene), "gears": gears}
 
 
 def _shafts(scene: Scene) -> list[dict[str, Any]]:

@@ -20,7 +20,7 @@ from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
 from ncgear.design.reading.text import read_text, whole
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.rewritten import rewritten
+from ncgear.design.rewritten import Rewriting
 from ncgear.errors import WrongInput
 from ncgear.files.publish import exchange, opened
 
@@ -111,12 +111,37 @@ def difference(old: str, new: str, name: str) -> str:
     return "\n".join(lines)
 
 
+class Edited:
+    """A text that is changed again and again while something is dragged, and read only once."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self._rewriting: Rewriting | None = None
+
+    def with_changes(self, changes: Mapping[str, Any]) -> str:
+        """The text with changes as ``edited`` says; those of earlier calls stay."""
+        values = _values(self.text, changes)
+        try:
+            if self._rewriting is None:
+                self._rewriting = Rewriting(self.text)
+            return self._rewriting.with_values(values)
+        except (YAMLError, AttributeError, TypeError, KeyError, IndexError) as error:
+            self._rewriting = None
+            problem = "the text has no place for this value; mend the text first"
+            raise WrongInput(problem, key=next(iter(changes))) from error
+
+
 def edited(text: str, changes: Mapping[str, Any]) -> str:
     """The text with other values at some dotted keys; None leaves a key out.
 
     A number in a key stands for an item of a list (``motion.ratio.3``).  Another law or mechanism takes the whole of
     its group.  Raises WrongInput where the text has no such places.
     """
+    return Edited(text).with_changes(changes)
+
+
+def _values(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The changes as values for ``Rewriting``."""
     values: dict[str, Any] = {}
     for key, value in changes.items():
         if key == "motion.law":
@@ -125,10 +150,7 @@ def edited(text: str, changes: Mapping[str, Any]) -> str:
             values |= _another_mechanism(text, value)
         else:
             values |= _one(text, values, key, _written(value))
-    try:
-        return rewritten(text, values)
-    except (YAMLError, AttributeError, TypeError, KeyError, IndexError) as error:
-        raise WrongInput("the text has no place for this value; mend the text first", key=next(iter(changes))) from error
+    return values
 
 
 def _written(value: Any) -> Any:

@@ -21,6 +21,9 @@ from ncgear.numerics.units import label_and_unit
 
 Row = dict[str, Any]
 
+SHORT = {"multiples of pi": "\u03c0", "degrees": "\u00b0", "radians": "rad", "mm/s2": "mm/s\u00b2", "rad/s2": "rad/s\u00b2"}
+"""Units as they stand beside a number on the page."""
+
 MOST_ITEMS = 40
 """Items of a list that have a row each; longer lists are points, which are dragged, or stand in the text."""
 
@@ -96,7 +99,7 @@ def _head(key: Key, given: bool) -> Row:
     return {
         "path": key.path,
         "label": label_and_unit(key.name)[0].replace("_", " "),
-        "unit": unit_of(key.name),
+        "unit": SHORT.get(unit_of(key.name), unit_of(key.name)),
         "meaning": key.meaning,
         "given": given,
     }

@@ -17,7 +17,7 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import DesignError, WrongInput
 from ncgear.studio.chains import Chains
-from ncgear.studio.editing import LARGEST_MB, DesignOnDisk, History, design_on_disk, difference, edited
+from ncgear.studio.editing import LARGEST_MB, DesignOnDisk, History, Edited, design_on_disk, difference, edited
 from ncgear.studio.form import form
 from ncgear.studio.jobs import Job, require_command
 
@@ -35,6 +35,7 @@ class Session:
         self.file: DesignOnDisk = design_on_disk(path)
         self.out = out
         self.history = History(self.file.text)
+        self._edited = Edited(self.file.text)
         self.changes: dict[str, Any] = {}
         self.number = 0
         self.jobs: dict[int, Job] = {}
@@ -212,8 +213,10 @@ class Session:
             await self._changed.wait()
             self._changed.clear()
             changes = dict(self.changes)
+            if self._edited.text is not self.history.now:
+                self._edited = Edited(self.history.now)
             try:
-                text = await asyncio.to_thread(edited, self.history.now, changes)
+                text = await asyncio.to_thread(self._edited.with_changes, changes)
             except DesignError as error:
                 await self._say(str(error))
                 continue

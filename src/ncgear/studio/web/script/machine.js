@@ -44,5 +44,10 @@ function createMachine(stage, heldStage) {
     state.held?.show(phi1);
   }
 
-  return { take, follow, hold, release, show, scene: () => state.scene, pale: () => stage.classList.add("pale") };
+  function pale() {
+    stage.querySelector(".waiting")?.remove();
+    stage.classList.add("pale");
+  }
+
+  return { take, follow, hold, release, show, scene: () => state.scene, pale };
 }

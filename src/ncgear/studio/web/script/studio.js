@@ -54,7 +54,7 @@ function start() {
       if (is !== "state" && is !== "asked" && n < state.newest && is === "refused") return;
       state.newest = Math.max(state.newest, n);
     }
-    const answers = { state: takeState, motion: takeMotion, scene: takeScene, figures: told.figures, teeth: told.teeth };
+    const answers = { state: takeState, motion: takeMotion, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
     Object.assign(answers, { advice: told.advice, strength: told.strength, chart: takeChart, job: making.show, said: say });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
@@ -89,6 +89,12 @@ function start() {
     machine.take(content);
     clock.set(clock.deg());
     if (!content.gears) told.withoutGears("");
+  }
+
+  // Without teeth the mechanism alone is shown, unless there is an earlier machine to be seen behind the refusal.
+  function takeBare(content) {
+    if (!machine.scene()) machine.take(content);
+    clock.set(clock.deg());
   }
 
   function takeChart(content) {

@@ -52,7 +52,7 @@ function createTold(acts) {
   function remedyElement(remedy) {
     const line = made("p", { class: "remedy" }, remedy.text);
     if (remedy.words.length) {
-      line.append(": ", ...remedy.words.map((word) => cell("code", word)));
+      line.append(": ", ...remedy.words.flatMap((word) => [cell("code", word), " "]));
       const take = made("button", { type: "button", class: "small" }, "try it");
       take.setAttribute("aria-label", `try ${remedy.words.join(", ")}`);
       take.addEventListener("click", () => acts.set(remedy.changes));
