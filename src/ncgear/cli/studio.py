@@ -39,7 +39,9 @@ def studio(
     try:
         bound = listening(port)
     except OSError as error:
-        raise WrongInput(f"{port} cannot be used ({error.strerror}); leave it out, or give another", key="--port") from error
+        raise WrongInput(
+            f"{port} cannot be used ({error.strerror}); leave it out, or give another", key="--port"
+        ) from error
 
     def begun(address: str) -> None:
         typer.echo(f"{design_file} is open at {address}\nCtrl-C ends the studio; what is not saved is lost then.")

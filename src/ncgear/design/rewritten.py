@@ -36,15 +36,23 @@ class Rewriting:
         self._data = self._yaml.load(text)
 
     def with_values(self, values: Mapping[str, Any]) -> str:
-        """The text with other values at some dotted keys, as ``rewritten`` says; values of earlier calls stay."""
+        """The text with other values at some dotted keys, as ``rewritten`` says; values of earlier calls stay.
+
+        A number in a key is the place of an item in a list.
+        """
         for key, value in values.items():
             *above, name = key.split(".")
             group = self._data
             for one in above:
+                if isinstance(group, list):
+                    group = group[int(one)]
+                    continue
                 if group.get(one) is None:
                     _put(group, one, CommentedMap())
                 group = group[one]
-            if value is None:
+            if isinstance(group, list):
+                group[int(name) : int(name) + 1] = [] if value is None else [_flow(value)]
+            elif value is None:
                 group.pop(name, None)
             elif isinstance(value, list) and isinstance(group.get(name), list):
                 # Only the items are replaced, so that the list keeps the style in which it is written.

@@ -121,10 +121,13 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
         return
     pairs = [(f"Stage {pair.stage}" if pair.stage else "", pair) for pair in drive.by_stage]
     drive.require_sound_pairs()
-    yield "teeth", {
-        "facts": [fact for _, pair in pairs for fact in gear_facts(pair)],
-        "tables": [_contact_table(stage, pair) for stage, pair in pairs],
-    }
+    yield (
+        "teeth",
+        {
+            "facts": [fact for _, pair in pairs for fact in gear_facts(pair)],
+            "tables": [_contact_table(stage, pair) for stage, pair in pairs],
+        },
+    )
     yield "advice", [_advice(stage, one) for stage, pair in pairs for one in build_advice(pair)]
     yield "strength", [_table(table) for _, pair in pairs for table in strength_tables(pair)]
     for _, pair in pairs:
@@ -189,7 +192,9 @@ def _contact_table(stage: str, pair: Drive) -> dict[str, Any]:
     found = designed_contact(pair.designed_contact, pair.contact_extremes)
     plain = {key: value for key, value in found.items() if not isinstance(value, list)}
     rows = tuple(labelled(plain))
-    return _table(Table(f"Contact of the teeth{f', {stage}' if stage else ''}", (Column(""), Column("as designed")), rows))
+    return _table(
+        Table(f"Contact of the teeth{f', {stage}' if stage else ''}", (Column(""), Column("as designed")), rows)
+    )
 
 
 def _table(table: Table) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from difflib import unified_diff
+from difflib import SequenceMatcher, unified_diff
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
 from ncgear.design.reading.text import read_text, whole
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.rewritten import Rewriting
+from ncgear.design.rewritten import LINE_WIDTH, LONGEST_LINE, Rewriting
 from ncgear.errors import WrongInput
 from ncgear.files.publish import exchange, opened
 
@@ -114,8 +114,9 @@ def difference(old: str, new: str, name: str) -> str:
 class Edited:
     """A text that is changed again and again while something is dragged, and read only once."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, width: int = LONGEST_LINE) -> None:
         self.text = text
+        self._width = width
         self._rewriting: Rewriting | None = None
 
     def with_changes(self, changes: Mapping[str, Any]) -> str:
@@ -123,21 +124,58 @@ class Edited:
         values = _values(self.text, changes)
         try:
             if self._rewriting is None:
-                self._rewriting = Rewriting(self.text)
+                self._rewriting = Rewriting(self.text, self._width)
             return self._rewriting.with_values(values)
-        except (YAMLError, AttributeError, TypeError, KeyError, IndexError) as error:
+        except (YAMLError, AttributeError, TypeError, ValueError, LookupError) as error:
             self._rewriting = None
             problem = "the text has no place for this value; mend the text first"
-            raise WrongInput(problem, key=next(iter(changes))) from error
+            raise WrongInput(problem, key=next(iter(changes), "")) from error
 
 
 def edited(text: str, changes: Mapping[str, Any]) -> str:
     """The text with other values at some dotted keys; None leaves a key out.
 
-    A number in a key stands for an item of a list (``motion.ratio.3``).  Another law or mechanism takes the whole of
-    its group.  Raises WrongInput where the text has no such places.
+    A number in a key is the place of an item in a list (``motion.ratio.3``).  Another law or mechanism takes the whole of
+    its group.  Lines that say the same as before stay as they are written.  Raises WrongInput where the text has no
+    such places.
     """
-    return Edited(text).with_changes(changes)
+    width = LONGEST_LINE
+    again = Edited(text, width).with_changes({})
+    if not set(again.splitlines()) <= set(text.splitlines()):
+        # Long lists are broken into lines, as ncgear itself writes them.
+        width = LINE_WIDTH
+        again = Edited(text, width).with_changes({})
+    made = Edited(text, width).with_changes(changes)
+    merged = as_written(text, again, made)
+    # Lines are merged without regard to their meaning, so the meaning is compared.
+    return merged if read_yaml(merged, "design").data == read_yaml(made, "design").data else made
+
+
+def as_written(text: str, again: str, other: str) -> str:
+    """``other``, where it says the same as ``again``, in the lines of ``text``.
+
+    ``again`` says the same as ``text`` in the form of the writer, and ``other`` is in that form too.
+    """
+    own, plain, new = (one.splitlines(keepends=True) for one in (text, again, other))
+    to_own, to_new = (_alike(plain, lines) for lines in (own, new))
+    made: list[str] = []
+    # Places in the writer's lines at which all three texts are in step; between two of them, one or both differ.
+    steps = sorted(to_own.keys() & to_new.keys())
+    done_plain = done_own = done_new = 0
+    for step in [*steps, len(plain)]:
+        at_own, at_new = to_own.get(step, len(own)), to_new.get(step, len(new))
+        changed = plain[done_plain:step] != new[done_new:at_new]
+        made += new[done_new:at_new] if changed else own[done_own:at_own]
+        if step < len(plain):
+            made.append(own[at_own])
+        done_plain, done_own, done_new = step + 1, at_own + 1, at_new + 1
+    return "".join(made)
+
+
+def _alike(lines: list[str], others: list[str]) -> dict[int, int]:
+    """Places of lines that both texts have, in order."""
+    blocks = SequenceMatcher(None, lines, others, autojunk=False).get_matching_blocks()
+    return {block.a + step: block.b + step for block in blocks for step in range(block.size)}
 
 
 def _values(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -149,7 +187,7 @@ def _values(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
         elif key == "linkage.kind":
             values |= _another_mechanism(text, value)
         else:
-            values |= _one(text, values, key, _written(value))
+            values[key] = _written(value)
     return values
 
 
@@ -158,28 +196,6 @@ def _written(value: Any) -> Any:
     if isinstance(value, float):
         return whole(float(f"{value:.{DIGITS}g}"))
     return [_written(item) for item in value] if isinstance(value, list) else value
-
-
-def _one(text: str, values: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """A value for ``rewritten``, which replaces whole lists only."""
-    parts = key.split(".")
-    number = next((place for place, part in enumerate(parts) if part.isdigit()), None)
-    if number is None:
-        return {key: value}
-    group = ".".join(parts[:number])
-    found = values[group] if group in values else read_yaml(text, "design").at(group)
-    if not isinstance(found, list) or int(parts[number]) >= len(found):
-        raise WrongInput("the text has no such item", key=key)
-    items = list(found)
-    if number + 1 == len(parts):
-        items[int(parts[number])] = value
-    else:
-        item = dict(items[int(parts[number])])
-        item[parts[number + 1]] = value
-        if value is None:
-            del item[parts[number + 1]]
-        items[int(parts[number])] = item
-    return {group: [item for item in items if item is not None]}
 
 
 def _another_law(text: str, name: Any) -> dict[str, Any]:
@@ -210,4 +226,3 @@ def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
         if before is None or after is None or getattr(before, group) is not getattr(after, group):
             values[group] = None
     return values
-

@@ -21,7 +21,13 @@ from ncgear.numerics.units import label_and_unit
 
 Row = dict[str, Any]
 
-SHORT = {"multiples of pi": "\u03c0", "degrees": "\u00b0", "radians": "rad", "mm/s2": "mm/s\u00b2", "rad/s2": "rad/s\u00b2"}
+SHORT = {
+    "multiples of pi": "\u03c0",
+    "degrees": "\u00b0",
+    "radians": "rad",
+    "mm/s2": "mm/s\u00b2",
+    "rad/s2": "rad/s\u00b2",
+}
 """Units as they stand beside a number on the page."""
 
 MOST_ITEMS = 40

@@ -98,9 +98,7 @@ class Job:
         assert self._process.stdout is not None and self._process.stderr is not None
         try:
             async with asyncio.timeout(LONGEST_S):
-                await asyncio.gather(
-                    self._heard(self._process.stdout, False), self._heard(self._process.stderr, True)
-                )
+                await asyncio.gather(self._heard(self._process.stdout, False), self._heard(self._process.stderr, True))
                 status = await self._process.wait()
         except TimeoutError:
             self.lines.append(f"cancelled after {LONGEST_S:g} s")

@@ -215,4 +215,6 @@ def serve(path: Path, out: Path, bound: socket.socket, begun: Callable[[str], No
             begun(f"http://{HOST}:{port}/{token}/")
         await serving
 
-    asyncio.run(run())
+    # Ctrl-C is the way to end it, and no fault.
+    with suppress(KeyboardInterrupt):
+        asyncio.run(run())
