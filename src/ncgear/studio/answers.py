@@ -19,7 +19,7 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_svg import drawn
-from ncgear.drawings.page.data import angle_table, page_data, paces, scene_data
+from ncgear.drawings.page.data import angle_table, paces, page_data, scene_data
 from ncgear.drawings.page.page_charts import PageChart, charts_of_pair, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.tables import comparison_tables, facts, gear_facts, strength_tables

@@ -61,7 +61,8 @@ class Chain:
         self._listening = asyncio.create_task(self._listen(self._process))
 
     async def _send(self, request: bytes) -> None:
-        assert self._process is not None and self._process.stdin is not None
+        assert self._process is not None
+        assert self._process.stdin is not None
         with suppress(ConnectionError):
             self._process.stdin.write(request)
             await self._process.stdin.drain()

@@ -135,8 +135,8 @@ class Edited:
 def edited(text: str, changes: Mapping[str, Any]) -> str:
     """The text with other values at some dotted keys; None leaves a key out.
 
-    A number in a key is the place of an item in a list (``motion.ratio.3``).  Another law or mechanism takes the whole of
-    its group.  Lines that say the same as before stay as they are written.  Raises WrongInput where the text has no
+    A number in a key is the place of an item in a list (``motion.ratio.3``).  Another law or mechanism takes the whole
+    of its group.  Lines that say the same as before stay as they are written.  Raises WrongInput where the text has no
     such places.
     """
     width = LONGEST_LINE
@@ -148,26 +148,30 @@ def edited(text: str, changes: Mapping[str, Any]) -> str:
     made = Edited(text, width).with_changes(changes)
     merged = as_written(text, again, made)
     # Lines are merged without regard to their meaning, so the meaning is compared.
-    return merged if read_yaml(merged, "design").data == read_yaml(made, "design").data else made
+    try:
+        return merged if read_yaml(merged, "design").data == read_yaml(made, "design").data else made
+    except WrongInput:
+        return made
 
 
 def as_written(text: str, again: str, other: str) -> str:
     """``other``, where it says the same as ``again``, in the lines of ``text``.
 
-    ``again`` says the same as ``text`` in the form of the writer, and ``other`` is in that form too.
+    ``again`` says the same as ``text`` in the form of the writer, and ``other`` is in that form too.  Lines that differ
+    are indented as those in whose place they stand.
     """
     own, plain, new = (one.splitlines(keepends=True) for one in (text, again, other))
-    to_own, to_new = (_alike(plain, lines) for lines in (own, new))
+    to_own = _alike([" ".join(line.split()) for line in plain], [" ".join(line.split()) for line in own])
+    to_new = _alike(plain, new)
     made: list[str] = []
-    # Places in the writer's lines at which all three texts are in step; between two of them, one or both differ.
-    steps = sorted(to_own.keys() & to_new.keys())
     done_plain = done_own = done_new = 0
-    for step in [*steps, len(plain)]:
+    # Places in the writer's lines at which all three texts are in step; between two of them, one or both differ.
+    for step in [*sorted(to_own.keys() & to_new.keys()), len(plain)]:
         at_own, at_new = to_own.get(step, len(own)), to_new.get(step, len(new))
-        changed = plain[done_plain:step] != new[done_new:at_new]
-        made += new[done_new:at_new] if changed else own[done_own:at_own]
-        if step < len(plain):
-            made.append(own[at_own])
+        before, kept, changed = plain[done_plain:step], own[done_own:at_own], new[done_new:at_new]
+        shift = _indent(kept[0]) - _indent(before[0]) if kept and before else 0
+        made += kept if before == changed else [_shifted(line, shift) for line in changed]
+        made += own[at_own : at_own + 1]
         done_plain, done_own, done_new = step + 1, at_own + 1, at_new + 1
     return "".join(made)
 
@@ -176,6 +180,14 @@ def _alike(lines: list[str], others: list[str]) -> dict[int, int]:
     """Places of lines that both texts have, in order."""
     blocks = SequenceMatcher(None, lines, others, autojunk=False).get_matching_blocks()
     return {block.a + step: block.b + step for block in blocks for step in range(block.size)}
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip(" "))
+
+
+def _shifted(line: str, spaces: int) -> str:
+    return " " * max(_indent(line) + spaces, 0) + line.lstrip(" ")
 
 
 def _values(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -209,7 +221,7 @@ def _another_law(text: str, name: Any) -> dict[str, Any]:
 
 
 def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
-    """The group ``linkage`` of another mechanism with a crank as long as the text's; what has other keys is left out."""
+    """The group ``linkage`` of another mechanism, its crank as long as the text's; groups of other keys go."""
     if name not in MECHANISMS:
         raise WrongInput(f"{name!r} given; a mechanism of ncgear is right", key="linkage.kind")
     if name == NO_LINKAGE:

@@ -95,7 +95,8 @@ class Job:
             stderr=asyncio.subprocess.PIPE,
             start_new_session=os.name == "posix",
         )
-        assert self._process.stdout is not None and self._process.stderr is not None
+        assert self._process.stdout is not None
+        assert self._process.stderr is not None
         try:
             async with asyncio.timeout(LONGEST_S):
                 await asyncio.gather(self._heard(self._process.stdout, False), self._heard(self._process.stderr, True))

@@ -17,7 +17,7 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import DesignError, WrongInput
 from ncgear.studio.chains import Chains
-from ncgear.studio.editing import LARGEST_MB, DesignOnDisk, History, Edited, design_on_disk, difference, edited
+from ncgear.studio.editing import LARGEST_MB, DesignOnDisk, Edited, History, design_on_disk, difference, edited
 from ncgear.studio.form import form
 from ncgear.studio.jobs import Job, require_command
 
@@ -179,7 +179,8 @@ class Session:
             self._job_told(job)
 
     def _job(self, message: Mapping[str, Any]) -> Job:
-        job = self.jobs.get(message.get("job")) if isinstance(message.get("job"), int) else None
+        number = message.get("job")
+        job = self.jobs.get(number) if isinstance(number, int) else None
         if job is None:
             raise WrongInput("no such job", key="job")
         return job

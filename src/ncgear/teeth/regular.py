@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.zeros import first_zeros
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import Flanks
@@ -26,14 +28,17 @@ numbers left to tell its sides apart."""
 
 
 def regular_height(flanks: Flanks, limit_mm: float) -> Array:
-    """Height over the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,)."""
+    """Height over the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,).
+
+    Raises NoSuchMechanism where the pitch curve bends many times along the height of one tooth.
+    """
     return _reach(flanks, limit_mm, 1.0)
 
 
 def regular_depth(flanks: Flanks, limit_mm: float) -> Array:
     """Depth below the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,).
 
-    A tool cuts away what is deeper (undercut).
+    A tool cuts away what is deeper (undercut).  Raises NoSuchMechanism as ``regular_height`` does.
     """
     return _reach(flanks, limit_mm, -1.0)
 
@@ -47,7 +52,14 @@ def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
     per_mm = -sense * flanks.side * flanks.slant.height_per_rolled
     ends, joints = np.array([0.0, limit]), _joints(flanks)
     cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in doubtful]
-    reached[doubtful] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
+    try:
+        reached[doubtful] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
+    except NotSmooth as fault:
+        problem = (
+            f"the {flanks.curve.gear.value} pitch curve bends too often along the height of one tooth for its flanks to "
+            "be followed; more teeth of a smaller module are needed"
+        )
+        raise NoSuchMechanism(problem, key="gears.teeth") from fault
     return reached
 
 

@@ -1,0 +1,299 @@
+"""The text that the studio edits, its form, its handles and its answers, without a server."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drives import DESIGNS, drive, loaded
+from ncgear.design.keys.base import FULL_TURN
+from ncgear.design.laws.registry import LawName
+from ncgear.design.mechanisms import MECHANISMS, entry_of
+from ncgear.design.reading.design_file import parsed
+from ncgear.design.reading.places import with_value
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.reference import keys_of
+from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.errors import WrongInput
+from ncgear.project.drive import Drive
+from ncgear.studio.answers import gear_answers, motion_answers
+from ncgear.studio.editing import Edited, History, as_written, design_on_disk, difference, edited
+from ncgear.studio.form import form
+from ncgear.studio.handles import handles
+
+NAMES = sorted(path.stem for path in DESIGNS.glob("*.yaml"))
+SOME = ["baler", "ellipse", "feeder-wishes", "scotch-yoke-pump"]
+
+
+def text_of(name: str) -> str:
+    return (DESIGNS / f"{name}.yaml").read_text(encoding="utf-8")
+
+
+def data_of(text: str) -> Any:
+    return read_yaml(text, "d.yaml").data
+
+
+# --- the text
+
+
+@pytest.mark.judges("studio")
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.tiers(quick=SOME, rest="thorough")
+def test_a_changed_key_changes_its_own_line_alone(name: str) -> None:
+    text = text_of(name)
+    after = edited(text, {"operation.speed_rpm": 33.25})
+    lines = [line for line in difference(text, after, "d").splitlines()[2:] if line[0] in "+-"]
+    assert [line[0] for line in lines] == ["-", "+"]
+    assert data_of(after) == with_value(data_of(text), "operation.speed_rpm", 33.25)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.tiers(quick=SOME, rest="thorough")
+def test_a_change_and_its_opposite_leave_the_text_as_it_was(name: str) -> None:
+    text = text_of(name)
+    speed = data_of(text)["operation"]["speed_rpm"]
+    assert edited(edited(text, {"operation.speed_rpm": 33.25}), {"operation.speed_rpm": speed}) == text
+
+
+def test_items_of_lists_are_changed_where_they_stand() -> None:
+    text = "a: [1, 2, 3] # points\nb:\n    - {c: 1, d: 2}   # first\n    - {c: 3, d: 4}\n"
+    assert edited(text, {"a.1": 7.5}) == text.replace("2, 3", "7.5, 3")
+    assert data_of(edited(text, {"b.1.c": 5})) == {"a": [1, 2, 3], "b": [{"c": 1, "d": 2}, {"c": 5, "d": 4}]}
+    assert data_of(edited(text, {"b.0": None})) == {"a": [1, 2, 3], "b": [{"c": 3, "d": 4}]}
+
+
+@pytest.mark.parametrize("key", ["a.9.b", "a.x", "name.first", "b.0.c.d"])
+def test_a_place_that_is_not_there_is_refused(key: str) -> None:
+    with pytest.raises(WrongInput, match="no place"):
+        edited("name: one\na: [1, 2]\nb: [{c: 1}]\n", {key: 1})
+
+
+def test_text_that_is_no_yaml_is_refused() -> None:
+    with pytest.raises(WrongInput):
+        edited("name: [1, 2\n", {"name": "x"})
+
+
+def test_lines_are_merged_by_what_they_say() -> None:
+    """What has changed counts, in the indentation that stands there."""
+    own, again = "a:   1\nb:   2\nc: 3\n", "a: 1\nb: 2\nc: 3\n"
+    assert as_written(own, again, "a: 1\nb: 2\nc: 4\n") == "a:   1\nb:   2\nc: 4\n"
+    assert as_written(own, again, "a: 1\nb: 9\nc: 3\n") == "a:   1\nb: 9\nc: 3\n"
+    assert as_written(own, again, "a: 1\nb: 2\nx: 1\nc: 3\n") == "a:   1\nb:   2\nx: 1\nc: 3\n"
+    assert as_written(own, again, "b: 2\nc: 3\n") == "b:   2\nc: 3\n"
+    assert as_written("l:\n    - a\n    - b\n", "l:\n  - a\n  - b\n", "l:\n  - a\n  - c\n") == "l:\n    - a\n    - c\n"
+
+
+def test_numbers_that_are_dragged_have_no_more_digits_than_a_screen() -> None:
+    assert "speed_rpm: 33.33333}" in edited("operation: {speed_rpm: 20}\n", {"operation.speed_rpm": 100.0 / 3.0})
+
+
+TEXTS = st.lists(st.one_of(st.sampled_from(["undo", "redo"]), st.text("ab", max_size=3)), max_size=30)
+
+
+@given(TEXTS)
+@settings(max_examples=60, deadline=None)
+def test_history_goes_back_and_forth_as_a_list_with_a_place(steps: list[str]) -> None:
+    history, texts, place = History("start"), ["start"], 0
+    for step in steps:
+        if step == "undo":
+            history, place = history.undone(), max(place - 1, 0)
+        elif step == "redo":
+            history, place = history.redone(), min(place + 1, len(texts) - 1)
+        elif step != texts[place]:
+            history, texts, place = history.kept(step), [*texts[: place + 1], step], place + 1
+        assert history.now == texts[place]
+        assert (len(history.past), len(history.future)) == (place, len(texts) - 1 - place)
+
+
+def test_a_file_is_saved_whole_and_not_over_others_work(tmp_path: Path) -> None:
+    path = tmp_path / "d.yaml"
+    path.write_text("name: a\n", encoding="utf-8")
+    path.chmod(0o640)
+    link = tmp_path / "link.yaml"
+    link.symlink_to(path)
+    opened = design_on_disk(link)
+    saved = opened.saved("name: b\n", over=False)
+    assert path.read_text(encoding="utf-8") == "name: b\n"
+    assert (link.is_symlink(), path.stat().st_mode & 0o777) == (True, 0o640)
+    path.write_text("name: other\n", encoding="utf-8")
+    with pytest.raises(WrongInput, match="changed by another program"):
+        saved.saved("name: c\n", over=False)
+    assert path.read_text(encoding="utf-8") == "name: other\n"
+    saved.saved("name: c\n", over=True)
+    assert sorted(os.listdir(tmp_path)) == ["d.yaml", "link.yaml"]
+    assert path.read_text(encoding="utf-8") == "name: c\n"
+
+
+# --- another law, another mechanism
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("law", list(LawName))
+def test_every_law_can_be_chosen(law: LawName) -> None:
+    """What follows may be refused by the machine, as a law over a range is by a slider, but the law is chosen."""
+    text = edited(text_of("baler"), {"motion.law": law.value})
+    assert data_of(text)["motion"]["law"] == law
+    assert "# The baler of J. Wang" in text
+
+
+@pytest.mark.parametrize("kind", list(MECHANISMS))
+def test_every_mechanism_can_be_chosen(kind: str) -> None:
+    text = edited(text_of("scotch-yoke-pump"), {"linkage.kind": kind})
+    law = {"law": "ellipse", "eccentricity": 0.2} if kind != "rack_pinion" else None
+    made = parsed(text if law is None else edited(text, {"motion": law}), DESIGNS / "x.yaml").design
+    assert entry_of(made.linkage) is MECHANISMS[kind]
+    if law is not None:
+        assert Drive(made).check.peak_speed.value > 0.0
+    lengths = data_of(text).get("linkage", {})
+    assert {key: lengths[key] for key in MECHANISMS[kind].proportions} == {
+        key: pytest.approx(40.0 * share) for key, share in MECHANISMS[kind].proportions.items()
+    }
+
+
+@pytest.mark.parametrize("changes", [{"motion.law": "no_such"}, {"linkage.kind": "no_such"}])
+def test_other_names_are_refused(changes: Mapping[str, Any]) -> None:
+    with pytest.raises(WrongInput, match="no_such"):
+        edited(text_of("baler"), changes)
+
+
+# --- the form
+
+
+def leaves(data: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted keys of plain values; a list of plain values is one of them."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from leaves(value, f"{path}.{key}" if path else key)
+    elif isinstance(data, list) and data and isinstance(data[0], dict):
+        for place, value in enumerate(data):
+            yield from leaves(value, f"{path}.{place}")
+    else:
+        yield path, data
+
+
+def rows_of(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    for row in rows:
+        yield row
+        yield from rows_of(row.get("rows", []))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.tiers(quick=SOME, rest="thorough")
+def test_every_value_of_a_file_has_a_row_and_no_other_row_is_given(name: str) -> None:
+    data = data_of(text_of(name))
+    rows = list(rows_of(form(data)))
+    shown = {row["path"]: row.get("value") for row in rows if row["given"] and "rows" not in row}
+    assert shown == dict(leaves(data))
+    assert len({row["path"] for row in rows}) == len(rows)
+
+
+def test_rows_say_what_the_models_say() -> None:
+    known = {key.path: key for key in keys_of(type(loaded("baler").design)) if not key.is_law_name}
+    rows = [row for row in rows_of(form(data_of(text_of("baler")))) if row["path"] in known]
+    assert len(rows) > 60
+    for row in rows:
+        assert row["meaning"] == known[row["path"]].meaning
+    teeth = next(row for row in rows if row["path"] == "gears.teeth")
+    assert (teeth["kind"], teeth["least"], teeth["most"], teeth["step"]) == ("integer", 3, 10000, 1)
+
+
+def test_a_group_that_is_left_out_begins_with_values_that_are_right() -> None:
+    text = text_of("baler")
+    for row in rows_of(form(data_of(text))):
+        # Only gears of two lobes or more pump, and only those that turn to and fro have end stops.
+        needs_more = row["path"].endswith(("housing", "end_stop"))
+        if row.get("begin") is not None and row["path"].startswith("gears") and not needs_more:
+            parsed(edited(text, {row["path"]: row["begin"]}), DESIGNS / "x.yaml")
+
+
+# --- handles: where a point is dragged to, there the law has it
+
+
+def moved(name: str, number: int, axis: str, step: float) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A handle of a design, and the same one after it was dragged by a step along an axis."""
+    before = handles(drive(name))[number]
+    move = before["moves"][axis]
+    text = Edited(text_of(name)).with_changes({move["key"]: move["base"] + move["factor"] * step})
+    read = parsed(text, DESIGNS / f"{name}.yaml")
+    return before, handles(Drive(read.design))[number]
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_angles_are_dragged_along_the_angle(number: int) -> None:
+    before, after = moved("baler-a1-at-law-speed", number, "x", -0.36)
+    assert after["x"] == pytest.approx(before["x"] - 0.36, abs=1e-4)
+    key = before["moves"]["x"]["key"]
+    assert before["moves"]["x"]["base"] * 360.0 / FULL_TURN[key.rpartition("_")[2]] == pytest.approx(before["x"])
+
+
+def test_a_wish_is_dragged_along_its_axis() -> None:
+    for number, before in enumerate(handles(drive("feeder-wishes"))):
+        _, after = moved("feeder-wishes", number, "y", 0.5)
+        assert after["y"] == pytest.approx(before["y"] + 0.5, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["baler", "baler-a1-at-law-speed", "feeder-wishes"])
+def test_handles_lie_on_the_curves(name: str) -> None:
+    made = drive(name)
+    for one in handles(made):
+        quantity = next(q for q in Quantity if q.key_of(made.linkage.OUTPUT) == one["chart"])
+        motion = made.machine.motion(np.radians([one["x"]]))
+        if "wishes" in str(one["moves"]):
+            assert one["y"] == one["moves"]["y"]["base"]
+        else:
+            assert one["y"] == pytest.approx(quantity.values(motion, made.linkage.OUTPUT)[0], rel=1e-9, abs=1e-6)
+
+
+# --- answers
+
+
+def test_the_motion_is_that_of_the_drive() -> None:
+    name, content = next(motion_answers(text_of("baler"), DESIGNS / "baler.yaml"))
+    assert name == "motion"
+    made = drive("baler")
+    for chart in content["charts"]:
+        own = next(line for line in chart["lines"] if line["role"] == "own")
+        quantity = next(q for q in Quantity if q.key_of(made.linkage.OUTPUT) == chart["key"])
+        phi1 = np.radians(own["x"])
+        values = quantity.values(made.machine.motion(phi1), made.linkage.OUTPUT)
+        # Angles have four decimals of a degree: beside a jump they may lie on its other side.
+        near = np.abs(np.array(own["y"]) - values) <= 1e-3 * np.abs(values).max()
+        assert near.mean() > 0.98
+
+
+def test_what_cannot_be_read_has_its_line_and_key() -> None:
+    text = text_of("baler").replace("teeth: 25", "teeth: many")
+    for answers in (motion_answers, gear_answers):
+        (name, content) = list(answers(text, DESIGNS / "baler.yaml"))[-1]
+        assert name == "refused"
+        line = 1 + text.splitlines().index("  teeth: many")
+        assert (content["key"], content["line"], content["wrong_input"]) == ("gears.teeth", line, True)
+
+
+@pytest.mark.thorough
+def test_teeth_that_cannot_be_made_leave_the_motion() -> None:
+    text = text_of("baler").replace("module_mm: 3", "center_distance_mm: 9").replace("teeth: 25", "teeth: 3")
+    assert "figures" in dict(motion_answers(text, DESIGNS / "baler.yaml"))
+    found = dict(gear_answers(text, DESIGNS / "baler.yaml"))
+    assert set(found) == {"bare", "refused"}
+    assert "bends too often" in found["refused"]["problem"]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["ellipse", "uniform-crank", "spiral-pair", "baler-66-two-stage"])
+def test_all_parts_come_for_every_kind_of_design(name: str) -> None:
+    text = text_of(name)
+    motion = [kind for kind, _ in motion_answers(text, DESIGNS / f"{name}.yaml")]
+    gears = [kind for kind, _ in gear_answers(text, DESIGNS / f"{name}.yaml")]
+    assert motion[:2] == ["motion", "figures"]
+    assert set(motion[2:]) == {"chart"}
+    assert gears[0] == "scene"
+    if drive(name).design.gears is not None:
+        assert gears[1:4] == ["teeth", "advice", "strength"]
