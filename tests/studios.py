@@ -9,10 +9,10 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from http.client import HTTPConnection, HTTPResponse
+from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
 
@@ -38,14 +38,15 @@ class Studio:
     def token(self) -> str:
         return self.address.rstrip("/").rpartition("/")[2]
 
-    def get(self, path: str, **headers: str) -> HTTPResponse:
-        """The answer to a request whose headers are as given."""
-        made = HTTPConnection("127.0.0.1", self.port, timeout=20)
-        made.putrequest("GET", path, skip_host="Host" in headers)
-        for name, value in headers.items():
-            made.putheader(name, value)
-        made.endheaders()
-        return made.getresponse()
+    def get(self, path: str, **headers: str) -> tuple[int, Mapping[str, str], bytes]:
+        """Status, headers and content that answer a request whose headers are as given."""
+        with closing(HTTPConnection("127.0.0.1", self.port, timeout=20)) as made:
+            made.putrequest("GET", path, skip_host="Host" in headers)
+            for name, value in headers.items():
+                made.putheader(name, value)
+            made.endheaders()
+            answer = made.getresponse()
+            return answer.status, {name.lower(): value for name, value in answer.getheaders()}, answer.read()
 
     @contextmanager
     def page(self, name: str = "test", **more: Any) -> Iterator[Page]:
@@ -122,7 +123,8 @@ def running(path: Path, out: Path) -> Iterator[Studio]:
         except subprocess.TimeoutExpired:
             process.kill()
             raise
-    assert (process.returncode, errors) in ((0, ""), (-signal.SIGKILL, ""))
+    ended = process.returncode, errors
+    assert ended in ((0, ""), (-signal.SIGKILL, "")), ended
 
 
 def is_running(process: int) -> bool:

@@ -287,6 +287,7 @@ KNOWN = {
     "material.driven": "POM",
     "driving.name": "42CrMo4",
     "driven.name": "POM",
+    "web": "{thickness_mm: 6, rim_mm: 6, hub_mm: 30}",
     "web.thickness_mm": "6",
     "web.rim_mm": "6",
     "web.hub_mm": "20",

@@ -140,12 +140,10 @@ class Studio:
 
         try:
             await session.connected(send)
-            while True:
-                message = _read(await socket.receive_text())
+            while (text := await _text_from(socket)) is not None:
+                message = _read(text)
                 if message is not None:
                     await session.hear(message)
-        except WebSocketDisconnect:
-            pass
         finally:
             self.open.discard(name)
             await session.disconnected()
@@ -153,6 +151,14 @@ class Studio:
     async def close(self) -> None:
         """End all processes."""
         await asyncio.gather(*(session.closed() for session in self.sessions.values()))
+
+
+async def _text_from(socket: WebSocket) -> str | None:
+    """The next message of a page; None once the page is gone, which starlette tells in two ways."""
+    try:
+        return await socket.receive_text()
+    except (WebSocketDisconnect, RuntimeError):
+        return None
 
 
 def _read(text: str) -> dict[str, Any] | None:

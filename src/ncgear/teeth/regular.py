@@ -56,8 +56,8 @@ def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
         reached[doubtful] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
     except NotSmooth as fault:
         problem = (
-            f"the {flanks.curve.gear.value} pitch curve bends too often along the height of one tooth for its flanks to "
-            "be followed; more teeth of a smaller module are needed"
+            f"the {flanks.curve.gear.value} pitch curve bends too often along the height of one tooth for its flanks "
+            "to be followed; more teeth of a smaller module are needed"
         )
         raise NoSuchMechanism(problem, key="gears.teeth") from fault
     return reached

@@ -26,6 +26,7 @@ function createBoard(place, handles, onPick) {
       return;
     }
     Object.assign(one, { chart: content, live: null });
+    const focused = one.plot.contains(document.activeElement) ? document.activeElement.dataset.handle : null;
     one.plot.innerHTML = content.svg;
     one.figure.classList.remove("pale");
     one.figure.querySelector(".name").textContent = content.name;
@@ -34,6 +35,7 @@ function createBoard(place, handles, onPick) {
     one.cursor = createChart(one.figure, content);
     one.cells = [...one.figure.querySelectorAll("[data-value]")];
     overlay(one);
+    if (focused) handles.focus(one.plot, focused);
     point(one);
   }
 

@@ -87,7 +87,7 @@ function createHandles(acts) {
   // Puts the handles of a chart into its drawing; while one is dragged all stay as they are.
   function put(svg, chart, handles) {
     if (state.dragged) return;
-    const focused = document.activeElement?.dataset?.handle;
+    const focused = svg.contains(document.activeElement) ? document.activeElement.dataset.handle : null;
     svg.querySelector("g.handles")?.remove();
     const group = svgElement("g", { class: "handles" }, svg);
     for (const handle of handles.filter((one) => one.chart === chart.key)) {
@@ -103,9 +103,14 @@ function createHandles(acts) {
       svgElement("title", {}, dot).textContent = `${handle.name}: ${spoken(handle, handle)}`;
       place(dot, handle, chart);
       listen(dot, handle, svg, chart);
-      if (focused === name) dot.focus({ preventScroll: true });
     }
+    if (focused) focus(svg, focused);
   }
 
-  return { put, dragging: () => state.dragged !== null };
+  // Gives the focus back to a handle that was drawn anew.
+  function focus(place, name) {
+    [...place.querySelectorAll(".handles circle")].find((dot) => dot.dataset.handle === name)?.focus({ preventScroll: true });
+  }
+
+  return { put, focus, dragging: () => state.dragged !== null };
 }

@@ -1,0 +1,319 @@
+"""The studio in a browser: points are dragged, values turned, designs compared and saved, by pointer and by keyboard."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from commands import fresh
+from drives import DESIGNS
+from ncgear.design.reading.design_file import parsed
+from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.project.drive import Drive
+from scenes import CHROMIUM, FLAGS, in_a_browser
+from studios import Studio, running
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+
+pytestmark = [pytest.mark.slow, in_a_browser]
+
+WIDE, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
+LONGEST_MS = 120_000
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with sync_api.sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def studio(tmp_path: Path) -> Iterator[Studio]:
+    path = tmp_path / "baler-86.yaml"
+    shutil.copy(DESIGNS / "baler-86.yaml", path)
+    with running(path, tmp_path / "export") as made:
+        yield made
+
+
+class Opened:
+    """A page of a studio; it must never say a fault."""
+
+    def __init__(self, browser: Any, studio: Studio, **context: Any) -> None:
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        self.studio = studio
+        self.page = browser.new_context(**{"viewport": WIDE, **context}).new_page()
+        self.page.set_default_timeout(LONGEST_MS)
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("console", lambda message: self.errors.append(message.text) if message.type == "error" else None)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.goto(studio.address)
+        self.page.wait_for_selector("body[data-asked]")
+        self.settled()
+
+    def settled(self) -> None:
+        """Wait until the text that is shown has all its answers."""
+        asked = int(self.page.evaluate("document.body.dataset.asked"))
+        self.page.wait_for_function(
+            "n => Number(document.body.dataset.doneGears) >= n && Number(document.body.dataset.doneMotion) >= n",
+            arg=asked,
+        )
+
+    def step(self, act: Any) -> None:
+        """Do what makes one step of the history, and wait for its answers."""
+        before = int(self.page.evaluate("document.body.dataset.asked"))
+        act()
+        self.page.wait_for_function("n => Number(document.body.dataset.asked) > n", arg=before)
+        self.settled()
+
+    @property
+    def text(self) -> str:
+        return str(self.page.locator("#text").input_value())
+
+    @property
+    def drive(self) -> Drive:
+        """The text as Python computes it."""
+        return Drive(parsed(self.text, self.studio.path).design)
+
+    def fact(self, name: str) -> str:
+        return str(self.page.locator(f"#facts tr:has(th:text-is('{name}')) td").first.inner_text())
+
+    def set(self, key: str, value: str) -> None:
+        field = self.page.locator(f"#key-{key}".replace(".", "\\."))
+        self.step(lambda: (field.fill(value), field.press("Enter")))
+
+
+@pytest.fixture
+def opened(browser: Any, studio: Studio) -> Iterator[Opened]:
+    made = Opened(browser, studio)
+    yield made
+    assert made.errors == []
+    outside = [url for url in made.requests if not url.startswith((studio.address, "data:"))]
+    assert outside == []
+    made.page.context.close()
+
+
+def lines_agree(opened: Opened) -> None:
+    """The lines on the page are those that Python computes of the text on the page."""
+    motion, drive = opened.page.evaluate("ncgear.motion()"), opened.drive
+    for chart in motion["charts"]:
+        own = next(line for line in chart["lines"] if line["role"] == "own")
+        quantity = next(one for one in Quantity if one.key_of(drive.linkage.OUTPUT) == chart["key"])
+        values = quantity.values(drive.machine.motion(np.radians(own["x"])), drive.linkage.OUTPUT)
+        # Angles have four decimals of a degree, so beside a jump they may lie on its other side.
+        assert (np.abs(np.array(own["y"]) - values) <= 1e-3 * np.abs(values).max()).mean() > 0.98, chart["key"]
+
+
+def test_a_point_that_is_dragged_moves_the_law_as_python_computes_it(opened: Opened) -> None:
+    page = opened.page
+    dot = page.locator(".chart[data-key^=velocity] .handles circle").nth(1)
+    assert dot.get_attribute("aria-label") == "theta2, v2"
+    before = float(parsed(opened.text, opened.studio.path).data["motion"]["theta2_pi"])
+    chart = page.evaluate("ncgear.chart('velocity_mm_s')")
+    dot.scroll_into_view_if_needed()
+    box, svg = dot.bounding_box(), page.locator(".chart[data-key^=velocity] svg").bounding_box()
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+
+    def drag() -> None:
+        page.mouse.move(x, y)
+        page.mouse.down()
+        for step in range(1, 11):
+            page.mouse.move(x + 0.8 * step, y)
+            page.wait_for_timeout(20)
+        page.mouse.up()
+
+    opened.step(drag)
+    after = float(parsed(opened.text, opened.studio.path).data["motion"]["theta2_pi"])
+    # Eight pixels on the scale of the chart, whose unit is a 430th of its width.
+    degrees = 8.0 * 430.0 / svg["width"] * 360.0 / (chart["x"][1] - chart["x"][0])
+    assert after - before == pytest.approx(degrees / 180.0, abs=0.004)
+    lines_agree(opened)
+    assert opened.page.evaluate("ncgear.drivenAngle(2.0)") == pytest.approx(
+        float(opened.drive.transmission.driven_angle(np.array([2.0])).value[0]), abs=1e-6
+    )
+    page.locator("#undo").click()
+    page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+
+
+def test_five_hundred_quick_changes_leave_the_last_one_shown(browser: Any, studio: Studio) -> None:
+    opened = Opened(browser, studio)
+    page = opened.page
+    processes = studio.workers
+    assert len(processes) == 2
+    turn = """async ([from, count]) => {
+      for (let i = 0; i < count; i += 1) {
+        ncgear.send({ do: "change", changes: { "operation.speed_rpm": from + i / 10 } });
+        await new Promise((done) => setTimeout(done, 4));
+      }
+      ncgear.send({ do: "keep" });
+    }"""
+    opened.step(lambda: page.evaluate(turn, [15.0, 100]))
+    before = sum(map(memory_kb, [studio.process.pid, *processes]))
+    opened.step(lambda: page.evaluate(turn, [20.0, 501]))
+    assert opened.fact("speed") == "70 r/min"
+    assert "speed_rpm: 70" in opened.text
+    lines_agree(opened)
+    assert studio.workers == processes
+    after = sum(map(memory_kb, [studio.process.pid, *processes]))
+    assert after < before + 60_000
+    assert opened.errors == []
+    page.context.close()
+
+
+def memory_kb(process: int) -> int:
+    """Memory of a process that lies in the computer's."""
+    done = subprocess.run(["ps", "-o", "rss=", "-p", str(process)], capture_output=True, text=True, check=True)
+    return int(done.stdout)
+
+
+def test_what_is_saved_is_what_a_check_reads(opened: Opened) -> None:
+    opened.set("operation.speed_rpm", "31")
+    assert opened.page.locator("#saved").inner_text() == "not saved"
+    assert "+operation: {speed_rpm: 31}" in opened.page.locator("#difference").text_content()
+    opened.page.keyboard.press("Control+s")
+    opened.page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+    saved = opened.studio.path.read_text(encoding="utf-8")
+    original = (DESIGNS / "baler-86.yaml").read_text(encoding="utf-8")
+    assert saved == re.sub(r"speed_rpm: [\d.]+}", "speed_rpm: 31}", original, count=1)
+    done = fresh("check", str(opened.studio.path), "--json")
+    power = json.loads(done.stdout)["check"]["peak_power_w"]
+    assert float(opened.fact("peak power").split()[0]) == pytest.approx(power, rel=1e-4)
+
+
+def test_what_does_not_exist_is_told_and_the_last_machine_stays_behind_it(opened: Opened) -> None:
+    page = opened.page
+    opened.set("gears.teeth", "3")
+    assert page.locator(".refusal").count() == 1
+    assert page.locator("#stage.pale svg.scene").count() == 1
+    assert "gears." in page.locator(".refusal").inner_text()
+    page.locator(".refusal button").click()
+    assert page.evaluate("document.activeElement.id").startswith("key-gears.")
+    while page.locator("#undo").is_enabled():
+        opened.step(page.locator("#undo").click)
+    assert page.locator(".refusal").count() == 0
+    assert page.locator("#stage.pale").count() == 0
+
+
+def test_a_design_is_kept_and_compared(opened: Opened) -> None:
+    page = opened.page
+    before = opened.fact("peak acceleration")
+    page.locator("#hold").click()
+    opened.set("operation.speed_rpm", "40")
+    assert page.locator("#held-stage svg.scene").is_visible()
+    cells = page.locator("#facts tr:has(th:text-is('peak acceleration')) td").all_inner_texts()
+    assert cells[1] == before
+    assert cells[0] != before
+    assert page.locator("g.held path").count() >= 4
+    page.evaluate("ncgear.show(1.0)")
+    poses = page.evaluate("[...document.querySelectorAll('g#scene-crank')].map((one) => one.getAttribute('transform'))")
+    assert len(poses) == 2
+    assert poses[0] == poses[1]
+    page.locator("#hold").click()
+    assert not page.locator("#held-stage").is_visible()
+
+
+def test_all_is_done_by_keyboard(opened: Opened) -> None:
+    page = opened.page
+    reached: dict[str, str] = {}
+    page.evaluate("document.body.focus()")
+    for _ in range(400):
+        page.keyboard.press("Tab")
+        place = page.evaluate(
+            "(() => { const one = document.activeElement;"
+            "return [one.id || one.dataset.run || one.dataset.handle || one.className || one.tagName,"
+            "getComputedStyle(one).outlineStyle + getComputedStyle(one).strokeWidth]; })()"
+        )
+        reached[str(place[0])] = place[1]
+    wanted = {"hold", "play", "scrub", "angle", "pace", "find", "key-gears.teeth", "build", "frontier", "nearer"}
+    assert wanted <= set(reached)
+    assert any("theta1_pi" in one for one in reached)
+    page.locator(".handles circle").first.focus()
+    before = opened.text
+    opened.step(lambda: page.keyboard.press("ArrowLeft"))
+    assert opened.text != before
+    assert "theta1" in page.evaluate("document.activeElement.dataset.handle")
+    opened.step(lambda: page.keyboard.press("Control+z"))
+    assert opened.text == before
+
+
+def test_all_has_names_for_a_screen_reader(opened: Opened) -> None:
+    nameless = opened.page.evaluate(
+        """[...document.querySelectorAll("button, input, select, textarea, summary, [role=slider], [role=button], svg.scene")]
+          .filter((one) => one.checkVisibility())
+          .filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim() ||
+                             (one.labels && [...one.labels].some((label) => label.textContent.trim()))))
+          .map((one) => one.outerHTML.slice(0, 120))"""
+    )
+    assert nameless == []
+    slider = opened.page.locator("[role=slider]").first
+    assert re.match(r"[\d.]+ pi, [\d.]+ mm/s", slider.get_attribute("aria-valuetext"))
+    assert opened.page.locator("[role=alert]").count() == 1
+
+
+def test_a_phone_shows_all_without_scrolling_sideways(browser: Any, studio: Studio) -> None:
+    opened = Opened(browser, studio, viewport=PHONE)
+    assert opened.page.evaluate("document.scrollingElement.scrollWidth") <= PHONE["width"]
+    boxes = [opened.page.locator(one).bounding_box() for one in ("#machine", "#told", "#curves", "#values")]
+    assert [box["y"] for box in boxes] == sorted(box["y"] for box in boxes)
+    assert all(box["width"] > 300 for box in boxes)
+    assert opened.errors == []
+    opened.page.context.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_can_be_read_on_either_ground(browser: Any, studio: Studio, scheme: str) -> None:
+    opened = Opened(browser, studio, color_scheme=scheme)
+    faint = opened.page.evaluate(
+        """(() => {
+          const light = (text) => {
+            const parts = text.match(/[\\d.]+/g).slice(0, 3).map((one) => Number(one) / 255);
+            const [r, g, b] = parts.map((one) => (one <= 0.04045 ? one / 12.92 : ((one + 0.055) / 1.055) ** 2.4));
+            return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+          };
+          const ground = (one) => {
+            for (; one; one = one.parentElement) {
+              const color = getComputedStyle(one).backgroundColor;
+              if (color !== "rgba(0, 0, 0, 0)") return color;
+            }
+            return "rgb(255, 255, 255)";
+          };
+          const texts = [...document.querySelectorAll("h1, h2, p, td, th, label, button, summary, li, span, code")];
+          return texts.filter((one) => one.checkVisibility() && !one.disabled && one.textContent.trim()).map((one) => {
+            const [a, b] = [light(getComputedStyle(one).color), light(ground(one))].sort((x, y) => y - x);
+            return [(a + 0.05) / (b + 0.05), one.outerHTML.slice(0, 80)];
+          }).filter(([contrast]) => contrast < 4.5);
+        })()"""
+    )
+    assert faint == []
+    opened.page.context.close()
+
+
+def test_a_page_that_is_loaded_anew_goes_on_where_it_was(opened: Opened) -> None:
+    opened.set("gears.teeth", "41")
+    opened.page.reload()
+    opened.page.wait_for_selector("body[data-asked]")
+    opened.settled()
+    assert "teeth: 41" in opened.text
+    assert opened.page.locator("#undo").is_enabled()
+
+
+def test_the_best_law_is_found_and_taken_over(opened: Opened) -> None:
+    pytest.importorskip("casadi", reason="the optimiser is not installed")
+    page = opened.page
+    page.locator("[data-run=optimize]").click()
+    page.locator("#jobs button:text-is('take over')").wait_for()
+    before = opened.fact("peak power"), opened.fact("peak acceleration")
+    opened.step(page.locator("#jobs button:text-is('take over')").click)
+    assert (opened.fact("peak power"), opened.fact("peak acceleration")) != before
+    assert "spline_ratio" in opened.text
+    lines_agree(opened)

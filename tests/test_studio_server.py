@@ -1,0 +1,308 @@
+"""The studio's server as a process: who may talk to it, what it answers, and what is left when it is gone."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from websockets.exceptions import InvalidStatus
+
+from commands import environment, fresh
+from drives import DESIGNS
+from studios import Studio, children, is_running, running
+
+pytestmark = pytest.mark.thorough
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    folder = tmp_path_factory.mktemp("studio")
+    path = folder / "ellipse.yaml"
+    shutil.copy(DESIGNS / "ellipse.yaml", path)
+    (folder / "export" / "one").mkdir(parents=True)
+    (folder / "export" / "one" / "a.txt").write_text("a file", encoding="utf-8")
+    (folder / "export" / "one" / ".hidden").write_text("secret", encoding="utf-8")
+    (folder / "export" / "out.txt").symlink_to(path)
+    (folder / "secret.txt").write_text("secret", encoding="utf-8")
+    with running(path, folder / "export") as made:
+        yield made
+
+
+# --- who may talk to it
+
+
+def test_the_page_is_there_for_whoever_has_the_address(studio: Studio) -> None:
+    status, headers, content = studio.get(f"/{studio.token}/")
+    policy = headers["content-security-policy"]
+    assert status == 200
+    assert "default-src 'none'" in policy
+    assert "unsafe-eval" not in policy
+    assert "script-src 'sha256-" in policy
+    assert headers["referrer-policy"] == "no-referrer"
+    assert b"ncgear studio" in content
+
+
+@pytest.mark.parametrize("path", ["/", "/talk", "/x/", "/TOKEN", "//TOKEN/", "/export/one/a.txt", f"/{'0' * 32}/"])
+def test_without_the_token_there_is_nothing(studio: Studio, path: str) -> None:
+    assert studio.get(path.replace("TOKEN", studio.token[:-1] + "_"))[0] == 403
+
+
+@pytest.mark.parametrize("host", ["example.org", "127.0.0.1", "localhost:1", "127.0.0.1.example.org:PORT", ""])
+def test_another_host_name_is_refused(studio: Studio, host: str) -> None:
+    """A page of another site whose name leads to this computer sends that name."""
+    given = host.replace("PORT", str(studio.port))
+    assert studio.get(f"/{studio.token}/", Host=given)[0] in (400, 403)
+    assert studio.get(f"/{studio.token}/", Host=f"localhost:{studio.port}")[0] == 200
+
+
+@pytest.mark.parametrize("origin", ["http://example.org", "null", None, "https://127.0.0.1:PORT", "http://127.0.0.1:1"])
+def test_another_page_cannot_talk(studio: Studio, origin: str | None) -> None:
+    given = None if origin is None else origin.replace("PORT", str(studio.port))
+    with pytest.raises(InvalidStatus), studio.page(origin=given):
+        pass
+
+
+def test_a_wrong_token_cannot_talk(studio: Studio) -> None:
+    with pytest.raises(InvalidStatus), studio.page(token="0" * 32):
+        pass
+
+
+def test_other_computers_cannot_reach_it(studio: Studio) -> None:
+    """It listens on the loopback address alone."""
+    own = socket.gethostbyname(socket.gethostname())
+    if own.startswith("127."):
+        listed = Path("/proc/net/tcp")
+        if not listed.exists():
+            pytest.skip("this computer has no other address")
+        rows = [line.split()[1] for line in listed.read_text().splitlines()[1:]]
+        assert [row for row in rows if row.endswith(f":{studio.port:04X}")] == [f"0100007F:{studio.port:04X}"] * sum(
+            row.endswith(f":{studio.port:04X}") for row in rows
+        )
+        return
+    with pytest.raises(OSError), socket.create_connection((own, studio.port), timeout=2):  # noqa: PT011
+        pass
+
+
+def test_files_of_the_export_folder_alone_are_shown(studio: Studio) -> None:
+    status, headers, content = studio.get(f"/{studio.token}/export/one/a.txt")
+    assert (status, content) == (200, b"a file")
+    assert headers["content-security-policy"].startswith("sandbox")
+    for path in ("../secret.txt", "%2e%2e/secret.txt", "one/.hidden", "..%2f..%2fetc/passwd", "out.txt", "one", ""):
+        assert studio.get(f"/{studio.token}/export/{path}")[0] in (403, 404), path
+
+
+# --- what it answers
+
+
+def test_a_page_hears_all_parts_and_then_of_a_change(studio: Studio) -> None:
+    with studio.page("parts") as page:
+        state = page.until("state")
+        assert state["content"]["saved"]
+        heard = page.settled(state["n"])
+        assert {"motion", "figures", "chart", "scene", "teeth", "advice"} <= {one["is"] for one in heard}
+        page.send("change", changes={"operation.speed_rpm": 77})
+        asked = page.until("asked")
+        figures = next(one for one in page.settled(asked["n"]) if one["is"] == "figures")
+        assert ["speed", "77 r/min"] in figures["content"]["facts"]
+        page.send("keep")
+        assert "+operation: {speed_rpm: 77}" in page.until("state")["content"]["difference"]
+    with studio.page("parts") as page:
+        assert "speed_rpm: 77" in page.until("state")["content"]["text"]
+        page.send("undo")
+        assert page.until("state")["content"]["saved"]
+
+
+def test_pages_do_not_share_what_is_edited(studio: Studio) -> None:
+    with studio.page("one") as one, studio.page("two") as two:
+        one.until("state"), two.until("state")
+        one.send("set", changes={"operation.speed_rpm": 11})
+        assert "speed_rpm: 11" in one.until("state")["content"]["text"]
+        two.send("redo")
+        assert "speed_rpm: 11" not in two.until("state")["content"]["text"]
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"do": "no_such"},
+        {"do": "set"},
+        {"do": "set", "changes": {}},
+        {"do": "set", "changes": {f"k{i}": 1 for i in range(300)}},
+        {"do": "set", "changes": {"motion.law": "__import__"}},
+        {"do": "set", "changes": {"name.x": 1}},
+        {"do": "text", "text": 5},
+        {"do": "text", "text": "x" * 1_100_000},
+        {"do": "run", "command": "sh -c true"},
+        {"do": "run", "command": None},
+        {"do": "cancel", "job": 99},
+        {"do": "adopt", "job": "../x"},
+        {"do": "point", "power_w": "many"},
+    ],
+)
+def test_messages_that_ask_for_nonsense_are_told_so(studio: Studio, message: dict[str, object]) -> None:
+    with studio.page(f"nonsense{hash(str(message))}") as page:
+        page.until("state")
+        page.send(**message)  # type: ignore[arg-type]
+        assert page.until("said")["content"]
+        page.send("redo")
+        assert page.until("state")["content"]["saved"]
+
+
+def test_what_is_no_message_is_passed_over(studio: Studio) -> None:
+    with studio.page("noise") as page:
+        page.until("state")
+        for text in ("", "{", "[]", "5", '{"do": NaN}', "[" * 5000):
+            page.socket.send(text)
+        page.send("redo")
+        assert page.until("state")["content"]["saved"]
+
+
+def test_a_design_that_is_no_yaml_is_shown_with_its_fault(studio: Studio) -> None:
+    with studio.page("broken") as page:
+        page.until("state")
+        page.send("text", text="name: [1, 2\n")
+        state = page.until("state")
+        assert state["content"]["form"] is None
+        assert "not YAML" in page.until("refused")["content"]["problem"]
+        page.send("set", changes={"name": "x"})
+        assert "mend the text" in page.until("said")["content"]
+        page.send("undo")
+        while not page.until("state")["content"]["saved"]:
+            pass
+
+
+# --- what is left of it
+
+
+def test_a_page_that_is_closed_leaves_no_process(studio: Studio) -> None:
+    with studio.page("closed") as page:
+        page.settled(page.until("state")["n"])
+        end = time.monotonic() + 20
+        # Those of pages of other tests may still be on their way out.
+        while len(before := studio.workers) != 2:
+            assert time.monotonic() < end
+    wait_until_gone(before)
+
+
+def wait_until_gone(processes: list[int]) -> None:
+    end = time.monotonic() + 20
+    while any(map(is_running, processes)):
+        assert time.monotonic() < end, processes
+        time.sleep(0.05)
+
+
+@pytest.mark.slow
+def test_a_server_that_is_killed_leaves_the_file_whole_and_no_process(tmp_path: Path) -> None:
+    path = tmp_path / "ellipse.yaml"
+    shutil.copy(DESIGNS / "ellipse.yaml", path)
+    before = path.read_text(encoding="utf-8")
+    with running(path, tmp_path / "export") as studio, studio.page() as page:
+        page.until("motion")
+        processes = children(studio.process.pid)
+        assert len(processes) == 2
+        page.send("set", changes={"operation.speed_rpm": 88})
+        page.send("save")
+        time.sleep(0.05)
+        studio.process.send_signal(signal.SIGKILL)
+        studio.process.wait()
+        assert path.read_text(encoding="utf-8") in (before, before.replace("speed_rpm: 90", "speed_rpm: 88"))
+        wait_until_gone(processes)
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_it_and_its_commands(tmp_path: Path) -> None:
+    path = tmp_path / "ellipse.yaml"
+    shutil.copy(DESIGNS / "ellipse.yaml", path)
+    with running(path, tmp_path / "export") as studio:
+        with studio.page() as page:
+            page.until("state")
+            page.send("run", command="animate")
+            while not page.until("job")["content"]["progress"] and len(children(studio.process.pid)) < 3:
+                pass
+            processes = children(studio.process.pid)
+        studio.process.send_signal(signal.SIGINT)
+        assert studio.process.wait(30) == 0
+        wait_until_gone(processes)
+
+
+@pytest.mark.slow
+def test_a_command_writes_what_the_command_line_writes(studio: Studio, tmp_path: Path) -> None:
+    with studio.page("made") as page:
+        page.until("state")
+        page.send("set", changes={"operation.speed_rpm": 95})
+        page.send("run", command="report")
+        while (job := page.until("job"))["content"]["running"]:
+            pass
+        assert job["content"]["done"], job
+        assert "ellipse/report.html" in job["content"]["files"]
+        page.send("undo")
+        page.until("state")
+    text = (DESIGNS / "ellipse.yaml").read_text(encoding="utf-8")
+    other = tmp_path / "ellipse.yaml"
+    other.write_text(text.replace("speed_rpm: 90", "speed_rpm: 95"), encoding="utf-8")
+    done = fresh("report", str(other), f"--out={tmp_path / 'out'}")
+    assert done.returncode == 0, done.stderr
+    made = (studio.out / "ellipse" / "report.html").read_bytes()
+    assert made == (tmp_path / "out" / "report.html").read_bytes()
+
+
+@pytest.mark.slow
+def test_a_command_is_cancelled(studio: Studio) -> None:
+    with studio.page("cancelled") as page:
+        page.until("state")
+        page.send("run", command="build")
+        job = page.until("job")["content"]["job"]
+        page.send("cancel", job=job)
+        while (heard := page.until("job")["content"])["running"]:
+            pass
+        assert heard["cancelled"]
+
+
+# --- the processes that compute
+
+
+def test_the_newest_request_is_answered_and_older_ones_are_broken_off() -> None:
+    text = (DESIGNS / "ellipse.yaml").read_text(encoding="utf-8")
+    command = [sys.executable, "-m", "ncgear.studio.worker", "motion"]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(command, text=True, env=environment(), **pipes) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        for number in range(120):
+            changed = text.replace("speed_rpm: 90", f"speed_rpm: {20 + number}")
+            process.stdin.write(json.dumps({"n": number, "text": changed, "path": "d.yaml"}) + "\n")
+            process.stdin.flush()
+        heard = []
+        while not heard or (heard[-1]["is"], heard[-1]["n"]) != ("done", 119):
+            heard.append(json.loads(process.stdout.readline()))
+        process.stdin.close()
+        assert process.wait(20) == 0
+    numbers = [one["n"] for one in heard]
+    assert numbers == sorted(numbers)
+    assert len(set(numbers)) < 60
+    figures = [one for one in heard if one["is"] == "figures"]
+    assert ["speed", "139 r/min"] in figures[-1]["content"]["facts"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["missing.yaml"], "ncgear new missing"),
+        (["."], "is a folder"),
+        ([str(DESIGNS / "ellipse.yaml"), "--port={}"], "--port"),
+    ],
+)
+def test_what_cannot_be_opened_is_refused(arguments: list[str], said: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        done = fresh("studio", "--no-browser", *(one.replace("{}", port) for one in arguments))
+    assert done.returncode == 2
+    assert said in done.stderr
