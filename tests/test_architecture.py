@@ -36,6 +36,7 @@ LAYERS = [
     {"figures"},
     {"drawings"},
     {"files"},
+    {"studio"},
     {"cli", "plots"},
     {"__main__"},
 ]

@@ -296,4 +296,4 @@ def test_all_parts_come_for_every_kind_of_design(name: str) -> None:
     assert set(motion[2:]) == {"chart"}
     assert gears[0] == "scene"
     if drive(name).design.gears is not None:
-        assert gears[1:4] == ["teeth", "advice", "strength"]
+        assert gears[1:4] == ["teeth", "strength", "advice"]

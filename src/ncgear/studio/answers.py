@@ -49,7 +49,7 @@ def motion_answers(text: str, path: Path) -> Iterator[Answer]:
 
 
 def gear_answers(text: str, path: Path) -> Iterator[Answer]:
-    """The machine and its teeth: ``scene``, ``teeth``, ``advice``, ``strength``, ``chart`` for each chart of teeth.
+    """The machine and its teeth: ``scene``, ``teeth``, ``strength``, ``advice``, ``chart`` for each chart of teeth.
 
     Where there are no gears such as the design wants, ``bare`` is the mechanism without them.
     """
@@ -128,8 +128,8 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
             "tables": [_contact_table(stage, pair) for stage, pair in pairs],
         },
     )
-    yield "advice", [_advice(stage, one) for stage, pair in pairs for one in build_advice(pair)]
     yield "strength", [_table(table) for _, pair in pairs for table in strength_tables(pair)]
+    yield "advice", [_advice(stage, one) for stage, pair in pairs for one in build_advice(pair)]
     for _, pair in pairs:
         yield from _drawn(scene, charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
 
