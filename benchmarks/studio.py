@@ -81,17 +81,15 @@ def main() -> None:
     rows = []
     for name in CHANGED:
         found = measured(name)
-        cells = [
-            f"{statistics.median(found[part]):.0f} ({max(found[part]):.0f})" if part in found else "-" for part in parts
-        ]
+        cells = [_cell(found[part]) if part in found else "-" for part in parts]
         rows.append(f"| {name} | {' | '.join(cells)} |")
         print(rows[-1], flush=True)
     aims = " | ".join(str(AIMS_MS.get(part, "")) for part in parts)
     text = [
         "# How fast the studio answers",
         "",
-        "Milliseconds from a change to each part, over the web socket: the median of eight changes that each wait for the",
-        "one before, and the largest in brackets. `python benchmarks/studio.py` measures it anew.",
+        "Milliseconds from a change to each part, over the web socket: the median of eight changes that each wait for",
+        "the one before, and the largest in brackets. `python benchmarks/studio.py` measures it anew.",
         "",
         "| design | motion, ratio, power | figures and wishes | pitch curves and teeth | contact | strength |",
         "|---|---|---|---|---|---|",

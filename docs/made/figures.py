@@ -21,11 +21,25 @@ def _report() -> bytes:
     return report()
 
 
+def _studio() -> bytes:
+    from made.screenshots import studio
+
+    return studio()
+
+
+def _studio_in_use() -> bytes:
+    from made.screenshots import studio_in_use
+
+    return studio_in_use()
+
+
 DRAWN: dict[str, Callable[[], bytes]] = {
     "method-inversion.png": drawings.inversion,
     "method-rack.png": drawings.rack,
     "method-contact.png": drawings.contact,
     "pusher-report.png": _report,
+    "studio.png": _studio,
+    "studio.gif": _studio_in_use,
 }
 """Pictures made for a page, by their names in docs/images."""
 

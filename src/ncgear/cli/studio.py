@@ -20,7 +20,7 @@ def studio(
     port: Annotated[
         int, typer.Option(min=0, max=65535, help="Port on this computer.", show_default="any that is free")
     ] = 0,
-    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Open no browser, only print the address.")] = False,
 ) -> None:
     """Design by looking: a page on which the machine runs and follows every value at once.
 
@@ -45,7 +45,7 @@ def studio(
 
     def begun(address: str) -> None:
         typer.echo(f"{design_file} is open at {address}\nCtrl-C ends the studio; what is not saved is lost then.")
-        if browser:
+        if not no_browser:
             import webbrowser
 
             webbrowser.open(address)

@@ -25,7 +25,8 @@ function createHandles(acts) {
   const state = { dragged: null };
 
   function changesAt(handle, at) {
-    const moves = Object.entries(handle.moves);
+    // An axis along which nothing was moved leaves its key as it is.
+    const moves = Object.entries(handle.moves).filter(([axis]) => at[axis] !== handle[axis]);
     return Object.fromEntries(moves.map(([axis, move]) => [move.key, valueAt(move, at[axis] - handle[axis])]));
   }
 
@@ -33,7 +34,8 @@ function createHandles(acts) {
     const free = { x: "x" in handle.moves ? at.x : handle.x, y: "y" in handle.moves ? at.y : handle.y };
     place(dot, free, chart);
     dot.setAttribute("aria-valuetext", spoken(handle, free));
-    acts.change(changesAt(handle, free));
+    const changes = changesAt(handle, free);
+    if (Object.keys(changes).length) acts.change(changes);
   }
 
   function place(dot, at, chart) {
@@ -41,23 +43,29 @@ function createHandles(acts) {
     dot.setAttribute("cy", between(at.y, chart.values, chart.y));
   }
 
-  function placeOfPointer(svg, event, chart) {
-    const inside = placeIn(svg, event);
-    return { x: between(inside.x, chart.x, chart.angle_deg), y: between(inside.y, chart.y, chart.values) };
+  // Where the handle is when the pointer has taken it along from where it was grasped.
+  function dragged(handle, from, to, chart) {
+    const way = (axis, scale, place) => between(to[axis], place, scale) - between(from[axis], place, scale);
+    return {
+      x: handle.x + way("x", chart.angle_deg, chart.x),
+      y: handle.y + way("y", chart.values, chart.y),
+    };
   }
 
   function listen(dot, handle, svg, chart) {
+    let grasped = null;
     dot.addEventListener("pointerdown", (event) => {
       event.stopPropagation();
       event.preventDefault();
       dot.focus();
       dot.setPointerCapture(event.pointerId);
       state.dragged = handle;
+      grasped = placeIn(svg, event);
     });
     dot.addEventListener("pointermove", (event) => {
       if (!dot.hasPointerCapture(event.pointerId)) return;
       event.stopPropagation();
-      move(dot, handle, placeOfPointer(svg, event, chart), chart);
+      move(dot, handle, dragged(handle, grasped, placeIn(svg, event), chart), chart);
     });
     for (const name of ["pointerup", "pointercancel"]) {
       dot.addEventListener(name, () => {
