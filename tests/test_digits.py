@@ -21,7 +21,8 @@ import reports
 from drives import drive
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
-from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits, told
+from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
+from ncgear.figures.quantities import told
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import summary_text
 from ncgear.files.workshop.drawing import written

@@ -53,6 +53,8 @@ def strength(drive: Drive) -> Advice | None:
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
         "ncgear strength computes what would do",
         _sizes(drive, face_width_factor(verdict.weakest), module_factor(verdict.weakest)),
+        brief=f"the teeth do not hold: safety {to_digits(first.safety, 2)} against {first.damage.words}, "
+        f"{first.wanted:g} wanted",
     )
 
 
@@ -74,6 +76,8 @@ def rough(drive: Drive) -> Advice | None:
         f"{first.wanted:g} is wanted",
         "ncgear strength computes every tooth",
         _rough_remedies(drive, weak),
+        brief=f"the teeth will hardly hold: safety about {to_digits(first.safety, 2)} against {first.damage.words}, "
+        f"{first.wanted:g} wanted",
     )
 
 
