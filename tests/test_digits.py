@@ -19,6 +19,7 @@ import pytest
 import ncgear
 import reports
 from drives import drive
+from ncgear.figures.advice.collected import build_advice
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
@@ -92,7 +93,7 @@ both = pytest.mark.parametrize("name", NAMES)
 @pytest.mark.thorough
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
-    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], {}))
+    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], {}, build_advice(drive(name))))
     assert noise(text) == []
     assert longest(text) <= SIGNIFICANT
     assert re.search(r"\d rad\b", text) is None, "places are in deg; errors and play in millionths"

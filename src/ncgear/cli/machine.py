@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, Timing, files_to_complete, opened
+from ncgear.cli.arguments import EXPORT, DesignFile, Timing, Verbose, files_to_complete, opened
 from ncgear.cli.mending import BUILD, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
@@ -20,23 +20,31 @@ def check(
     design_file: DesignFile,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
     mend: MakeTeeth = False,
+    verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
     """Check a design: kinematics and power only, no teeth, no files."""
     with opened(design_file) as loaded:
+        from ncgear.figures.advice.collected import check_advice, rough_advice
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.machine import check_answer
         from ncgear.figures.numbers import json_text
         from ncgear.figures.summary.check_summary import check_summary
         from ncgear.figures.terminal import check_text, timing_text
-        from ncgear.project.drive import Drive
 
-        drive = Drive(loaded.design)
-        if mend:
-            found = mended(loaded)
-            drive = found.drive
-            typer.echo(f"{found.said}\n", err=as_json)
+        made = mended(loaded) if mend else as_given(loaded)
+        drive = made.drive
+        if made.said and (as_json or verbose):
+            typer.echo(f"{made.words}\n", err=as_json)
         with steps_shown(1) as on_step:
             on_step("kinematics and power")
-            text = json_text(check_summary(drive)).rstrip() if as_json else check_text(drive)
+            if as_json:
+                text = json_text(check_summary(drive)).rstrip()
+            elif verbose:
+                text = check_text(drive)
+            else:
+                advices = (*check_advice(drive), *rough_advice(drive))
+                text = answer_text(check_answer(drive, advices, str(design_file), made.said))
         typer.echo(text)
         if timing:
             typer.echo(timing_text(drive), err=True)
@@ -61,6 +69,7 @@ def build(
         ),
     ] = False,
     mend: Mend = False,
+    verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
@@ -77,6 +86,8 @@ def build(
         prepare(folder)
 
         from ncgear.drawings.page import REPORT_FILE
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.machine import build_answer
         from ncgear.figures.terminal import build_text, timing_text
         from ncgear.files.build import build as build_files
         from ncgear.files.build import step_count
@@ -89,8 +100,14 @@ def build(
         design = made.kept_in(folder)
         # Both runs wrote the manifest.
         paths = list(dict.fromkeys([*built.paths, *design.paths]))
-        text = build_text(built.summaries, paths, [*built.kept, *design.kept])
-        typer.echo("\n\n".join(part for part in (made.said, text) if part))
+        kept = [*built.kept, *design.kept]
+        if verbose:
+            text = build_text(built.summaries, paths, kept)
+            typer.echo("\n\n".join(part for part in (made.words, text) if part))
+        else:
+            then = f"open {REPORT_FILE}" if report else f"ncgear report {design_file}"
+            answer = build_answer(drive, built.contacts, built.advices, then, made.said)
+            typer.echo(answer_text(answer, paths, kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import degrees
 from typing import Any
 
-from ncgear.figures.numbers import MICRORAD, drawn, five_digits, shown
+from ncgear.figures.numbers import MICRORAD, drawn, five_digits, shown, to_digits
 from ncgear.numerics.units import label_and_unit
 
 OF_GEAR = {"length": "length of pitch curve", "min radius": "least radius of curvature"}
@@ -56,6 +56,9 @@ SIZES = (
 ERRORS = ("residual", "energy_error")
 """Keys with these words hold errors of a computation: all their digits count, however small they are."""
 
+SAFETY = "safety"
+"""Keys with this word hold estimates, of which three digits say all."""
+
 IN_DEGREES = ("concave_", "play_")
 """Keys in rad that begin so hold places on a gear and the play that a person wants, not errors or lag."""
 
@@ -80,6 +83,8 @@ def told(key: str, value: Any) -> tuple[str, str, str]:
         text = five_digits(value)
     elif isinstance(value, float) and key in SIZES:
         text = drawn(value, unit)
+    elif isinstance(value, float) and SAFETY in key:
+        text = to_digits(value, 3)
     else:
         text = shown(value, unit)
     nothing = value is None or (isinstance(value, list) and not value)

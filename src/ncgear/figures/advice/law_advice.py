@@ -158,8 +158,8 @@ def crank_pin(drive: Drive) -> list[Advice]:
             f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, about "
             f"which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
             f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the gears",
-            (Remedy(NO_MEETING[gear]),),
-            brief=f"a crank pin of {drawn(2.0 * pin, 'mm')} mm would touch the {part} of the {gear.value} gear",
+            (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
+            brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin would touch the {gear.value} gear's {part}",
         )
         for gear, part, radius in near
         if part and passing[gear] < radius + pin

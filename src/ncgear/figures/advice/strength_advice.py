@@ -76,7 +76,7 @@ def rough(drive: Drive) -> Advice | None:
         f"{first.wanted:g} is wanted",
         "ncgear strength computes every tooth",
         _rough_remedies(drive, weak),
-        brief=f"the teeth will hardly hold: safety about {to_digits(first.safety, 2)} against {first.damage.words}, "
+        brief=f"the teeth{stage} will hardly hold: safety about {to_digits(first.safety, 2)} against {first.damage.words}, "
         f"{first.wanted:g} wanted",
     )
 
@@ -98,9 +98,11 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
         return (Remedy("lessen the load: no gears of a usual size would do"),)
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
-        found.insert(0, Remedy(f"take a module of about {to_digits(module, 2)} mm with as many teeth"))
+        about = to_digits(module, 2)
+        found.insert(0, Remedy(f"take a module of about {about} mm with as many teeth", short=f"module about {about} mm"))
     if width <= WIDEST_MODULES * size.module_mm:
-        found.insert(0, Remedy(f"make the gears about {to_digits(width, 2)} mm wide"))
+        about = to_digits(width, 2)
+        found.insert(0, Remedy(f"make the gears about {about} mm wide", short=f"face width about {about} mm"))
     return tuple(found)
 
 
@@ -125,5 +127,5 @@ def remedies(drive: Drive, verdict: Verdict) -> tuple[Remedy, ...]:
 def _together(drive: Drive) -> Remedy:
     """Several sizes at once; they are not searched for where two pairs of gears share them."""
     if drive.stage is None:
-        return Remedy(f"let {SIZE} find module, teeth and face width together")
-    return Remedy("change material, module and face width together; both stages share them")
+        return Remedy(f"let {SIZE} find module, teeth and face width together", short=SIZE)
+    return Remedy("change material, module and face width together; both stages share them", short="larger module")

@@ -25,9 +25,9 @@ from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
 
-FINER = Remedy("take more teeth of a smaller module")
+FINER = Remedy("take more teeth of a smaller module", short="more, smaller teeth")
 
-LESS_HELIX = Remedy("take a smaller helix angle or face width")
+LESS_HELIX = Remedy("take a smaller helix angle or face width", short="smaller helix angle or face width")
 
 MEANINGS = {
     Limit.SLOPE: "would slope too much, the other edge of the tooth being lower",
@@ -60,7 +60,7 @@ def undercut(drive: Drive) -> Advice | None:
         tips = f" ({_named(shorter)})" if shorter else ""
         meaning = f"the mating tips are shortened instead{tips}, so that all flanks are exact; the contact is shorter"
     what = f"undercut{'' if allowed else ' at full height'}: {_named(found)}"
-    brief = f"{_counted(found)} undercut{'' if allowed else ' but for shortened mating tips'}"
+    brief = f"{_counted(found)} {'are' if allowed else 'would be'} undercut"
     told = Told(found if allowed else shorter, what, meaning, brief)
     return _judged(drive, Kind.UNDERCUT, found, told, _ways_out_of_undercut)
 
@@ -114,7 +114,7 @@ def pointed(drive: Drive) -> Advice | None:
     least = drive.gears.least_tip_land
     what = f"pointed teeth: tips shortened that would have a land under {least:g} modules: {_named(found)}"
     meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
-    brief = f"{_counted(found)} pointed, with tips shortened to a land of {least:g} modules"
+    brief = f"tips of {_counted(found)} shortened to a land of {least:g} modules"
     return _judged(drive, Kind.POINTED, found, Told(found, what, meaning, brief), _ways_out_of_points)
 
 
@@ -131,7 +131,7 @@ def shortened(drive: Drive) -> list[Advice]:
         found = _found(drive, partial(_lowered, reason=reason), shortening)
         if found:
             what = f"tips shortened that {words}: {_named(found)}"
-            brief = f"{_counted(found)} with shortened tips, which {words.partition(',')[0]}"
+            brief = f"tips of {_counted(found)} shortened, which {words.partition(',')[0]}"
             told = Told(found, what, "the contact of these teeth is shorter", brief)
             ways_out = _ways_out_of_jumps if reason is Limit.HELIX else _ways_out_of_shortening
             advices.append(_judged(drive, Kind.SHORTENED, found, told, ways_out))
@@ -167,9 +167,8 @@ def _found(
 
 def _counted(found: list[Found]) -> str:
     """How many teeth were found."""
-    return " and ".join(
-        f"{len(where.teeth)} {'tooth' if len(where.teeth) == 1 else 'teeth'} of the {where.gear} gear" for where, _ in found
-    )
+    numbers = " and ".join(f"{len(where.teeth)} {where.gear}" for where, _ in found)
+    return f"{numbers} {'tooth' if numbers.startswith('1 ') and len(found) == 1 else 'teeth'}"
 
 
 def _named(found: list[Found]) -> str:
@@ -195,7 +194,7 @@ def contact_ratio(drive: Drive) -> Advice | None:
         f"the driven gear is carried by an edge there, off the law by up to {to_digits(1e6 * error, 2)} {MICRORAD}; it "
         "knocks and wears",
         (*helical, FINER),
-        brief=f"at some positions no flanks touch, off the law by {to_digits(1e6 * error, 2)} {MICRORAD}: knocks, wears",
+        brief=f"at some positions no flanks touch, off the law by {to_digits(1e6 * error, 2)} {MICRORAD}",
     )
 
 
@@ -240,5 +239,5 @@ def thrust(drive: Drive) -> Advice | None:
         f"driving gear towards {towards} z and the driven one towards {away} z",
         "the bearings of both shafts must take it",
         (Remedy("herringbone teeth cancel it", (Change("gears.helix.kind", "herringbone"),)),),
-        brief=f"the bearings must take an axial thrust of {to_digits(helix.thrust_share, 3)} of the tangential force",
+        brief=f"an axial thrust of {to_digits(helix.thrust_share, 3)} of the tangential force bears on both shafts",
     )

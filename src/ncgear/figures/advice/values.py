@@ -54,18 +54,19 @@ def changed(changes: Changes) -> tuple[Change, ...]:
 class Remedy:
     """One way to cure what an advice tells: words, changes of the design file, and the command to run after them.
 
-    ``command`` is empty where the changes are enough.
+    ``command`` is empty where the changes are enough.  ``short`` is a text that is short enough for a part of a line.
     """
 
     text: str
     changes: tuple[Change, ...] = ()
     command: str = ""
+    short: str = ""
 
     @property
     def brief(self) -> str:
         """The remedy in a few words: its changes and command or, where it has none, its text."""
         if not self.changes:
-            return self.text
+            return self.short or self.text
         taken = ", ".join(map(str, self.changes))
         return f"{taken}, then {self.command}" if self.command else taken
 
