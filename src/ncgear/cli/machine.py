@@ -195,6 +195,7 @@ def simulate(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-<level>")
     ] = None,
+    verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
     """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
@@ -204,6 +205,8 @@ def simulate(
         folder = out or EXPORT / f"{loaded.design.name}-{level}"
         prepare(folder)
 
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.simulated import simulated_answer
         from ncgear.figures.terminal import timing_text
         from ncgear.files.manifest import publish_run
         from ncgear.files.simulation import simulate as simulate_drive
@@ -215,7 +218,11 @@ def simulate(
             on_step(f"simulation, level {level}")
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
-        typer.echo(simulation_text(found, run.paths, run.kept))
+        if verbose:
+            typer.echo(simulation_text(found, run.paths, run.kept))
+        else:
+            answer = simulated_answer(drive, level, found.figures, found.faults, str(design_file))
+            typer.echo(answer_text(answer, run.paths, run.kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -240,6 +247,7 @@ def strength(
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-strength")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
     """Say whether the teeth hold: safety and life of every tooth, the weakest first, and what would do."""
@@ -249,7 +257,9 @@ def strength(
         folder = out or EXPORT / f"{loaded.design.name}-strength"
         prepare(folder)
 
-        from ncgear.figures.advice.strength_advice import remedies
+        from ncgear.figures.advice.strength_advice import SIZE, remedies
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.strong import strength_answer
         from ncgear.figures.numbers import json_text
         from ncgear.figures.strong import strength_figures, strength_text
         from ncgear.figures.terminal import kept_lines, timing_text, written_lines
@@ -260,7 +270,7 @@ def strength(
         from ncgear.project.strengthening import verdict_of
 
         drive = Drive(loaded.design)
-        texts, figures, files = [], [], {}
+        told, figures, files = [], [], {}
         with naming_what_helps(drive, BUILD), steps_shown(3 * drive.design.stages) as on_step:
             for pair in drive.by_stage:
                 on_pair_step = naming_stage(pair, on_step)
@@ -269,7 +279,7 @@ def strength(
                 beside = None if verdict.strength.method == "estimate" else verdict_of(pair, "estimate")
                 figures.append(strength_figures(pair, verdict, beside))
                 on_pair_step("what would do")
-                texts.append(strength_text(pair, verdict, remedies(pair, verdict), beside))
+                told.append((pair, verdict, remedies(pair, verdict), beside))
                 on_pair_step("pictures")
                 files.update(strength_files(pair, verdict, figures[-1]))
         run = publish_run(folder, files, "strength")
@@ -278,8 +288,12 @@ def strength(
             typer.echo(json_text(stages if len(figures) > 1 else figures[0]).rstrip())
             if run.kept:
                 typer.echo("\n".join(kept_lines(run.kept)), err=True)
-        else:
+        elif verbose:
+            texts = [strength_text(*one) for one in told]
             typer.echo("\n\n".join([*texts, "\n".join(written_lines(run.paths, run.kept))]))
+        else:
+            then = f"{SIZE} {design_file}" if drive.design.stages == 1 else ""
+            typer.echo(answer_text(strength_answer(told, then), run.paths, run.kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -292,6 +306,7 @@ def balance(
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<name>-balance")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Say how much a machine shakes, and what mass where would stop it: linkages, gears, rotors, frequencies."""
     from ncgear.design.reading.balance_file import load_balance
@@ -301,6 +316,8 @@ def balance(
     folder = out or EXPORT / f"{loaded.balance.name}-balance"
     prepare(folder)
 
+    from ncgear.figures.answers.answer import answer_text
+    from ncgear.figures.answers.shaken import balance_answer
     from ncgear.figures.balance.parts import balance_text, figures_of
     from ncgear.figures.terminal import kept_lines
     from ncgear.files.balance import balance_files
@@ -314,9 +331,11 @@ def balance(
         on_step("pictures")
         files = balance_files(balancing, figures)
     run = publish_run(folder, files, "balance")
-    if not as_json:
+    if as_json:
+        typer.echo(files["balance.json"].decode().rstrip())
+        if run.kept:
+            typer.echo("\n".join(kept_lines(run.kept)), err=True)
+    elif verbose:
         typer.echo(balance_text(figures, run.paths, run.kept))
-        return
-    typer.echo(files["balance.json"].decode().rstrip())
-    if run.kept:
-        typer.echo("\n".join(kept_lines(run.kept)), err=True)
+    else:
+        typer.echo(answer_text(balance_answer(figures), run.paths, run.kept))

@@ -55,7 +55,7 @@ ARGUMENT = (
 SUFFIX = "-optimized"
 
 
-def _unit(best: BestLaw) -> str:
+def unit_of_goal(best: BestLaw) -> str:
     """The unit of what is least."""
     goal = best.wishes.goal
     return best.task.linkage.OUTPUT.acceleration.text if goal is Goal.ACCELERATION else UNITS[goal]
@@ -108,7 +108,7 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "speed_rpm": best.design.operation.speed_rpm,
         "goal": {
             "least": best.wishes.goal.value,
-            "unit": _unit(best),
+            "unit": unit_of_goal(best),
             "limit": None if bound is None else bound.value,
             "places": None if bound is None else bound.places,
             "not_covered_by_limit": best.not_covered,
@@ -156,7 +156,7 @@ def _row(values: Array | Sequence[float]) -> CommentedSeq:
     return row
 
 
-LAW_HEADS = ("peak power, W", "peak accel., {}", "ratio", "pressure angle, deg", "without rack", "convex")
+LAW_HEADS = ("peak power, W", "peak acceleration, {}", "ratio", "pressure angle, deg", "without rack", "convex")
 """The pressure angle has the rack's own in it, as everywhere; without it, it is that of the pitch curves alone."""
 
 
@@ -181,7 +181,7 @@ def _notes(best: BestLaw, found: str) -> list[str]:
 
 
 def _limit(best: BestLaw) -> list[str]:
-    goal, bound, unit = best.wishes.goal, best.limit, _unit(best)
+    goal, bound, unit = best.wishes.goal, best.limit, unit_of_goal(best)
     words = goal.value.replace("_", " ")
     heading = f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min"
     law = f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}"
@@ -294,14 +294,14 @@ def other_mechanisms(best: BestLaw) -> list[OtherMechanism]:
 def frontier_csv(found: Frontier, best: BestLaw) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
     rows = []
-    for point, family in _points(found):
+    for point, family in points_of(found):
         law = point.law
         figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
         rows.append([point.cap_w, point.limit_mm_s2, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
     return rows_text(tuple(_named(dict.fromkeys(FRONTIER_COLUMNS), best)), rows)
 
 
-def _points(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
+def points_of(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
     """Each point of a law with the point of the family at the same cap."""
     families = {point.cap_w: point for point in found.families}
     return [(point, families[point.cap_w]) for point in found.laws]
@@ -327,7 +327,7 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
                 },
                 best,
             )
-            for point, family in _points(found)
+            for point, family in points_of(found)
         ],
         "mechanisms": [_named(vars(mechanism), best) for mechanism in other_mechanisms(best)],
     }
@@ -340,7 +340,7 @@ FAMILY_WITHOUT_MASS = "The family is left out: its search knows the power of the
 def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """A table of the points, the mechanisms, the files written, and those kept."""
     rows, unit = [], best.task.linkage.OUTPUT.acceleration.text
-    for point, family in _points(found):
+    for point, family in points_of(found):
         law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
         gap = fixed(100.0 * (law / limit - 1.0), 1)
         rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])

@@ -45,7 +45,12 @@ def _table(found: Sequence[Sized]) -> list[str]:
         ["module", "teeth", "face width", "centre distance", "largest diameter", "least safety", "", "weakest tooth"],
         ["mm", "", "mm", "mm", "mm", "breakage", "pitting", ""],
     ]
-    return aligned([*heads, *map(_row, found)])
+    return aligned([*heads, *sized_rows(found)])
+
+
+def sized_rows(found: Sequence[Sized]) -> list[list[str]]:
+    """The texts of each: module, teeth, face width, centre distance, diameter, both safeties, the weakest tooth."""
+    return [_row(one) for one in found]
 
 
 def _row(one: Sized) -> list[str]:
