@@ -16,7 +16,10 @@ SILENT_SECONDS = 1.0
 """Work that takes no longer shows no bar."""
 
 LINE_SECONDS = 5.0
-"""Time from the beginning to the first line, and at least from each line to the next: a log stays short."""
+"""Time from the beginning to the first line, and at least from each line to the next."""
+
+LATER = 0.25
+"""Share of the time so far that passes at least before the next line, so that the log of an hour stays short."""
 
 
 class Shown(Protocol):
@@ -64,11 +67,22 @@ class Lines:
         """Remember what is being done; the next line says it."""
         self.now = what, done, total
 
+    @property
+    def seconds(self) -> float:
+        """The time since the beginning."""
+        return self.clock() - self.began
+
+    @property
+    def pause_s(self) -> float:
+        """The time until the next line."""
+        return max(LINE_SECONDS, LATER * self.seconds)
+
+    @property
     def line(self) -> str:
         """``12 s: teeth (3 of 9 done)``; a single step has no count."""
         what, done, total = self.now
         count = f" ({done} of {total} done)" if total is not None and total > 1 else ""
-        return f"{self.clock() - self.began:.0f} s: {what}{count}"
+        return f"{self.seconds:.0f} s: {what}{count}"
 
 
 @contextmanager
@@ -77,9 +91,9 @@ def _lines_shown(what: str, count: int | None) -> Iterator[Shown]:
     lines, ended = Lines(what, count), threading.Event()
 
     def say() -> None:
-        while not ended.wait(LINE_SECONDS):
+        while not ended.wait(lines.pause_s):
             try:
-                print(lines.line(), file=sys.stderr, flush=True)
+                print(lines.line, file=sys.stderr, flush=True)
             except (OSError, ValueError):
                 # Nobody reads any more, or the stream is full or closed: the work goes on.
                 return

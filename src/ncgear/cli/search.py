@@ -105,6 +105,7 @@ def sweep(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-sweep")
     ] = None,
+    verbose: Verbose = False,
 ) -> None:
     """Screen many designs: check and pitch curves, without teeth, for all combinations of some keys' values."""
     from ncgear.design.varied import designs_of, require_grid, varied_of
@@ -116,6 +117,8 @@ def sweep(
         folder = out or EXPORT / f"{loaded.design.name}-sweep"
         prepare(folder)
 
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.swept import swept_answer
         from ncgear.figures.sweep import sweep_csv, sweep_text
         from ncgear.files.manifest import publish_run
         from ncgear.screening.screen import screened
@@ -123,7 +126,10 @@ def sweep(
         with counted("designs") as on_done:
             found = screened(list(designs_of(loaded, varied)), on_done=on_done, as_written=loaded.source.as_written)
         run = publish_run(folder, {"sweep.csv": sweep_csv(varied, found).encode()}, "sweep")
-        typer.echo(sweep_text(varied, found, run.paths, run.kept))
+        if verbose:
+            typer.echo(sweep_text(varied, found, run.paths, run.kept))
+        else:
+            typer.echo(answer_text(swept_answer(varied, found), run.paths, run.kept))
 
 
 def size(

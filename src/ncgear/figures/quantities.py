@@ -72,8 +72,8 @@ def name_of(key: str) -> str:
 def told(key: str, value: Any) -> tuple[str, str, str]:
     """Name, text and unit of a figure, whose key ends in the unit in which it is kept.
 
-    People read angles in two units only: places and play in deg; errors and lag of the driven gear in millionths of a rad.
-    The unit is empty where the key has none, and where there is no value.
+    People read angles in two units only: places and play in deg; errors and lag of the driven gear in millionths of a
+    rad.  The unit is empty where the key has none, and where there is no value.
     """
     unit = label_and_unit(key)[1]
     if unit == "rad":

@@ -197,7 +197,9 @@ def weakest_table(drive: Drive, verdict: Verdict) -> Table:
     """The weakest tooth of each gear for each kind of damage, with notes on load, method and material."""
     strength = verdict.strength
     notes = LOADS[strength.load], METHODS[strength.method], ERRORS[strength.method], materials_words(drive, strength)
-    return Table("Weakest teeth", HEADS, tuple(map(weakest_cells, verdict.weakest)), tuple(f"{note}." for note in notes))
+    return Table(
+        "Weakest teeth", HEADS, tuple(map(weakest_cells, verdict.weakest)), tuple(f"{note}." for note in notes)
+    )
 
 
 def weakest_cells(one: Weakest) -> tuple[str, ...]:

@@ -76,8 +76,8 @@ def rough(drive: Drive) -> Advice | None:
         f"{first.wanted:g} is wanted",
         "ncgear strength computes every tooth",
         _rough_remedies(drive, weak),
-        brief=f"the teeth{stage} will hardly hold: safety about {to_digits(first.safety, 2)} against {first.damage.words}, "
-        f"{first.wanted:g} wanted",
+        brief=f"the teeth{stage} will hardly hold: safety about {to_digits(first.safety, 2)} against "
+        f"{first.damage.words}, {first.wanted:g} wanted",
     )
 
 
@@ -98,11 +98,11 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
         return (Remedy("lessen the load: no gears of a usual size would do"),)
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
-        about = to_digits(module, 2)
-        found.insert(0, Remedy(f"take a module of about {about} mm with as many teeth", short=f"module about {about} mm"))
+        about = f"about {to_digits(module, 2)} mm"
+        found.insert(0, Remedy(f"take a module of {about} with as many teeth", short=f"module {about}"))
     if width <= WIDEST_MODULES * size.module_mm:
-        about = to_digits(width, 2)
-        found.insert(0, Remedy(f"make the gears about {about} mm wide", short=f"face width about {about} mm"))
+        about = f"about {to_digits(width, 2)} mm"
+        found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}"))
     return tuple(found)
 
 

@@ -88,7 +88,8 @@ def _judged(
         return Advice(kind, places, what, meaning, remedies(drive), brief=brief)
     share = to_digits(100.0 * NEGLIGIBLE, 2)
     lost = f"at most {to_digits(cost, 2)} pitches of contact, less than {share} % of the contact ratio"
-    return Advice(kind, places, what, f"it costs {lost if cost else 'no contact'} and does not matter", matters=False, brief=brief)
+    costs = f"it costs {lost if cost else 'no contact'} and does not matter"
+    return Advice(kind, places, what, costs, matters=False, brief=brief)
 
 
 def _ways_out_of_undercut(drive: Drive) -> tuple[Remedy, ...]:

@@ -54,8 +54,8 @@ class Answer:
     """What a command has found.
 
     ``head`` says what it is, ``about`` more of it, ``notes`` what has to be known before all that.  ``rows`` are the
-    figures, the most telling first, those under ``heads`` before those with one text.  ``faults`` are what is wrong, the most
-    serious first; where nothing is, ``good`` says so.  ``then`` is what to do next.
+    figures, the most telling first, those under ``heads`` before those with one text.  ``faults`` are what is wrong, the
+    most serious first, below ``wrong`` or their number; where nothing is, ``good`` says so.  ``then`` is what to do next.
     """
 
     head: str
@@ -65,6 +65,7 @@ class Answer:
     notes: tuple[str, ...] = ()
     heads: tuple[str, ...] = ()
     good: str = "No warnings."
+    wrong: str = ""
     then: str = ""
 
 
@@ -88,9 +89,7 @@ def faults_of(advices: Iterable[tuple[str, Advice]]) -> tuple[Fault, ...]:
     """What the advices that matter say is wrong, the most serious first, each behind the name of its stage."""
     serious = list(Kind)
     said = sorted((one for one in advices if one[1].matters), key=lambda one: serious.index(one[1].kind))
-    return tuple(
-        Fault(f"{of}{advice.brief}", tuple(remedy.brief for remedy in advice.remedies)) for of, advice in said
-    )
+    return tuple(Fault(f"{of}{advice.brief}", tuple(remedy.brief for remedy in advice.remedies)) for of, advice in said)
 
 
 def faults_in_words(sentences: Iterable[str]) -> tuple[Fault, ...]:
@@ -162,6 +161,7 @@ def _wrong(answer: Answer, room: int) -> list[str]:
     if not faults:
         return [answer.good] if answer.good else []
     count = "1 warning" if len(faults) == 1 else f"{len(faults)} warnings, the most serious first"
+    count = answer.wrong or count
     helped = " (-> what would help)" if any(fault.cures for fault in faults) else ""
     told = faults if len(faults) <= room else faults[: room - 1]
     left = [f"{INDENT}and {len(faults) - len(told)} more: {VERBOSE}"] if len(told) < len(faults) else []

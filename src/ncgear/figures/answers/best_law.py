@@ -10,6 +10,7 @@ from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.best_law import FAMILY_WITHOUT_MASS, other_mechanisms, points_of, unit_of_goal
 from ncgear.figures.numbers import finite, fixed, shown
 from ncgear.figures.quantities import figure, name_of
+from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
@@ -27,6 +28,9 @@ FELT = {
 }
 """Figures that need masses, each with its factor to the unit in which it is told."""
 
+GOALS = {Goal.WEIGHTED: "least weighted sum"}
+"""Words for goals whose own name says too little."""
+
 POINTS = 8
 """Points of a frontier that are told."""
 
@@ -38,7 +42,7 @@ def optimized_answer(best: BestLaw, then: str) -> Answer:
         found["design as given"] = best.given_figures
     found["uniform crank"] = best.uniform_figures
     design = best.design
-    goal = best.wishes.goal.value.replace("_", " ")
+    goal = GOALS.get(best.wishes.goal, best.wishes.goal.value.replace("_", " "))
     return Answer(
         f"{design.name}: {goal} at {design.operation.speed_rpm:g} r/min",
         tuple(_rows(best, list(found.values()))),
@@ -51,11 +55,11 @@ def optimized_answer(best: BestLaw, then: str) -> Answer:
 
 def _limit(best: BestLaw) -> str:
     """What the law comes to, and how far that is from the limit that no law goes below."""
-    unit, bound = unit_of_goal(best), best.limit
-    law = f"{shown(finite(best.goal, 'the law'))} {unit}"
+    bound, unit = best.limit, "" if best.wishes.goal is Goal.WEIGHTED else f" {unit_of_goal(best)}"
+    law = f"{shown(finite(best.goal, 'the law'))}{unit}"
     if bound is None:
         return f"{law}; no limit is certified of this goal"
-    limit = f"{shown(finite(bound.value, 'the limit'))} {unit}"
+    limit = f"{shown(finite(bound.value, 'the limit'))}{unit}"
     over = f"{fixed(100.0 * (best.goal / bound.value - 1.0), 1)} % above " if bound.value > 0.0 else "beside "
     return f"{law}, {over}the limit of {limit}, which no law goes below (certified)"
 
@@ -119,5 +123,3 @@ def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
         heads=("limit", "best law", "above it", "published family"),
         then=then,
     )
-
-

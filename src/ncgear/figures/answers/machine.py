@@ -8,8 +8,8 @@ from math import degrees, pi, radians
 from typing import TYPE_CHECKING
 
 from ncgear.errors import DesignError
-from ncgear.figures.advice.values import Advice
 from ncgear.figures.advice.collected import check_advice
+from ncgear.figures.advice.values import Advice
 from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -38,15 +38,17 @@ THIS = "this design"
 
 def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tuple[str, ...] = ()) -> Answer:
     """What a check of a design ``file`` found; ``advices`` are its own."""
-    makes = f"ncgear build {file}" if drive.design.gears is not None else "give gears in the file (ncgear explain gears)"
+    then = (
+        f"ncgear build {file}" if drive.design.gears is not None else "ncgear explain gears, and give some in the file"
+    )
     return Answer(
         head_of(drive),
-        (*compared_rows(drive), *_published(drive), *_motion(drive), Row("ratio", (_ratio(drive.transmission),)), *_stages(drive)),
+        (*compared_rows(drive), *_published(drive), *_motion(drive), *_ratios(drive)),
         faults_of(("", advice) for advice in advices),
         in_one_line(drive.design.description),
         notes,
         (THIS, drive.linkage.UNIFORM),
-        then=makes,
+        then=then,
     )
 
 
@@ -71,7 +73,7 @@ def build_answer(
     gears = [one for pair, contact in pairs for one in _gears(pair, contact)]
     return Answer(
         head_of(drive),
-        (*compared_rows(drive), *gears, *_published(drive), *_motion(drive), Row("ratio", (_ratio(drive.transmission),))),
+        (*compared_rows(drive), *gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]),
         faults_of([*(("", advice) for advice in check_advice(drive)), *of_pairs]),
         in_one_line(drive.design.description),
         notes,
@@ -88,7 +90,11 @@ def head_of(drive: Drive) -> str:
     if linkage.RETURNS:
         strokes = shown(turns * 2.0 * pi / drive.transmission.cycle_rad)
         driven = [f"driven at {moved[0]}"] if strokes != shown(turns) else []
-        moved = [f"stroke {shown(place.factor * linkage.stroke_mm)} {place.text}", f"{strokes} strokes a minute", *driven]
+        moved = [
+            f"stroke {shown(place.factor * linkage.stroke_mm)} {place.text}",
+            f"{strokes} strokes a minute",
+            *driven,
+        ]
     mechanism = linkage.NAME.removeprefix("a ").removeprefix("the ")
     stages = " in two stages" if design.stages > 1 else ""
     return f"{design.name}: {', '.join([mechanism + stages, *moved, f'law {design.motion.law}'])}"
@@ -147,12 +153,10 @@ def _named(words: str) -> Row:
     return Row(name, (words.removeprefix(name).strip(),))
 
 
-def _stages(drive: Drive) -> list[Row]:
-    """The ratio and the greatest pressure angle of both pairs of gears."""
-    if drive.design.stages == 1:
-        return []
-    rows = []
-    for pair in drive.by_stage:
+def _ratios(drive: Drive) -> list[Row]:
+    """The ratio and, where there are two pairs of gears, that of each with its greatest pressure angle."""
+    rows = [Row("ratio", (_ratio(drive.transmission),))]
+    for pair in drive.by_stage if drive.design.stages > 1 else ():
         found = [f"ratio {_ratio(pair.pair.transmission)}"]
         if drive.design.gears is not None:
             tangent = degrees(largest_tangent_angle_rad(pair.pair.transmission).value)

@@ -17,7 +17,7 @@ NAMED = 3
 
 def balance_answer(figures: Mapping[str, Any]) -> Answer:
     """How much each part shakes and what would stop it, and what is near a natural frequency."""
-    rows, faults = [], list[Fault]()
+    rows, faults = list[Row](), list[Fault]()
     for one in figures.get("mechanisms", []):
         rows += _mechanism(one)
     for part, told in PARTS.items():

@@ -121,7 +121,7 @@ def _around(found: Mapping[str, Any]) -> list[Row]:
     if lives:
         said.append(f"bearings last {figure('life_h', min(lives))} or more")
     if safeties:
-        said.append(f"least safety of shafts {figure('safety', min(safeties))}")
+        said.append(f"shaft safety {figure('safety', min(safeties))}")
     if "motor" in found:
         turning = found["motor"].get("with_flywheel", found["motor"]["even_speed"])
         said.append(f"motor at {to_digits(turning['rms_torque_of_rated'], 3)} of its torque")

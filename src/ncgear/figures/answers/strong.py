@@ -18,14 +18,13 @@ from ncgear.project.sizing import Sized
 from ncgear.project.strengthening import Verdict
 
 HOLD = "The teeth hold: no safety is under the wanted one."
+HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
 
 METHODS = {"estimate": "local estimate after ISO 6336 and VDI 2736", "elements": "plane finite elements"}
 """A method in a part of a line."""
 
 
-def strength_answer(
-    pairs: Sequence[tuple[Drive, Verdict, Sequence[Remedy], Verdict | None]], then: str = ""
-) -> Answer:
+def strength_answer(pairs: Sequence[tuple[Drive, Verdict, Sequence[Remedy], Verdict | None]], then: str = "") -> Answer:
     """Whether the teeth of all pairs hold: each with its verdict, its remedies, and the verdict of another method."""
     drive, first, _, beside = pairs[0]
     heads = [f"{head.label}, {head.unit}" if head.unit else head.label for head in HEADS[2:]]
@@ -51,6 +50,7 @@ def strength_answer(
         f"Load: {LOADS[first.strength.load]}",
         heads=tuple(heads),
         good=HOLD,
+        wrong=HOLD_NOT,
         then=then if faults else "",
     )
 
