@@ -18,6 +18,9 @@ SILENT_SECONDS = 1.0
 LINE_SECONDS = 5.0
 """Time from the beginning to the first line, and at least from each line to the next."""
 
+TELLER = "progress"
+"""The name of the thread that says how far work has come."""
+
 LATER = 0.25
 """Share of the time so far that passes at least before the next line, so that the log of an hour stays short."""
 
@@ -98,7 +101,7 @@ def _lines_shown(what: str, count: int | None) -> Iterator[Shown]:
                 # Nobody reads any more, or the stream is full or closed: the work goes on.
                 return
 
-    teller = threading.Thread(target=say, daemon=True)
+    teller = threading.Thread(target=say, name=TELLER, daemon=True)
     teller.start()
     try:
         yield lines

@@ -54,8 +54,9 @@ class Answer:
     """What a command has found.
 
     ``head`` says what it is, ``about`` more of it, ``notes`` what has to be known before all that.  ``rows`` are the
-    figures, the most telling first, those under ``heads`` before those with one text.  ``faults`` are what is wrong, the
-    most serious first, below ``wrong`` or their number; where nothing is, ``good`` says so.  ``then`` is what to do next.
+    figures, the most telling first, those under ``heads`` before those with one text.  ``faults`` are what is wrong,
+    the most serious first, below ``wrong`` or their number; where nothing is, ``good`` says so.  ``then`` is what to
+    do next.
     """
 
     head: str

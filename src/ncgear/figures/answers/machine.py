@@ -39,7 +39,9 @@ THIS = "this design"
 def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tuple[str, ...] = ()) -> Answer:
     """What a check of a design ``file`` found; ``advices`` are its own."""
     then = (
-        f"ncgear build {file}" if drive.design.gears is not None else "ncgear explain gears, and give some in the file"
+        f"ncgear build {file}"
+        if drive.design.gears is not None
+        else "gears in the file make a pair: ncgear explain gears"
     )
     return Answer(
         head_of(drive),
