@@ -163,7 +163,8 @@ def test_columns_stand_below_their_heads() -> None:
         "             this  other",
         "  a          1 mm  20 mm  5 % lower",
         "  longer  1000 mm   2 mm",
-    ] + ["  alone  x"]
+        "  alone  x",
+    ]
 
 
 def advice(kind: Kind, matters: bool = True) -> Advice:

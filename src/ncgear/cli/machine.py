@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import EXPORT, DesignFile, Timing, Verbose, files_to_complete, opened
-from ncgear.cli.mending import BUILD, MakeTeeth, Mend, as_given, mended, naming_what_helps
+from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
@@ -44,7 +44,8 @@ def check(
                 text = check_text(drive)
             else:
                 advices = (*check_advice(drive), *rough_advice(drive))
-                text = answer_text(check_answer(drive, advices, str(design_file), made.said))
+                file = f"{design_file} {OPTION}" if made.text else str(design_file)
+                text = answer_text(check_answer(drive, advices, file, made.said))
         typer.echo(text)
         if timing:
             typer.echo(timing_text(drive), err=True)
@@ -105,7 +106,8 @@ def build(
             text = build_text(built.summaries, paths, kept)
             typer.echo("\n\n".join(part for part in (made.words, text) if part))
         else:
-            then = f"open {REPORT_FILE}" if report else f"ncgear report {design_file}"
+            shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
+            then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {shown}"
             answer = build_answer(drive, built.contacts, built.advices, then, made.said)
             typer.echo(answer_text(answer, paths, kept))
         if timing:

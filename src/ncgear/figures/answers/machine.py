@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ncgear.errors import DesignError
 from ncgear.figures.advice.collected import check_advice
 from ncgear.figures.advice.values import Advice
-from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, in_one_line, row
+from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.summary.check_summary import comparison_rows, peaks
@@ -37,11 +37,11 @@ THIS = "this design"
 
 
 def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tuple[str, ...] = ()) -> Answer:
-    """What a check of a design ``file`` found; ``advices`` are its own."""
+    """What a check found; ``advices`` are its own, and ``file`` is what a build of it is given."""
     then = (
         f"ncgear build {file}"
         if drive.design.gears is not None
-        else "gears in the file make a pair: ncgear explain gears"
+        else "give gears in the file: ncgear explain gears"
     )
     return Answer(
         head_of(drive),
@@ -143,10 +143,15 @@ def _motion(drive: Drive) -> list[Row]:
     rows = [Row("constant speed", (even.replace("constant within", "within"),)), *map(_named, others)]
     wishes = sorted(wish_rows(found), key=lambda one: bool(one["kept"]))
     told = wishes if len(wishes) <= WISHES else wishes[: WISHES - 1]
-    rows += [Row("", (wish_line(one),)) for one in told]
+    rows += [Row("", (_wish(wish_line(one)),)) for one in told]
     if len(told) < len(wishes):
         rows.append(Row("", (f"of all {len(wishes)} wishes {sum(one['kept'] for one in wishes)} are kept",)))
     return rows
+
+
+def _wish(line: str) -> str:
+    """A wish in one line: where there is no room, by how much it is missed follows from what is wished."""
+    return line if len(line) <= COLUMNS - len(INDENT) else line.partition(", missed by ")[0]
 
 
 def _named(words: str) -> Row:
