@@ -46,7 +46,7 @@ def optimized_answer(best: BestLaw, then: str) -> Answer:
     return Answer(
         f"{design.name}: {goal} at {design.operation.speed_rpm:g} r/min",
         tuple(_rows(best, list(found.values()))),
-        _lost(best, "this law does"),
+        _lost(best),
         _limit(best),
         heads=tuple(found),
         then=then,
@@ -89,10 +89,10 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     return rows
 
 
-def _lost(best: BestLaw, found: str) -> tuple[Fault, ...]:
+def _lost(best: BestLaw) -> tuple[Fault, ...]:
     """What of the motion as given is not kept."""
     lost = best.design.motion.prescribed
-    return (Fault(f"{found} not keep {lost} of the design"),) if lost else ()
+    return (Fault(f"not kept of the design as given: {lost}"),) if lost else ()
 
 
 def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
@@ -118,7 +118,7 @@ def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
     return Answer(
         f"{best.design.name}: least {name_of(key)} under caps on the power, at {speed:g} r/min",
         tuple(rows),
-        _lost(best, "the best laws do"),
+        _lost(best),
         f"{len(points)} points in all; no law goes below the limit (certified)",
         heads=("limit", "best law", "above it", "published family"),
         then=then,
