@@ -14,7 +14,7 @@ from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, differen
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.summary.check_summary import comparison_rows, peaks
-from ncgear.figures.wished import motion_line, wish_line, wish_rows
+from ncgear.figures.wished import motion_facts, wish_line, wish_rows
 from ncgear.numerics.units import CM3_PER_MM3
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
@@ -38,11 +38,7 @@ THIS = "this design"
 
 def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tuple[str, ...] = ()) -> Answer:
     """What a check found; ``advices`` are its own, and ``file`` is what a build of it is given."""
-    then = (
-        f"ncgear build {file}"
-        if drive.design.gears is not None
-        else "give gears in the file: ncgear explain gears"
-    )
+    then = f"ncgear build {file}" if drive.design.gears is not None else "give gears in the file: ncgear explain gears"
     return Answer(
         head_of(drive),
         (*compared_rows(drive), *_published(drive), *_motion(drive), *_ratios(drive)),
@@ -92,11 +88,8 @@ def head_of(drive: Drive) -> str:
     if linkage.RETURNS:
         strokes = shown(turns * 2.0 * pi / drive.transmission.cycle_rad)
         driven = [f"driven at {moved[0]}"] if strokes != shown(turns) else []
-        moved = [
-            f"stroke {shown(place.factor * linkage.stroke_mm)} {place.text}",
-            f"{strokes} strokes a minute",
-            *driven,
-        ]
+        stroke = f"stroke {shown(place.factor * linkage.stroke_mm)} {place.text}"
+        moved = [stroke, f"{strokes} strokes a minute", *driven]
     mechanism = linkage.NAME.removeprefix("a ").removeprefix("the ")
     stages = " in two stages" if design.stages > 1 else ""
     return f"{design.name}: {', '.join([mechanism + stages, *moved, f'law {design.motion.law}'])}"
@@ -139,8 +132,7 @@ def _motion(drive: Drive) -> list[Row]:
     found = drive.achieved
     if found is None:
         return []
-    even, *others = motion_line(found, drive.linkage).split("; ")
-    rows = [Row("constant speed", (even.replace("constant within", "within"),)), *map(_named, others)]
+    rows = [Row(name, (text,)) for name, text in motion_facts(found, drive.linkage)]
     wishes = sorted(wish_rows(found), key=lambda one: bool(one["kept"]))
     told = wishes if len(wishes) <= WISHES else wishes[: WISHES - 1]
     rows += [Row("", (_wish(wish_line(one)),)) for one in told]
@@ -152,12 +144,6 @@ def _motion(drive: Drive) -> list[Row]:
 def _wish(line: str) -> str:
     """A wish in one line: where there is no room, by how much it is missed follows from what is wished."""
     return line if len(line) <= COLUMNS - len(INDENT) else line.partition(", missed by ")[0]
-
-
-def _named(words: str) -> Row:
-    """``time ratio 1.86`` or ``dwell within 0.5 mm for ...``."""
-    name = "time ratio" if words.startswith("time ratio") else "dwell"
-    return Row(name, (words.removeprefix(name).strip(),))
 
 
 def _ratios(drive: Drive) -> list[Row]:
