@@ -24,9 +24,11 @@ from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.rewritten import LINE_WIDTH
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import finite, fixed, json_text, shown
+from ncgear.figures.quantities import name_of, told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
@@ -221,23 +223,39 @@ def _table(best: BestLaw) -> list[str]:
     ]
     if best.task.masses is None:
         return lines
-    felt = [name for name in LOAD_HEADS if getattr(best.figures, name) is not None]
-    loads = [[name, *(shown(getattr(found, one)) for one in felt)] for name, found in rows.items()]
-    heads = [LOAD_HEADS[name] for name in felt]
+    columns = [[felt_text(key, found) for found in rows.values()] for key in felt_keys(best.figures)]
+    loads = [[name, *texts] for name, *texts in zip(rows, *columns, strict=True)]
+    heads = [f"{name_of(key)}, {label_and_unit(key)[1]}" for key in felt_keys(best.figures)]
     fluctuation = best.task.speed_fluctuation
     even = f"The flywheel is that of the driving shaft for a speed fluctuation of {fluctuation:g} at even motor torque."
 
     return [*lines, "", "What the machine feels", *aligned([["", *heads], *loads], left=1), even]
 
 
-LOAD_HEADS = {
-    "braking_power_w": "braking power, W",
-    "rms_torque_n_m": "r.m.s. torque, N m",
-    "flywheel_kg_mm2": "flywheel, kg mm2",
-    "bearing_force_n": "crank bearings, N",
-    "shaking_force_n": "shaking force, N",
-    "tooth_force_n": "teeth, N",
+KG_M2 = 1e-6
+"""One kg mm2 in kg m2."""
+
+FELT = {
+    "braking_power_w": ("braking_power_w", 1.0),
+    "rms_torque_n_m": ("rms_torque_n_m", 1.0),
+    "flywheel_kg_m2": ("flywheel_kg_mm2", KG_M2),
+    "bearing_force_n": ("bearing_force_n", 1.0),
+    "shaking_force_n": ("shaking_force_n", 1.0),
+    "tooth_force_n": ("tooth_force_n", 1.0),
 }
+"""Figures that need masses, by the keys by which they are told, each with its field and the factor to its unit."""
+
+
+def felt_keys(found: Figures) -> list[str]:
+    """Those of ``FELT`` that are known."""
+    return [key for key, (field, _) in FELT.items() if getattr(found, field) is not None]
+
+
+def felt_text(key: str, found: Figures) -> str:
+    """One of them, without its unit."""
+    field, factor = FELT[key]
+    value = getattr(found, field)
+    return told(key, None if value is None else factor * value)[1]
 
 
 def _law_cells(found: Figures, rack_rad: float) -> list[str]:

@@ -34,6 +34,8 @@ NAMES = {
     "peak mesh force": "peak mesh force, all pairs together",
     "peak pushing force": "peak pushing force, one pair of teeth",
     "peak tooth force": "peak tooth force, one pair of teeth",
+    "rms torque": "r.m.s. torque",
+    "rms torque of rated": "r.m.s. torque of rated",
     "time without contact": "time without contact of any flanks",
     "backlash_mm": "least normal backlash",
     "backlash_max_mm": "greatest normal backlash",

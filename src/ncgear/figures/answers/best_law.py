@@ -7,26 +7,14 @@ from math import degrees
 
 from ncgear.design.keys.base import listed
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.best_law import FAMILY_WITHOUT_MASS, other_mechanisms, points_of, unit_of_goal
+from ncgear.figures.best_law import FAMILY_WITHOUT_MASS, felt_keys, felt_text, other_mechanisms, points_of, unit_of_goal
 from ncgear.figures.numbers import finite, fixed, shown
 from ncgear.figures.quantities import figure, name_of
+from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
-
-KG_M2 = 1e-6
-"""One kg mm2 in kg m2."""
-
-FELT = {
-    "braking_power_w": 1.0,
-    "rms_torque_n_m": 1.0,
-    "flywheel_kg_mm2": KG_M2,
-    "bearing_force_n": 1.0,
-    "shaking_force_n": 1.0,
-    "tooth_force_n": 1.0,
-}
-"""Figures that need masses, each with its factor to the unit in which it is told."""
 
 GOALS = {Goal.WEIGHTED: "least weighted sum"}
 """Words for goals whose own name says too little."""
@@ -77,11 +65,9 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
         "convex": lambda one: shown(one.convex),
     }
     rows = [Row(name, tuple(map(text, found))) for name, text in told.items()]
-    for field, factor in FELT.items():
-        if getattr(best.figures, field) is not None:
-            key = field.replace("kg_mm2", "kg_m2")
-            values = [getattr(one, field) for one in found]
-            rows.append(Row(name_of(key), tuple(figure(key, value and factor * value) for value in values)))
+    for key in felt_keys(best.figures):
+        unit = label_and_unit(key)[1]
+        rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
     if best.task.masses is not None:

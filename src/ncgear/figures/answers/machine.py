@@ -15,7 +15,7 @@ from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.summary.check_summary import comparison_rows, peaks
 from ncgear.figures.wished import motion_facts, wish_line, wish_rows
-from ncgear.numerics.units import CM3_PER_MM3
+from ncgear.numerics.units import CM3_PER_MM3, label_and_unit
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import known_verdict
@@ -41,7 +41,7 @@ def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tupl
     then = f"ncgear build {file}" if drive.design.gears is not None else "give gears in the file: ncgear explain gears"
     return Answer(
         head_of(drive),
-        (*compared_rows(drive), *_published(drive), *_motion(drive), *_ratios(drive)),
+        (*compared_rows(drive), *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)),
         faults_of(("", advice) for advice in advices),
         in_one_line(drive.design.description),
         notes,
@@ -124,6 +124,19 @@ def _published(drive: Drive) -> list[Row]:
             ),
         )
         for one in found[:PUBLISHED]
+    ]
+
+
+def _solved(drive: Drive) -> list[Row]:
+    """The quantity of a stroke that was solved for."""
+    if drive.law.stroke is None or "solved_for" not in drive.law.stroke.facts:
+        return []
+    facts = {**drive.law.stroke.facts, "law_speed_rpm": drive.law_speed_rpm}
+    words = str(facts["solved_for"]).replace("_", " ")
+    return [
+        Row("solved for", (f"{name_of(key)} {figure(key, value)}",))
+        for key, value in facts.items()
+        if label_and_unit(key)[0] == words
     ]
 
 
