@@ -42,10 +42,9 @@ def strength_answer(pairs: Sequence[tuple[Drive, Verdict, Sequence[Remedy], Verd
         ]
         about += _about(of, pair, verdict)
     design = drive.design
-    method = METHODS[first.strength.method]
     return Answer(
-        f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min, by {method}",
-        (*rows, *about),
+        f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
+        (*rows, Row("method", (METHODS[first.strength.method],)), *about),
         tuple(faults),
         f"Load: {LOADS[first.strength.load]}",
         heads=tuple(heads),
