@@ -159,7 +159,7 @@ def crank_pin(drive: Drive) -> list[Advice]:
             f"which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
             f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the gears",
             (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
-            brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin would touch the {gear.value} gear's {part}",
+            brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
         )
         for gear, part, radius in near
         if part and passing[gear] < radius + pin

@@ -87,7 +87,7 @@ def head_of(drive: Drive) -> str:
     moved = [figure("speed_rpm", turns)]
     if linkage.RETURNS:
         strokes = shown(turns * 2.0 * pi / drive.transmission.cycle_rad)
-        driven = [f"driven at {moved[0]}"] if strokes != shown(turns) else []
+        driven = [moved[0]] if strokes != shown(turns) else []
         stroke = f"stroke {shown(place.factor * linkage.stroke_mm)} {place.text}"
         moved = [stroke, f"{strokes} strokes a minute", *driven]
     mechanism = linkage.NAME.removeprefix("a ").removeprefix("the ")
