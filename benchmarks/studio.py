@@ -57,7 +57,9 @@ def measured(name: str) -> dict[str, list[float]]:
 
 def one_change(page: Page, key: str, value: float) -> dict[str, float]:
     """Milliseconds to the first answer of each kind after a change."""
-    begun, took, done = time.perf_counter(), {}, set()
+    begun = time.perf_counter()
+    took: dict[str, float] = {}
+    done: set[str] = set()
     page.send("change", changes={key: value})
     number = None
     while done != {"motion", "gears"}:

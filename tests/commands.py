@@ -24,12 +24,12 @@ ROOT = Path(__file__).parents[1]
 Process = subprocess.CompletedProcess[str]
 
 
-def on_text(run: Run, command: str) -> Run:
-    """The command on d.yaml, which holds the text that is given first."""
+def on_text(run: Run, command: str, *always: str) -> Run:
+    """The command on d.yaml, which holds the text that is given first, with the arguments that it has ``always``."""
 
     def run_once(text: str, *arguments: str) -> Outcome:
         Path("d.yaml").write_text(text, encoding="utf-8")
-        return run(command, "d.yaml", *arguments)
+        return run(command, "d.yaml", *always, *arguments)
 
     return run_once
 

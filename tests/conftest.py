@@ -49,6 +49,8 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
     """Run the command line in this process, in an empty folder: ``run("check", "d.yaml")``."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
+    # No line of progress, however slow the machine is: what a command says would depend on it.
+    monkeypatch.setattr("ncgear.cli.progress.LINE_SECONDS", 1e6)
 
     hook = sys.unraisablehook
 

@@ -91,8 +91,12 @@ def _designs() -> Iterator[Run]:
         moving = "" if "masses:" in path.read_text(encoding="utf-8") else "simulate"
         for level in ("rigid", "quasi_static", "dynamic"):
             yield Run(f"simulate/{name}/{level}", ("simulate", place, "--level", level), together=moving)
-        yield Run(f"strength/{name}", ("strength", place), together="strength", quick=name in QUICK_BUILDS)
+        for option in ((), ("--verbose",)):
+            of = "".join(option).removeprefix("--")
+            words = "strength", place, *option
+            yield Run(f"strength/{name}/{of or 'screen'}", words, together="strength", quick=name in QUICK_BUILDS)
         yield Run(f"check/{name}", ("check", place), together="check", quick=True)
+        yield Run(f"check/{name}/verbose", ("check", place, "--verbose"), together="check", quick=True)
         yield Run(f"check/{name}/json", ("check", place, "--json"), together="check", quick=True)
     yield Run("check/alone", ("check", "designs/baler.yaml", "--timing"), quick=True)
     for name in SIZED:
@@ -115,6 +119,7 @@ def _balances() -> Iterator[Run]:
     for name, path in BALANCES.items():
         quick = name == "threshing-drum"
         yield Run(f"balance/{name}", ("balance", _place(path)), quick=quick)
+        yield Run(f"balance/{name}/verbose", ("balance", _place(path), "--verbose"), together="balance", quick=quick)
         yield Run(f"balance/{name}/json", ("balance", _place(path), "--json"), together="balance", quick=quick)
 
 

@@ -165,7 +165,7 @@ def run(run: Run) -> Run:
 
 def test_the_command_writes_and_says(run: Run) -> None:
     Path("drum.yaml").write_text(ROTOR)
-    status, out, err = run("drum.yaml")
+    status, out, err = run("drum.yaml", "--verbose")
     assert (status, err) == (0, "")
     assert "correction, g" in out
     # 1 at 0 deg turned to 60 deg by 10 g at 90: the difference is 1 at 120, so 10 g at 150 turns it round

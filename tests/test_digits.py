@@ -19,9 +19,11 @@ import pytest
 import ncgear
 import reports
 from drives import drive
+from ncgear.figures.advice.collected import build_advice
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
-from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits, told
+from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
+from ncgear.figures.quantities import SIZES, name_of, told
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import summary_text
 from ncgear.files.workshop.drawing import written
@@ -85,15 +87,23 @@ def rows_in(unit: str, sheet: str) -> str:
 NAMES = ["baler", "internal-1-2"]
 """Index holes, keyways and a law solved for; a ring with lobes, whose phi2 begins at a rounding error below zero."""
 
+NOT_IN_SUMMARY = ("face_width_mm",)
+"""Sizes that a summary does not tell."""
+
 both = pytest.mark.parametrize("name", NAMES)
 
 
 @pytest.mark.thorough
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
-    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], {}))
+    """Sizes of gears have the decimals of a drawing, all other figures five digits."""
+    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], {}, build_advice(drive(name))))
     assert noise(text) == []
-    assert longest(text) <= SIGNIFICANT
+    lines = text.splitlines()
+    sizes = [line for line in lines if line.startswith(tuple(f"  {name_of(key)}  " for key in SIZES))]
+    assert len(sizes) == len(SIZES) - len(NOT_IN_SUMMARY)
+    assert all(decimals(line) <= (5 if line.endswith("deg") else 4) for line in sizes)
+    assert longest("\n".join(line for line in lines if line not in sizes)) <= SIGNIFICANT
     assert re.search(r"\d rad\b", text) is None, "places are in deg; errors and play in millionths"
     assert "\u00b5rad" in text
 

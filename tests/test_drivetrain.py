@@ -496,7 +496,7 @@ def test_half_the_positions_apart_twice_the_life_by_the_cube() -> None:
 @pytest.fixture
 def run(run: Run) -> Run:
     """Simulate d.yaml, which holds the text."""
-    return on_text(run, "simulate")
+    return on_text(run, "simulate", "--verbose")
 
 
 PRESS = """\

@@ -79,7 +79,7 @@ def test_every_machine_is_optimised_and_built_with_all_its_wishes_kept(
     assert run("new", "mine", "--machine", machine.value) == (0, "mine.yaml\n", "")
     assert run("optimize", "mine.yaml")[0] == 0
     best = "export/mine-optimized/mine-optimized.yaml"
-    checked, built = run("check", best), run("build", best)
+    checked, built = run("check", best, "--verbose"), run("build", best, "--verbose")
     assert (checked[0], built[0]) == (0, 0)
     assert "warning" not in "".join([*checked[1:], *built[1:]])
     assert "missed" not in checked[1]

@@ -311,7 +311,7 @@ def test_other_commands_name_the_build_that_mends(command: str, run: Run) -> Non
 def test_a_mended_build_says_so_and_keeps_its_design_file(run: Run) -> None:
     """The kept file builds the same files; a build in its own folder leaves it there."""
     Path("d.yaml").write_text(TEXT)
-    status, out, _ = run("build", "d.yaml", "--mend", "--report", "--format", "svg")
+    status, out, _ = run("build", "d.yaml", "--mend", "--verbose", "--report", "--format", "svg")
     assert status == 0
     assert out.startswith("Mended: these are not the gears of the file, whose teeth are refused, but those with\n")
     folder = Path("export/few-mended")

@@ -40,7 +40,7 @@ FEW = "optimize: {knots: 36, limits: {peak_power_w: 12000}}  # as wished\n"
 def run(run: Run) -> Run:
     """Optimise d.yaml, which holds the text."""
 
-    return on_text(run, "optimize")
+    return on_text(run, "optimize", "--verbose")
 
 
 def numbers(value: object) -> Iterator[float]:

@@ -287,10 +287,10 @@ def test_what_is_no_file_is_neither_replaced_nor_waited_for(
 EVERY_COMMAND = {
     "report": "report pump.yaml --out OUT",
     "animate": "animate pump.yaml --out OUT/film.gif --frames 2 --width 320",
-    "rigid": "simulate pump.yaml --out OUT",
-    "balance": "balance machine.yaml --out OUT",
-    "sweep": "sweep pump.yaml --vary operation.speed_rpm=40:50:2 --out OUT",
-    "optimize": "optimize pump.yaml --out OUT",
+    "rigid": "simulate pump.yaml --verbose --out OUT",
+    "balance": "balance machine.yaml --verbose --out OUT",
+    "sweep": "sweep pump.yaml --vary operation.speed_rpm=40:50:2 --verbose --out OUT",
+    "optimize": "optimize pump.yaml --verbose --out OUT",
     "reproduce": "reproduce --out OUT",
 }
 

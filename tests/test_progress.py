@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import threading
 from pathlib import Path
 
 import pytest
@@ -48,6 +50,7 @@ def test_the_bar_counts_the_steps_that_are_done(monkeypatch: pytest.MonkeyPatch)
     made = []
     original = progress._bar
     monkeypatch.setattr(progress, "_bar", lambda *arguments: made.append(original(*arguments)) or made[-1])
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     with progress.steps_shown(3) as on_step:
         seen = []
         for step in ("teeth", "contact", "solids"):
@@ -56,8 +59,82 @@ def test_the_bar_counts_the_steps_that_are_done(monkeypatch: pytest.MonkeyPatch)
     assert seen == [("teeth", 0, 3), ("contact", 1, 3), ("solids", 2, 3)]
 
 
-def test_nothing_is_shown_where_stderr_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+def test_short_work_says_nothing_where_stderr_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     with progress.counted("designs") as on_done, progress.steps_shown(1) as on_step:
         on_done(1, 2)
         on_step("teeth")
     assert capsys.readouterr() == ("", "")
+
+
+class Clock:
+    """A clock that a test moves, and by which it waits."""
+
+    def __init__(self) -> None:
+        self.seconds = 100.0
+
+    def __call__(self) -> float:
+        return self.seconds
+
+
+def lines_of(work_s: float) -> list[tuple[float, str]]:
+    """The lines of work that lasts so long and counts a design each second: when they come, and what they say."""
+    clock = Clock()
+    lines, said = progress.Lines("designs", clock=clock), []
+    while (at := lines.seconds + lines.pause_s) < work_s:
+        clock.seconds = 100.0 + at
+        lines.update("designs", int(at), 3600)
+        said.append((at, lines.line))
+    return said
+
+
+def test_a_line_comes_now_and_then() -> None:
+    assert lines_of(4.9) == []
+    assert lines_of(12.0) == [(5.0, "5 s: designs (5 of 3600 done)"), (10.0, "10 s: designs (10 of 3600 done)")]
+
+
+def test_lines_are_never_less_than_five_seconds_apart_and_few_in_an_hour() -> None:
+    times = [at for at, _ in lines_of(3600.0)]
+    assert min(later - sooner for sooner, later in itertools.pairwise([0.0, *times])) >= 5.0
+    assert 20 <= len(times) <= 40
+
+
+def test_a_line_names_the_step_and_counts_only_several() -> None:
+    clock = Clock()
+    lines = progress.Lines("starting", 3, clock)
+    clock.seconds += 7.4
+    assert lines.line == "7 s: starting (0 of 3 done)"
+    lines.update("teeth", 1, 3)
+    assert lines.line == "7 s: teeth (1 of 3 done)"
+    lines.update("changes tried", 4, None)
+    assert lines.line == "7 s: changes tried"
+    lines.update("kinematics", 0, 1)
+    assert lines.line == "7 s: kinematics"
+
+
+def test_lines_go_to_stderr_and_end_with_the_work(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.02)
+    came = threading.Event()
+    monkeypatch.setattr(progress.Lines, "line", property(lambda self: came.set() or "5 s: teeth"))
+    with progress.steps_shown(2) as on_step:
+        on_step("teeth")
+        assert came.wait(5.0)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert set(err.splitlines()) == {"5 s: teeth"}
+    assert [one.name for one in threading.enumerate() if one.name == progress.TELLER] == []
+
+
+def test_work_goes_on_where_nobody_reads(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.01)
+    tried = threading.Event()
+
+    def broken(*_: object, **__: object) -> None:
+        tried.set()
+        raise BrokenPipeError
+
+    monkeypatch.setattr(progress, "print", broken, raising=False)
+    with progress.steps_shown(1) as on_step:
+        on_step("teeth")
+        assert tried.wait(5.0)

@@ -88,7 +88,7 @@ def test_nothing_is_said_where_no_load_is_known(name: str) -> None:
 
 
 def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
-    check = on_text(run, "check")
+    check = on_text(run, "check", "--verbose")
     _, weak, _ = check(TEXT)
     assert "the teeth will hardly hold the load of the resistance" in weak
     assert "make the gears about" not in weak  # 31 mm would be more than 12 modules
@@ -99,12 +99,12 @@ def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
 
 def test_a_check_of_gears_too_fast_for_the_dynamic_factor_says_nothing_of_strength(run: Run) -> None:
     fast = TEXT.replace("speed_rpm: 60", "speed_rpm: 10000").replace("dynamic_factor: 1.0", "life_h: 1000")
-    status, out, _ = on_text(run, "check")(fast)
+    status, out, _ = on_text(run, "check", "--verbose")(fast)
     assert status == 0
     assert "hold" not in out
 
 
 def test_a_load_that_no_gears_bear_is_to_be_lessened(run: Run) -> None:
-    _, weak, _ = on_text(run, "check")(TEXT.replace("1500", "1e9"))
+    _, weak, _ = on_text(run, "check", "--verbose")(TEXT.replace("1500", "1e9"))
     assert "To change it: lessen the load" in " ".join(weak.split())
     assert "ncgear size" not in weak

@@ -334,7 +334,7 @@ def test_the_page_moves_the_yoke() -> None:
 @pytest.mark.thorough
 def test_check_simulate_and_report_run(run: Run) -> None:
     Path("d.yaml").write_text(text("three_segment_stroke", GEARS, MASSES), encoding="utf-8")
-    status, out, err = run("check", "d.yaml")
+    status, out, err = run("check", "d.yaml", "--verbose")
     assert (status, err) == (0, "")
     assert "stroke                                            760 mm" in out
     status, out, _ = run("simulate", "d.yaml", "--level", "rigid", "--out", "forces")

@@ -34,7 +34,7 @@ MASSES = f"masses: {{{BODIES}, {CRANK}}}\n"
 @pytest.fixture
 def run(run: Run) -> Run:
     """Simulate d.yaml, which holds the text."""
-    return on_text(run, "simulate")
+    return on_text(run, "simulate", "--verbose")
 
 
 @pytest.mark.slow

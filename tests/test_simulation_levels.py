@@ -34,7 +34,7 @@ def run(run: Run) -> Run:
     """Simulate d.yaml, which holds the text, into the folder here."""
 
     def run_once(text: str, level: str) -> Outcome:
-        return on_text(run, "simulate")(text, "--level", level, "--out", "here")
+        return on_text(run, "simulate", "--verbose")(text, "--level", level, "--out", "here")
 
     return run_once
 

@@ -144,7 +144,7 @@ def test_factors_of_root_stress() -> None:
 @pytest.fixture
 def run(run: Run) -> Run:
     """Find sizes for d.yaml, which holds the text."""
-    return on_text(run, "size")
+    return on_text(run, "size", "--verbose")
 
 
 def test_what_is_written_builds_what_was_found(run: Run, pretend: list[int]) -> None:

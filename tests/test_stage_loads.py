@@ -162,7 +162,7 @@ def test_inertias_of_two_pairs_have_to_be_given() -> None:
 
 @pytest.mark.slow
 def test_the_command_tells_both_stages(run: Run) -> None:
-    strength = on_text(run, "strength")
+    strength = on_text(run, "strength", "--verbose")
     status, out, err = strength(SHARED)
     assert (status, err) == (0, "")
     folder = Path("export/press-strength")

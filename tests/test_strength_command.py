@@ -41,7 +41,7 @@ WANTED = dict.fromkeys(Gear, WantedSafety(1.4, 1.0))
 @pytest.fixture
 def run(run: Run) -> Run:
     """Ask for the strength of d.yaml, which holds the text."""
-    return on_text(run, "strength")
+    return on_text(run, "strength", "--verbose")
 
 
 @pytest.fixture

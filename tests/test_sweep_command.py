@@ -22,7 +22,7 @@ def run(run: Run) -> Run:
     """Sweep over d.yaml, which holds the text."""
 
     def run_once(*varied: str, text: str = template("press")) -> Outcome:
-        return on_text(run, "sweep")(text, *(part for one in varied for part in ("--vary", one)))
+        return on_text(run, "sweep", "--verbose")(text, *(part for one in varied for part in ("--vary", one)))
 
     return run_once
 

@@ -151,7 +151,7 @@ def test_sliding_is_at_the_speed_of_the_shaft_between() -> None:
 def test_a_check_shows_both_stages_and_makes_no_tooth() -> None:
     fresh = Drive(loaded(NAME).design)
     text, stages = check_text(fresh), check_summary(fresh)["stages"]
-    assert "stage 2, max pressure angle" in text
+    assert "stage 2, greatest pressure angle" in text
     for stage, summary in zip(stages.values(), built().summaries, strict=True):
         angle = summary["pitch"]["max_pressure_angle_deg"]
         assert stage["max_pressure_angle_deg"] == pytest.approx(angle, rel=1e-14)

@@ -404,7 +404,7 @@ def test_wishes_that_contradict_are_refused_at_their_key(run: Run, wishes: str, 
 def check(run: Run, wishes: str) -> tuple[int, str, str]:
     """A check of an evenly turning baler with wishes."""
     Path("d.yaml").write_text(f"{HEAD}wishes: {{{wishes}}}\n", encoding="utf-8")
-    return run("check", "d.yaml")
+    return run("check", "d.yaml", "--verbose")
 
 
 def test_an_exact_dwell_is_refused_with_the_nearest(run: Run) -> None:

@@ -28,7 +28,9 @@ def run_line(command: str) -> tuple[int, str]:
 
 def _in_this_process(words: list[str]) -> tuple[int, str]:
     printed = io.StringIO()
-    with patch.object(sys, "argv", words), redirect_stdout(printed), redirect_stderr(printed):
+    # Pages show no line of progress, however slow the machine is.
+    quiet = patch("ncgear.cli.progress.LINE_SECONDS", 1e6)
+    with patch.object(sys, "argv", words), redirect_stdout(printed), redirect_stderr(printed), quiet:
         try:
             ncgear.cli.main()
         except SystemExit as exit_:

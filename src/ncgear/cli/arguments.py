@@ -73,6 +73,7 @@ DesignFile = Annotated[
         autocompletion=files_to_complete,
     ),
 ]
+Verbose = Annotated[bool, typer.Option("--verbose", help="Print every figure, every file, and warnings in full.")]
 Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, how long each step took.")]
 
 

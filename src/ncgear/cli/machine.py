@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, Timing, files_to_complete, opened
-from ncgear.cli.mending import BUILD, MakeTeeth, Mend, as_given, mended, naming_what_helps
+from ncgear.cli.arguments import EXPORT, DesignFile, Timing, Verbose, files_to_complete, opened
+from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
@@ -20,23 +20,32 @@ def check(
     design_file: DesignFile,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
     mend: MakeTeeth = False,
+    verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
     """Check a design: kinematics and power only, no teeth, no files."""
     with opened(design_file) as loaded:
+        from ncgear.figures.advice.collected import check_advice, rough_advice
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.machine import check_answer
         from ncgear.figures.numbers import json_text
         from ncgear.figures.summary.check_summary import check_summary
         from ncgear.figures.terminal import check_text, timing_text
-        from ncgear.project.drive import Drive
 
-        drive = Drive(loaded.design)
-        if mend:
-            found = mended(loaded)
-            drive = found.drive
-            typer.echo(f"{found.said}\n", err=as_json)
+        made = mended(loaded) if mend else as_given(loaded)
+        drive = made.drive
+        if made.said and (as_json or verbose):
+            typer.echo(f"{made.words}\n", err=as_json)
         with steps_shown(1) as on_step:
             on_step("kinematics and power")
-            text = json_text(check_summary(drive)).rstrip() if as_json else check_text(drive)
+            if as_json:
+                text = json_text(check_summary(drive)).rstrip()
+            elif verbose:
+                text = check_text(drive)
+            else:
+                advices = (*check_advice(drive), *rough_advice(drive))
+                file = f"{design_file} {OPTION}" if made.text else str(design_file)
+                text = answer_text(check_answer(drive, advices, file, made.said))
         typer.echo(text)
         if timing:
             typer.echo(timing_text(drive), err=True)
@@ -61,6 +70,7 @@ def build(
         ),
     ] = False,
     mend: Mend = False,
+    verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
@@ -77,6 +87,8 @@ def build(
         prepare(folder)
 
         from ncgear.drawings.page import REPORT_FILE
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.machine import build_answer
         from ncgear.figures.terminal import build_text, timing_text
         from ncgear.files.build import build as build_files
         from ncgear.files.build import step_count
@@ -89,8 +101,15 @@ def build(
         design = made.kept_in(folder)
         # Both runs wrote the manifest.
         paths = list(dict.fromkeys([*built.paths, *design.paths]))
-        text = build_text(built.summaries, paths, [*built.kept, *design.kept])
-        typer.echo("\n\n".join(part for part in (made.said, text) if part))
+        kept = [*built.kept, *design.kept]
+        if verbose:
+            text = build_text(built.summaries, paths, kept)
+            typer.echo("\n\n".join(part for part in (made.words, text) if part))
+        else:
+            shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
+            then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {shown}"
+            answer = build_answer(drive, built.contacts, built.advices, then, made.said)
+            typer.echo(answer_text(answer, paths, kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -179,6 +198,7 @@ def simulate(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-<level>")
     ] = None,
+    verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
     """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
@@ -188,6 +208,8 @@ def simulate(
         folder = out or EXPORT / f"{loaded.design.name}-{level}"
         prepare(folder)
 
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.simulated import simulated_answer
         from ncgear.figures.terminal import timing_text
         from ncgear.files.manifest import publish_run
         from ncgear.files.simulation import simulate as simulate_drive
@@ -199,7 +221,11 @@ def simulate(
             on_step(f"simulation, level {level}")
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
-        typer.echo(simulation_text(found, run.paths, run.kept))
+        if verbose:
+            typer.echo(simulation_text(found, run.paths, run.kept))
+        else:
+            answer = simulated_answer(drive, level, found.figures, found.faults, str(design_file))
+            typer.echo(answer_text(answer, run.paths, run.kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -224,6 +250,7 @@ def strength(
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-strength")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
     """Say whether the teeth hold: safety and life of every tooth, the weakest first, and what would do."""
@@ -233,7 +260,9 @@ def strength(
         folder = out or EXPORT / f"{loaded.design.name}-strength"
         prepare(folder)
 
-        from ncgear.figures.advice.strength_advice import remedies
+        from ncgear.figures.advice.strength_advice import SIZE, remedies
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.strong import strength_answer
         from ncgear.figures.numbers import json_text
         from ncgear.figures.strong import strength_figures, strength_text
         from ncgear.figures.terminal import kept_lines, timing_text, written_lines
@@ -244,7 +273,7 @@ def strength(
         from ncgear.project.strengthening import verdict_of
 
         drive = Drive(loaded.design)
-        texts, figures, files = [], [], {}
+        told, figures, files = [], [], {}
         with naming_what_helps(drive, BUILD), steps_shown(3 * drive.design.stages) as on_step:
             for pair in drive.by_stage:
                 on_pair_step = naming_stage(pair, on_step)
@@ -253,7 +282,7 @@ def strength(
                 beside = None if verdict.strength.method == "estimate" else verdict_of(pair, "estimate")
                 figures.append(strength_figures(pair, verdict, beside))
                 on_pair_step("what would do")
-                texts.append(strength_text(pair, verdict, remedies(pair, verdict), beside))
+                told.append((pair, verdict, remedies(pair, verdict), beside))
                 on_pair_step("pictures")
                 files.update(strength_files(pair, verdict, figures[-1]))
         run = publish_run(folder, files, "strength")
@@ -262,8 +291,12 @@ def strength(
             typer.echo(json_text(stages if len(figures) > 1 else figures[0]).rstrip())
             if run.kept:
                 typer.echo("\n".join(kept_lines(run.kept)), err=True)
-        else:
+        elif verbose:
+            texts = [strength_text(*one) for one in told]
             typer.echo("\n\n".join([*texts, "\n".join(written_lines(run.paths, run.kept))]))
+        else:
+            then = f"{SIZE} {design_file}" if drive.design.stages == 1 else ""
+            typer.echo(answer_text(strength_answer(told, then), run.paths, run.kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -276,6 +309,7 @@ def balance(
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<name>-balance")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    verbose: Verbose = False,
 ) -> None:
     """Say how much a machine shakes, and what mass where would stop it: linkages, gears, rotors, frequencies."""
     from ncgear.design.reading.balance_file import load_balance
@@ -285,6 +319,8 @@ def balance(
     folder = out or EXPORT / f"{loaded.balance.name}-balance"
     prepare(folder)
 
+    from ncgear.figures.answers.answer import answer_text
+    from ncgear.figures.answers.shaken import balance_answer
     from ncgear.figures.balance.parts import balance_text, figures_of
     from ncgear.figures.terminal import kept_lines
     from ncgear.files.balance import balance_files
@@ -298,9 +334,11 @@ def balance(
         on_step("pictures")
         files = balance_files(balancing, figures)
     run = publish_run(folder, files, "balance")
-    if not as_json:
+    if as_json:
+        typer.echo(files["balance.json"].decode().rstrip())
+        if run.kept:
+            typer.echo("\n".join(kept_lines(run.kept)), err=True)
+    elif verbose:
         typer.echo(balance_text(figures, run.paths, run.kept))
-        return
-    typer.echo(files["balance.json"].decode().rstrip())
-    if run.kept:
-        typer.echo("\n".join(kept_lines(run.kept)), err=True)
+    else:
+        typer.echo(answer_text(balance_answer(figures), run.paths, run.kept))

@@ -47,8 +47,15 @@ class Mended:
 
     loaded: LoadedDesign
     drive: Drive
-    said: str = ""
+    said: tuple[str, ...] = ()
     text: str = ""
+
+    @property
+    def words(self) -> str:
+        """All that is said, in lines for a terminal."""
+        from ncgear.figures.mended import in_lines
+
+        return in_lines(self.said)
 
     def kept_in(self, folder: Path) -> Run:
         """Write the mended design file into a folder, beside what was made from it."""
@@ -79,7 +86,7 @@ def mended(loaded: LoadedDesign) -> Mended:
     with counted("changes tried") as on_trial:
         search = mending(drive, on_trial)
     if search is None:
-        return Mended(loaded, drive, NOTHING)
+        return Mended(loaded, drive, (NOTHING,))
     if search.found is None:
         raise refusal_with_help(search) from search.refusal
     text = mended_design(loaded, search.found)

@@ -1,4 +1,4 @@
-"""The progress of long work, on a terminal; nothing where stderr is not a terminal."""
+"""The progress of long work: a bar where stderr is a terminal, and a line now and then where it is not."""
 
 from __future__ import annotations
 
@@ -6,50 +6,134 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from time import monotonic
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
 SILENT_SECONDS = 1.0
-"""Work that takes no longer shows nothing."""
+"""Work that takes no longer shows no bar."""
+
+LINE_SECONDS = 5.0
+"""Time from the beginning to the first line, and at least from each line to the next."""
+
+TELLER = "progress"
+"""The name of the thread that says how far work has come."""
+
+LATER = 0.25
+"""Share of the time so far that passes at least before the next line, so that the log of an hour stays short."""
+
+
+class Shown(Protocol):
+    """What shows progress."""
+
+    def update(self, what: str, done: int, total: int | None) -> None:
+        """Show what is being done, how many of it are done, and of how many, if that is known."""
 
 
 @contextmanager
 def counted(what: str) -> Iterator[Callable[[int, int], None]]:
     """A context with a function to call with the numbers done and in all; ``what`` is the text before the bar."""
-    with _shown(what) as bar:
-        yield lambda done, total: bar.update(bar.task_ids[0], completed=done, total=total)
+    with _shown(what) as shown:
+        yield lambda done, total: shown.update(what, done, total)
 
 
 @contextmanager
 def steps_shown(count: int) -> Iterator[Callable[[str], None]]:
     """A context with a function to call with the name of each step; ``count`` is the number of steps."""
-    with _shown("starting", count) as bar:
-        task = bar.task_ids[0]
+    with _shown("starting", count) as shown:
+        begun = -1
 
         def on_step(step: str) -> None:
-            done = 0 if bar.tasks[0].description == "starting" else 1
-            bar.update(task, description=step, advance=done)
+            nonlocal begun
+            begun += 1
+            shown.update(step, begun, count)
 
         yield on_step
 
 
 @contextmanager
-def _shown(what: str, count: int | None = None) -> Iterator[Progress]:
-    """A bar that a terminal shows once the work takes over a second, and which disappears at the end."""
+def _shown(what: str, count: int | None = None) -> Iterator[Shown]:
+    with _bar_shown(what, count) if sys.stderr.isatty() else _lines_shown(what, count) as shown:
+        yield shown
+
+
+class Lines:
+    """Progress in lines of plain text, of which ``line`` makes the next."""
+
+    def __init__(self, what: str, total: int | None = None, clock: Callable[[], float] = monotonic) -> None:
+        self.now = what, 0, total
+        self.clock, self.began = clock, clock()
+
+    def update(self, what: str, done: int, total: int | None) -> None:
+        """Remember what is being done; the next line says it."""
+        self.now = what, done, total
+
+    @property
+    def seconds(self) -> float:
+        """The time since the beginning."""
+        return self.clock() - self.began
+
+    @property
+    def pause_s(self) -> float:
+        """The time until the next line."""
+        return max(LINE_SECONDS, LATER * self.seconds)
+
+    @property
+    def line(self) -> str:
+        """``12 s: teeth (3 of 9 done)``; a single step has no count."""
+        what, done, total = self.now
+        count = f" ({done} of {total} done)" if total is not None and total > 1 else ""
+        return f"{self.seconds:.0f} s: {what}{count}"
+
+
+@contextmanager
+def _lines_shown(what: str, count: int | None) -> Iterator[Shown]:
+    """Lines on stderr while the work takes long, by a thread of their own, since a single step may take long."""
+    lines, ended = Lines(what, count), threading.Event()
+
+    def say() -> None:
+        while not ended.wait(lines.pause_s):
+            try:
+                print(lines.line, file=sys.stderr, flush=True)
+            except (OSError, ValueError):
+                # Nobody reads any more, or the stream is full or closed: the work goes on.
+                return
+
+    teller = threading.Thread(target=say, name=TELLER, daemon=True)
+    teller.start()
+    try:
+        yield lines
+    finally:
+        ended.set()
+        teller.join()
+
+
+class Bar:
+    """Progress in a bar on a terminal."""
+
+    def __init__(self, bar: Progress) -> None:
+        self.bar = bar
+
+    def update(self, what: str, done: int, total: int | None) -> None:
+        """Move the bar."""
+        self.bar.update(self.bar.task_ids[0], description=what, completed=done, total=total)
+
+
+@contextmanager
+def _bar_shown(what: str, count: int | None) -> Iterator[Shown]:
+    """A bar that appears once the work takes over a second, and which disappears at the end."""
     bar = _bar(what, count)
     timer = threading.Timer(SILENT_SECONDS, bar.start)
     timer.daemon = True
-    if sys.stderr.isatty():
-        timer.start()
+    timer.start()
     try:
-        yield bar
+        yield Bar(bar)
     finally:
         timer.cancel()
         # A start that has begun must end before the stop, or the bar would stay.
-        if timer.ident is not None:
-            timer.join()
+        timer.join()
         if bar.live.is_started:
             bar.stop()
 

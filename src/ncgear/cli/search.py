@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, SUFFIXES, DesignFile, materials_to_complete, opened
+from ncgear.cli.arguments import EXPORT, SUFFIXES, DesignFile, Verbose, materials_to_complete, opened
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.errors import WrongInput
@@ -19,12 +19,15 @@ def optimize(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-optimized")
     ] = None,
+    verbose: Verbose = False,
 ) -> None:
     """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
     from ncgear.files.manifest import publish_run
     from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.best_law import optimized_answer
         from ncgear.figures.best_law import certificate, optimized_design, optimized_name, optimized_text
         from ncgear.figures.numbers import json_text
         from ncgear.files.frontier import PICTURE, limit_picture
@@ -50,7 +53,11 @@ def optimize(
                 files[PICTURE] = limit_picture(best)
         # The best law of another design in the same folder stays.
         run = publish_run(folder, files, f"optimize {name}")
-        typer.echo(optimized_text(best, run.paths, run.kept))
+        if verbose:
+            typer.echo(optimized_text(best, run.paths, run.kept))
+        else:
+            then = f"ncgear {'build' if best.design.gears else 'check'} {folder / name}.yaml"
+            typer.echo(answer_text(optimized_answer(best, then), run.paths, run.kept))
 
 
 def frontier(
@@ -59,6 +66,7 @@ def frontier(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-frontier")
     ] = None,
+    verbose: Verbose = False,
 ) -> None:
     """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
 
@@ -67,6 +75,8 @@ def frontier(
     from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.best_law import frontier_answer
         from ncgear.figures.best_law import frontier_text
         from ncgear.files.frontier import frontier_files
         from ncgear.files.manifest import publish_run
@@ -79,7 +89,11 @@ def frontier(
             found = frontier_of(loaded.design, points, folder, on_point)
         best = BestLaw(loaded.design)
         run = publish_run(folder, frontier_files(found, best), "frontier")
-        typer.echo(frontier_text(found, best, run.paths, run.kept))
+        if verbose:
+            typer.echo(frontier_text(found, best, run.paths, run.kept))
+        else:
+            then = "give a cap as optimize.limits.peak_power_w, then ncgear optimize"
+            typer.echo(answer_text(frontier_answer(found, best, then), run.paths, run.kept))
 
 
 def sweep(
@@ -91,6 +105,7 @@ def sweep(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-sweep")
     ] = None,
+    verbose: Verbose = False,
 ) -> None:
     """Screen many designs: check and pitch curves, without teeth, for all combinations of some keys' values."""
     from ncgear.design.varied import designs_of, require_grid, varied_of
@@ -102,6 +117,8 @@ def sweep(
         folder = out or EXPORT / f"{loaded.design.name}-sweep"
         prepare(folder)
 
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.swept import swept_answer
         from ncgear.figures.sweep import sweep_csv, sweep_text
         from ncgear.files.manifest import publish_run
         from ncgear.screening.screen import screened
@@ -109,7 +126,10 @@ def sweep(
         with counted("designs") as on_done:
             found = screened(list(designs_of(loaded, varied)), on_done=on_done, as_written=loaded.source.as_written)
         run = publish_run(folder, {"sweep.csv": sweep_csv(varied, found).encode()}, "sweep")
-        typer.echo(sweep_text(varied, found, run.paths, run.kept))
+        if verbose:
+            typer.echo(sweep_text(varied, found, run.paths, run.kept))
+        else:
+            typer.echo(answer_text(swept_answer(varied, found), run.paths, run.kept))
 
 
 def size(
@@ -144,6 +164,7 @@ def size(
         Path | None,
         typer.Option(metavar="FILE.yaml", help="Write the design file with the smallest gears.", show_default="none"),
     ] = None,
+    verbose: Verbose = False,
 ) -> None:
     """Find the smallest gears that hold: module of series I, number of teeth, face width, within a space."""
     from ncgear.files.publish import prepare_file
@@ -158,9 +179,11 @@ def size(
         if out is not None:
             prepare_file(out)
 
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.strong import sized_answer
         from ncgear.figures.sized import sized_design, sized_text
         from ncgear.figures.terminal import written_lines
-        from ncgear.files.manifest import publish_run
+        from ncgear.files.manifest import Run, publish_run
         from ncgear.project.drive import Drive
         from ncgear.project.sizing import Space, asked_design, smallest_gears
 
@@ -173,9 +196,12 @@ def size(
         drive = Drive(asked_design(loaded.design, asked))
         with naming_what_helps(drive, BUILD), counted("gears computed") as on_trial:
             found = smallest_gears(drive, Space(space or inf, diameter or inf, width), on_trial)
-        lines = [sized_text(found)]
+        run, then = Run([], []), f"ncgear size {design_file} --out NEW.yaml writes a file with the first"
         if out is not None:
             content = sized_design(loaded, found[0], asked).encode()
-            run = publish_run(out.parent, {out.name: content}, f"size {out.name}")
-            lines += ["", *written_lines(run.paths, run.kept)]
-        typer.echo("\n".join(lines))
+            run, then = publish_run(out.parent, {out.name: content}, f"size {out.name}"), f"ncgear build {out}"
+        if verbose:
+            written = "\n".join(written_lines(run.paths, run.kept))
+            typer.echo("\n\n".join([sized_text(found), *([written] if run.paths else [])]))
+        else:
+            typer.echo(answer_text(sized_answer(found, then), run.paths, run.kept))

@@ -24,9 +24,11 @@ from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.rewritten import LINE_WIDTH
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import finite, fixed, json_text, shown
+from ncgear.figures.quantities import name_of, told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
@@ -55,7 +57,7 @@ ARGUMENT = (
 SUFFIX = "-optimized"
 
 
-def _unit(best: BestLaw) -> str:
+def unit_of_goal(best: BestLaw) -> str:
     """The unit of what is least."""
     goal = best.wishes.goal
     return best.task.linkage.OUTPUT.acceleration.text if goal is Goal.ACCELERATION else UNITS[goal]
@@ -108,7 +110,7 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "speed_rpm": best.design.operation.speed_rpm,
         "goal": {
             "least": best.wishes.goal.value,
-            "unit": _unit(best),
+            "unit": unit_of_goal(best),
             "limit": None if bound is None else bound.value,
             "places": None if bound is None else bound.places,
             "not_covered_by_limit": best.not_covered,
@@ -156,7 +158,7 @@ def _row(values: Array | Sequence[float]) -> CommentedSeq:
     return row
 
 
-LAW_HEADS = ("peak power, W", "peak accel., {}", "ratio", "pressure angle, deg", "without rack", "convex")
+LAW_HEADS = ("peak power, W", "peak acceleration, {}", "ratio", "pressure angle, deg", "without rack", "convex")
 """The pressure angle has the rack's own in it, as everywhere; without it, it is that of the pitch curves alone."""
 
 
@@ -181,7 +183,7 @@ def _notes(best: BestLaw, found: str) -> list[str]:
 
 
 def _limit(best: BestLaw) -> list[str]:
-    goal, bound, unit = best.wishes.goal, best.limit, _unit(best)
+    goal, bound, unit = best.wishes.goal, best.limit, unit_of_goal(best)
     words = goal.value.replace("_", " ")
     heading = f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min"
     law = f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}"
@@ -221,23 +223,39 @@ def _table(best: BestLaw) -> list[str]:
     ]
     if best.task.masses is None:
         return lines
-    felt = [name for name in LOAD_HEADS if getattr(best.figures, name) is not None]
-    loads = [[name, *(shown(getattr(found, one)) for one in felt)] for name, found in rows.items()]
-    heads = [LOAD_HEADS[name] for name in felt]
+    columns = [[felt_text(key, found) for found in rows.values()] for key in felt_keys(best.figures)]
+    loads = [[name, *texts] for name, *texts in zip(rows, *columns, strict=True)]
+    heads = [f"{name_of(key)}, {label_and_unit(key)[1]}" for key in felt_keys(best.figures)]
     fluctuation = best.task.speed_fluctuation
     even = f"The flywheel is that of the driving shaft for a speed fluctuation of {fluctuation:g} at even motor torque."
 
     return [*lines, "", "What the machine feels", *aligned([["", *heads], *loads], left=1), even]
 
 
-LOAD_HEADS = {
-    "braking_power_w": "braking power, W",
-    "rms_torque_n_m": "r.m.s. torque, N m",
-    "flywheel_kg_mm2": "flywheel, kg mm2",
-    "bearing_force_n": "crank bearings, N",
-    "shaking_force_n": "shaking force, N",
-    "tooth_force_n": "teeth, N",
+KG_M2 = 1e-6
+"""One kg mm2 in kg m2."""
+
+FELT = {
+    "braking_power_w": ("braking_power_w", 1.0),
+    "rms_torque_n_m": ("rms_torque_n_m", 1.0),
+    "flywheel_kg_m2": ("flywheel_kg_mm2", KG_M2),
+    "bearing_force_n": ("bearing_force_n", 1.0),
+    "shaking_force_n": ("shaking_force_n", 1.0),
+    "tooth_force_n": ("tooth_force_n", 1.0),
 }
+"""Figures that need masses, by the keys by which they are told, each with its field and the factor to its unit."""
+
+
+def felt_keys(found: Figures) -> list[str]:
+    """Those of ``FELT`` that are known."""
+    return [key for key, (field, _) in FELT.items() if getattr(found, field) is not None]
+
+
+def felt_text(key: str, found: Figures) -> str:
+    """One of them, without its unit."""
+    field, factor = FELT[key]
+    value = getattr(found, field)
+    return told(key, None if value is None else factor * value)[1]
 
 
 def _law_cells(found: Figures, rack_rad: float) -> list[str]:
@@ -294,14 +312,14 @@ def other_mechanisms(best: BestLaw) -> list[OtherMechanism]:
 def frontier_csv(found: Frontier, best: BestLaw) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
     rows = []
-    for point, family in _points(found):
+    for point, family in points_of(found):
         law = point.law
         figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
         rows.append([point.cap_w, point.limit_mm_s2, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
     return rows_text(tuple(_named(dict.fromkeys(FRONTIER_COLUMNS), best)), rows)
 
 
-def _points(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
+def points_of(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
     """Each point of a law with the point of the family at the same cap."""
     families = {point.cap_w: point for point in found.families}
     return [(point, families[point.cap_w]) for point in found.laws]
@@ -327,7 +345,7 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
                 },
                 best,
             )
-            for point, family in _points(found)
+            for point, family in points_of(found)
         ],
         "mechanisms": [_named(vars(mechanism), best) for mechanism in other_mechanisms(best)],
     }
@@ -340,7 +358,7 @@ FAMILY_WITHOUT_MASS = "The family is left out: its search knows the power of the
 def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """A table of the points, the mechanisms, the files written, and those kept."""
     rows, unit = [], best.task.linkage.OUTPUT.acceleration.text
-    for point, family in _points(found):
+    for point, family in points_of(found):
         law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
         gap = fixed(100.0 * (law / limit - 1.0), 1)
         rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])

@@ -34,12 +34,16 @@ def refusal_with_help(mending: Mending, option: str = "") -> DesignError:
     return type(refusal)(f"{refusal.problem}; {told}", key=refusal.key, location=refusal.location)
 
 
-def mended_words(mending: Mending, found: Mend) -> str:
-    """What a command says that has taken a change."""
-    said = (
+def mended_words(mending: Mending, found: Mend) -> tuple[str, ...]:
+    """What a command says that has taken a change, sentence by sentence."""
+    return (
         f"Mended: these are not the gears of the file, whose teeth are refused, but those with {found_words(found)}.",
         f"Refused: {mending.refusal.problem}",
     )
+
+
+def in_lines(said: Sequence[str]) -> str:
+    """Sentences in lines for a terminal."""
     return "\n".join(line for text in said for line in wrap(text, WIDTH, subsequent_indent=INDENT))
 
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from math import degrees, isfinite
+from math import isfinite
 from typing import Any
-
-from ncgear.numerics.units import label_and_unit
 
 
 def finite(value: Any, name: str) -> Any:
@@ -73,35 +71,6 @@ def micrometres(length_mm: float) -> str:
 
 def _plain(digits: str) -> str:
     return digits.rstrip("0").rstrip(".") if "." in digits else digits
-
-
-ERRORS = ("residual", "energy_error")
-"""Keys with these words hold errors of a computation: all their digits count, however small they are."""
-
-PLACES = ("concave_",)
-"""Keys in rad that begin so hold places on a gear, not errors, play or lag."""
-
-
-def told(key: str, value: Any) -> tuple[str, str, str]:
-    """Label, text and unit of a figure of a summary, whose key ends in the unit in which it is kept.
-
-    People read angles in two units only: places in deg; errors, play and lag of the driven gear in millionths of a rad.
-    The unit is empty where the key has none, and where there is no value.
-    """
-    label, unit = label_and_unit(key)
-    if unit == "rad":
-        factor, unit = (degrees(1.0), "deg") if key.startswith(PLACES) else (1e6, MICRORAD)
-        value = _times(factor, value)
-    precise = isinstance(value, float) and any(word in key for word in ERRORS)
-    text = five_digits(value) if precise else shown(value, unit)
-    nothing = value is None or (isinstance(value, list) and not value)
-    return label, text, "" if nothing else unit
-
-
-def _times(factor: float, value: Any) -> Any:
-    if isinstance(value, list | tuple):
-        return [_times(factor, item) for item in value]
-    return None if value is None else factor * value
 
 
 LONG_LIST = 12

@@ -12,6 +12,7 @@ from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.quantities import name_of
 from ncgear.figures.strong import LOADS, materials_words
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import INDENT, WIDTH
@@ -19,6 +20,10 @@ from ncgear.project.sizing import Sized
 from ncgear.strength.holding import Damage, worst
 
 SUFFIX = "-sized"
+
+SIZES = ("module_mm", "teeth", "face_width_mm", "center_distance_mm")
+"""The sizes of a table of gears, by their keys."""
+
 LONGEST_DESCRIPTION = 10_000
 
 
@@ -42,10 +47,15 @@ def sized_text(found: Sequence[Sized]) -> str:
 
 def _table(found: Sequence[Sized]) -> list[str]:
     heads = [
-        ["module", "teeth", "face width", "centre distance", "largest diameter", "least safety", "", "weakest tooth"],
+        [*map(name_of, SIZES), "largest diameter", "least safety", "", "weakest tooth"],
         ["mm", "", "mm", "mm", "mm", "breakage", "pitting", ""],
     ]
-    return aligned([*heads, *map(_row, found)])
+    return aligned([*heads, *sized_rows(found)])
+
+
+def sized_rows(found: Sequence[Sized]) -> list[list[str]]:
+    """The texts of each: module, teeth, face width, centre distance, diameter, both safeties, the weakest tooth."""
+    return [_row(one) for one in found]
 
 
 def _row(one: Sized) -> list[str]:

@@ -11,7 +11,8 @@ import numpy as np
 
 from ncgear.figures.advice.values import Remedy
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import MICRORAD, fixed, shown, to_digits
+from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.quantities import figure
 from ncgear.figures.summary.check_summary import stages_summary
 from ncgear.figures.tables import Column, Table, aligned
 from ncgear.figures.terminal import INDENT, WIDTH
@@ -149,15 +150,15 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], be
         "gears": f"module {shown(size.module_mm)} mm, {size.driving_teeth} and {size.driven_teeth} teeth, face width "
         f"{shown(drive.gears.face_width_mm)} mm, {materials_words(drive, strength)}",
         "teeth": f"up to {shown(float(forces[most]))} N on one pair, {where}",
-        "under load": f"contact ratio {to_digits(loading.contact_ratio, 3)}, "
-        f"transmission error {to_digits(1e6 * loading.transmission_error_rad, 3)} {MICRORAD}",
+        "under load": f"contact ratio {shown(loading.contact_ratio)}, "
+        f"transmission error {figure('transmission_error_rad', loading.transmission_error_rad)}",
     }
     start = max(map(len, about)) + 2
     of_stage = "" if drive.stage is None else f", stage {drive.stage}"
     lines = [f"{name}{of_stage}: strength of the teeth at {speed:g} r/min"]
     for label, words in about.items():
         lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
-    rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *(list(_cells(one)) for one in found)]
+    rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *(list(weakest_cells(one)) for one in found)]
     if beside is not None:
         others = [f"by {beside.strength.method}", "", *(to_digits(one.safety, 3) for one in beside.weakest)]
         for row, other in zip(rows, others, strict=True):
@@ -196,10 +197,13 @@ def weakest_table(drive: Drive, verdict: Verdict) -> Table:
     """The weakest tooth of each gear for each kind of damage, with notes on load, method and material."""
     strength = verdict.strength
     notes = LOADS[strength.load], METHODS[strength.method], ERRORS[strength.method], materials_words(drive, strength)
-    return Table("Weakest teeth", HEADS, tuple(map(_cells, verdict.weakest)), tuple(f"{note}." for note in notes))
+    return Table(
+        "Weakest teeth", HEADS, tuple(map(weakest_cells, verdict.weakest)), tuple(f"{note}." for note in notes)
+    )
 
 
-def _cells(one: Weakest) -> tuple[str, ...]:
+def weakest_cells(one: Weakest) -> tuple[str, ...]:
+    """The texts below ``HEADS``."""
     return (
         one.gear.value,
         one.damage.words,
@@ -219,7 +223,7 @@ def _verdict(found: Sequence[Weakest], remedies: Sequence[Remedy]) -> list[str]:
         return ["The teeth hold: no safety is under the wanted one."]
     lines = ["The teeth do not hold. Under the wanted safety:"]
     for one in weak:
-        words = f"{one.gear.value} gear, {one.damage.words}: {_teeth(one.too_weak)}"
+        words = f"{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}"
         lines += wrap(words, WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
     lines.append("To change it:")
     for remedy in remedies:
@@ -227,7 +231,8 @@ def _verdict(found: Sequence[Weakest], remedies: Sequence[Remedy]) -> list[str]:
     return lines
 
 
-def _teeth(numbers: Sequence[int]) -> str:
+def teeth_words(numbers: Sequence[int]) -> str:
+    """``teeth 3-5, 8``."""
     return f"{'tooth' if len(numbers) == 1 else 'teeth'} {shown(sorted(numbers))}"
 
 

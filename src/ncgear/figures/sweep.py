@@ -45,13 +45,13 @@ def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path],
     made = int(found.made.sum())
     blocks = [f"{len(found.made)} designs, of which {made} can be made"]
     if made:
-        blocks += [_best(title, figure, varied, found) for title, figure in _ranked(found).items()]
+        blocks += [_best(title, figure, varied, found) for title, figure in ranked(found).items()]
     if made < len(found.made):
         blocks.append("\n".join(["Refused", *_refused(varied, found)]))
     return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
 
 
-def _ranked(found: Screened) -> dict[str, str]:
+def ranked(found: Screened) -> dict[str, str]:
     """The figures that the best designs have least of, in the units of what moves."""
     return {title: name for title, start in RANKED.items() for name in found.figures if name.startswith(start)}
 
@@ -65,41 +65,52 @@ def _order(figure: str, found: Screened) -> IndexArray:
 
     Rows whose figure shows the same digits, such as laws with one working stroke, are ordered by the other figures.
     """
-    others = [found.figures[name] for name in _ranked(found).values() if name != figure]
+    others = [found.figures[name] for name in ranked(found).values() if name != figure]
     read = np.array([float(shown(float(value))) for value in found.figures[figure]])
     return np.lexsort((*others, read))[:BEST]
 
 
 def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) -> str:
     """A table of the designs with the least of a figure."""
-    order = _order(figure, found)
+    heads = [*(one.key for one in varied), *ranked(found).values()]
+    return "\n".join([f"Best by {title}", *aligned([heads, *best_cells(figure, varied, found)])])
+
+
+def best_cells(figure: str, varied: Sequence[Varied], found: Screened) -> list[list[str]]:
+    """The designs with the least of a figure: the texts of what is varied, and of the figures."""
     values, numbers = _values(varied), found.numbers
-    heads = [*(one.key for one in varied), *_ranked(found).values()]
-    lines = [
+    return [
         [
             *map(shown, values[numbers[number]]),
-            *(shown(float(found.figures[name][number])) for name in heads[len(varied) :]),
+            *(shown(float(found.figures[name][number])) for name in ranked(found).values()),
         ]
-        for number in order.tolist()
+        for number in _order(figure, found).tolist()
     ]
-    return "\n".join([f"Best by {title}", *aligned([heads, *lines])])
 
 
 def _refused(varied: Sequence[Varied], found: Screened) -> list[str]:
     """The most frequent problems, each with the first design that has it and all that is said of that one."""
-    values = _values(varied)
-    refused = [number for number, verdict in enumerate(found.verdicts) if verdict != MADE]
-    counts = Counter(_problem(found.verdicts[number]) for number in refused)
-    first = {_problem(found.verdicts[number]): number for number in reversed(refused)}
     lines = []
-    for problem, count in counts.most_common(BEST):
-        number = first[problem]
-        where = ", ".join(f"{one.key} = {shown(value)}" for one, value in zip(varied, values[number], strict=True))
-        said = f"{'first ' if count > 1 else ''}at {where}: {found.verdicts[number]}"
+    for count, where, verdict in refusals(varied, found):
+        said = f"{'first ' if count > 1 else ''}at {where}: {verdict}"
         space = " " * (COUNT_WIDTH + 2)
         text = fill(said, WIDTH, initial_indent=space, subsequent_indent=space, break_on_hyphens=False)
         lines.append(f"{count:>{COUNT_WIDTH}}{text[COUNT_WIDTH:]}")
     return lines
+
+
+def refusals(varied: Sequence[Varied], found: Screened) -> list[tuple[int, str, str]]:
+    """How many designs have a problem, where the first of them is, and all that is said of that one."""
+    values = _values(varied)
+    refused = [number for number, verdict in enumerate(found.verdicts) if verdict != MADE]
+    counts = Counter(_problem(found.verdicts[number]) for number in refused)
+    first = {_problem(found.verdicts[number]): number for number in reversed(refused)}
+    told = []
+    for problem, count in counts.most_common(BEST):
+        number = first[problem]
+        where = ", ".join(f"{one.key} = {shown(value)}" for one, value in zip(varied, values[number], strict=True))
+        told.append((count, where, found.verdicts[number]))
+    return told
 
 
 def _problem(verdict: str) -> str:

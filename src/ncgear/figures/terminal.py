@@ -8,7 +8,8 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from ncgear.figures.numbers import fixed, shown, to_digits, told
+from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.quantities import name_of, told
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import Column, aligned
 from ncgear.figures.wished import wish_line
@@ -17,21 +18,6 @@ from ncgear.project.drive import Drive
 
 WIDTH = 110
 INDENT = "  "
-
-LABELS = {
-    "peak acceleration working": "peak acceleration, working stroke",
-    "peak acceleration cycle": "peak acceleration, whole cycle",
-    "peak tooth force": "peak tooth force, one pair of teeth",
-    "peak pushing force": "peak pushing force, one pair of teeth",
-    "peak back force": "peak back force, one pair of teeth",
-    "peak mesh force": "peak mesh force, all pairs together",
-    "bending safety min": "least safety against breakage",
-    "bending tooth": "weakest tooth against breakage",
-    "contact safety min": "least safety against pitting",
-    "contact tooth": "weakest tooth against pitting",
-    "time without contact": "time without contact of any flanks",
-}
-"""Labels for keys whose own words would be hard to read or would leave open what they count."""
 
 PLACE = "_at_rad"
 """End of a key that holds the driving angle at which another key has its extreme value."""
@@ -60,21 +46,22 @@ ELSEWHERE = ("motion", "wishes", "comparison", "warnings", "remarks", "timing_s"
 SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank", "even_gears": "even gears"}
 """Keys of sections that are written side by side, and their heads."""
 
-COMPARED_LABELS = {
-    "speed_rpm": "speed",
-    "peak_power_w": "peak power",
-    "mean_power_w": "mean power",
-    "peak_acceleration_cycle_mm_s2": "peak accel., cycle",
-    "peak_speed_mm_s": "peak speed",
-    "peak_acceleration_cycle_rad_s2": "peak accel., cycle",
-    "peak_speed_rad_s": "peak speed",
-}
+COMPARED = (
+    "speed_rpm",
+    "peak_power_w",
+    "mean_power_w",
+    "peak_acceleration_cycle_mm_s2",
+    "peak_speed_mm_s",
+    "peak_acceleration_cycle_rad_s2",
+    "peak_speed_rad_s",
+)
+"""The figures of a comparison of mechanisms, by their keys."""
 
 
 def compared_columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, Column]:
     """The columns of a comparison of mechanisms by key of its rows, in the units of what they move."""
-    keys = [key for key in COMPARED_LABELS if any(key in row for row in rows)]
-    return {key: Column(COMPARED_LABELS[key], label_and_unit(key)[1]) for key in keys}
+    keys = [key for key in COMPARED if any(key in row for row in rows)]
+    return {key: Column(name_of(key), label_and_unit(key)[1]) for key in keys}
 
 
 SAME_SPEED = "Comparison at equal driving speed"
@@ -153,7 +140,7 @@ def _owner(key: str) -> str:
 def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | None = None) -> tuple[str, str]:
     label, text, unit = told(key, value)
     place = "" if place_rad is None else f" at phi1 = {to_digits(degrees(place_rad), 4)} deg"
-    return prefix + LABELS.get(label, label), f"{text} {unit}".rstrip() + place
+    return prefix + label, f"{text} {unit}".rstrip() + place
 
 
 def _value_lines(label: str, value: str, width: int) -> list[str]:
@@ -187,7 +174,7 @@ def _indented(line: str) -> list[str]:
 def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
     """One block of lines for the mechanisms at equal speed, and one for mechanisms at other speeds.
 
-    Each row has ``name``, keys of COMPARED_LABELS (None where unknown), ``same_speed`` and ``note``.
+    Each row has ``name``, keys of COMPARED (None where unknown), ``same_speed`` and ``note``.
     """
     name_width = max((len(line) for row in rows for line in _name_lines(row)), default=0)
     blocks = []

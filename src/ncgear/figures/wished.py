@@ -52,18 +52,26 @@ def scale_of(wish: Wish) -> Scale:
     return Scale(degrees(1.0), "deg", "_deg")
 
 
-def motion_line(found: Achieved, linkage: Mechanism) -> str:
-    """What a motion achieves, in one line."""
+def motion_facts(found: Achieved, linkage: Mechanism) -> list[tuple[str, str]]:
+    """What a motion achieves, as names and texts: constant speed and, of an output that returns, times and dwells."""
     even, place = found.even[Stroke.WORKING].length_mm, linkage.OUTPUT.place
+    length = f"within {100.0 * EVEN:g} % over {to_digits(place.factor * even, 3)} {place.text}"
     if found.time_ratio is None:
-        length = f"{to_digits(place.factor * even, 3)} {place.text}"
-        return f"on its way from end to end constant within {100.0 * EVEN:g} % over {length}"
+        return [("constant speed", length)]
     share, near = to_digits(100.0 * even / linkage.stroke_mm, 3), to_digits(place.factor * found.near_mm, 6)
     dwells = ", ".join(f"{to_digits(degrees(found.dwell_rad[end]), 3)} deg {end.value}" for end in reversed(End))
-    return (
-        f"constant within {100.0 * EVEN:g} % over {to_digits(place.factor * even, 3)} {place.text}, {share} % of the "
-        f"stroke; time ratio {to_digits(found.time_ratio, 3)}; dwell within {near} {place.text} for {dwells}"
-    )
+    return [
+        ("constant speed", f"{length}, {share} % of the stroke"),
+        ("time ratio", to_digits(found.time_ratio, 3)),
+        ("dwell", f"within {near} {place.text} for {dwells}"),
+    ]
+
+
+def motion_line(found: Achieved, linkage: Mechanism) -> str:
+    """What a motion achieves, in one line."""
+    (_, even), *others = motion_facts(found, linkage)
+    way = "on its way from end to end " if found.time_ratio is None else ""
+    return "; ".join([f"{way}constant {even}", *(f"{name} {text}" for name, text in others)])
 
 
 def motion_summary(found: Achieved, linkage: Mechanism) -> dict[str, Any]:

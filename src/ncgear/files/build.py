@@ -17,6 +17,8 @@ from ncgear.contact.written.as_written import Outlines
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.pictures import pictures
+from ncgear.figures.advice.collected import build_advice
+from ncgear.figures.advice.values import Advice
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
 from ncgear.figures.data_sheet.pitch_table import pitch_csv
@@ -46,11 +48,15 @@ PAIR_STEPS = (*WRITTEN_STEPS, "workshop files", "plots")
 
 @dataclass(frozen=True)
 class Built:
-    """The paths of the files that a build wrote and of those of others that it kept, the summary of every pair."""
+    """The paths of the files that a build wrote and of those of others that it kept, and what it found of every pair:
+    its summary, its contact as written, its advices.
+    """
 
     paths: list[Path]
     kept: list[Path]
     summaries: list[dict[str, Any]]
+    contacts: list[PairContact]
+    advices: list[tuple[Advice, ...]]
 
 
 def build(
@@ -77,7 +83,14 @@ def build(
         with _timed(drive, "report", on_step):
             files[REPORT_FILE] = report_page(drive, reported, [pair.contact for pair in pairs.values()])
     run = publish_run(folder, files, "build")
-    return Built(run.paths, run.kept, [pair.summary for pair in pairs.values()])
+    found = pairs.values()
+    return Built(
+        run.paths,
+        run.kept,
+        [pair.summary for pair in found],
+        [pair.contact for pair in found],
+        [pair.advices for pair in found],
+    )
 
 
 def step_count(drive: Drive, *, report: bool) -> int:
@@ -102,11 +115,12 @@ def naming_stage(pair: Drive, on_step: Callable[[str], None]) -> Callable[[str],
 
 @dataclass(frozen=True)
 class _Pair:
-    """The files of one pair of gears, its summary and its contact as written."""
+    """The files of one pair of gears, its summary, its contact as written and its advices."""
 
     files: dict[str, bytes]
     summary: dict[str, Any]
     contact: PairContact
+    advices: tuple[Advice, ...]
 
 
 def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format]) -> _Pair:
@@ -118,8 +132,9 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     with _timed(drive, "plots", on_step):
         files.update(pictures(drive, contact))
     # The summary comes last: only now all timings are known, and a new summary is never beside older files.
-    summary = build_summary(drive, contact, errors_mm)
-    return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact)
+    advices = build_advice(drive)
+    summary = build_summary(drive, contact, errors_mm, advices)
+    return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact, advices)
 
 
 def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact, list[Outlines]]:

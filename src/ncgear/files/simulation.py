@@ -15,6 +15,7 @@ from ncgear.dynamics.level import Level
 from ncgear.dynamics.peaks import motion_peaks
 from ncgear.dynamics.touching import pushing_parted_s
 from ncgear.figures.advice import strength_advice
+from ncgear.figures.answers.answer import Fault, faults_in_words, faults_of
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures, drivetrain_warnings
 from ncgear.figures.numbers import json_text
@@ -37,12 +38,13 @@ class Simulated:
     """The results of a simulation.
 
     ``table`` holds columns of one length by name, ``figures`` sections of plain values, ``pictures`` PNGs by file name.
-    Names of columns and keys of figures end in their unit.
+    Names of columns and keys of figures end in their unit.  ``faults`` are the warnings of the figures in brief.
     """
 
     table: Mapping[str, Array]
     figures: Mapping[str, Any]
     pictures: Mapping[str, bytes]
+    faults: tuple[Fault, ...] = ()
 
 
 def simulate(drive: Drive, level: Level) -> Simulated:
@@ -52,10 +54,13 @@ def simulate(drive: Drive, level: Level) -> Simulated:
     makes no teeth, and warns roughly.
     """
     found = _at_level(drive, level)
+    around = found.figures.get("warnings", [])
+    found = replace(found, faults=faults_in_words(around))
     advice = strength_advice.rough(drive) if level is Level.RIGID else strength_advice.strength(drive)
     if advice is None:
         return found
-    return replace(found, figures={**found.figures, "warnings": [advice.line, *found.figures.get("warnings", [])]})
+    figures = {**found.figures, "warnings": [advice.line, *around]}
+    return replace(found, figures=figures, faults=(*faults_of([("", advice)]), *found.faults))
 
 
 def _at_level(drive: Drive, level: Level) -> Simulated:

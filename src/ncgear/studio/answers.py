@@ -22,11 +22,12 @@ from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.data import angle_table, paces, page_data, scene_data
 from ncgear.drawings.page.page_charts import PageChart, charts_of_pair, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
-from ncgear.drawings.page.tables import comparison_tables, facts, gear_facts, strength_tables
+from ncgear.drawings.page.tables import comparison_tables, strength_tables, typeset
 from ncgear.drawings.scene.scene import Scene, scene_of, scene_without_gears
 from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.advice.collected import build_advice, check_advice
 from ncgear.figures.advice.values import Advice
+from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.summary.build_summary import designed_contact
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import labelled
@@ -98,7 +99,7 @@ def _motion(text: str, path: Path) -> Iterator[Answer]:
     yield (
         "figures",
         {
-            "facts": facts(drive),
+            "facts": typeset(machine_facts(drive)),
             "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
             "tables": [_table(table) for table in comparison_tables(drive)],
             "advice": [_advice("", one) for one in check_advice(drive)],
@@ -124,7 +125,7 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
     yield (
         "teeth",
         {
-            "facts": [fact for _, pair in pairs for fact in gear_facts(pair)],
+            "facts": [fact for _, pair in pairs for fact in typeset(gear_facts(pair), pair.stage)],
             "tables": [_contact_table(stage, pair) for stage, pair in pairs],
         },
     )

@@ -26,16 +26,16 @@ from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.tables import (
     comparison_tables,
     contact_tables,
-    facts,
-    gear_facts,
     sheet_tables,
     strength_tables,
+    typeset,
     versions,
 )
 from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.advice.collected import build_advice, check_advice
+from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
 from ncgear.figures.wished import achieved_lines
@@ -61,7 +61,10 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
     figures = [drawn(chart) for chart in charts]
     data = page_data(scene, figures)
     about_pairs = {
-        "facts": [*facts(drive), *chain.from_iterable(gear_facts(pair) for pair, _ in pairs)],
+        "facts": [
+            *typeset(machine_facts(drive)),
+            *chain.from_iterable(typeset(gear_facts(pair), pair.stage) for pair, _ in pairs),
+        ],
         "pairs": [
             {
                 "title": _stage_name(pair),

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import version
-from math import radians
 from typing import Any
 
 from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.figures.data_sheet.sheet import DataSheet, Group
-from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.numbers import shown
 from ncgear.figures.strong import weakest_table
 from ncgear.figures.summary.build_summary import contact_summary
 from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, compared_columns, labelled
-from ncgear.numerics.units import CM3_PER_MM3
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict, known_verdict
 
@@ -83,44 +81,16 @@ def versions() -> Table:
     return Table("Made with", (), made)
 
 
-def facts(drive: Drive) -> list[tuple[str, str]]:
-    """Names and values of the machine's main figures; the peak power where the design has a resistance."""
-    low, high = drive.transmission.ratio_range
-    linkage, output = drive.linkage, drive.linkage.OUTPUT
-    stroke = [("stroke", f"{shown(output.place.factor * linkage.stroke_mm)} {output.place.text}")]
-    acceleration = output.acceleration.text.replace("s2", "s\u00b2")
-    power = []
-    if drive.design.resistance is not None:
-        power = [("peak power", f"{shown(drive.check.peak_power_w.value)} W")]
-    return [
-        ("law", drive.design.motion.law.replace("_", " ")),
-        ("speed", f"{shown(drive.design.operation.speed_rpm)} r/min"),
-        *(stroke if linkage.RETURNS else []),
-        ("ratio", f"{to_digits(low.value, 3)} to {to_digits(high.value, 3)}"),
-        *power,
-        ("peak acceleration", f"{shown(drive.check.peak_acceleration_cycle.value)} {acceleration}"),
-    ]
+TYPESET = (("mm/s2", "mm/s\u00b2"), ("rad/s2", "rad/s\u00b2"), (" cm3", " cm\u00b3"), (" deg", "\u00b0"))
+"""Units as they are typed on a terminal, and as they are set on a page."""
 
 
-def gear_facts(drive: Drive) -> list[tuple[str, str]]:
-    """Names and values of the main figures of a pair of gears; the names begin with its stage where there are two."""
-    designed = drive.designed_contact
-    size, stage = drive.pitch.size, f"stage {drive.stage}: " if drive.stage else ""
-    displaced = drive.pumped
-    pumped = (
-        []
-        if displaced is None
-        else [
-            (f"{stage}displacement", f"{shown(CM3_PER_MM3 * displaced.per_turn_mm3)} cm\u00b3 a turn"),
-            (f"{stage}pulsation", f"{to_digits(100.0 * displaced.pulsation, 3)} %"),
-        ]
-    )
-    steepest = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
-    return [
-        (f"{stage}teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
-        (f"{stage}module", f"{shown(size.module_mm)} mm"),
-        (f"{stage}centre distance", f"{shown(size.center_distance_mm)} mm"),
-        (f"{stage}pressure angle", f"up to {to_digits(steepest, 3)}\u00b0"),
-        (f"{stage}contact ratio", f"{to_digits(designed.contact_ratio, 3)}, least {to_digits(designed.least_arc, 3)}"),
-        *pumped,
-    ]
+def typeset(facts: Iterable[tuple[str, str]], stage: int | None = None) -> list[tuple[str, str]]:
+    """Names and texts of facts for the page; the names begin with the stage where there are two."""
+    of = f"stage {stage}: " if stage else ""
+    found = []
+    for name, text in facts:
+        for typed, set_ in TYPESET:
+            text = text.replace(typed, set_)
+        found.append((of + name, text))
+    return found

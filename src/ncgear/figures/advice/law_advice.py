@@ -44,6 +44,7 @@ def ratio_range(drive: Drive) -> Advice | None:
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
         "the shaft of the small side is thin",
         (*narrower, *tempered(drive, _too_wide), *best),
+        brief=f"the ratio runs from {to_digits(low.value, 3)} to {to_digits(high.value, 3)}, beyond 1:{WIDEST_RATIO:g}",
     )
 
 
@@ -64,6 +65,7 @@ def speeds(drive: Drive) -> Advice | None:
         f"the law's velocities hold at {to_digits(law, 5)} r/min, but the machine runs at {operating:g} r/min",
         f"there the slider is {to_digits(factor, 3)} times {sense} than v1 and v2 say",
         (Remedy("run the machine at the law's speed", (Change("operation.speed_rpm", law),)),),
+        brief=f"the machine runs {to_digits(factor, 3)} times {sense} than the law's speeds say",
     )
 
 
@@ -88,6 +90,7 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
             Remedy("give a resistance that is nowhere under zero, as a table or a formula"),
             Remedy(other, (Change(f"{key}.where_negative", "zero" if kept else "keep"),)),
         ),
+        brief=f"the resistance{way} is negative in places and {'kept' if kept else 'taken as zero there'}",
     )
 
 
@@ -104,6 +107,7 @@ def pressure_angle(drive: Drive) -> Advice | None:
         f"only {fixed(100.0 * cos(radians(angle)), 0)} % of the force between the teeth turns the driven gear there; "
         "the rest bears on the shafts, and friction may lock the pair",
         _less_steep(drive, angle),
+        brief=f"pressure angle up to {to_digits(angle, 3)} deg (at phi1 = {to_digits(at, 4)} deg): friction may lock",
     )
 
 
@@ -130,6 +134,7 @@ def ring(drive: Drive) -> Advice | None:
         "the driven gear is internal: no hob can cut it",
         "wire, mill, print, or a shaper with a smaller cutter can; it is carried on its rim, or by a plate behind the "
         "driving gear",
+        brief="the driven gear is internal and no hob cuts it: wire, mill, print or shape it",
     )
 
 
@@ -153,7 +158,8 @@ def crank_pin(drive: Drive) -> list[Advice]:
             f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, about "
             f"which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
             f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the gears",
-            (Remedy(NO_MEETING[gear]),),
+            (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
+            brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
         )
         for gear, part, radius in near
         if part and passing[gear] < radius + pin
@@ -189,6 +195,7 @@ def concave(drive: Drive, gear: Gear) -> Advice | None:
         "wire, mill, print, or a shaper with a smaller cutter can; the mate's teeth stand close together there and "
         "their tips may have to be shortened",
         _convex(drive, gear),
+        brief=f"the {gear.value} gear is concave and no hob cuts it: wire, mill, print or shape it",
     )
 
 

@@ -53,6 +53,8 @@ def strength(drive: Drive) -> Advice | None:
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
         "ncgear strength computes what would do",
         _sizes(drive, face_width_factor(verdict.weakest), module_factor(verdict.weakest)),
+        brief=f"the teeth do not hold: safety {to_digits(first.safety, 2)} against {first.damage.words}, "
+        f"{first.wanted:g} wanted",
     )
 
 
@@ -74,6 +76,8 @@ def rough(drive: Drive) -> Advice | None:
         f"{first.wanted:g} is wanted",
         "ncgear strength computes every tooth",
         _rough_remedies(drive, weak),
+        brief=f"the teeth{stage} will hardly hold: safety about {to_digits(first.safety, 2)} against "
+        f"{first.damage.words}, {first.wanted:g} wanted",
     )
 
 
@@ -94,9 +98,11 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
         return (Remedy("lessen the load: no gears of a usual size would do"),)
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
-        found.insert(0, Remedy(f"take a module of about {to_digits(module, 2)} mm with as many teeth"))
+        about = f"about {to_digits(module, 2)} mm"
+        found.insert(0, Remedy(f"take a module of {about} with as many teeth", short=f"module {about}"))
     if width <= WIDEST_MODULES * size.module_mm:
-        found.insert(0, Remedy(f"make the gears about {to_digits(width, 2)} mm wide"))
+        about = f"about {to_digits(width, 2)} mm"
+        found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}"))
     return tuple(found)
 
 
@@ -121,5 +127,5 @@ def remedies(drive: Drive, verdict: Verdict) -> tuple[Remedy, ...]:
 def _together(drive: Drive) -> Remedy:
     """Several sizes at once; they are not searched for where two pairs of gears share them."""
     if drive.stage is None:
-        return Remedy(f"let {SIZE} find module, teeth and face width together")
-    return Remedy("change material, module and face width together; both stages share them")
+        return Remedy(f"let {SIZE} find module, teeth and face width together", short=SIZE)
+    return Remedy("change material, module and face width together; both stages share them", short="larger module")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from math import degrees
+from typing import NamedTuple
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
@@ -24,9 +25,9 @@ from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
 
-FINER = Remedy("take more teeth of a smaller module")
+FINER = Remedy("take more teeth of a smaller module", short="more, smaller teeth")
 
-LESS_HELIX = Remedy("take a smaller helix angle or face width")
+LESS_HELIX = Remedy("take a smaller helix angle or face width", short="smaller helix angle or face width")
 
 MEANINGS = {
     Limit.SLOPE: "would slope too much, the other edge of the tooth being lower",
@@ -59,27 +60,36 @@ def undercut(drive: Drive) -> Advice | None:
         tips = f" ({_named(shorter)})" if shorter else ""
         meaning = f"the mating tips are shortened instead{tips}, so that all flanks are exact; the contact is shorter"
     what = f"undercut{'' if allowed else ' at full height'}: {_named(found)}"
-    return _judged(drive, Kind.UNDERCUT, found, (found if allowed else shorter, what, meaning), _ways_out_of_undercut)
+    brief = f"{_counted(found)} {'are' if allowed else 'would be'} undercut"
+    told = Told(found if allowed else shorter, what, meaning, brief)
+    return _judged(drive, Kind.UNDERCUT, found, told, _ways_out_of_undercut)
+
+
+class Told(NamedTuple):
+    """The teeth whose contact is shorter, what is said of it, what it means where it matters, and that in brief."""
+
+    shorter: list[Found]
+    what: str
+    meaning: str
+    brief: str
 
 
 def _judged(
     drive: Drive,
     kind: Kind,
     found: list[Found],
-    told: tuple[list[Found], str, str],
+    told: Told,
     remedies: Callable[[Drive], tuple[Remedy, ...]],
 ) -> Advice:
-    """The advice about what was found, or a remark where it costs next to no contact.
-
-    ``told`` has the teeth whose contact is shorter, what is said of it, and what it means where it matters.
-    """
-    shorter, what, meaning = told
+    """The advice about what was found, or a remark where it costs next to no contact."""
+    shorter, what, meaning, brief = told
     places, cost = tuple(where for where, _ in found), sum(loss.contact_pitches for _, loss in shorter)
     if cost >= NEGLIGIBLE * drive.designed_contact.contact_ratio:
-        return Advice(kind, places, what, meaning, remedies(drive))
+        return Advice(kind, places, what, meaning, remedies(drive), brief=brief)
     share = to_digits(100.0 * NEGLIGIBLE, 2)
     lost = f"at most {to_digits(cost, 2)} pitches of contact, less than {share} % of the contact ratio"
-    return Advice(kind, places, what, f"it costs {lost if cost else 'no contact'} and does not matter", matters=False)
+    costs = f"it costs {lost if cost else 'no contact'} and does not matter"
+    return Advice(kind, places, what, costs, matters=False, brief=brief)
 
 
 def _ways_out_of_undercut(drive: Drive) -> tuple[Remedy, ...]:
@@ -105,7 +115,8 @@ def pointed(drive: Drive) -> Advice | None:
     least = drive.gears.least_tip_land
     what = f"pointed teeth: tips shortened that would have a land under {least:g} modules: {_named(found)}"
     meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
-    return _judged(drive, Kind.POINTED, found, (found, what, meaning), _ways_out_of_points)
+    brief = f"tips of {_counted(found)} shortened to a land of {least:g} modules"
+    return _judged(drive, Kind.POINTED, found, Told(found, what, meaning, brief), _ways_out_of_points)
 
 
 def _ways_out_of_points(drive: Drive) -> tuple[Remedy, ...]:
@@ -121,7 +132,8 @@ def shortened(drive: Drive) -> list[Advice]:
         found = _found(drive, partial(_lowered, reason=reason), shortening)
         if found:
             what = f"tips shortened that {words}: {_named(found)}"
-            told = found, what, "the contact of these teeth is shorter"
+            brief = f"tips of {_counted(found)} shortened, which {words.partition(',')[0]}"
+            told = Told(found, what, "the contact of these teeth is shorter", brief)
             ways_out = _ways_out_of_jumps if reason is Limit.HELIX else _ways_out_of_shortening
             advices.append(_judged(drive, Kind.SHORTENED, found, told, ways_out))
     return advices
@@ -154,6 +166,12 @@ def _found(
     ]
 
 
+def _counted(found: list[Found]) -> str:
+    """How many teeth were found."""
+    numbers = " and ".join(f"{len(where.teeth)} {where.gear}" for where, _ in found)
+    return f"{numbers} {'tooth' if numbers.startswith('1 ') and len(found) == 1 else 'teeth'}"
+
+
 def _named(found: list[Found]) -> str:
     return "; ".join(f"{where}, by up to {micrometres(loss.amount_mm)} (tooth {loss.tooth})" for where, loss in found)
 
@@ -177,6 +195,7 @@ def contact_ratio(drive: Drive) -> Advice | None:
         f"the driven gear is carried by an edge there, off the law by up to {to_digits(1e6 * error, 2)} {MICRORAD}; it "
         "knocks and wears",
         (*helical, FINER),
+        brief=f"at some positions no flanks touch, off the law by {to_digits(1e6 * error, 2)} {MICRORAD}",
     )
 
 
@@ -193,6 +212,7 @@ def idle_flanks(drive: Drive) -> Advice | None:
         "nothing while the driving gear pushes; where masses or a weight turn the torque round, the teeth knock there; "
         "drives: both_ways refuses such teeth",
         (FINER,),
+        brief="idle flanks part; they knock where masses or a weight turn the torque round",
     )
 
 
@@ -220,4 +240,5 @@ def thrust(drive: Drive) -> Advice | None:
         f"driving gear towards {towards} z and the driven one towards {away} z",
         "the bearings of both shafts must take it",
         (Remedy("herringbone teeth cancel it", (Change("gears.helix.kind", "herringbone"),)),),
+        brief=f"an axial thrust of {to_digits(helix.thrust_share, 3)} of the tangential force bears on both shafts",
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from enum import StrEnum
 
 from ncgear.figures.numbers import fixed, shown, to_digits
@@ -13,23 +13,25 @@ SHOWN = 3
 
 
 class Kind(StrEnum):
-    """The features that have an advice."""
+    """The features that have an advice, the most serious first: what breaks or knocks, what moves wrongly, what costs
+    work to make.
+    """
 
-    RATIO_RANGE = "ratio_range"
+    STRENGTH = "strength"
+    CONTACT_RATIO = "contact_ratio"
+    PRESSURE_ANGLE = "pressure_angle"
+    CRANK_PIN = "crank_pin"
+    MISSED_WISH = "missed_wish"
     SPEEDS = "speeds"
     NEGATIVE_RESISTANCE = "negative_resistance"
-    MISSED_WISH = "missed_wish"
-    PRESSURE_ANGLE = "pressure_angle"
-    RING = "ring"
-    CONCAVE = "concave"
+    RATIO_RANGE = "ratio_range"
     UNDERCUT = "undercut"
     POINTED = "pointed"
     SHORTENED = "shortened"
-    CONTACT_RATIO = "contact_ratio"
-    IDLE_FLANKS = "idle_flanks"
+    CONCAVE = "concave"
+    RING = "ring"
     THRUST = "thrust"
-    CRANK_PIN = "crank_pin"
-    STRENGTH = "strength"
+    IDLE_FLANKS = "idle_flanks"
 
 
 @dataclass(frozen=True)
@@ -52,12 +54,21 @@ def changed(changes: Changes) -> tuple[Change, ...]:
 class Remedy:
     """One way to cure what an advice tells: words, changes of the design file, and the command to run after them.
 
-    ``command`` is empty where the changes are enough.
+    ``command`` is empty where the changes are enough.  ``short`` is a text that is short enough for a part of a line.
     """
 
     text: str
     changes: tuple[Change, ...] = ()
     command: str = ""
+    short: str = ""
+
+    @property
+    def brief(self) -> str:
+        """The remedy in a few words: its changes and command or, where it has none, its text."""
+        if not self.changes:
+            return self.short or self.text
+        taken = ", ".join(map(str, self.changes))
+        return f"{taken}, then {self.command}" if self.command else taken
 
     def __str__(self) -> str:
         taken = ", ".join(map(str, self.changes))
@@ -93,7 +104,7 @@ class Advice:
 
     ``what`` says what was found and where, with its numbers.  ``meaning`` says what that means for the machine.
     ``remedies`` say what to change, the least costly first; they are empty where nothing is wrong.  What does
-    not matter is a remark, not a warning.
+    not matter is a remark, not a warning.  ``brief`` is what was found in a part of a line, with its chief number.
     """
 
     kind: Kind
@@ -102,6 +113,8 @@ class Advice:
     meaning: str
     remedies: tuple[Remedy, ...] = ()
     matters: bool = True
+    _: KW_ONLY
+    brief: str
 
     @property
     def line(self) -> str:

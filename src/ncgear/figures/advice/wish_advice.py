@@ -19,5 +19,6 @@ def missed_wishes(drive: Drive) -> Advice | None:
         (Where(),),
         f"the motion misses {len(missed)} of {len(outcomes)} wishes: {named}",
         f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished",
-        (Remedy("let ncgear optimize look for a law that keeps every hard wish"),),
+        (Remedy("let ncgear optimize look for a law that keeps every hard wish", short="ncgear optimize"),),
+        brief=f"{len(missed)} of {len(outcomes)} wishes missed: {missed[0].wish.key} by {missed_by(missed[0])}",
     )

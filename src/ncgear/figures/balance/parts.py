@@ -9,7 +9,7 @@ from typing import Any
 from ncgear.errors import below
 from ncgear.figures.balance.shaking import chassis_figures, excitation_figures, frame_figures, mechanism_figures
 from ncgear.figures.balance.turning import chain_figures, gear_figures, rotor_figures
-from ncgear.figures.numbers import told
+from ncgear.figures.quantities import told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.units import label_and_unit

@@ -17,6 +17,7 @@ from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
+from ncgear.figures.quantities import OF_GEAR, figure, name_of
 from ncgear.figures.tables import Column, Table, Value, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
@@ -128,12 +129,12 @@ def sizes(drive: Drive) -> tuple[Entry, ...]:
         Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven)),
         Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth),
         *_turns(drive),
-        Entry("module", "mm", pair=size.module_mm),
-        Entry("centre distance", "mm", pair=size.center_distance_mm),
-        Entry("face width", "mm", pair=drive.gears.face_width_mm),
-        _of_both("length of pitch curve", pitch.length_mm(Gear.DRIVING), pitch.length_mm(Gear.DRIVEN)),
+        Entry(name_of("module_mm"), "mm", pair=size.module_mm),
+        Entry(name_of("center_distance_mm"), "mm", pair=size.center_distance_mm),
+        Entry(name_of("face_width_mm"), "mm", pair=drive.gears.face_width_mm),
+        _of_both(OF_GEAR["length"], pitch.length_mm(Gear.DRIVING), pitch.length_mm(Gear.DRIVEN)),
         *_radii(drive),
-        _of_both("least radius of curvature", pitch.least_radius_mm(Gear.DRIVING), pitch.least_radius_mm(Gear.DRIVEN)),
+        _of_both(OF_GEAR["min radius"], pitch.least_radius_mm(Gear.DRIVING), pitch.least_radius_mm(Gear.DRIVEN)),
     )
 
 
@@ -224,9 +225,9 @@ def rack_data(drive: Drive) -> tuple[Entry, ...]:
         Entry("root radius coefficient", pair=rack.root_radius_mm / module),
         *_relief(drive),
         _shifts(drive),
-        Entry("least normal backlash", "mm", pair=drive.play.least_normal_mm.value),
-        Entry("greatest normal backlash", "mm", pair=drive.play.largest_normal_mm.value),
-        Entry("play of the driven gear, the same at every position", "deg", pair=degrees(drive.play.driven_rad)),
+        Entry(name_of("backlash_mm"), "mm", pair=drive.play.least_normal_mm.value),
+        Entry(name_of("backlash_max_mm"), "mm", pair=drive.play.largest_normal_mm.value),
+        Entry(name_of("play_rad"), "deg", pair=degrees(drive.play.driven_rad)),
         *_helix(drive),
         Entry("cutter", pair=_cutter(drive)),
     )
@@ -295,14 +296,24 @@ def tooth_data(drive: Drive) -> tuple[Entry, ...]:
 def _contact_ratios(drive: Drive) -> list[Entry]:
     """Mean number of pairs of flanks that touch, and least arc of any pair; under load where it brings more in."""
     designed, loaded = drive.designed_contact, drive.pairs_under_load
-    name = "contact ratio in the section at z = 0" if drive.helix else "contact ratio"
-    without = f"{name}, without load" if designed.held_apart else name
-    least = "of the shortest contact of a pair of flanks"
-    rows = [Entry(without, pair=designed.contact_ratio), Entry(f"{without}, {least}", pair=designed.least_arc)]
+    section = ", in the section at z = 0" if drive.helix else ""
+    without = f"{section}, without load" if designed.held_apart else section
+    rows = [
+        _ratio("contact_ratio_mean", designed.contact_ratio, without),
+        _ratio("contact_ratio_min", designed.least_arc, without),
+    ]
     if loaded is None:
         return rows
     under, shortest = min(side.contact_ratio for side in loaded), min(side.least_arc for side in loaded)
-    return [*rows, Entry(f"{name}, under load", pair=under), Entry(f"{name}, under load, {least}", pair=shortest)]
+    return [
+        *rows,
+        _ratio("contact_ratio_under_load_mean", under, section),
+        _ratio("contact_ratio_under_load_min", shortest, section),
+    ]
+
+
+def _ratio(key: str, value: float, where: str) -> Entry:
+    return Entry(f"{name_of(key)}{where}", pair=figure(key, value))
 
 
 def _undercut(gear: ToothedGear) -> str:

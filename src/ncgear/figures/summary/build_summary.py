@@ -5,7 +5,7 @@ The sections are those of a check, and pitch curves, teeth, contact and bodies o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from math import degrees, isfinite, pi, radians
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,8 @@ from ncgear.contact.pair import PairContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
 from ncgear.errors import DesignError
-from ncgear.figures.advice.collected import build_advice, check_advice
+from ncgear.figures.advice.collected import check_advice
+from ncgear.figures.advice.values import Advice
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
@@ -45,15 +46,18 @@ Smooth joints differ by rounding, 1e-8 at most; others differ by 1e-3 and more.
 """
 
 
-def build_summary(drive: Drive, contact: PairContact, outline_errors_mm: Mapping[str, float]) -> dict[str, Any]:
+def build_summary(
+    drive: Drive, contact: PairContact, outline_errors_mm: Mapping[str, float], advices: Sequence[Advice]
+) -> dict[str, Any]:
     """The summary of the check, and pitch curves, teeth, contact, bodies and files.
 
-    ``outline_errors_mm`` tells, by the kinds of files, how far outlines in them are from the exact ones.
+    ``outline_errors_mm`` tells, by the kinds of files, how far outlines in them are from the exact ones; ``advices``
+    are those of ``build_advice``.
     """
     summary = check_summary(drive)
     comparison, _ = summary.pop("comparison"), summary.pop("warnings")
     # Not those of the check: with teeth their strength is known better than roughly.
-    advices = (*check_advice(drive), *build_advice(drive))
+    advices = (*check_advice(drive), *advices)
     return {
         **summary,
         "pitch": pitch_summary(drive),

@@ -1,0 +1,111 @@
+"""The answers about best laws: one law beside its certified limit, and power set against acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import degrees
+
+from ncgear.design.keys.base import listed
+from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.best_law import FAMILY_WITHOUT_MASS, felt_keys, felt_text, other_mechanisms, points_of, unit_of_goal
+from ncgear.figures.numbers import finite, fixed, shown
+from ncgear.figures.quantities import figure, name_of
+from ncgear.numerics.units import label_and_unit
+from ncgear.optimum.makeable.wishes import Goal
+from ncgear.optimum.task import Figures
+from ncgear.project.best_law import BestLaw
+from ncgear.project.frontier_run import Frontier
+
+GOALS = {Goal.WEIGHTED: "least weighted sum"}
+"""Words for goals whose own name says too little."""
+
+POINTS = 8
+"""Points of a frontier that are told."""
+
+
+def optimized_answer(best: BestLaw, then: str) -> Answer:
+    """The best law beside its limit, the design as given and the uniform crank."""
+    found = {"this law": best.figures}
+    if best.given_figures is not None:
+        found["design as given"] = best.given_figures
+    found["uniform crank"] = best.uniform_figures
+    design = best.design
+    goal = GOALS.get(best.wishes.goal, best.wishes.goal.value.replace("_", " "))
+    return Answer(
+        f"{design.name}: {goal} at {design.operation.speed_rpm:g} r/min",
+        tuple(_rows(best, list(found.values()))),
+        _lost(best),
+        _limit(best),
+        heads=tuple(found),
+        then=then,
+    )
+
+
+def _limit(best: BestLaw) -> str:
+    """What the law comes to, and how far that is from the limit that no law goes below."""
+    bound, unit = best.limit, "" if best.wishes.goal is Goal.WEIGHTED else f" {unit_of_goal(best)}"
+    law = f"{shown(finite(best.goal, 'the law'))}{unit}"
+    if bound is None:
+        return f"{law}; no limit is certified of this goal"
+    limit = f"{shown(finite(bound.value, 'the limit'))}{unit}"
+    over = f"{fixed(100.0 * (best.goal / bound.value - 1.0), 1)} % above " if bound.value > 0.0 else "beside "
+    return f"{law}, {over}the limit of {limit}, which no law goes below (certified)"
+
+
+def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
+    rack = best.wishes.limits.rack_angle_rad
+    accelerated = f"peak_acceleration_cycle_{best.task.linkage.OUTPUT.acceleration.ending}"
+    told: dict[str, Callable[[Figures], str]] = {
+        name_of("peak_power_w"): lambda one: figure("peak_power_w", one.peak_power_w),
+        name_of(accelerated): lambda one: figure(accelerated, one.peak_acceleration_mm_s2),
+        "ratio": lambda one: f"{fixed(one.ratio_min, 3)} to {fixed(one.ratio_max, 3)}",
+        name_of("max_pressure_angle_deg"): lambda one: figure(
+            "max_pressure_angle_deg", degrees(one.tangent_rad + rack)
+        ),
+        "convex": lambda one: shown(one.convex),
+    }
+    rows = [Row(name, tuple(map(text, found))) for name, text in told.items()]
+    for key in felt_keys(best.figures):
+        unit = label_and_unit(key)[1]
+        rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
+    if best.not_covered:
+        rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
+    if best.task.masses is not None:
+        rows.append(Row("masses", ("count in all figures; with them the limit is a relaxation and may lie higher",)))
+    return rows
+
+
+def _lost(best: BestLaw) -> tuple[Fault, ...]:
+    """What of the motion as given is not kept."""
+    lost = best.design.motion.prescribed
+    return (Fault(f"not kept of the design as given: {lost}"),) if lost else ()
+
+
+def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
+    """Some points from least power to least acceleration, and the mechanisms beside them."""
+    output = best.task.linkage.OUTPUT.acceleration
+    key = f"peak_acceleration_cycle_{output.ending}"
+    points = points_of(found)
+    count = min(len(points), POINTS)
+    told = [points[round(place * (len(points) - 1) / (count - 1))] for place in range(count)]
+    rows = []
+    for point, family in told:
+        law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
+        gap = f"{fixed(100.0 * (law / limit - 1.0), 1)} %"
+        texts = figure(key, limit), figure(key, law), gap, figure(key, family.peak_acceleration_mm_s2)
+        rows.append(Row(f"under {figure('power_cap_w', point.cap_w)}", texts))
+    rows += [
+        Row(one.name, (f"{figure('peak_power_w', one.peak_power_w)}, {figure(key, one.peak_acceleration_mm_s2)}",))
+        for one in other_mechanisms(best)
+    ]
+    if best.task.masses is not None:
+        rows.append(Row("family", (FAMILY_WITHOUT_MASS,)))
+    speed = best.design.operation.speed_rpm
+    return Answer(
+        f"{best.design.name}: least {name_of(key)} under caps on the power, at {speed:g} r/min",
+        tuple(rows),
+        _lost(best),
+        f"{len(points)} points in all; no law goes below the limit (certified)",
+        heads=("limit", "best law", "above it", "published family"),
+        then=then,
+    )

@@ -1,0 +1,261 @@
+"""The answers about one machine and its gears: what a check and a build found, and the facts at the top of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain
+from math import degrees, pi, radians
+from typing import TYPE_CHECKING
+
+from ncgear.errors import DesignError
+from ncgear.figures.advice.collected import check_advice
+from ncgear.figures.advice.values import Advice
+from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
+from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.summary.check_summary import comparison_rows, peaks
+from ncgear.figures.wished import motion_facts, wish_line, wish_rows
+from ncgear.numerics.units import CM3_PER_MM3, label_and_unit
+from ncgear.pitch.pair import largest_tangent_angle_rad
+from ncgear.project.drive import Drive
+from ncgear.project.strengthening import known_verdict
+from ncgear.ratio.transmission import Transmission
+
+if TYPE_CHECKING:
+    from ncgear.contact.pair import PairContact
+
+Facts = list[tuple[str, str]]
+"""Names of figures and their texts with units."""
+
+WISHES = 4
+"""Wishes that are told one by one, the missed ones first."""
+
+PUBLISHED = 2
+"""Published mechanisms that are told."""
+
+THIS = "this design"
+
+
+def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tuple[str, ...] = ()) -> Answer:
+    """What a check found; ``advices`` are its own, and ``file`` is what a build of it is given."""
+    then = f"ncgear build {file}" if drive.design.gears is not None else "give gears in the file: ncgear explain gears"
+    return Answer(
+        head_of(drive),
+        (*compared_rows(drive), *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)),
+        faults_of(("", advice) for advice in advices),
+        in_one_line(drive.design.description),
+        notes,
+        (THIS, drive.linkage.UNIFORM),
+        then=then,
+    )
+
+
+def build_answer(
+    drive: Drive,
+    contacts: Sequence[PairContact],
+    advices: Sequence[Sequence[Advice]],
+    then: str,
+    notes: tuple[str, ...] = (),
+) -> Answer:
+    """What a build found; ``then`` is what to do next.
+
+    ``contacts`` and ``advices`` are those of ``drive.by_stage``: contacts as read back from what was written, and the
+    advices of ``build_advice``.
+    """
+    pairs = zip(drive.by_stage, contacts, strict=True)
+    of_pairs = [
+        ("" if pair.stage is None else f"stage {pair.stage}: ", advice)
+        for pair, found in zip(drive.by_stage, advices, strict=True)
+        for advice in found
+    ]
+    gears = [one for pair, contact in pairs for one in _gears(pair, contact)]
+    return Answer(
+        head_of(drive),
+        (*compared_rows(drive), *gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]),
+        faults_of([*(("", advice) for advice in check_advice(drive)), *of_pairs]),
+        in_one_line(drive.design.description),
+        notes,
+        (THIS, drive.linkage.UNIFORM),
+        then=then,
+    )
+
+
+def head_of(drive: Drive) -> str:
+    """What a design is: its name, mechanism, law, stroke and speed."""
+    design, linkage = drive.design, drive.linkage
+    place, turns = linkage.OUTPUT.place, design.operation.speed_rpm
+    moved = [figure("speed_rpm", turns)]
+    if linkage.RETURNS:
+        strokes = shown(turns * 2.0 * pi / drive.transmission.cycle_rad)
+        driven = [moved[0]] if strokes != shown(turns) else []
+        stroke = f"stroke {shown(place.factor * linkage.stroke_mm)} {place.text}"
+        moved = [stroke, f"{strokes} strokes a minute", *driven]
+    mechanism = linkage.NAME.removeprefix("a ").removeprefix("the ")
+    stages = " in two stages" if design.stages > 1 else ""
+    return f"{design.name}: {', '.join([mechanism + stages, *moved, f'law {design.motion.law}'])}"
+
+
+def compared_rows(drive: Drive) -> list[Row]:
+    """The peaks of the machine beside those of the same machine with an even crank, at equal driving speed."""
+    returns = drive.linkage.RETURNS
+    own, uniform = peaks(drive.check, returns=returns), peaks(drive.uniform_check, returns=returns)
+    loaded = drive.design.resistance is not None
+    keys = [key for key in own if not key.endswith("_at_rad") and (loaded or not key.endswith("_power_w"))]
+    rows = [_beside(key, own[key], uniform[key]) for key in keys]
+    # Where the largest acceleration is in the working stroke, its own row would say the same once more.
+    texts = [one.texts for one in rows]
+    return [one for place, one in enumerate(rows) if one.texts not in texts[place + 1 :]]
+
+
+def _beside(key: str, own: float, other: float) -> Row:
+    return Row(name_of(key), (*row(key, own, other).texts, difference(own, other)))
+
+
+def _published(drive: Drive) -> list[Row]:
+    """Published mechanisms at the same speed, whose peak power is known."""
+    found = [one for one in comparison_rows(drive)[2:] if one["same_speed"] and one["peak_power_w"] is not None]
+    own = drive.check.peak_power_w.value
+    return [
+        Row(
+            in_one_line(str(one["name"]), 24),
+            (
+                f"{name_of('peak_power_w')} {figure('peak_power_w', one['peak_power_w'])} at equal speed; this "
+                f"design's: {difference(own, one['peak_power_w'])}",
+            ),
+        )
+        for one in found[:PUBLISHED]
+    ]
+
+
+def _solved(drive: Drive) -> list[Row]:
+    """The quantity of a stroke that was solved for."""
+    if drive.law.stroke is None or "solved_for" not in drive.law.stroke.facts:
+        return []
+    facts = {**drive.law.stroke.facts, "law_speed_rpm": drive.law_speed_rpm}
+    words = str(facts["solved_for"]).replace("_", " ")
+    return [
+        Row("solved for", (f"{name_of(key)} {figure(key, value)}",))
+        for key, value in facts.items()
+        if label_and_unit(key)[0] == words
+    ]
+
+
+def _motion(drive: Drive) -> list[Row]:
+    """What the motion achieves, and of its wishes the missed ones first."""
+    found = drive.achieved
+    if found is None:
+        return []
+    rows = [Row(name, (text,)) for name, text in motion_facts(found, drive.linkage)]
+    wishes = sorted(wish_rows(found), key=lambda one: bool(one["kept"]))
+    told = wishes if len(wishes) <= WISHES else wishes[: WISHES - 1]
+    rows += [Row("", (_wish(wish_line(one)),)) for one in told]
+    if len(told) < len(wishes):
+        rows.append(Row("", (f"of all {len(wishes)} wishes {sum(one['kept'] for one in wishes)} are kept",)))
+    return rows
+
+
+def _wish(line: str) -> str:
+    """A wish in one line: where there is no room, by how much it is missed follows from what is wished."""
+    return line if len(line) <= COLUMNS - len(INDENT) else line.partition(", missed by ")[0]
+
+
+def _ratios(drive: Drive) -> list[Row]:
+    """The ratio and, where there are two pairs of gears, that of each with its greatest pressure angle."""
+    rows = [Row("ratio", (_ratio(drive.transmission),))]
+    for pair in drive.by_stage if drive.design.stages > 1 else ():
+        found = [f"ratio {_ratio(pair.pair.transmission)}"]
+        if drive.design.gears is not None:
+            tangent = degrees(largest_tangent_angle_rad(pair.pair.transmission).value)
+            key = "max_pressure_angle_deg"
+            found.append(f"{name_of(key)} {figure(key, tangent + drive.design.gears.carrying_angle_deg)}")
+        rows.append(Row(f"stage {pair.stage}", (", ".join(found),)))
+    return rows
+
+
+def _ratio(transmission: Transmission) -> str:
+    low, high = transmission.ratio_range
+    return f"{shown(low.value)} to {shown(high.value)}"
+
+
+def _gears(drive: Drive, contact: PairContact) -> list[Row]:
+    """The gears of a pair, how they touch, and whether they hold."""
+    of = "" if drive.stage is None else f"stage {drive.stage}: "
+    facts = dict(gear_facts(drive))
+    rows = [
+        *([] if (safety := _safety(drive)) is None else [("safety", safety)]),
+        *((first, _joined(facts, first, others)) for first, others in TOGETHER.items()),
+        *((name, facts[name]) for name in facts if name not in {*TOGETHER, *chain.from_iterable(TOGETHER.values())}),
+    ]
+    return [Row(of + name, (text,)) for name, text in rows]
+
+
+TOGETHER = {
+    "teeth": (name_of("module_mm"), name_of("face_width_mm")),
+    name_of("center_distance_mm"): (name_of("max_pressure_angle_deg"),),
+    name_of("contact_ratio_mean"): (name_of("contact_ratio_min"),),
+}
+"""Facts of gears that are told in one row, behind the first."""
+
+
+def _joined(facts: dict[str, str], first: str, others: Sequence[str]) -> str:
+    return ", ".join([facts[first], *(f"{name.removeprefix(f'{first}, ')} {facts[name]}" for name in others)])
+
+
+def _safety(drive: Drive) -> str | None:
+    """The least safety against each kind of damage, where the strength is known."""
+    verdict = known_verdict(drive)
+    if verdict is None:
+        return None
+    if isinstance(verdict, DesignError):
+        return "not computed tooth by tooth, see the warning"
+    least = [
+        min((one for one in verdict.weakest if one.damage is damage), key=lambda one: one.share)
+        for damage in dict.fromkeys(one.damage for one in verdict.weakest)
+    ]
+    return ", ".join(f"{to_digits(one.safety, 3)} against {one.damage.words} ({one.wanted:g} wanted)" for one in least)
+
+
+SIZES = ("module_mm", "face_width_mm", "center_distance_mm")
+"""The sizes that are told with the numbers of teeth."""
+
+
+def machine_facts(drive: Drive) -> Facts:
+    """The main figures of a machine; the peak power where the design has a resistance."""
+    linkage, check, place = drive.linkage, drive.check, drive.linkage.OUTPUT.place
+    found = [("law", drive.design.motion.law.replace("_", " "))]
+    found.append(_fact("speed_rpm", drive.design.operation.speed_rpm))
+    if linkage.RETURNS:
+        found.append(_fact(f"stroke_{place.ending}", place.factor * linkage.stroke_mm))
+    found.append(("ratio", _ratio(drive.transmission)))
+    if drive.design.resistance is not None:
+        found.append(_fact("peak_power_w", check.peak_power_w.value))
+    acceleration = f"peak_acceleration_cycle_{linkage.OUTPUT.acceleration.ending}"
+    return [*found, _fact(acceleration, check.peak_acceleration_cycle.value)]
+
+
+def gear_facts(drive: Drive) -> Facts:
+    """The main figures of a pair of gears."""
+    size, designed = drive.pitch.size, drive.designed_contact
+    steepest = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
+    sizes = size.module_mm, drive.gears.face_width_mm, size.center_distance_mm
+    displaced = drive.pumped
+    pumped = (
+        []
+        if displaced is None
+        else [
+            ("displacement", f"{figure('per_turn_cm3', CM3_PER_MM3 * displaced.per_turn_mm3)} a turn"),
+            _fact("pulsation_percent", 100.0 * displaced.pulsation),
+        ]
+    )
+    return [
+        ("teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
+        *(_fact(key, value) for key, value in zip(SIZES, sizes, strict=True)),
+        _fact("max_pressure_angle_deg", steepest),
+        _fact("contact_ratio_mean", designed.contact_ratio),
+        _fact("contact_ratio_min", designed.least_arc),
+        *pumped,
+    ]
+
+
+def _fact(key: str, value: float) -> tuple[str, str]:
+    return name_of(key), figure(key, value)

@@ -1,0 +1,129 @@
+"""The answers of a simulation at each level, from its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ncgear.dynamics.level import Level
+from ncgear.figures.answers.answer import Answer, Fault, Row, difference, row
+from ncgear.figures.answers.machine import THIS, head_of
+from ncgear.figures.numbers import to_digits
+from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.summary.check_summary import uniform_key
+from ncgear.figures.terminal import PLACE
+from ncgear.project.drive import Drive
+
+LEVELS = {
+    Level.RIGID: "Torques and forces of rigid bodies, constant driving speed",
+    Level.QUASI_STATIC: "Teeth that yield under their load, constant driving speed",
+    Level.DYNAMIC: "The motion in time, with teeth that yield, knock and part",
+}
+"""What each level computes."""
+
+AFTER = {
+    Level.RIGID: "ncgear simulate {file} --level quasi_static",
+    Level.QUASI_STATIC: "ncgear simulate {file} --level dynamic",
+    Level.DYNAMIC: "ncgear strength {file}",
+}
+"""What to run after each level, where the design has gears."""
+
+COMPARED = (
+    "peak_driving_torque_n_m",
+    "least_driving_torque_n_m",
+    "peak_driving_power_w",
+    "mean_power_w",
+    "energy_swing_j",
+    "inertia_for_speed_fluctuation_kg_m2",
+    "peak_mesh_force_n",
+)
+"""What is told of both machines at the rigid level, besides the peaks of forces in joints."""
+
+SAME_AS_MESH = "peak_driving_bearing_force_n"
+"""The bearings of the driving shaft bear the mesh force together."""
+
+IN_BAND = ("peak_tooth_force_n", "peak_depth_mm", "transmission_error_rad")
+LOADED = ("peak_driving_torque_n_m", "most_pairs", "contact_ratio_mean", "contact_ratio_min")
+"""What is told of loaded teeth: with the band of their stiffness, and without."""
+
+MOVED = (
+    "peak_pushing_force_n",
+    "peak_back_force_n",
+    "peak_driving_torque_n_m",
+    "partings_of_pushing_flanks",
+    "time_with_pushing_flanks_apart_s",
+    "losses_of_contact",
+    "time_without_contact_s",
+)
+"""What is told of the motion in time, besides the output and the bearings."""
+
+
+def simulated_answer(
+    drive: Drive, level: Level, figures: Mapping[str, Any], faults: Sequence[Fault], file: str
+) -> Answer:
+    """What a simulation of a design ``file`` found; ``figures`` are all of it, ``faults`` what does not hold."""
+    heads: tuple[str, ...] = ()
+    match level:
+        case Level.RIGID:
+            uniform = uniform_key(drive)
+            own, other = figures["this_design"], figures[uniform]
+            heads = THIS, drive.linkage.UNIFORM
+            rows = [*_compared(own, other), *_around(figures.get("drivetrain", {}))]
+        case Level.QUASI_STATIC:
+            loaded, band = figures["loaded_contact"], figures["band_of_stiffness"]
+            shares = [one["stiffness_factor"] for one in (band["softer"], band["stiffer"])]
+            heads = "as computed", *(f"stiffness x {share:g}" for share in shares)
+            rows = [row(key, loaded[key], band["softer"][key], band["stiffer"][key]) for key in IN_BAND]
+            rows += [row(key, loaded[key]) for key in LOADED]
+        case Level.DYNAMIC:
+            sections = drive.linkage.OUTPUT.name.replace(" ", "_"), "bearings"
+            told = [_told(figures[section]) for section in sections]
+            rows = [one for part in told for one in part]
+            rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
+    return Answer(
+        head_of(drive),
+        tuple(rows),
+        tuple(faults),
+        LEVELS[level],
+        heads=heads,
+        then=AFTER[level].format(file=file) if drive.design.gears is not None else "",
+    )
+
+
+def _compared(own: Mapping[str, Any], other: Mapping[str, Any]) -> list[Row]:
+    told = {*COMPARED, SAME_AS_MESH}
+    joints = [key for key in own if key.startswith("peak_") and key.endswith("_force_n") and key not in told]
+    keys = [key for key in (*COMPARED, *joints) if key in own]
+    return [_beside(key, own[key], other.get(key)) for key in keys]
+
+
+def _beside(key: str, own: float, other: float | None) -> Row:
+    """A figure of both machines; of a torque that brakes, which has a sign, no difference is told."""
+    told = "" if other is None or own < 0.0 or other < 0.0 else difference(own, other)
+    return Row(name_of(key), (figure(key, own), figure(key, other), told))
+
+
+def _told(section: Mapping[str, Any]) -> list[Row]:
+    return [row(key, value) for key, value in section.items() if not key.endswith(PLACE)]
+
+
+def _around(found: Mapping[str, Any]) -> list[Row]:
+    """What stands around the gears: losses, and the shortest life, the least safety and the motor's load."""
+    if not found:
+        return []
+    losses, power = found["losses"], "mean_driving_power_w"
+    shafts = [found[name] for name in ("driving_shaft", "driven_shaft") if name in found]
+    bearings = [one for shaft in shafts for name, one in shaft.items() if name.startswith("bearing")]
+    lives = [one["life_h"] for one in bearings if one["life_h"] is not None]
+    strong = [shaft["estimate_of_shaft"] for shaft in shafts if "estimate_of_shaft" in shaft]
+    safeties = [one[key] for one in strong for key in ("fatigue_safety", "yield_safety") if one[key] is not None]
+    said = []
+    if lives:
+        said.append(f"bearings last {figure('life_h', min(lives))} or more")
+    if safeties:
+        said.append(f"shaft safety {figure('safety', min(safeties))}")
+    if "motor" in found:
+        turning = found["motor"].get("with_flywheel", found["motor"]["even_speed"])
+        said.append(f"motor at {to_digits(turning['rms_torque_of_rated'], 3)} of its torque")
+    efficiency = f"{figure('efficiency', losses['efficiency'])}, {name_of(power)} {figure(power, losses[power])}"
+    return [Row("efficiency", (efficiency,)), *([Row("drivetrain", (", ".join(said),))] if said else [])]

@@ -1,0 +1,112 @@
+"""The answers about strength: whether teeth hold, and the smallest gears that do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ncgear.design.keys.base import listed
+from ncgear.figures.advice.values import Remedy, changed
+from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.sized import sized_rows
+from ncgear.figures.strong import HEADS, LOADS, materials_words, teeth_words, weakest_cells
+from ncgear.project.drive import Drive
+from ncgear.project.sizing import Sized
+from ncgear.project.strengthening import Verdict
+
+HOLD = "The teeth hold: no safety is under the wanted one."
+HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
+
+METHODS = {"estimate": "local estimate after ISO 6336 and VDI 2736", "elements": "plane finite elements"}
+"""A method in a part of a line."""
+
+
+def strength_answer(pairs: Sequence[tuple[Drive, Verdict, Sequence[Remedy], Verdict | None]], then: str = "") -> Answer:
+    """Whether the teeth of all pairs hold: each with its verdict, its remedies, and the verdict of another method."""
+    drive, first, _, beside = pairs[0]
+    heads = [f"{head.label}, {head.unit}" if head.unit else head.label for head in HEADS[2:]]
+    if beside is not None:
+        heads.insert(1, f"by {beside.strength.method}")
+    rows, faults, about = [], list[Fault](), list[Row]()
+    for pair, verdict, remedies, other in pairs:
+        of = "" if pair.stage is None else f"stage {pair.stage}: "
+        rows += _rows(of, verdict, other)
+        weak = [one for one in verdict.weakest if not one.holds]
+        cures = [remedy.brief for remedy in remedies]
+        faults += [
+            Fault(f"{of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}", tuple(cures[place:]))
+            for place, one in enumerate(sorted(weak, key=lambda one: one.share))
+        ]
+        about += _about(of, pair, verdict)
+    design = drive.design
+    return Answer(
+        f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
+        (*rows, Row("method", (METHODS[first.strength.method],)), *about),
+        tuple(faults),
+        f"Load: {LOADS[first.strength.load]}",
+        heads=tuple(heads),
+        good=HOLD,
+        wrong=HOLD_NOT,
+        then=then if faults else "",
+    )
+
+
+def _rows(of: str, verdict: Verdict, beside: Verdict | None) -> list[Row]:
+    """The weakest tooth of each gear for each kind of damage."""
+    found = []
+    for place, one in enumerate(verdict.weakest):
+        gear, damage, *cells = weakest_cells(one)
+        if beside is not None:
+            cells.insert(1, to_digits(beside.weakest[place].safety, 3))
+        found.append(Row(f"{of}{gear}, {damage}", tuple(cells)))
+    return found
+
+
+def _about(of: str, drive: Drive, verdict: Verdict) -> list[Row]:
+    """The gears, their largest force, and how they touch under load."""
+    size, loading, force_n = drive.pitch.size, verdict.loading, float(np.max(verdict.strength.contacts.force_n))
+    gears = (
+        f"{size.driving_teeth} : {size.driven_teeth}, module {figure('module_mm', size.module_mm)}, "
+        f"{name_of('face_width_mm')} {figure('face_width_mm', drive.gears.face_width_mm)}"
+    )
+    error = "transmission_error_rad"
+    return [
+        Row(f"{of}teeth", (gears,)),
+        Row(f"{of}material", (materials_words(drive, verdict.strength),)),
+        Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth",)),
+        Row(
+            f"{of}under load",
+            (
+                f"contact ratio {shown(loading.contact_ratio)}, {name_of(error)} "
+                f"{figure(error, loading.transmission_error_rad)}",
+            ),
+        ),
+    ]
+
+
+def sized_answer(found: Sequence[Sized], then: str = "") -> Answer:
+    """The smallest gears that hold, one row each, and the keys of the first."""
+    first = found[0]
+    design, strength = first.drive.design, first.verdict.strength
+    wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.verdict.weakest)
+    return Answer(
+        f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate",
+        (
+            *(Row(f"module {cells[0]} mm", tuple(cells[1:])) for cells in sized_rows(found)),
+            Row("material", (materials_words(first.drive, strength),)),
+            Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
+            Row("first", (", ".join(map(str, changed(first.changes))),)),
+        ),
+        (),
+        f"Load: {LOADS[strength.load]}",
+        heads=SIZED,
+        good="",
+        then=then,
+    )
+
+
+SIZED = ("teeth", "width, mm", "centres, mm", "diameter, mm", "breakage", "pitting", "weakest")
+"""Heads of the smallest gears: sizes, least safeties, the weakest tooth."""
