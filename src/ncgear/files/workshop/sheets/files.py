@@ -1,0 +1,21 @@
+"""The drawings of a pair on paper: a sheet for each gear and one for the assembly, as SVG, PDF and DXF."""
+
+from __future__ import annotations
+
+from ncgear.files.workshop.sheets.dxf import dxf_bytes
+from ncgear.files.workshop.sheets.gear_sheet import gear_sheet
+from ncgear.files.workshop.sheets.pdf import pdf_bytes
+from ncgear.files.workshop.sheets.svg import svg_bytes
+from ncgear.project.drive import Drive
+from ncgear.project.measured import measured_gears
+
+WRITERS = {"svg": svg_bytes, "pdf": pdf_bytes, "dxf": dxf_bytes}
+
+
+def drawing_files(drive: Drive) -> dict[str, bytes]:
+    """``driving_drawing``, ``driven_drawing`` and ``pair_drawing`` of each kind by their names.
+
+    Raises the errors of the drive's solids.
+    """
+    sheets = {gear.gear.value: gear_sheet(drive, gear) for gear in measured_gears(drive)}
+    return {f"{name}_drawing.{kind}": write(sheet) for name, sheet in sheets.items() for kind, write in WRITERS.items()}

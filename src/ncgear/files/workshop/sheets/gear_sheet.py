@@ -1,0 +1,520 @@
+"""The sheet of one gear: its view with numbered teeth, a section, its bore enlarged, and its tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import cos, degrees, pi, radians, sin
+
+import numpy as np
+import shapely
+
+from ncgear.drawings.scene.geared_pairs import Mounting, mountings
+from ncgear.figures.data_sheet.bodies import bodies
+from ncgear.figures.data_sheet.entry import Entry
+from ncgear.figures.data_sheet.measured_tables import one_pin_table, span_table, two_pin_table
+from ncgear.figures.data_sheet.pitch_table import pitch_table
+from ncgear.figures.data_sheet.sheet import rack_data, sizes, tolerances
+from ncgear.figures.numbers import drawn
+from ncgear.figures.tables import Table, cell_text
+from ncgear.files.workshop.drawing import Circle, Cross, Layer, body_shapes, bore_shape
+from ncgear.files.workshop.sheets.board import Board, centered
+from ncgear.files.workshop.sheets.body import (
+    Section,
+    View,
+    drawn_body,
+    drawn_shape,
+    finished,
+    section_of,
+    tooth_places,
+)
+from ncgear.files.workshop.sheets.frame import (
+    ROW_MM,
+    TITLE_HEIGHT_MM,
+    Box,
+    Columns,
+    PaperTable,
+    Titles,
+    evenly,
+    framed,
+    inside,
+)
+from ncgear.files.workshop.sheets.sheet import (
+    A4_MM,
+    FREE_MM,
+    LETTER_MM,
+    SCALES,
+    TITLE_MM,
+    Anchor,
+    Dimension,
+    Item,
+    Line,
+    Measured,
+    Pen,
+    Ring,
+    Sheet,
+    Text,
+    arrow,
+    leader,
+    length,
+    scale_text,
+)
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear, meeting_direction_rad
+from ncgear.project.drive import Drive
+from ncgear.project.measured import MeasuredGear
+from ncgear.solids.plan.body import BodyPlan, Bore
+
+TABLES_MM = 108.0
+"""Height of the tables: a title, two lines of heads, and 24 rows."""
+
+DATA = Columns((44.0, 35.0), (False, False))
+PITCH = {Gear.DRIVING: Columns((16.0, 18.0), (True, True)), Gear.DRIVEN: Columns((12.0, 16.0, 16.0), (True,) * 3)}
+GAP_MM = 2.0
+
+DETAIL_MM = 42.0
+"""Height of the view of the bore."""
+
+SIDE_MM, ABOVE_MM = 17.0, 11.0
+"""Room left and right of a gear's view, and above and below it, for numbers, leaders and dimensions."""
+
+CUT_MM = 24.0
+"""Room beside the section for its dimension."""
+
+ROW_OF_PINS, ROWS_OF_SPANS = 6, 5
+"""Rows of measurements beside a view of the bore; the data sheet has all."""
+
+CAPTION = "Pitch radii are at their angles from the mark of the mesh, against the sense of turning (arrow)."
+
+FIFTH_UNDER_MM = 4.2
+"""Where teeth stand nearer than this on paper, only every fifth has its number."""
+
+TEETH_SHORT = {
+    "least normal backlash": "normal backlash, least",
+    "greatest normal backlash": "normal backlash, greatest",
+    "pressure angle of the rack": "pressure angle",
+    "pressure angle of the rack, flanks that push": "pressure angle, pushing flanks",
+    "pressure angle of the rack, idle flanks": "pressure angle, idle flanks",
+    "pin of the end stop, diameter, distance from the axis": "pin of end stop, diameter, radius",
+    "helix angle at the pitch curve": "helix angle",
+    "kerf that drawings allow for, half on each side of the lines": "kerf in files for cutting",
+    "clearance for the process": "clearance in files for printing",
+    "upper deviation of tooth thickness": "tooth thickness, upper deviation",
+    "lower deviation of tooth thickness": "tooth thickness, lower deviation",
+    "centre of index hole, x and y": "index hole, x and y",
+}
+"""Labels that are shorter on paper."""
+
+LEFT_OUT = {"play of the driven gear, the same at every position", "bore", "diameter of index hole", "tip relief", ""}
+"""Rows of the data sheet that the sheet has elsewhere or does not need."""
+
+NOTHING = {"none", "0"}
+"""Values of rows that are left out where they say nothing."""
+
+MAY_BE_NOTHING = {"helix angle", "tip relief"}
+
+
+def gear_sheet(drive: Drive, measured: MeasuredGear) -> Sheet:
+    """The sheet of a gear, in its own frame and in the pose of phi1 = 0, seen from its upper face."""
+    gear = measured.gear
+    plan = finished(drive, gear)
+    frame = inside(A4_MM)
+    tables = Box(frame.left, frame.low + TITLE_HEIGHT_MM + GAP_MM, frame.right, frame.low + TITLE_HEIGHT_MM + GAP_MM + TABLES_MM)
+    area = Box(frame.left + GAP_MM, tables.high + GAP_MM, frame.right - GAP_MM, frame.high - GAP_MM)
+    view, items = _views(drive, measured, plan, area)
+    items += _tables(drive, measured, plan, tables)
+    name = title_of(drive)
+    titles = Titles(
+        f"{gear.value.capitalize()} gear",
+        name,
+        material_of(drive, gear),
+        "seen from z > 0, pose of phi1 = 0" + (", section of teeth at z = 0" if drive.helix else ""),
+        view.scale,
+    )
+    return Sheet(f"{name}: {gear.value} gear", A4_MM, view.scale, view.origin, (*framed(A4_MM, titles), *items))
+
+
+def title_of(drive: Drive) -> str:
+    """The name of the design, with the number of the pair where there are two."""
+    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
+
+
+def material_of(drive: Drive, gear: Gear) -> str:
+    """The name of a gear's material; a dash where the design names none."""
+    if drive.gears.material is None:
+        return "-"
+    driving, driven = drive.gears.material.each
+    return (driving if gear is Gear.DRIVING else driven).name
+
+
+def mounting_of(drive: Drive) -> Mounting:
+    """How the pair is mounted in the machine, as if its driven gear turned the crank."""
+    pitch, direction = drive.pitch, radians(drive.gears.driving_axis_deg)
+    return mountings([pitch.mesh], [pitch.center_distance_mm], direction)[0]
+
+
+def turns_crank(drive: Drive) -> bool:
+    """Whether a crank or another body stands on the driven gear's shaft."""
+    return drive.linkage.HAS_CRANK and drive.stage in (None, drive.design.stages)
+
+
+# --- views -----------------------------------------------------------------------------------------------------------
+
+
+def _views(drive: Drive, measured: MeasuredGear, plan: BodyPlan, area: Box) -> tuple[View, list[Item]]:
+    """The gear from above and its section to the right, as large as there is room for."""
+    low, high = np.split(np.array(plan.disc.bounds), 2)
+    section = section_of(plan)
+    size = high - low
+
+    def fits(scale: float) -> bool:
+        wide = scale * (size[0] + section.height_mm) + 2.0 * SIDE_MM + CUT_MM
+        return bool(wide <= area.width and scale * size[1] + 2.0 * ABOVE_MM <= area.height)
+
+    scale = next((scale for scale in SCALES if fits(scale)), SCALES[-1])
+    spare = area.width - scale * (size[0] + section.height_mm) - 2.0 * SIDE_MM - CUT_MM
+    x = area.left + spare / 2.0 + SIDE_MM - scale * low[0]
+    y = (area.low + area.high) / 2.0 - scale * (low[1] + high[1]) / 2.0
+    view = View(scale, (float(x), float(y)))
+    right = float(x + scale * high[0] + SIDE_MM + spare / 2.0)
+    board = Board((area.left, area.low, right, area.high))
+    _draw_gear(board, drive, measured, plan, view)
+    board.add(Text(CAPTION, (area.left, area.low + 1.0)))
+    cut = Board((right, area.low, area.right, area.high))
+    _draw_section(cut, section, view, right + 8.0)
+    return view, [*board.items, *cut.items]
+
+
+def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPlan, view: View) -> None:
+    """The gear from above, its numbers first, then what there is room for beside them."""
+    gear, module = measured.gear, drive.pitch.size.module_mm
+    board.add(*drawn_body(drive, gear, plan, view, "outline"))
+    board.add(*drawn_shape(Cross(0.0, 0.0, _cross_mm(plan, module)), view, Pen.CHAIN))
+    _mark_plane(board, plan, view)
+    number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, module)
+    _draw_pins(board, measured, view)
+    for words, own_rad in _directions(drive, gear):
+        _point_along(board, plan, view, words, own_rad)
+    _point_at_tip(board, plan, view)
+    _point_at_holes(board, plan, view)
+    sense = 1.0 if gear is Gear.DRIVING else drive.pitch.mesh.sense
+    draw_turning(board, view, sense, _free_radius_mm(plan, view))
+
+
+def _cross_mm(plan: BodyPlan, module_mm: float) -> float:
+    """Length of the mark of the axis: a little more than the bore."""
+    return 2.0 * module_mm if plan.bore is None else 1.25 * plan.bore.diameter_mm
+
+
+def _mark_plane(board: Board, plan: BodyPlan, view: View) -> None:
+    """The plane of the section A-A, by its ends over and under the gear, with arrows in the direction of view."""
+    _, low, _, high = plan.disc.bounds
+    for y, sense in ((low, -1.0), (high, 1.0)):
+        x, edge = view.on_paper(np.array([0.0, y])).tolist()
+        start, end = np.array([x, edge + 1.5 * sense]), np.array([x, edge + 6.0 * sense])
+        tip = end + np.array([5.0, 0.0])
+        board.add(Line(np.array([start, end]), Pen.VISIBLE), Line(np.array([end, tip])), arrow(tip, tip - end))
+        board.add(Text("A", (x - 3.5, float(end[1]) - 1.2), letter_mm=TITLE_MM))
+
+
+def number_teeth(board: Board, gear: ToothedGear, view: View, module_mm: float) -> None:
+    """The number of every tooth inside its root, or outside its tip, nearest to the middle of that tooth.
+
+    Where teeth stand close on paper, the first and every fifth have numbers.
+    """
+    middles = view.on_paper(tooth_places(gear, 0.0))
+    over = view.on_paper(tooth_places(gear, 1.0)) - middles
+    outwards = over / np.hypot(*over.T)[:, None]
+    teeth = len(middles)
+    crowded = gear.flanks.curve.length_mm * view.scale / gear.flanks.count * 2.0 < FIFTH_UNDER_MM
+    depth = view.scale * gear.flanks.rack.dedendum_mm + LETTER_MM / 2.0
+    for number in range(1, teeth + 1):
+        if crowded and number != 1 and number % 5:
+            continue
+        middle, outward = middles[number - 1], outwards[number - 1]
+        tries = [-(depth + more) for more in np.arange(0.6, 6.0, 0.4)]
+        tries += [depth + more for more in np.arange(0.0, 6.0, 0.4)]
+        places = [middle + distance * outward for distance in tries]
+        own = [place for place in places if np.argmin(np.hypot(*(middles - place).T)) == number - 1]
+        board.put_text(centered(str(number), place, LETTER_MM, f"tooth-{number}") for place in own)
+
+
+def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
+    """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits."""
+    pins, radius = measured.pins, measured.pins.diameter_mm / 2.0
+    places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
+    pairs = [(places[row[0]], places[row[1]]) for row in two_pin_table(measured).rows]
+    pairs = [(one, other) if one[1] < other[1] else (other, one) for one, other in pairs]
+    pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / abs(pair[1][1] - pair[0][1]))
+    ring = measured.working.is_ring
+    left, right = view.on_paper(np.array([[measured.toothed.outline_mm[:, 0].min(), 0.0], [measured.toothed.outline_mm[:, 0].max(), 0.0]]))[:, 0]
+    for low, high in pairs:
+        way = (high - low) / np.hypot(*(high - low))
+        ends = view.on_paper(np.array([low - radius * way, high + radius * way] if not ring else [low + radius * way, high - radius * way]))
+        over_mm = float(np.hypot(*(ends[1] - ends[0]))) / view.scale
+        words = f"{drawn(over_mm, 'mm')} {'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
+        middle = float(ends[:, 0].mean())
+        offsets = [0.0] if ring else [middle - left + 6.0, middle - left + 10.0, middle - right - 6.0, middle - right - 10.0]
+        circles = [Ring(tuple(view.on_paper(place).tolist()), view.scale * radius, Pen.THIN) for place in (low, high)]
+        if not all(board.is_free([Line(ring.points, closed=True)]) for ring in circles):
+            continue
+        if board.put_dimension(length(ends, apart, words, view.scale) for apart in offsets):
+            board.add(*circles)
+            return
+
+
+def _point_at_holes(board: Board, plan: BodyPlan, view: View) -> None:
+    """A leader with the diameter to every kind of round holes."""
+    for layer, shapes in body_shapes(plan).items():
+        if layer in (Layer.RIM, Layer.HUB, Layer.BORE):
+            continue
+        by_size: dict[float, list[Circle]] = {}
+        for shape in shapes:
+            if isinstance(shape, Circle):
+                by_size.setdefault(2.0 * shape.radius_mm, []).append(shape)
+        for size_mm, holes in by_size.items():
+            count = f"{len(holes)} \u00d7 " if len(holes) > 1 else ""
+            words = f"{count}\u00d8{drawn(size_mm, 'mm')}" + ("" if layer is not Layer.INDEX_HOLE else " index hole")
+            for hole in holes:
+                # Towards the axis, where there is more room than among the teeth.
+                inwards = float(np.arctan2(-hole.y_mm, -hole.x_mm))
+                if _point_at_circle(board, view, hole, words, inwards + AROUND_RAD[3]):
+                    break
+
+
+AROUND_RAD = tuple(np.radians([0.0, 20.0, -20.0, 45.0, -45.0, 70.0, -70.0, 100.0, -100.0, 140.0, -140.0, 180.0]))
+
+
+def _point_at_circle(board: Board, view: View, hole: Circle, words: str, direction_rad: float) -> bool:
+    """A leader to the edge of a hole that points to its centre, as a dimension of its diameter; whether it fits."""
+    center = view.on_paper(np.array([hole.x_mm, hole.y_mm]))
+    for turn in AROUND_RAD:
+        angle = direction_rad + turn
+        way = np.array([cos(angle), sin(angle)])
+        target = center + view.scale * hole.radius_mm * way
+        found = board.pointed(target, angle, words, (0.0,))
+        if found is not None:
+            ends = np.array([target, center - view.scale * hole.radius_mm * way])
+            board.add(Dimension(Measured.DIAMETER, ends, target, *found, view.scale))
+            return True
+    return False
+
+
+def _point_at_tip(board: Board, plan: BodyPlan, view: View) -> None:
+    """The greatest radius, or of a ring its outer one, as a dimension that points at it from outside."""
+    outer = shapely.get_coordinates(plan.disc.exterior)
+    if plan.is_ring:
+        radius = float(np.hypot(*outer.T).max())
+        tips = [radius * np.array([cos(turn), sin(turn)]) for turn in np.radians(np.arange(40.0, 400.0, 15.0))]
+    else:
+        far = np.hypot(*outer.T)
+        tips = [outer[int(np.argmax(far))]]
+        radius = float(far.max())
+    center = view.on_paper(np.zeros(2))
+    for tip in tips:
+        angle = float(np.arctan2(tip[1], tip[0]))
+        target = view.on_paper(tip)
+        found = board.pointed(target, angle, f"R{drawn(radius, 'mm')} over all")
+        if found is not None:
+            board.add(Dimension(Measured.RADIUS, np.array([center, target]), target, *found, view.scale))
+            return
+
+
+def _directions(drive: Drive, gear: Gear) -> list[tuple[str, float]]:
+    """Directions in the gear's own frame that matter at phi1 = 0, with their words."""
+    meeting = meeting_direction_rad(gear, drive.pitch.mesh)
+    if gear is Gear.DRIVING or not turns_crank(drive):
+        return [("mesh", meeting)]
+    mounting = mounting_of(drive)
+    crank = mounting.hand * (drive.linkage.crank_start_rad - mounting.turn_rad)
+    if abs(sin((crank - meeting) / 2.0)) < 1e-6:
+        return [(f"mesh, {drive.linkage.CRANK}", meeting)]
+    return [("mesh", meeting), (drive.linkage.CRANK, crank)]
+
+
+def _point_along(board: Board, plan: BodyPlan, view: View, words: str, own_rad: float) -> None:
+    """An arrow outside the gear that points at its axis along a direction."""
+    points = shapely.get_coordinates(plan.disc.exterior)
+    way = np.array([cos(own_rad), sin(own_rad)])
+    near = np.abs(points @ np.array([-way[1], way[0]])) < 2.0 / view.scale
+    reach = float((points @ way)[near].max())
+    target = view.on_paper((reach + 1.0 / view.scale) * way)
+    if not board.point(target, own_rad, words, (0.0,)):
+        board.point(target, own_rad, words)
+
+
+def _free_radius_mm(plan: BodyPlan, view: View) -> float:
+    """Radius on paper of an arc about the axis that is outside bore and hub."""
+    about = max([plan.bore.reach_mm if plan.bore else 0.0, plan.hub.diameter_mm / 2.0 if plan.hub else 0.0])
+    return view.scale * about + 2.5
+
+
+TURNING_RAD = radians(100.0)
+
+
+def draw_turning(board: Board, view: View, sense: float, least_mm: float) -> None:
+    """An arc with an arrow about the axis that shows the sense of turning, where it crosses no text."""
+    axis = view.on_paper(np.zeros(2))
+    for radius in least_mm + np.arange(0.0, 12.0, 1.0):
+        for start in np.radians(np.arange(40.0, 400.0, 20.0)):
+            turned = start + sense * np.linspace(0.0, TURNING_RAD, 25)
+            points = axis + radius * np.column_stack([np.cos(turned), np.sin(turned)])
+            head = arrow(points[-1], sense * np.array([-sin(turned[-1] - sense * 1.25 / radius), cos(turned[-1] - sense * 1.25 / radius)]))
+            if board.is_free([Line(points), head]):
+                board.add(Line(points), head)
+                return
+
+
+def _draw_section(board: Board, section: Section, view: View, left: float) -> None:
+    """The section A-A with the dimensions of its widths."""
+    middle = view.origin[1]
+    board.add(*section.lines(view.scale, left, middle))
+    corners = shapely.get_coordinates(section.area)
+    low, high = middle + view.scale * float(corners[:, 1].min()), middle + view.scale * float(corners[:, 1].max())
+    board.add(Line(np.array([[left - 2.0, middle], [left + view.scale * section.height_mm + 2.0, middle]]), Pen.CHAIN))
+    center = left + view.scale * section.height_mm / 2.0
+    board.add(Text("A-A", (center, high + 4.0), Anchor.MIDDLE, TITLE_MM))
+    widths = sorted({section.width_mm, section.height_mm})
+    for row, width in enumerate(widths):
+        ends = np.array([[left, low], [left + view.scale * width, low]])
+        board.add(length(ends, -(6.0 + 6.5 * row), drawn(width, "mm"), view.scale))
+
+
+# --- tables ----------------------------------------------------------------------------------------------------------
+
+
+def _tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, box: Box) -> list[Item]:
+    """The data of the gear, its pitch radii, its measurements, and its bore enlarged."""
+    gear = measured.gear
+    items: list[Item] = [*_data(drive, gear, box.height).drawn(box.left, box.high)]
+    left = box.left + DATA.width_mm + GAP_MM
+    items += _pitch(drive, gear).drawn(left, box.high)
+    left += PITCH[gear].width_mm + GAP_MM
+    low = box.low + (DETAIL_MM if plan.bore else 0.0)
+    for table in _measurements(measured, box.right - left, box.high - low):
+        items += table.drawn(left, box.high)
+        box = Box(box.left, box.low, box.right, box.high - table.height_mm())
+    if plan.bore:
+        items += _bore_view(plan.bore, Box(left, box.low, box.right, box.high))
+    return items
+
+
+def _data(drive: Drive, gear: Gear, height_mm: float) -> PaperTable:
+    """The rows of the data sheet that belong to the gear, as many as there is room for."""
+    entries = [*sizes(drive), *rack_data(drive), *tolerances(drive), *bodies(drive)]
+    rows = _least_and_greatest([row for entry in entries if (row := _row(entry, gear))])
+    while len(rows) > 1:
+        table = PaperTable("Gear data (all: data_sheet.md)", (), tuple(rows), DATA)
+        if table.height_mm() <= height_mm:
+            return table
+        rows.pop()
+    return PaperTable("Gear data: data_sheet.md", (), (), DATA)
+
+
+def _row(entry: Entry, gear: Gear) -> tuple[str, str] | None:
+    """Label and value of an entry for the gear."""
+    value = entry.pair if entry.of_pair else entry.driving if gear is Gear.DRIVING else entry.driven
+    label = TEETH_SHORT.get(entry.label, entry.label)
+    if value is None or label in LEFT_OUT:
+        return None
+    text = cell_text(value, entry.unit)
+    if label in MAY_BE_NOTHING and text in NOTHING:
+        return None
+    return label, f"{text} {entry.unit}".strip()
+
+
+def _least_and_greatest(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The rows, with the least and the greatest of a size in one row."""
+    found: list[tuple[str, str]] = []
+    for label, value in rows:
+        name = label.removeprefix("greatest ")
+        if found and name != label and found[-1][0] == f"least {name}":
+            found[-1] = (name, f"{found[-1][1].removesuffix(' mm')} to {value}")
+        else:
+            found.append((label, value))
+    return found
+
+
+def _pitch(drive: Drive, gear: Gear) -> PaperTable:
+    """Pitch radii against the angle turned, in steps of the data sheet's table."""
+    rows = pitch_table(drive).rows
+    if drive.pitch.toothed is None:
+        rows = rows[:-1]
+    most = round(TABLES_MM / ROW_MM) - 3
+    step = next((step for step in range(1, len(rows) + 1) if len(rows) <= step * most and len(rows) % step == 0), 1)
+    if len(rows) > step * most:
+        step = -(-len(rows) // most)
+    texts = []
+    for phi1, phi2, _, first, second in rows[::step]:
+        angles = [phi1] if gear is Gear.DRIVING else [phi1, phi2]
+        radius = first if gear is Gear.DRIVING else second
+        texts.append((*(f"{float(angle):.7g}" for angle in angles), cell_text(radius, "mm")))
+    if gear is Gear.DRIVING:
+        return PaperTable("Pitch curve (pitch.csv)", ("phi1, deg", "radius, mm"), tuple(texts), PITCH[gear])
+    heads = ("phi1, deg", "phi2, deg", "radius, mm")
+    return PaperTable("Pitch curve (pitch.csv)", heads, tuple(texts), PITCH[gear])
+
+
+def _measurements(measured: MeasuredGear, width_mm: float, height_mm: float) -> list[PaperTable]:
+    """Over two pins, or over one where no two lie opposite each other, and the spans; some rows of each."""
+    two, one, spans = two_pin_table(measured), one_pin_table(measured), span_table(measured)
+    size = f"\u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
+    word = "Between" if measured.working.is_ring else "Over"
+    found: list[tuple[str, str, list[tuple[str, ...]], Table]] = []
+    if two.rows:
+        rows = [(f"{row[0]}, {row[1]}", *_numbers(row[2:])) for row in two.rows]
+        found.append((f"{word} two pins {size}", "spaces after teeth", rows, two))
+    elif one.rows:
+        rows = [(f"{row[0]}", *_numbers(row[3:])) for row in one.rows]
+        found.append((f"Axis to pin {size}", "space after tooth", rows, one))
+    for table in spans:
+        rows = [(f"{row[0]} to {row[1]}", *_numbers((row[4], *row[6:]))) for row in table.rows]
+        found.append(("Span", "teeth", rows, table))
+    lines = int(height_mm // ROW_MM)
+    made = []
+    for place, (title, head, rows, _) in enumerate(found):
+        left = len(found) - place
+        most = max(2, (lines - 3 * left) // left) if left > 1 else max(2, lines - 3)
+        shown = evenly(rows, min(most, len(rows)))
+        limits = len(shown[0]) - 2
+        heads = (head, "mm", *("least", "greatest")[:limits])
+        widths = (width_mm - 17.0 * (1 + limits) if limits == 0 else width_mm - 16.0 * (1 + limits), *([17.0 if limits == 0 else 16.0] * (1 + limits)))
+        table = PaperTable(title, heads, shown, Columns(widths, (False, *([True] * (1 + limits)))))
+        made.append(table)
+        lines -= round(table.height_mm() / ROW_MM)
+    return made
+
+
+def _numbers(values: Sequence[object]) -> list[str]:
+    """Lengths as texts; empty ones stay empty."""
+    return [drawn(value, "mm") if isinstance(value, float) else "" for value in values]
+
+
+AGAINST_KEYWAY_RAD = radians(125.0)
+"""Direction in which the diameter of a bore is written."""
+
+
+def _bore_view(bore: Bore, box: Box) -> list[Item]:
+    """The bore with its keyway in a scale of its own, with its dimensions."""
+    room = min(box.width - 30.0, box.height - 20.0)
+    size = bore.diameter_mm / 2.0 + bore.reach_mm
+    scale = next((scale for scale in SCALES if scale * size <= room), SCALES[-1])
+    shift = scale * (bore.reach_mm - bore.diameter_mm / 2.0) / 2.0
+    view = View(scale, ((box.left + box.right) / 2.0 - 1.0 - shift, box.low + 9.0 + scale * bore.diameter_mm / 2.0 + 1.5))
+    board = Board((box.left, box.low, box.right, box.high))
+    board.add(Text(f"Bore {scale_text(scale)}", (box.left + 1.0, box.high - ROW_MM - 0.5), letter_mm=LETTER_MM))
+    board.add(*drawn_shape(bore_shape(bore), view, Pen.VISIBLE))
+    board.add(*drawn_shape(Cross(0.0, 0.0, 1.2 * bore.diameter_mm), view, Pen.CHAIN))
+    radius = bore.diameter_mm / 2.0
+    if bore.keyway:
+        half, reach = bore.keyway.width_mm / 2.0, bore.reach_mm
+        width = view.on_paper(np.array([[reach, -half], [reach, half]]))
+        board.add(length(width, -6.0, drawn(bore.keyway.width_mm, "mm"), scale))
+        across = np.array([view.on_paper(np.array([-radius, 0.0])), view.on_paper(np.array([reach, -half]))])
+        across[1, 1] = across[0, 1]
+        apart = scale * radius + 5.0
+        board.add(length(across, -apart, drawn(radius + reach, "mm"), scale))
+    circle, words = Circle(0.0, 0.0, radius), f"\u00d8{drawn(bore.diameter_mm, 'mm')}"
+    _point_at_circle(board, view, circle, words, AGAINST_KEYWAY_RAD)
+    return board.items
+
+
