@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Ring, Text, leader
 from ncgear.numerics.arrays import Array
 
-SLACK_MM = 0.4
+SLACK_MM = 0.6
 """Room around texts."""
 
 CHUNK = 24

@@ -20,6 +20,9 @@ from ncgear.solids.plan.areas import polygons
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedGear
 
+STRAY_MM = 0.004
+"""How far lines of a drawing may be from those of the outline's table, which itself keeps the chord tolerance."""
+
 ARC_STEP_RAD = np.radians(3.0)
 """Largest angle between points of an arc that is drawn in chords: 0.003 mm off on a radius of 10 mm."""
 
@@ -79,7 +82,8 @@ def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[
     """The lines of a shape."""
     match shape:
         case Polyline():
-            yield Line(view.on_paper(flattened(shape)), pen, closed=True, name=name)
+            ring = shapely.simplify(shapely.LinearRing(flattened(shape)), STRAY_MM)
+            yield Line(view.on_paper(shapely.get_coordinates(ring)[:-1]), pen, closed=True, name=name)
         case Circle():
             x, y = view.on_paper(np.array([shape.x_mm, shape.y_mm])).tolist()
             yield Ring((x, y), view.scale * shape.radius_mm, pen, name)
@@ -109,7 +113,7 @@ def tooth_places(gear: ToothedGear, height_mm: float) -> Array:
     return flanks.offset(sides.mean(axis=1), height_mm)[0]
 
 
-HATCH_MM = 2.0
+HATCH_MM = 2.5
 """Distance of the lines of a hatching."""
 
 
@@ -137,7 +141,7 @@ class Section:
         for start in np.arange(low - (right - left), high, HATCH_MM * np.sqrt(2.0)):
             stroke = LineString([(left, start), (right, start + right - left)]).intersection(cut)
             for piece in shapely.get_parts(stroke):
-                if piece.geom_type == "LineString":
+                if piece.length > 0.0:
                     yield Line(np.asarray(piece.coords), Pen.THIN)
 
 
@@ -148,7 +152,7 @@ def section_of(plan: BodyPlan) -> Section:
     boxes = []
     for slab in plan.slabs:
         for piece in shapely.get_parts(slab.section.intersection(plane)):
-            if piece.geom_type == "LineString":
+            if piece.length > 0.0:
                 ys = np.asarray(piece.coords)[:, 1]
                 boxes.append(shapely.box(slab.low_mm, ys.min(), slab.high_mm, ys.max()))
     return Section(shapely.union_all(boxes), plan.face_width_mm, plan.height_mm)

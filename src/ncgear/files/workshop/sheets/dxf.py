@@ -14,7 +14,6 @@ import numpy as np
 from ezdxf import units
 from ezdxf.document import Drawing as Document
 from ezdxf.entities import Dimension as DimensionEntity
-from ezdxf.enums import TextEntityAlignment
 from ezdxf.layouts import BlockLayout, Modelspace
 from ezdxf.sections.classes import REQ_R2004
 
@@ -41,11 +40,8 @@ from ncgear.numerics.arrays import Array
 LETTERS, DIMENSIONS = "LETTERS", "DIMENSIONS"
 """Layers beside those of the pens; the style of texts and that of dimensions have the same names."""
 
-ALIGNMENTS = {
-    Anchor.START: TextEntityAlignment.LEFT,
-    Anchor.MIDDLE: TextEntityAlignment.CENTER,
-    Anchor.END: TextEntityAlignment.RIGHT,
-}
+ALIGNMENTS = {Anchor.START: 0, Anchor.MIDDLE: 1, Anchor.END: 2}
+"""Horizontal alignments of texts in DXF."""
 
 TYPES = {Measured.LENGTH: 1, Measured.DIAMETER: 3, Measured.RADIUS: 4}
 OWN_BLOCK = 32
@@ -107,9 +103,12 @@ def _true(points: Array, sheet: Sheet) -> Array:
 def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet) -> None:
     match item:
         case Text():
-            attributes = {"layer": LETTERS, "style": LETTERS, "rotation": degrees(item.turned_rad), "width": NARROW}
-            text = space.add_text(item.words, height=item.letter_mm / sheet.scale, dxfattribs=attributes)
-            text.set_placement(_true(np.asarray(item.place), sheet).tolist(), align=ALIGNMENTS[item.anchor])
+            place = tuple(_true(np.asarray(item.place), sheet).tolist())
+            # Programs place texts that do not begin at their place by the second point.
+            aligned = {"halign": ALIGNMENTS[item.anchor], "align_point": place} if item.anchor is not Anchor.START else {}
+            turned = {"rotation": degrees(item.turned_rad)} if item.turned_rad else {}
+            attributes = {"layer": LETTERS, "style": LETTERS, "width": NARROW, "insert": place, **turned, **aligned}
+            space.add_text(item.words, height=item.letter_mm / sheet.scale, dxfattribs=attributes)
         case Ring():
             center = _true(np.asarray(item.center), sheet).tolist()
             space.add_circle(center, float(written(item.radius / sheet.scale)), dxfattribs={"layer": item.pen.name})
@@ -118,6 +117,8 @@ def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
             if item.filled:
                 # A triangle, whose third corner a solid has twice.
                 space.add_solid([*points[:3], points[2]], dxfattribs=layer)
+            elif len(points) == 2:
+                space.add_line(*points, dxfattribs=layer)
             else:
                 space.add_lwpolyline(points, close=item.closed, dxfattribs={**layer, "flags": 128 | item.closed})
 

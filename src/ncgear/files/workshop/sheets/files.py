@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.files.workshop.sheets.dxf import dxf_bytes
 from ncgear.files.workshop.sheets.gear_sheet import gear_sheet
+from ncgear.files.workshop.sheets.pair_sheet import pair_sheet
 from ncgear.files.workshop.sheets.pdf import pdf_bytes
 from ncgear.files.workshop.sheets.svg import svg_bytes
 from ncgear.project.drive import Drive
@@ -17,5 +19,7 @@ def drawing_files(drive: Drive) -> dict[str, bytes]:
 
     Raises the errors of the drive's solids.
     """
-    sheets = {gear.gear.value: gear_sheet(drive, gear) for gear in measured_gears(drive)}
+    radii = pitch_table(drive)
+    sheets = {gear.gear.value: gear_sheet(drive, gear, radii) for gear in measured_gears(drive)}
+    sheets["pair"] = pair_sheet(drive)
     return {f"{name}_drawing.{kind}": write(sheet) for name, sheet in sheets.items() for kind, write in WRITERS.items()}

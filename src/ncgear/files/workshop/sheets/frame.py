@@ -6,7 +6,7 @@ ISO 5456-2 (values from secondary sources).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,8 +33,8 @@ TITLE_WIDTH_MM, TITLE_HEIGHT_MM = 180.0, 32.0
 ROW_MM = 4.0
 """Distance of lines of text in tables."""
 
-PAD_MM = 1.0
-"""Room left and right of a table's texts."""
+PAD_MM, SPARE_MM = 1.0, 0.1
+"""Room left and right of a table's texts, and room for rounding."""
 
 
 @dataclass(frozen=True)
@@ -149,6 +149,11 @@ def wrapped(words: str, width_mm: float) -> list[str]:
     return [fitted(line, width_mm) for line in lines]
 
 
+def width_for(texts: Iterable[str]) -> float:
+    """Width of a column that has room for texts, each on one line."""
+    return max(map(text_width_mm, texts)) + 2.0 * PAD_MM + SPARE_MM
+
+
 @dataclass(frozen=True)
 class Columns:
     """The widths of a table's columns in mm, and for each whether its texts are on the right."""
@@ -190,8 +195,8 @@ class PaperTable:
         right, edges = left + self.columns.width_mm, np.cumsum([0.0, *self.columns.widths_mm]) + left
         yield Text(fitted(self.title, self.columns.width_mm - 2.0 * PAD_MM), (left + PAD_MM, high - ROW_MM + 0.8))
         top = y = high - ROW_MM
-        yield Line(np.array([[left, y], [right, y]]), Pen.VISIBLE)
-        for number, cells in enumerate(self._written):
+        edge = [(left, y), (right, y)]
+        for cells in self._written:
             lines = self._lines(cells)
             for cell, start, end, on_right in zip(cells, edges[:-1], edges[1:], self.columns.right, strict=True):
                 x, anchor = (end - PAD_MM, Anchor.END) if on_right else (start + PAD_MM, Anchor.START)
@@ -199,7 +204,13 @@ class PaperTable:
                     if words:
                         yield Text(words, (float(x), y - ROW_MM * (line + 1) + 0.8), anchor)
             y -= ROW_MM * lines
-            yield Line(np.array([[left, y], [right, y]]), Pen.VISIBLE if self.heads and number == 0 else Pen.THIN)
+            if self.heads and len(edge) == 2:
+                yield Line(np.array([[left, y], [right, y]]), Pen.VISIBLE)
+            # One line to and fro draws all rules.
+            here, there = (right, left) if edge[-1][0] == right else (left, right)
+            edge += [(here, y), (there, y)]
+        yield Line(np.array(edge))
+        yield Line(np.array([[left, top], [right, top]]), Pen.VISIBLE)
         for x in edges:
             yield Line(np.array([[x, top], [x, y]]))
 

@@ -12,7 +12,6 @@ from ncgear.drawings.scene.geared_pairs import Mounting, mountings
 from ncgear.figures.data_sheet.bodies import bodies
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.measured_tables import one_pin_table, span_table, two_pin_table
-from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.data_sheet.sheet import rack_data, sizes, tolerances
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Table, cell_text
@@ -37,6 +36,7 @@ from ncgear.files.workshop.sheets.frame import (
     evenly,
     framed,
     inside,
+    width_for,
 )
 from ncgear.files.workshop.sheets.sheet import (
     A4_MM,
@@ -68,7 +68,6 @@ TABLES_MM = 108.0
 """Height of the tables: a title, two lines of heads, and 24 rows."""
 
 DATA = Columns((44.0, 35.0), (False, False))
-PITCH = {Gear.DRIVING: Columns((16.0, 18.0), (True, True)), Gear.DRIVEN: Columns((12.0, 16.0, 16.0), (True,) * 3)}
 GAP_MM = 2.0
 
 DETAIL_MM = 42.0
@@ -113,15 +112,18 @@ NOTHING = {"none", "0"}
 MAY_BE_NOTHING = {"helix angle", "tip relief"}
 
 
-def gear_sheet(drive: Drive, measured: MeasuredGear) -> Sheet:
-    """The sheet of a gear, in its own frame and in the pose of phi1 = 0, seen from its upper face."""
+def gear_sheet(drive: Drive, measured: MeasuredGear, pitch_radii: Table) -> Sheet:
+    """The sheet of a gear, in its own frame and in the pose of phi1 = 0, seen from its upper face.
+
+    ``pitch_radii`` is the data sheet's table of both gears.
+    """
     gear = measured.gear
     plan = finished(drive, gear)
     frame = inside(A4_MM)
     tables = Box(frame.left, frame.low + TITLE_HEIGHT_MM + GAP_MM, frame.right, frame.low + TITLE_HEIGHT_MM + GAP_MM + TABLES_MM)
     area = Box(frame.left + GAP_MM, tables.high + GAP_MM, frame.right - GAP_MM, frame.high - GAP_MM)
     view, items = _views(drive, measured, plan, area)
-    items += _tables(drive, measured, plan, tables)
+    items += _tables(drive, measured, plan, pitch_radii, tables)
     name = title_of(drive)
     titles = Titles(
         f"{gear.value.capitalize()} gear",
@@ -141,7 +143,7 @@ def title_of(drive: Drive) -> str:
 def material_of(drive: Drive, gear: Gear) -> str:
     """The name of a gear's material; a dash where the design names none."""
     if drive.gears.material is None:
-        return "-"
+        return "not given"
     driving, driven = drive.gears.material.each
     return (driving if gear is Gear.DRIVING else driven).name
 
@@ -190,14 +192,14 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     board.add(*drawn_body(drive, gear, plan, view, "outline"))
     board.add(*drawn_shape(Cross(0.0, 0.0, _cross_mm(plan, module)), view, Pen.CHAIN))
     _mark_plane(board, plan, view)
-    number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, module)
-    _draw_pins(board, measured, view)
     for words, own_rad in _directions(drive, gear):
         _point_along(board, plan, view, words, own_rad)
+    number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, "tooth")
+    _draw_pins(board, measured, view)
     _point_at_tip(board, plan, view)
     _point_at_holes(board, plan, view)
     sense = 1.0 if gear is Gear.DRIVING else drive.pitch.mesh.sense
-    draw_turning(board, view, sense, _free_radius_mm(plan, view))
+    draw_turning(board, view, sense, free_radius_mm(plan, view))
 
 
 def _cross_mm(plan: BodyPlan, module_mm: float) -> float:
@@ -216,16 +218,16 @@ def _mark_plane(board: Board, plan: BodyPlan, view: View) -> None:
         board.add(Text("A", (x - 3.5, float(end[1]) - 1.2), letter_mm=TITLE_MM))
 
 
-def number_teeth(board: Board, gear: ToothedGear, view: View, module_mm: float) -> None:
+def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fifths: bool = False) -> None:
     """The number of every tooth inside its root, or outside its tip, nearest to the middle of that tooth.
 
-    Where teeth stand close on paper, the first and every fifth have numbers.
+    Where teeth stand close on paper, and with ``fifths``, the first and every fifth have numbers.
     """
     middles = view.on_paper(tooth_places(gear, 0.0))
     over = view.on_paper(tooth_places(gear, 1.0)) - middles
     outwards = over / np.hypot(*over.T)[:, None]
     teeth = len(middles)
-    crowded = gear.flanks.curve.length_mm * view.scale / gear.flanks.count * 2.0 < FIFTH_UNDER_MM
+    crowded = fifths or gear.flanks.curve.length_mm * view.scale / gear.flanks.count * 2.0 < FIFTH_UNDER_MM
     depth = view.scale * gear.flanks.rack.dedendum_mm + LETTER_MM / 2.0
     for number in range(1, teeth + 1):
         if crowded and number != 1 and number % 5:
@@ -235,7 +237,7 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, module_mm: float) 
         tries += [depth + more for more in np.arange(0.0, 6.0, 0.4)]
         places = [middle + distance * outward for distance in tries]
         own = [place for place in places if np.argmin(np.hypot(*(middles - place).T)) == number - 1]
-        board.put_text(centered(str(number), place, LETTER_MM, f"tooth-{number}") for place in own)
+        board.put_text(centered(str(number), place, LETTER_MM, f"{name}-{number}") for place in own)
 
 
 def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
@@ -338,17 +340,17 @@ def _point_along(board: Board, plan: BodyPlan, view: View, words: str, own_rad: 
     near = np.abs(points @ np.array([-way[1], way[0]])) < 2.0 / view.scale
     reach = float((points @ way)[near].max())
     target = view.on_paper((reach + 1.0 / view.scale) * way)
-    if not board.point(target, own_rad, words, (0.0,)):
-        board.point(target, own_rad, words)
+    board.point(target, view.direction_rad(own_rad), words, (0.0,))
 
 
-def _free_radius_mm(plan: BodyPlan, view: View) -> float:
+def free_radius_mm(plan: BodyPlan, view: View) -> float:
     """Radius on paper of an arc about the axis that is outside bore and hub."""
     about = max([plan.bore.reach_mm if plan.bore else 0.0, plan.hub.diameter_mm / 2.0 if plan.hub else 0.0])
-    return view.scale * about + 2.5
+    return max(view.scale * about + 2.5, LEAST_TURNING_MM)
 
 
-TURNING_RAD = radians(100.0)
+TURNING_RAD, LEAST_TURNING_MM = radians(100.0), 5.0
+"""Angle of an arc that shows the sense of turning, and its least radius on paper."""
 
 
 def draw_turning(board: Board, view: View, sense: float, least_mm: float) -> None:
@@ -382,13 +384,14 @@ def _draw_section(board: Board, section: Section, view: View, left: float) -> No
 # --- tables ----------------------------------------------------------------------------------------------------------
 
 
-def _tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, box: Box) -> list[Item]:
+def _tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, pitch_radii: Table, box: Box) -> list[Item]:
     """The data of the gear, its pitch radii, its measurements, and its bore enlarged."""
     gear = measured.gear
     items: list[Item] = [*_data(drive, gear, box.height).drawn(box.left, box.high)]
     left = box.left + DATA.width_mm + GAP_MM
-    items += _pitch(drive, gear).drawn(left, box.high)
-    left += PITCH[gear].width_mm + GAP_MM
+    pitch = _pitch(drive, gear, pitch_radii)
+    items += pitch.drawn(left, box.high)
+    left += pitch.columns.width_mm + GAP_MM
     low = box.low + (DETAIL_MM if plan.bore else 0.0)
     for table in _measurements(measured, box.right - left, box.high - low):
         items += table.drawn(left, box.high)
@@ -434,53 +437,54 @@ def _least_and_greatest(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]
     return found
 
 
-def _pitch(drive: Drive, gear: Gear) -> PaperTable:
+def _pitch(drive: Drive, gear: Gear, pitch_radii: Table) -> PaperTable:
     """Pitch radii against the angle turned, in steps of the data sheet's table."""
-    rows = pitch_table(drive).rows
+    rows = pitch_radii.rows
     if drive.pitch.toothed is None:
         rows = rows[:-1]
-    most = round(TABLES_MM / ROW_MM) - 3
-    step = next((step for step in range(1, len(rows) + 1) if len(rows) <= step * most and len(rows) % step == 0), 1)
-    if len(rows) > step * most:
-        step = -(-len(rows) // most)
-    texts = []
-    for phi1, phi2, _, first, second in rows[::step]:
-        angles = [phi1] if gear is Gear.DRIVING else [phi1, phi2]
-        radius = first if gear is Gear.DRIVING else second
-        texts.append((*(f"{float(angle):.7g}" for angle in angles), cell_text(radius, "mm")))
-    if gear is Gear.DRIVING:
-        return PaperTable("Pitch curve (pitch.csv)", ("phi1, deg", "radius, mm"), tuple(texts), PITCH[gear])
-    heads = ("phi1, deg", "phi2, deg", "radius, mm")
-    return PaperTable("Pitch curve (pitch.csv)", heads, tuple(texts), PITCH[gear])
+    step = _even_step(len(rows), round(TABLES_MM / ROW_MM) - 3)
+    driving, heads = gear is Gear.DRIVING, ("phi1, deg", "phi2, deg", "radius, mm")
+    texts = [
+        (drawn(float(phi1), "deg"), drawn(float(phi2), "deg"), drawn(float(first if driving else second), "mm"))
+        for phi1, phi2, _, first, second in rows[::step]
+    ]
+    kept = (0, 2) if driving else (0, 1, 2)
+    shown = [tuple(row[column] for column in kept) for row in (heads, *texts)]
+    widths = tuple(max(width_for(row[column] for row in shown), 12.0) for column in range(len(kept)))
+    columns = Columns(widths, (True,) * len(kept))
+    return PaperTable("Pitch curve (pitch.csv)", shown[0], tuple(shown[1:]), columns)
+
+
+def _even_step(count: int, most: int) -> int:
+    """The step that leaves at most so many of a number of rows: one that divides it, if that leaves half as many."""
+    least = -(-count // most)
+    return next((step for step in range(least, 2 * least + 1) if count % step == 0), least)
 
 
 def _measurements(measured: MeasuredGear, width_mm: float, height_mm: float) -> list[PaperTable]:
     """Over two pins, or over one where no two lie opposite each other, and the spans; some rows of each."""
     two, one, spans = two_pin_table(measured), one_pin_table(measured), span_table(measured)
-    size = f"\u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
+    size = f"pin \u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
     word = "Between" if measured.working.is_ring else "Over"
-    found: list[tuple[str, str, list[tuple[str, ...]], Table]] = []
+    found: list[tuple[str, str, list[tuple[str, ...]]]] = []
     if two.rows:
         rows = [(f"{row[0]}, {row[1]}", *_numbers(row[2:])) for row in two.rows]
-        found.append((f"{word} two pins {size}", "spaces after teeth", rows, two))
+        found.append((f"{word} two {size.replace('pin', 'pins')}", "spaces after teeth", rows))
     elif one.rows:
-        rows = [(f"{row[0]}", *_numbers(row[3:])) for row in one.rows]
-        found.append((f"Axis to pin {size}", "space after tooth", rows, one))
+        found.append((f"Axis to {size}", "space after tooth", [(f"{row[0]}", *_numbers(row[3:])) for row in one.rows]))
     for table in spans:
         rows = [(f"{row[0]} to {row[1]}", *_numbers((row[4], *row[6:]))) for row in table.rows]
-        found.append(("Span", "teeth", rows, table))
-    lines = int(height_mm // ROW_MM)
-    made = []
-    for place, (title, head, rows, _) in enumerate(found):
-        left = len(found) - place
-        most = max(2, (lines - 3 * left) // left) if left > 1 else max(2, lines - 3)
-        shown = evenly(rows, min(most, len(rows)))
-        limits = len(shown[0]) - 2
-        heads = (head, "mm", *("least", "greatest")[:limits])
-        widths = (width_mm - 17.0 * (1 + limits) if limits == 0 else width_mm - 16.0 * (1 + limits), *([17.0 if limits == 0 else 16.0] * (1 + limits)))
-        table = PaperTable(title, heads, shown, Columns(widths, (False, *([True] * (1 + limits)))))
-        made.append(table)
-        lines -= round(table.height_mm() / ROW_MM)
+        found.append(("Span, back to front", "teeth", rows))
+    lines, made = int(height_mm // ROW_MM), list[PaperTable]()
+    for place, (title, head, rows) in enumerate(found):
+        # Those that are left share the lines; each has a title and heads.
+        most = max(2, lines // (len(found) - place) - 2)
+        heads = (head, "mm", "least", "greatest")[: len(rows[0])]
+        numbers = range(1, len(heads))
+        widths = [max(width_for([heads[column], *(row[column] for row in rows)]), 14.0) for column in numbers]
+        columns = Columns((width_mm - sum(widths), *widths), (False, *(True for _ in numbers)))
+        made.append(PaperTable(title, heads, evenly(rows, most), columns))
+        lines -= round(made[-1].height_mm() / ROW_MM)
     return made
 
 

@@ -26,7 +26,7 @@ ROUND = 4.0 / 3.0 * (2.0**0.5 - 1.0)
 
 def pdf_bytes(sheet: Sheet) -> bytes:
     """The file; the same sheet gives the same bytes."""
-    drawn = zlib.compress("\n".join(_drawn(sheet)).encode(ENCODING, "replace"), 9)
+    drawn = zlib.compress("\n".join(_drawn(sheet)).encode(ENCODING, "replace"))
     width, height = (f"{side * POINTS_PER_MM:.3f}" for side in sheet.size_mm)
     title = _escaped(sheet.title.encode(ENCODING, "replace"))
     objects = [
