@@ -6,6 +6,7 @@ A text covers no line and no other text; lines cross lines, but no text.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import product
 
 import numpy as np
 import shapely
@@ -76,17 +77,23 @@ class Board:
         return False
 
     def pointed(
-        self, target: Array, direction_rad: float, words: str, turns_rad: Iterable[float] = TURNS_RAD
+        self,
+        target: Array,
+        direction_rad: float,
+        words: str,
+        turns_rad: Iterable[float] = TURNS_RAD,
+        lengths_mm: Iterable[float] = LENGTHS_MM,
     ) -> tuple[tuple[Line, ...], Text] | None:
         """A leader to a target from about a direction, with its text, where there is room; None where there is none."""
-        for length in LENGTHS_MM:
-            for turn in turns_rad:
-                angle = direction_rad + turn
-                elbow = target + length * np.array([np.cos(angle), np.sin(angle)])
-                lines, text = leader(target, elbow, words)
-                # The text stands on its own leader, which is not on the board yet.
-                if self.has_room(text) and self.is_free(lines):
-                    return lines, text
+        lengths, turns = tuple(lengths_mm), tuple(turns_rad)
+        for back, length, turn in product((False, True), lengths, turns):
+            angle = direction_rad + turn
+            elbow = target + length * np.array([np.cos(angle), np.sin(angle)])
+            # The text stands on its own leader, which is not on the board yet.
+            lines, text = leader(target, elbow, words, back=back)
+            clear = not LineString([target, elbow]).intersects(Polygon(text.corners))
+            if clear and self.has_room(text) and self.is_free(lines):
+                return lines, text
         return None
 
     def point(self, target: Array, direction_rad: float, words: str, turns_rad: Iterable[float] = TURNS_RAD) -> bool:

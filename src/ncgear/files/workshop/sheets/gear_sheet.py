@@ -16,7 +16,7 @@ from ncgear.figures.data_sheet.sheet import rack_data, sizes, tolerances
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Table, cell_text
 from ncgear.files.workshop.drawing import Circle, Cross, Layer, body_shapes, bore_shape
-from ncgear.files.workshop.sheets.board import Board, centered
+from ncgear.files.workshop.sheets.board import LENGTHS_MM, Board, centered
 from ncgear.files.workshop.sheets.body import (
     Section,
     View,
@@ -81,6 +81,9 @@ CUT_MM = 24.0
 
 ROW_OF_PINS, ROWS_OF_SPANS = 6, 5
 """Rows of measurements beside a view of the bore; the data sheet has all."""
+
+ASIDE_MM = 0.0, 1.2, -1.2, 2.2, -2.2
+"""Shifts of a tooth's number along the pitch curve that are tried."""
 
 CAPTION = "Pitch radii are at their angles from the mark of the mesh, against the sense of turning (arrow)."
 
@@ -179,8 +182,8 @@ def _views(drive: Drive, measured: MeasuredGear, plan: BodyPlan, area: Box) -> t
     view = View(scale, (float(x), float(y)))
     right = float(x + scale * high[0] + SIDE_MM + spare / 2.0)
     board = Board((area.left, area.low, right, area.high))
-    _draw_gear(board, drive, measured, plan, view)
     board.add(Text(CAPTION, (area.left, area.low + 1.0)))
+    _draw_gear(board, drive, measured, plan, view)
     cut = Board((right, area.low, area.right, area.high))
     _draw_section(cut, section, view, right + 8.0)
     return view, [*board.items, *cut.items]
@@ -195,8 +198,8 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     for words, own_rad in _directions(drive, gear):
         _point_along(board, plan, view, words, own_rad)
     number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, "tooth")
-    _draw_pins(board, measured, view)
     _point_at_tip(board, plan, view)
+    _draw_pins(board, measured, view)
     _point_at_holes(board, plan, view)
     sense = 1.0 if gear is Gear.DRIVING else drive.pitch.mesh.sense
     draw_turning(board, view, sense, free_radius_mm(plan, view))
@@ -235,7 +238,8 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
         middle, outward = middles[number - 1], outwards[number - 1]
         tries = [-(depth + more) for more in np.arange(0.6, 6.0, 0.4)]
         tries += [depth + more for more in np.arange(0.0, 6.0, 0.4)]
-        places = [middle + distance * outward for distance in tries]
+        aside = np.array([-outward[1], outward[0]])
+        places = [middle + distance * outward + shift * aside for shift in ASIDE_MM for distance in tries]
         own = [place for place in places if np.argmin(np.hypot(*(middles - place).T)) == number - 1]
         board.put_text(centered(str(number), place, LETTER_MM, f"{name}-{number}") for place in own)
 
@@ -248,14 +252,15 @@ def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
     pairs = [(one, other) if one[1] < other[1] else (other, one) for one, other in pairs]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / abs(pair[1][1] - pair[0][1]))
     ring = measured.working.is_ring
-    left, right = view.on_paper(np.array([[measured.toothed.outline_mm[:, 0].min(), 0.0], [measured.toothed.outline_mm[:, 0].max(), 0.0]]))[:, 0]
+    outline = view.on_paper(measured.toothed.outline_mm)
     for low, high in pairs:
         way = (high - low) / np.hypot(*(high - low))
         ends = view.on_paper(np.array([low - radius * way, high + radius * way] if not ring else [low + radius * way, high - radius * way]))
         over_mm = float(np.hypot(*(ends[1] - ends[0]))) / view.scale
         words = f"{drawn(over_mm, 'mm')} {'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
-        middle = float(ends[:, 0].mean())
-        offsets = [0.0] if ring else [middle - left + 6.0, middle - left + 10.0, middle - right - 6.0, middle - right - 10.0]
+        reach = (outline - ends[0]) @ np.array([-way[1], way[0]])
+        offsets = [float(edge + np.sign(edge) * more) for more in (6.0, 10.0) for edge in (reach.max(), reach.min())]
+        offsets = [0.0] if ring else offsets
         circles = [Ring(tuple(view.on_paper(place).tolist()), view.scale * radius, Pen.THIN) for place in (low, high)]
         if not all(board.is_free([Line(ring.points, closed=True)]) for ring in circles):
             continue
@@ -276,29 +281,28 @@ def _point_at_holes(board: Board, plan: BodyPlan, view: View) -> None:
         for size_mm, holes in by_size.items():
             count = f"{len(holes)} \u00d7 " if len(holes) > 1 else ""
             words = f"{count}\u00d8{drawn(size_mm, 'mm')}" + ("" if layer is not Layer.INDEX_HOLE else " index hole")
-            for hole in holes:
-                # Towards the axis, where there is more room than among the teeth.
-                inwards = float(np.arctan2(-hole.y_mm, -hole.x_mm))
-                if _point_at_circle(board, view, hole, words, inwards + AROUND_RAD[3]):
-                    break
+            _point_at_circle(board, view, holes, words)
 
 
-AROUND_RAD = tuple(np.radians([0.0, 20.0, -20.0, 45.0, -45.0, 70.0, -70.0, 100.0, -100.0, 140.0, -140.0, 180.0]))
+AROUND_RAD = tuple(np.radians([45.0, -45.0, 20.0, -20.0, 70.0, -70.0, 100.0, -100.0, 140.0, -140.0, 180.0, 0.0]))
 
 
-def _point_at_circle(board: Board, view: View, hole: Circle, words: str, direction_rad: float) -> bool:
-    """A leader to the edge of a hole that points to its centre, as a dimension of its diameter; whether it fits."""
-    center = view.on_paper(np.array([hole.x_mm, hole.y_mm]))
-    for turn in AROUND_RAD:
-        angle = direction_rad + turn
-        way = np.array([cos(angle), sin(angle)])
-        target = center + view.scale * hole.radius_mm * way
-        found = board.pointed(target, angle, words, (0.0,))
-        if found is not None:
-            ends = np.array([target, center - view.scale * hole.radius_mm * way])
-            board.add(Dimension(Measured.DIAMETER, ends, target, *found, view.scale))
-            return True
-    return False
+def _point_at_circle(board: Board, view: View, holes: Sequence[Circle], words: str, direction_rad: float = 0.0) -> None:
+    """A leader to the edge of one of several holes, as short as there is room, as a dimension of its diameter.
+
+    It points at the centre, from about a direction that counts from the one towards the gear's axis.
+    """
+    for reach in LENGTHS_MM:
+        for hole in holes:
+            center = view.on_paper(np.array([hole.x_mm, hole.y_mm]))
+            for turn in AROUND_RAD:
+                angle = float(np.arctan2(0.0 - hole.y_mm, 0.0 - hole.x_mm)) + direction_rad + turn
+                edge = view.scale * hole.radius_mm * np.array([cos(angle), sin(angle)])
+                found = board.pointed(center + edge, angle, words, (0.0,), (reach,))
+                if found is not None:
+                    ends = np.array([center + edge, center - edge])
+                    board.add(Dimension(Measured.DIAMETER, ends, ends[0], *found, view.scale))
+                    return
 
 
 def _point_at_tip(board: Board, plan: BodyPlan, view: View) -> None:
@@ -493,7 +497,7 @@ def _numbers(values: Sequence[object]) -> list[str]:
     return [drawn(value, "mm") if isinstance(value, float) else "" for value in values]
 
 
-AGAINST_KEYWAY_RAD = radians(125.0)
+AGAINST_KEYWAY_RAD = radians(80.0)
 """Direction in which the diameter of a bore is written."""
 
 
@@ -517,8 +521,8 @@ def _bore_view(bore: Bore, box: Box) -> list[Item]:
         across[1, 1] = across[0, 1]
         apart = scale * radius + 5.0
         board.add(length(across, -apart, drawn(radius + reach, "mm"), scale))
-    circle, words = Circle(0.0, 0.0, radius), f"\u00d8{drawn(bore.diameter_mm, 'mm')}"
-    _point_at_circle(board, view, circle, words, AGAINST_KEYWAY_RAD)
+    words = f"\u00d8{drawn(bore.diameter_mm, 'mm')}"
+    _point_at_circle(board, view, [Circle(0.0, 0.0, radius)], words, AGAINST_KEYWAY_RAD)
     return board.items
 
 

@@ -67,10 +67,10 @@ GAP_MM = 2.0
 SIDE_MM, ABOVE_MM = 26.0, 16.0
 """Room left and right of the gears, and above and below them, for leaders and the centre distance."""
 
-MECHANISM_MM = 62.0
+MECHANISM_MM = 74.0
 """Height of the view of the mechanism."""
 
-MECHANISM_SIDE_MM, MECHANISM_ABOVE_MM = 10.0, 17.0
+MECHANISM_SIDE_MM, MECHANISM_ABOVE_MM = 10.0, 13.0
 """Room about the mechanism."""
 
 SEEN = {1.0: "seen from z > 0", -1.0: "seen from z < 0"}
@@ -156,12 +156,10 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     board.add(Line(axes, Pen.CHAIN))
     if all(plans[gear].index_hole for gear in Gear):
         board.add(Text(FACING, (box.left, box.high - LETTER_MM - 1.0)))
+    if drive.stage is not None and not turns_crank(drive):
+        board.add(Text(FIRST_STAGE, (box.left, box.high - 2.0 * (LETTER_MM + 1.0) - 1.0)))
     if turns_crank(drive):
         _draw_crank(board, drive, axes[1], np.vstack([item.points for item in board.items if isinstance(item, Line)]))
-    for gear, view in views.items():
-        number_teeth(board, drive.teeth.of(gear), view, gear.value, fifths=True)
-        sense = mounting.sense(gear)
-        draw_turning(board, view, sense, free_radius_mm(plans[gear], view))
     along = (axes[1] - axes[0]) / np.hypot(*(axes[1] - axes[0]))
     aside = np.array([-along[1], along[0]])
     corners = np.vstack([views[gear].on_paper(shapely.get_coordinates(plans[gear].disc)) for gear in Gear])
@@ -172,12 +170,19 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     offsets += [sense * more for more in np.arange(6.0, float(reach.max()), 2.0) for sense in (-1.0, 1.0)]
     scale = views[Gear.DRIVING].scale
     board.put_dimension(length(axes, float(apart), drawn(distance, "mm"), scale) for apart in offsets)
+    for gear, view in views.items():
+        number_teeth(board, drive.teeth.of(gear), view, gear.value, fifths=True)
+        sense = mounting.sense(gear)
+        draw_turning(board, view, sense, free_radius_mm(plans[gear], view))
     for number, (gear, view) in enumerate(views.items(), 1):
         _name(board, plans[gear], view, f"{number} {gear.value} gear", list(views.values()))
     return board.items
 
 
 FACING = "The index holes face each other on the line of centres."
+
+
+FIRST_STAGE = "The shaft of the driven gear turns the driving gear of stage 2."
 
 
 def _draw_crank(board: Board, drive: Drive, axis: Array, drawn_mm: Array) -> None:
@@ -215,7 +220,8 @@ def _bodies(scene: Scene) -> Iterator[tuple[str, list[Array]]]:
     poses = scene.poses(np.zeros(1))
     for body in scene.links:
         place = poses.places[body.name]
-        yield body.name, [turned(ring, place.angle_rad) + place.origin_mm for ring in body.contours_mm]
+        name = scene.machine.linkage.CRANK if body.name == "crank" else body.name
+        yield name, [turned(ring, place.angle_rad) + place.origin_mm for ring in body.contours_mm]
 
 
 def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[Item]:

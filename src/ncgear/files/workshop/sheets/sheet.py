@@ -214,10 +214,10 @@ def arrow(tip: Array, towards: Array) -> Line:
     return Line(np.array([tip, back + aside, back - aside]), closed=True, filled=True)
 
 
-def length(ends: Array, apart_mm: float, words: str, view: float, outside_mm: float = 0.0) -> Dimension:
+def length(ends: Array, apart_mm: float, words: str, view: float) -> Dimension:
     """A dimension of the length between two points (2, 2), its line so far to their left.
 
-    A short one has its arrows outside, and its text beyond its second end by ``outside_mm``, or above its line.
+    A short one has its arrows outside, and where its text is longer, that is beyond its second end.
     """
     way = ends[1] - ends[0]
     long = float(np.hypot(*way))
@@ -233,27 +233,26 @@ def length(ends: Array, apart_mm: float, words: str, view: float, outside_mm: fl
     upright = -pi / 2.0 + 1e-6 < angle <= pi / 2.0 + 1e-6
     reading, turned = (along, angle) if upright else (-along, angle - pi if angle > 0.0 else angle + pi)
     above = np.array([-reading[1], reading[0]])
-    outside = long < OUTSIDE_MM
+    outside, width = long < OUTSIDE_MM, text_width_mm(words)
     beyond = 2.0 * ARROW_MM * along
-    width = text_width_mm(words)
     if outside:
         lines += [Line(np.array([start - beyond, start])), Line(np.array([end, end + beyond]))]
         lines += [arrow(start, along), arrow(end, -along), Line(np.array([start, end]))]
     else:
         lines += [Line(np.array([start, end])), arrow(start, -along), arrow(end, along)]
     middle = (start + end) / 2.0
-    if outside and (width > long - 1.0 or outside_mm):
-        middle = end + (ARROW_MM + outside_mm + width / 2.0 + FREE_MM) * along
-        lines.append(Line(np.array([end, end + (ARROW_MM + outside_mm + width + 2.0 * FREE_MM) * along])))
+    if width > long - 2.0 * FREE_MM:
+        middle = end + (2.0 * ARROW_MM + width / 2.0) * along
+        lines.append(Line(np.array([end, middle + width / 2.0 * along])))
     place = middle + FREE_MM * above
     text = Text(words, (float(place[0]), float(place[1])), Anchor.MIDDLE, turned_rad=turned)
     return Dimension(Measured.LENGTH, ends, start, tuple(lines), text, view)
 
 
-def leader(target: Array, elbow: Array, words: str) -> tuple[tuple[Line, ...], Text]:
-    """An arrow from an elbow to a target, with a text on a shoulder that goes on from the elbow to the side."""
+def leader(target: Array, elbow: Array, words: str, *, back: bool = False) -> tuple[tuple[Line, ...], Text]:
+    """An arrow from an elbow to a target, with a text on a shoulder that goes on from the elbow to the side, or back."""
     way = target - elbow
-    left = elbow[0] < target[0]
+    left = bool(elbow[0] < target[0]) != back
     width = text_width_mm(words) + 2.0 * FREE_MM
     end = elbow + np.array([-width if left else width, 0.0])
     place = min(elbow[0], end[0]) + FREE_MM, elbow[1] + FREE_MM
