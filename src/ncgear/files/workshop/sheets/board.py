@@ -13,7 +13,7 @@ import shapely
 from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Ring, Text, leader
+from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Ring, Text, leader, parts_of
 from ncgear.numerics.arrays import Array
 
 SLACK_MM = 0.6
@@ -40,7 +40,7 @@ class Board:
         """Put items on the board; it is not asked whether there is room."""
         for item in items:
             self.items.append(item)
-            for part in (*item.lines, item.text) if isinstance(item, Dimension) else (item,):
+            for part in parts_of(item):
                 if isinstance(part, Text):
                     self._texts.append(Polygon(part.corners))
                 else:

@@ -34,6 +34,7 @@ from ncgear.files.workshop.sheets.sheet import (
     Ring,
     Sheet,
     Text,
+    parts_of,
 )
 from ncgear.numerics.arrays import Array
 
@@ -46,7 +47,6 @@ ALIGNMENTS = {Anchor.START: 0, Anchor.MIDDLE: 1, Anchor.END: 2}
 TYPES = {Measured.LENGTH: 1, Measured.DIAMETER: 3, Measured.RADIUS: 4}
 OWN_BLOCK = 32
 """Types of dimensions in DXF, and the flag that no other dimension uses its block."""
-
 
 
 def dxf_bytes(sheet: Sheet) -> bytes:
@@ -105,7 +105,9 @@ def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
         case Text():
             place = tuple(_true(np.asarray(item.place), sheet).tolist())
             # Programs place texts that do not begin at their place by the second point.
-            aligned = {"halign": ALIGNMENTS[item.anchor], "align_point": place} if item.anchor is not Anchor.START else {}
+            aligned = (
+                {"halign": ALIGNMENTS[item.anchor], "align_point": place} if item.anchor is not Anchor.START else {}
+            )
             turned = {"rotation": degrees(item.turned_rad)} if item.turned_rad else {}
             attributes = {"layer": LETTERS, "style": LETTERS, "width": NARROW, "insert": place, **turned, **aligned}
             space.add_text(item.words, height=item.letter_mm / sheet.scale, dxfattribs=attributes)
@@ -118,7 +120,7 @@ def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
                 # A triangle, whose third corner a solid has twice.
                 space.add_solid([*points[:3], points[2]], dxfattribs=layer)
             elif len(points) == 2:
-                space.add_line(*points, dxfattribs=layer)
+                space.add_line(points[0], points[1], dxfattribs=layer)
             else:
                 space.add_lwpolyline(points, close=item.closed, dxfattribs={**layer, "flags": 128 | item.closed})
 
@@ -126,7 +128,7 @@ def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
 def _measure(document: Document, space: Modelspace, item: Dimension, sheet: Sheet) -> None:
     """A dimension with the block that shows it; so it looks the same whatever fonts a program has."""
     block = document.blocks.new_anonymous_block(type_char="D")
-    for part in (*item.lines, item.text):
+    for part in parts_of(item):
         _add(block, part, sheet)
     (one, other), base = _true(item.ends, sheet).tolist(), _true(item.base, sheet).tolist()
     points = {"defpoint": base, "defpoint2": one, "defpoint3": other}
@@ -160,6 +162,6 @@ def _show(document: Document, sheet: Sheet) -> None:
     middle, height = tuple(written((low + high) / 2.0).tolist()), float(written(high[1] - low[1]))
     document.set_modelspace_vport(height, middle)
     document.layouts.rename("Layout1", "A4")
-    paper = document.layout("A4")
+    paper = document.paperspace("A4")
     paper.page_setup(size=sheet.size_mm, margins=(0, 0, 0, 0), units="mm")
     paper.add_viewport(tuple((size / 2.0).tolist()), sheet.size_mm, middle, height)

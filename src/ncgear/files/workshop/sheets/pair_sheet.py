@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from math import degrees
+from typing import Any
 
 import numpy as np
 import shapely
@@ -32,13 +33,12 @@ from ncgear.files.workshop.sheets.frame import (
     framed,
     inside,
 )
-from ncgear.files.workshop.sheets.gear_sheet import (
+from ncgear.files.workshop.sheets.gear_sheet import material_of, title_of
+from ncgear.files.workshop.sheets.gear_view import (
     draw_turning,
     free_radius_mm,
-    material_of,
     mounting_of,
     number_teeth,
-    title_of,
     turns_crank,
 )
 from ncgear.files.workshop.sheets.sheet import (
@@ -101,7 +101,9 @@ def pair_sheet(drive: Drive) -> Sheet:
     middle = np.array([layout.gears.left + layout.gears.right, layout.gears.low + layout.gears.high]) / 2.0
     origin = middle - scale * (low + high) / 2.0
     views = {
-        gear: View(scale, tuple((origin + scale * np.array(mounting.axis_mm(gear))).tolist()), mounting.turn_rad, mounting.hand)
+        gear: View(
+            scale, tuple((origin + scale * np.array(mounting.axis_mm(gear))).tolist()), mounting.turn_rad, mounting.hand
+        )
         for gear in Gear
     }
     items = _gears(drive, plans, views, layout.gears)
@@ -237,7 +239,15 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         )
         for curve in (drive.pitch.driving, drive.pitch.driven)
     }
-    everything = np.vstack([*curves.values(), *(ring for rings in bodies.values() for ring in rings), *supports, gears, *([ends] if slides else [])])
+    everything = np.vstack(
+        [
+            *curves.values(),
+            *(ring for rings in bodies.values() for ring in rings),
+            *supports,
+            gears,
+            *([ends] if slides else []),
+        ]
+    )
     low, high = everything.min(axis=0), everything.max(axis=0)
     room = np.array([box.width - 2.0 * MECHANISM_SIDE_MM, box.height - 2.0 * MECHANISM_ABOVE_MM])
     scale = next((scale for scale in SCALES if (scale * (high - low) <= room).all()), SCALES[-1])
@@ -245,9 +255,16 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
     view = View(scale, tuple(origin.tolist()))
     board = Board(box.bounds)
     board.add(Line(np.array([[box.left, box.high], [box.right, box.high]])))
-    sizes = ", ".join(f"{one.name.removesuffix('_mm').replace('_', ' ')} {drawn(float(getattr(linkage, one.name)), 'mm')}" for one in fields(linkage) if one.name.endswith("_mm"))  # type: ignore[arg-type]
+    keys: Any = linkage
+    sizes = ", ".join(
+        f"{one.name.removesuffix('_mm').replace('_', ' ')} {drawn(float(getattr(linkage, one.name)), 'mm')}"
+        for one in fields(keys)
+        if one.name.endswith("_mm")
+    )
     crank = drawn(degrees(linkage.crank_start_rad) % 360.0, "deg")
-    words = f"Mechanism at phi1 = 0, {scale_text(scale)}; lengths: {sizes}; {linkage.CRANK} at {crank} deg, turns clockwise"
+    words = (
+        f"Mechanism at phi1 = 0, {scale_text(scale)}; lengths: {sizes}; {linkage.CRANK} at {crank} deg, turns clockwise"
+    )
     board.add(Text(fitted(words, box.width - 4.0), (box.left + 2.0, box.high - 4.5)))
     for name, rings in bodies.items():
         for ring in rings:
@@ -262,10 +279,16 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         board.add(Line(view.on_paper(ends) + np.array([[-6.0, 0.0], [6.0, 0.0]]), Pen.CHAIN))
         below = float(view.on_paper(low)[1]) - 5.0
         apart = [below - float(view.on_paper(ends)[0, 1]) - more for more in (0.0, 2.0, 4.0)]
-        board.put_dimension(length(view.on_paper(ends), one, f"{drawn(linkage.stroke_mm, 'mm')} stroke", scale) for one in apart)
+        board.put_dimension(
+            length(view.on_paper(ends), one, f"{drawn(linkage.stroke_mm, 'mm')} stroke", scale) for one in apart
+        )
     for points, words in _lengths(drive):
         on_paper = view.on_paper(points)
-        board.put_dimension(length(on_paper, sense * apart, words, scale) for apart in (7.0, 10.0, 13.0, 5.0, 16.0) for sense in (1.0, -1.0))
+        board.put_dimension(
+            length(on_paper, sense * apart, words, scale)
+            for apart in (7.0, 10.0, 13.0, 5.0, 16.0)
+            for sense in (1.0, -1.0)
+        )
     for number, (name, rings) in enumerate(bodies.items(), 3):
         points = view.on_paper(rings[0])
         for angle in np.radians(np.arange(70.0, 430.0, 20.0)):

@@ -115,7 +115,8 @@ class Ring:
     def points(self) -> Array:
         """Points of the circle, shape (n, 2)."""
         turned = np.linspace(0.0, 2.0 * pi, 73)[:-1]
-        return np.asarray(self.center) + self.radius * np.column_stack([np.cos(turned), np.sin(turned)])
+        around = np.column_stack([np.cos(turned), np.sin(turned)])
+        return np.asarray(np.array(self.center) + self.radius * around, dtype=float)
 
 
 class Anchor(Enum):
@@ -196,7 +197,12 @@ class Sheet:
     def plain(self) -> Iterable[Line | Ring | Text]:
         """All lines, circles and texts, those of the dimensions among them."""
         for item in self.items:
-            yield from (*item.lines, item.text) if isinstance(item, Dimension) else (item,)
+            yield from parts_of(item)
+
+
+def parts_of(item: Item) -> tuple[Line | Ring | Text, ...]:
+    """An item, or the lines and the text of a dimension."""
+    return (*item.lines, item.text) if isinstance(item, Dimension) else (item,)
 
 
 ARROW_MM = 2.5
@@ -226,8 +232,10 @@ def length(ends: Array, apart_mm: float, words: str, view: float) -> Dimension:
     start, end = ends + abs(apart_mm) * aside
     lines = []
     if abs(apart_mm) > BEYOND_MM:
-        lines += [Line(np.array([point + FREE_MM * aside, base + BEYOND_MM * aside])) for point, base in
-                  ((ends[0], start), (ends[1], end))]
+        lines += [
+            Line(np.array([point + FREE_MM * aside, base + BEYOND_MM * aside]))
+            for point, base in ((ends[0], start), (ends[1], end))
+        ]
     # Text is read from below or from the right.
     angle = float(np.arctan2(along[1], along[0]))
     upright = -pi / 2.0 + 1e-6 < angle <= pi / 2.0 + 1e-6
@@ -250,7 +258,7 @@ def length(ends: Array, apart_mm: float, words: str, view: float) -> Dimension:
 
 
 def leader(target: Array, elbow: Array, words: str, *, back: bool = False) -> tuple[tuple[Line, ...], Text]:
-    """An arrow from an elbow to a target, with a text on a shoulder that goes on from the elbow to the side, or back."""
+    """An arrow from an elbow to a target, with a text on a shoulder that goes on to the side, or back."""
     way = target - elbow
     left = bool(elbow[0] < target[0]) != back
     width = text_width_mm(words) + 2.0 * FREE_MM
