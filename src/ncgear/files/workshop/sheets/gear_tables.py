@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from math import radians
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from ncgear.figures.data_sheet.bodies import bodies
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.measured_tables import one_pin_table, span_table, two_pin_table
-from ncgear.figures.data_sheet.sheet import rack_data, sizes, tolerances
+from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes, tolerances
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Table, cell_text
 from ncgear.files.workshop.drawing import Circle, Cross, bore_shape
@@ -91,8 +92,9 @@ def gear_tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, pitch_radi
 
 def _data(drive: Drive, gear: Gear, height_mm: float) -> PaperTable:
     """The rows of the data sheet that belong to the gear, as many as there is room for."""
-    entries = [*sizes(drive), *rack_data(drive), *tolerances(drive), *bodies(drive)]
-    rows = _least_and_greatest([row for entry in entries if (row := _row(entry, gear))])
+    groups = [rows_or_why(partial(rows, drive)) for rows in (sizes, rack_data, tolerances, bodies)]
+    found = [row for group in groups for entry in group if (row := _row(entry, gear))]
+    rows = _least_and_greatest(found)
     while len(rows) > 1:
         table = PaperTable("Gear data (all: data_sheet.md)", (), tuple(rows), DATA)
         if table.height_mm() <= height_mm:
@@ -151,17 +153,18 @@ def _even_step(count: int, most: int) -> int:
 
 def _measurements(measured: MeasuredGear, width_mm: float, height_mm: float) -> list[PaperTable]:
     """Over two pins, or over one where no two lie opposite each other, and the spans; some rows of each."""
-    two, one, spans = two_pin_table(measured), one_pin_table(measured), span_table(measured)
-    size = f"pin \u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
-    word = "Between" if measured.working.is_ring else "Over"
+    two, one = (rows_found(partial(_alone, of, measured)) for of in (two_pin_table, one_pin_table))
+    spans = rows_found(partial(span_table, measured))
     found: list[tuple[str, str, list[tuple[str, ...]]]] = []
-    if two.rows:
-        rows = [(f"{row[0]}, {row[1]}", *_numbers(row[2:])) for row in two.rows]
-        found.append((f"{word} two {size.replace('pin', 'pins')}", "spaces after teeth", rows))
-    elif one.rows:
-        found.append((f"Axis to {size}", "space after tooth", [(f"{row[0]}", *_numbers(row[3:])) for row in one.rows]))
-    for table in spans:
-        rows = [(f"{row[0]} to {row[1]}", *_numbers((row[4], *row[6:]))) for row in table.rows]
+    if two or one:
+        size = f"\u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
+        over_two = f"{'Between' if measured.working.is_ring else 'Over'} two pins {size}"
+        two_rows = [(f"{row[0]}, {row[1]}", *_numbers(row[2:])) for row in two]
+        one_rows = [(f"{row[0]}", *_numbers(row[3:])) for row in one]
+        of_one = f"Axis to pin {size}", "space after tooth", one_rows
+        found.append((over_two, "spaces after teeth", two_rows) if two else of_one)
+    if spans:
+        rows = [(f"{row[0]} to {row[1]}", *_numbers((row[4], *row[6:]))) for row in spans]
         found.append(("Span, back to front", "teeth", rows))
     lines, made = int(height_mm // ROW_MM), list[PaperTable]()
     for place, (title, head, rows) in enumerate(found):
@@ -174,6 +177,10 @@ def _measurements(measured: MeasuredGear, width_mm: float, height_mm: float) -> 
         made.append(PaperTable(title, heads, evenly(rows, most), columns))
         lines -= round(made[-1].height_mm() / ROW_MM)
     return made
+
+
+def _alone(table: Callable[[MeasuredGear], Table], measured: MeasuredGear) -> tuple[Table, ...]:
+    return (table(measured),)
 
 
 def _numbers(values: Sequence[object]) -> list[str]:

@@ -9,7 +9,9 @@ import numpy as np
 import shapely
 
 from ncgear.drawings.scene.geared_pairs import Mounting, mountings
+from ncgear.figures.assembly import outline_radius_mm
 from ncgear.figures.data_sheet.measured_tables import two_pin_table
+from ncgear.figures.data_sheet.sheet import rows_found
 from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import Circle, Cross, Layer, body_shapes
 from ncgear.files.workshop.sheets.board import LENGTHS_MM, Board, centered
@@ -39,6 +41,7 @@ from ncgear.files.workshop.sheets.sheet import (
     arrow,
     length,
 )
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, meeting_direction_rad
 from ncgear.project.drive import Drive
 from ncgear.project.measured import MeasuredGear
@@ -53,6 +56,9 @@ CUT_MM = 24.0
 
 ASIDE_MM = 0.0, 1.2, -1.2, 2.2, -2.2
 """Shifts of a tooth's number along the pitch curve that are tried."""
+
+ASIDE_SHARE = 0.45
+"""Share of a pitch beyond which a number would be nearer to the next tooth."""
 
 CAPTION = "Pitch radii are at their angles from the mark of the mesh, against the sense of turning (arrow)."
 
@@ -132,11 +138,14 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
 
     Where teeth stand close on paper, and with ``fifths``, the first and every fifth have numbers.
     """
-    middles = view.on_paper(tooth_places(gear, 0.0))
+    addendum = gear.flanks.rack.addendum_mm
+    heights = [view.on_paper(tooth_places(gear, height)) for height in (0.0, addendum, -addendum)]
+    middles = heights[0]
     over = view.on_paper(tooth_places(gear, 1.0)) - middles
     outwards = over / np.hypot(*over.T)[:, None]
     teeth = len(middles)
-    crowded = fifths or gear.flanks.curve.length_mm * view.scale / gear.flanks.count * 2.0 < FIFTH_UNDER_MM
+    apart = gear.flanks.curve.length_mm * view.scale / (gear.flanks.count // 2)
+    crowded = fifths or apart < FIFTH_UNDER_MM
     depth = view.scale * gear.flanks.rack.dedendum_mm + LETTER_MM / 2.0
     for number in range(1, teeth + 1):
         if crowded and number != 1 and number % 5:
@@ -145,16 +154,27 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
         tries = [-(depth + more) for more in np.arange(0.6, 6.0, 0.4)]
         tries += [depth + more for more in np.arange(0.0, 6.0, 0.4)]
         aside = np.array([-outward[1], outward[0]])
-        places = [middle + distance * outward + shift * aside for shift in ASIDE_MM for distance in tries]
-        own = [place for place in places if np.argmin(np.hypot(*(middles - place).T)) == number - 1]
+        shifts = [shift for shift in ASIDE_MM if abs(shift) < ASIDE_SHARE * apart]
+        places = [middle + distance * outward + shift * aside for shift in shifts for distance in tries]
+        own = [place for place in places if _is_nearest(heights, number - 1, place)]
         board.put_text(centered(str(number), place, LETTER_MM, f"{name}-{number}") for place in own)
+
+
+UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
+"""Places of a number from which its tooth must be the nearest."""
+
+
+def _is_nearest(heights: Sequence[Array], row: int, place: Array) -> bool:
+    """Whether a tooth is the nearest to a place on paper, by its points at several heights, shape (z, 2) each."""
+    apart = [np.hypot(*np.moveaxis(points - (place + UP_AND_DOWN_MM)[:, None], -1, 0)) for points in heights]
+    return all(bool((np.argmin(one, axis=1) == row).all()) for one in apart)
 
 
 def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
     """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits."""
     pins, radius = measured.pins, measured.pins.diameter_mm / 2.0
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
-    pairs = [(places[row[0]], places[row[1]]) for row in two_pin_table(measured).rows]
+    pairs = [(places[row[0]], places[row[1]]) for row in rows_found(lambda: (two_pin_table(measured),))]
     pairs = [(one, other) if one[1] < other[1] else (other, one) for one, other in pairs]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / abs(pair[1][1] - pair[0][1]))
     ring = measured.working.is_ring
@@ -249,10 +269,8 @@ def _directions(drive: Drive, gear: Gear) -> list[tuple[str, float]]:
 
 def _point_along(board: Board, plan: BodyPlan, view: View, words: str, own_rad: float) -> None:
     """An arrow outside the gear that points at its axis along a direction."""
-    points = shapely.get_coordinates(plan.disc.exterior)
-    way = np.array([cos(own_rad), sin(own_rad)])
-    near = np.abs(points @ np.array([-way[1], way[0]])) < 2.0 / view.scale
-    reach = float((points @ way)[near].max())
+    way, outer = np.array([cos(own_rad), sin(own_rad)]), shapely.get_coordinates(plan.disc.exterior)[:-1]
+    reach = outline_radius_mm(outer, own_rad)
     target = view.on_paper((reach + 1.0 / view.scale) * way)
     board.point(target, view.direction_rad(own_rad), words, (0.0,))
 

@@ -36,10 +36,11 @@ DEPTH = 0.3
 """How far letters reach below their line, as a share of the height of capital letters."""
 
 WIDTHS = {
-    222: "'`ijl",
+    191: "'",
+    222: "ijl",
     260: "|",
     278: " !,./:;I[\\]ft\u00b7",
-    333: "()-r",
+    333: "()-`r",
     334: "{}",
     355: '"',
     389: "*",
@@ -115,8 +116,9 @@ class Ring:
     def points(self) -> Array:
         """Points of the circle, shape (n, 2)."""
         turned = np.linspace(0.0, 2.0 * pi, 73)[:-1]
-        around = np.column_stack([np.cos(turned), np.sin(turned)])
-        return np.asarray(np.array(self.center) + self.radius * around, dtype=float)
+        around: Array = np.column_stack([np.cos(turned), np.sin(turned)])
+        points: Array = np.array(self.center) + self.radius * around
+        return points
 
 
 class Anchor(Enum):
@@ -149,7 +151,8 @@ class Text:
         left, low, high = -self.anchor.value * self.width_mm, -DEPTH * self.letter_mm, self.letter_mm
         box = np.array([[left, low], [left + self.width_mm, low], [left + self.width_mm, high], [left, high]])
         cosine, sine = cos(self.turned_rad), sin(self.turned_rad)
-        return np.asarray(self.place) + box @ np.array([[cosine, sine], [-sine, cosine]])
+        corners: Array = np.array(self.place) + box @ np.array([[cosine, sine], [-sine, cosine]])
+        return corners
 
 
 class Measured(Enum):

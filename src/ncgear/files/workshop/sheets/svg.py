@@ -14,6 +14,9 @@ from ncgear.numerics.arrays import Array
 DECIMALS = 3
 """Decimals of coordinates: a micrometre of paper."""
 
+MATRIX_DECIMALS = 6
+"""Decimals of sines and cosines, so that turned letters keep their height."""
+
 FONT = "Arial, Helvetica, 'Liberation Sans', sans-serif"
 
 ANCHORS = {Anchor.START: "start", Anchor.MIDDLE: "middle", Anchor.END: "end"}
@@ -76,8 +79,9 @@ def _text(text: Text, height: float) -> dict[str, str]:
     """Letters are narrowed along their line, wherever it leads."""
     (x, y), cosine, sine = text.place, cos(text.turned_rad), sin(text.turned_rad)
     matrix = (NARROW * cosine, -NARROW * sine, sine, cosine, x, height - y)
+    numbers = " ".join(f"{round(value, MATRIX_DECIMALS) + 0.0:g}" for value in matrix)
     return {
-        "transform": f"matrix({' '.join(map(_number, matrix))})",
+        "transform": f"matrix({numbers})",
         "font-size": _number(text.letter_mm / CAPITAL),
         "text-anchor": ANCHORS[text.anchor],
     }
