@@ -193,10 +193,11 @@ def test_a_covered_text_is_seen() -> None:
 
 
 def tooth_middles(name: str, gear: Gear) -> Array:
-    """A place in the middle of each tooth on the sheet, from the rows of the outline that warnings' pictures use."""
+    """The middle of each tooth's area on the sheet, from the rows of the outline that warnings' pictures use."""
     scale, axis = placed(name, gear)
     own = drive(name).teeth.of(gear)
-    return np.array([axis + scale * own.outline_mm[rows].mean(axis=0) for rows in tooth_rows(own)])
+    areas = [Polygon(own.outline_mm[rows]) for rows in tooth_rows(own)]
+    return axis + scale * np.array([area.centroid.coords[0] for area in areas])
 
 
 def labels(name: str, gear: Gear) -> dict[int, Array]:
