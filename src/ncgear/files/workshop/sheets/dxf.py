@@ -90,7 +90,7 @@ def _prepare(document: Document, sheet: Sheet) -> None:
     looks = {"dimdec": 4, "dimzin": 8, "dimtad": 1, "dimtih": 0, "dimtoh": 0, "dimtxsty": LETTERS}
     document.dimstyles.add(DIMENSIONS, dxfattribs={**sizes, **looks, "dimscale": 1.0 / sheet.scale})
     # Dashes are in mm of paper.
-    document.header["$LTSCALE"] = 1.0 / sheet.scale
+    document.header["$LTSCALE"], document.header["$PSLTSCALE"] = 1.0 / sheet.scale, 0
     document.header.custom_vars.append("title", sheet.title)
     document.header["$LWDISPLAY"] = 1
 

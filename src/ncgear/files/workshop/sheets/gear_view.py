@@ -62,7 +62,7 @@ ASIDE_SHARE = 0.45
 
 CAPTION = "Pitch radii are at their angles from the mark of the mesh, against the sense of turning (arrow)."
 
-FIFTH_UNDER_MM = 4.2
+FIFTH_UNDER_MM = 5.0
 """Where teeth stand nearer than this on paper, only every fifth has its number."""
 
 
