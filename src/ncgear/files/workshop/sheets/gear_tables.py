@@ -129,14 +129,17 @@ def _least_and_greatest(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]
 
 def _pitch(drive: Drive, gear: Gear, pitch_radii: Table, height_mm: float) -> PaperTable:
     """Pitch radii against the angle turned, in steps of the data sheet's table."""
-    rows = pitch_radii.rows
+    rows, most = pitch_radii.rows, int(height_mm // ROW_MM) - 3
     if drive.pitch.toothed is None:
-        rows = rows[:-1]
-    step = _even_step(len(rows), int(height_mm // ROW_MM) - 3)
+        chosen = rows[: -1 : _even_step(len(rows) - 1, most)]
+    else:
+        # Both ends of the range; the last step may be shorter.
+        step = _even_step(len(rows) - 1, most - 1)
+        chosen = (*rows[: len(rows) - 1 : step], rows[-1])
     driving, heads = gear is Gear.DRIVING, ("phi1, deg", "phi2, deg", "radius, mm")
     texts = [
         (cell_text(phi1, "deg"), cell_text(phi2, "deg"), cell_text(first if driving else second, "mm"))
-        for phi1, phi2, _, first, second in rows[::step]
+        for phi1, phi2, _, first, second in chosen
     ]
     kept = (0, 2) if driving else (0, 1, 2)
     shown = [tuple(row[column] for column in kept) for row in (heads, *texts)]

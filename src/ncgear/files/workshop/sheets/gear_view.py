@@ -210,7 +210,9 @@ def _point_at_holes(board: Board, plan: BodyPlan, view: View) -> None:
                 by_size.setdefault(2.0 * shape.radius_mm, []).append(shape)
         for size_mm, holes in by_size.items():
             count = f"{len(holes)} \u00d7 " if len(holes) > 1 else ""
-            words = f"{count}\u00d8{drawn(size_mm, 'mm')}" + ("" if layer is not Layer.INDEX_HOLE else " index hole")
+            # Lightening holes need no name.
+            name = "" if layer is Layer.LIGHTENING_HOLES else f" {layer.content.partition(';')[0]}"
+            words = f"{count}\u00d8{drawn(size_mm, 'mm')}{name}"
             point_at_circle(board, view, holes, words)
 
 
