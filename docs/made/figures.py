@@ -36,8 +36,10 @@ COMMANDS: dict[str, dict[str, str]] = {
         "tooth_pair.png": "pusher-tooth-pair.png",
         "motion.png": "pusher-motion.png",
         "power.png": "pusher-power.png",
-        "driving_drawing.svg": "pusher-driving-drawing.svg",
-        "pair_drawing.svg": "pusher-pair-drawing.svg",
+    },
+    "build designs/baler.yaml --format drawing --out {folder}": {
+        "driving_drawing.svg": "baler-driving-drawing.svg",
+        "pair_drawing.svg": "baler-pair-drawing.svg",
     },
     "animate designs/pusher.yaml --frames 36 --width 640 --out {folder}/pusher.gif": {"pusher.gif": "pusher.gif"},
     **{

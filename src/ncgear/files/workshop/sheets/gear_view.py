@@ -111,7 +111,9 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
         _point_along(board, plan, view, words, own_rad)
     number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, "tooth")
     _point_at_tip(board, plan, view)
-    _draw_pins(board, measured, view)
+    if drive.helix is None:
+        # Helical gears are measured in another section than the drawn one.
+        _draw_pins(board, measured, view)
     _point_at_holes(board, plan, view)
     sense = 1.0 if gear is Gear.DRIVING else drive.pitch.mesh.sense
     draw_turning(board, view, sense, free_radius_mm(plan, view))
@@ -155,8 +157,8 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
         tries += [depth + more for more in np.arange(0.0, 6.0, 0.4)]
         aside = np.array([-outward[1], outward[0]])
         shifts = [shift for shift in ASIDE_MM if abs(shift) < ASIDE_SHARE * apart]
-        places = [middle + distance * outward + shift * aside for shift in shifts for distance in tries]
-        own = [place for place in places if _is_nearest(heights, number - 1, place)]
+        places = (middle + distance * outward + shift * aside for shift in shifts for distance in tries)
+        own = (place for place in places if _is_nearest(heights, number - 1, place))
         board.put_text(centered(str(number), place, LETTER_MM, f"{name}-{number}") for place in own)
 
 
@@ -166,17 +168,21 @@ UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
 
 def _is_nearest(heights: Sequence[Array], row: int, place: Array) -> bool:
     """Whether a tooth is the nearest to a place on paper, by its points at several heights, shape (z, 2) each."""
-    apart = [np.hypot(*np.moveaxis(points - (place + UP_AND_DOWN_MM)[:, None], -1, 0)) for points in heights]
-    return all(bool((np.argmin(one, axis=1) == row).all()) for one in apart)
+    way = np.stack(heights)[:, None] - (place + UP_AND_DOWN_MM)[:, None]
+    nearest = np.argmin(np.square(way).sum(axis=-1), axis=-1)
+    return bool((nearest == row).all())
 
 
 def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
     """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits."""
+    rows = rows_found(lambda: (two_pin_table(measured),))
+    if not rows:
+        return
     pins, radius = measured.pins, measured.pins.diameter_mm / 2.0
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
-    pairs = [(places[row[0]], places[row[1]]) for row in rows_found(lambda: (two_pin_table(measured),))]
+    pairs = [(places[row[0]], places[row[1]]) for row in rows]
     pairs = [(one, other) if one[1] < other[1] else (other, one) for one, other in pairs]
-    pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / abs(pair[1][1] - pair[0][1]))
+    pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / np.hypot(*(pair[1] - pair[0])))
     ring = measured.working.is_ring
     outline = view.on_paper(measured.toothed.outline_mm)
     for low, high in pairs:
