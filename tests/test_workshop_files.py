@@ -29,7 +29,7 @@ from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.outline_errors import outline_errors_mm
 from ncgear.files.workshop.drawing import Layer, Use, pitch_points
-from ncgear.files.workshop.formats import USUAL, WRITERS, workshop_files
+from ncgear.files.workshop.formats import USUAL, WRITERS, Format, workshop_files
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -172,9 +172,8 @@ def test_the_keyway_is_exact() -> None:
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", DESIGNS)
 def test_drawings_are_in_mm_with_every_layer_declared(name: str) -> None:
-    for file, data in files(name).items():
-        if not file.endswith(".dxf"):
-            continue
+    for file in WRITERS[Format.DXF].names:
+        data = files(name)[file]
         assert dxf.header(data.decode())["$INSUNITS"] == "4"
         document = ezdxf.read(StringIO(data.decode()))
         audit = document.audit()
@@ -455,7 +454,7 @@ WHOLE_BUILD = """
 import sys
 from ncgear.cli import main
 sys.argv = ["ncgear", "build", sys.argv[1], "--out", sys.argv[2], "--report"]
-for kind in ("dxf", "svg", "3mf", "glb", "step"):
+for kind in ("dxf", "svg", "3mf", "glb", "step", "drawing"):
     sys.argv += ["--format", kind]
 main()
 """
@@ -477,7 +476,17 @@ def test_files_of_all_kinds_do_not_hang_on_how_a_process_orders_words(tmp_path: 
         said = TIMES.sub(b"", found["summary.json"])
         assert said != found["summary.json"]
         made.append({**{name: found[name] for name in found if name not in WITH_TIMES}, "summary.json": said})
-    assert {Path(name).suffix for name in made[0]} >= {".dxf", ".svg", ".3mf", ".glb", ".step", ".stl", ".png", ".html"}
+    assert {Path(name).suffix for name in made[0]} >= {
+        ".dxf",
+        ".svg",
+        ".3mf",
+        ".glb",
+        ".step",
+        ".stl",
+        ".png",
+        ".html",
+        ".pdf",
+    }
     for other in made[1:]:
         assert [name for name in made[0] if made[0][name] != other.get(name)] == []
         assert set(other) == set(made[0])
@@ -505,7 +514,8 @@ def test_a_build_writes_the_kinds_asked_for_and_clears_the_others(run: Run) -> N
     assert usual >= {"driving.dxf", "driven.svg", "gears.3mf", "pair.3mf", "pair.glb", "driving.stl"}
     assert run("build", "wheel.yaml", "--format", "dxf")[0] == 0
     left = {path.name for path in Path("export/wheel").iterdir()}
-    assert usual - left == {"driving.svg", "driven.svg", "gears.3mf", "pair.3mf", "pair.glb"}
+    drawings = set(WRITERS[Format.DRAWING].names)
+    assert usual - left == {"driving.svg", "driven.svg", "gears.3mf", "pair.3mf", "pair.glb", *drawings}
 
 
 def test_an_unknown_kind_is_a_usage_error(run: Run) -> None:

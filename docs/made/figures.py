@@ -51,6 +51,10 @@ COMMANDS: dict[str, dict[str, str]] = {
         "motion.png": "pusher-motion.png",
         "power.png": "pusher-power.png",
     },
+    "build designs/baler.yaml --format drawing --out {folder}": {
+        "driving_drawing.svg": "baler-driving-drawing.svg",
+        "pair_drawing.svg": "baler-pair-drawing.svg",
+    },
     "animate designs/pusher.yaml --frames 36 --width 640 --out {folder}/pusher.gif": {"pusher.gif": "pusher.gif"},
     **{
         f"animate designs/{name}.yaml --frames 24 --width 480 --out {{folder}}/{name}.gif": {

@@ -29,10 +29,11 @@ def pin_tables(gear: MeasuredGear) -> tuple[Table, ...]:
 
     Tables without rows or notes are left out.
     """
-    return tuple(table for table in (_one_pin(gear), _two_pins(gear)) if table.rows or table.notes)
+    return tuple(table for table in (one_pin_table(gear), two_pin_table(gear)) if table.rows or table.notes)
 
 
-def _one_pin(gear: MeasuredGear) -> Table:
+def one_pin_table(gear: MeasuredGear) -> Table:
+    """The distances from the axis over pins, in a ring to their near sides: space, centre, distance, its limits."""
     ring, pins, name = gear.working.is_ring, gear.pins, gear.gear.value
     limits = [_over_one(pins_there) for _, pins_there in gear.at_limits]
     found = zip(pins.space.tolist(), pins.center_mm.tolist(), pins.over_mm.tolist(), strict=True)
@@ -43,7 +44,8 @@ def _one_pin(gear: MeasuredGear) -> Table:
     return Table(title, columns, tuple(rows), _pin_notes(pins), long=True)
 
 
-def _two_pins(gear: MeasuredGear) -> Table:
+def two_pin_table(gear: MeasuredGear) -> Table:
+    """The distances over two nearly opposite pins, in a ring between them: both spaces, distance, its limits."""
     word = "between" if gear.working.is_ring else "over"
     columns = (ONE_PIN[0], Column("and after tooth"), Column(f"{word} two pins", "mm"))
     limits = [_over_two(over_two_pins(working, pins)) for working, pins in gear.at_limits]

@@ -18,7 +18,7 @@ from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.quantities import OF_GEAR, figure, name_of
-from ncgear.figures.tables import Column, Table, Value, markdown, markdown_text
+from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
@@ -71,7 +71,7 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Tolerances, as given": partial(tolerances, pair),
         "Measurements of the teeth": lambda: measurements(pair, gears()),
     }
-    groups = (Group(title, _entries(of)) for title, of in rows.items())
+    groups = (Group(title, rows_or_why(of)) for title, of in rows.items())
     tables: dict[str, Callable[[], tuple[Table, ...]]] = {
         "Cut by": lambda: tuple(map(cut_table, cut_gears(pair))),
         "Teeth of their own shift": lambda: shifted_teeth(pair),
@@ -80,7 +80,7 @@ def data_sheet(pair: Drive) -> DataSheet:
     for number, gear in enumerate(Gear):
         tables[f"Span of the {gear.value} gear"] = partial(_of_one, gears, number, span_table)
         tables[f"Pins in the {gear.value} gear"] = partial(_of_one, gears, number, pin_tables)
-    told = tuple(table for title, of in tables.items() for table in _tables(title, of))
+    told = tuple(table for title, of in tables.items() for table in tables_or_why(title, of))
     return DataSheet(name, tuple(group for group in groups if group.entries), told)
 
 
@@ -92,7 +92,7 @@ def _missing(error: Exception) -> str:
     return f"could not be computed: {error}"
 
 
-def _entries(rows: Callable[[], Sequence[Entry]]) -> tuple[Entry, ...]:
+def rows_or_why(rows: Callable[[], Sequence[Entry]]) -> tuple[Entry, ...]:
     """The rows of a group, or one that says why they are missing."""
     try:
         return tuple(rows())
@@ -108,12 +108,17 @@ def _cell(value: Callable[[], Value]) -> Value:
         return _missing(error)
 
 
-def _tables(title: str, tables: Callable[[], tuple[Table, ...]]) -> tuple[Table, ...]:
+def tables_or_why(title: str, tables: Callable[[], tuple[Table, ...]]) -> tuple[Table, ...]:
     """Tables, or an empty one that says why they are missing."""
     try:
         return tables()
     except MISSING as error:
         return (Table(title, (), (), (_missing(error),)),)
+
+
+def rows_found(tables: Callable[[], tuple[Table, ...]]) -> list[Cells]:
+    """The rows of tables; none where they could not be computed."""
+    return [row for table in tables_or_why("", tables) for row in table.rows]
 
 
 def _of_one(

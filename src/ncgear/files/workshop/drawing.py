@@ -184,7 +184,7 @@ def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
     """All edges of a body that are visible from above, by their layers; some layers may be empty."""
     return {
         **_toothed(plan),
-        Layer.BORE: () if plan.bore is None else (_bore(plan.bore),),
+        Layer.BORE: () if plan.bore is None else (bore_shape(plan.bore),),
         Layer.INDEX_HOLE: () if plan.index_hole is None else (_circle(plan.index_hole),),
         Layer.END_STOP: () if plan.slot is None else (Polyline(plan.slot.points, plan.slot.bulges),),
         Layer.LIGHTENING_HOLES: tuple(_circle(hole) for hole in plan.lightening_holes),
@@ -202,7 +202,7 @@ def _toothed(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
     return {Layer.OUTLINE: (polygon(_points(plan.disc.interiors[0])),), Layer.RIM: (circle,)}
 
 
-def _bore(bore: Bore) -> Shape:
+def bore_shape(bore: Bore) -> Shape:
     """The circle of a bore; with a keyway, its three sides and two arcs of at most half a turn each."""
     radius = bore.diameter_mm / 2.0
     if bore.keyway is None:

@@ -68,7 +68,7 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
     The notes are below the drawings, and among the properties of the file.  Raises RuntimeError, a fault of ncgear, for
     a file in which the library's audit finds a fault.
     """
-    with _without_clock():
+    with without_clock():
         document = ezdxf.new(VERSION, units=units.MM)
         document.linetypes.add("CENTER", CENTER_LINE, description="Center ____ _ ____")
         for prefix, drawing in drawings.items():
@@ -85,7 +85,7 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
 
 
 @contextmanager
-def _without_clock() -> Iterator[None]:
+def without_clock() -> Iterator[None]:
     """A context in which files get no time of writing and no random identities."""
     options = ezdxf.options
     before = options.write_fixed_meta_data_for_testing

@@ -20,9 +20,10 @@ class Format(StrEnum):
     THREEMF = "3mf"
     GLB = "glb"
     STEP = "step"
+    DRAWING = "drawing"
 
 
-USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB)
+USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB, Format.DRAWING)
 """The kinds that a build writes if no others are asked for: all that need no optional library."""
 
 
@@ -41,6 +42,11 @@ WRITERS = {
     Format.THREEMF: Writer("threemf", "threemf_files", ("gears.3mf", "pair.3mf")),
     Format.GLB: Writer("glb", "glb_files", ("pair.glb",)),
     Format.STEP: Writer("step", "step_files", ("driving.step", "driven.step", "pair.step")),
+    Format.DRAWING: Writer(
+        "sheets.files",
+        "drawing_files",
+        tuple(f"{name}_drawing.{kind}" for name in ("driving", "driven", "pair") for kind in ("pdf", "svg", "dxf")),
+    ),
 }
 
 

@@ -1,0 +1,1 @@
+"""Drawings of gears and of their assembly on sheets of paper, for people who make and mount them."""

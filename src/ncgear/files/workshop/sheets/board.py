@@ -1,0 +1,116 @@
+"""A view that is being drawn: what is on it, and where there is still room for texts, leaders and dimensions.
+
+A text covers no line and no other text; lines cross lines, but no text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import product
+
+import numpy as np
+import shapely
+from shapely import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Ring, Text, leader, parts_of
+from ncgear.numerics.arrays import Array
+
+SLACK_MM = 0.6
+"""Room around texts."""
+
+CHUNK = 24
+"""Points of a line that are looked at together."""
+
+LENGTHS_MM = (5.0, 8.0, 12.0, 17.0, 24.0, 32.0, 42.0, 54.0)
+TURNS_RAD = tuple(np.radians([0.0, 12.0, -12.0, 25.0, -25.0, 40.0, -40.0, 60.0, -60.0, 85.0, -85.0]))
+"""Lengths of leaders that are tried, and by how much they lean from the direction that is wanted."""
+
+
+class Board:
+    """The items of a view inside a box of paper: left, bottom, right, top."""
+
+    def __init__(self, box: tuple[float, float, float, float]) -> None:
+        self.box = shapely.box(*box)
+        self.items: list[Item] = []
+        self._lines: list[BaseGeometry] = []
+        self._texts: list[BaseGeometry] = []
+
+    def add(self, *items: Item) -> None:
+        """Put items on the board; it is not asked whether there is room."""
+        for item in items:
+            self.items.append(item)
+            for part in parts_of(item):
+                if isinstance(part, Text):
+                    self._texts.append(Polygon(part.corners))
+                else:
+                    self._lines += _pieces(part)
+
+    def has_room(self, text: Text) -> bool:
+        """Whether a text is inside the box and covers nothing."""
+        area = Polygon(text.corners).buffer(SLACK_MM, join_style="mitre")
+        return bool(
+            self.box.covers(area)
+            and not shapely.intersects(self._lines, area).any()
+            and not shapely.intersects(self._texts, area).any()
+        )
+
+    def is_free(self, lines: Iterable[Line]) -> bool:
+        """Whether lines are inside the box and cross no text."""
+        pieces = [piece for line in lines for piece in _pieces(line)]
+        return all(self.box.covers(piece) and not shapely.intersects(self._texts, piece).any() for piece in pieces)
+
+    def put_text(self, candidates: Iterable[Text]) -> bool:
+        """Add the first text that has room; whether there was one."""
+        for text in candidates:
+            if self.has_room(text):
+                self.add(text)
+                return True
+        return False
+
+    def put_dimension(self, candidates: Iterable[Dimension]) -> bool:
+        """Add the first dimension that has room; whether there was one."""
+        for one in candidates:
+            if self.has_room(one.text) and self.is_free(one.lines):
+                self.add(one)
+                return True
+        return False
+
+    def pointed(
+        self,
+        target: Array,
+        direction_rad: float,
+        words: str,
+        turns_rad: Iterable[float] = TURNS_RAD,
+        lengths_mm: Iterable[float] = LENGTHS_MM,
+    ) -> tuple[tuple[Line, ...], Text] | None:
+        """A leader to a target from about a direction, with its text, where there is room; None where there is none."""
+        lengths, turns = tuple(lengths_mm), tuple(turns_rad)
+        for back, length, turn in product((False, True), lengths, turns):
+            angle = direction_rad + turn
+            elbow = target + length * np.array([np.cos(angle), np.sin(angle)])
+            # The text stands on its own leader, which is not on the board yet.
+            lines, text = leader(target, elbow, words, back=back)
+            clear = not LineString([target, elbow]).intersects(Polygon(text.corners))
+            if clear and self.has_room(text) and self.is_free(lines):
+                return lines, text
+        return None
+
+    def point(self, target: Array, direction_rad: float, words: str, turns_rad: Iterable[float] = TURNS_RAD) -> bool:
+        """Add a leader with a text; whether there was room."""
+        found = self.pointed(target, direction_rad, words, turns_rad)
+        if found is not None:
+            self.add(*found[0], found[1])
+        return found is not None
+
+
+def _pieces(line: Line | Ring) -> list[BaseGeometry]:
+    """A line in short pieces, which are looked at faster."""
+    closed = isinstance(line, Ring) or line.closed
+    points = np.vstack([line.points, line.points[:1]]) if closed else line.points
+    return [LineString(points[start : start + CHUNK + 1]) for start in range(0, len(points) - 1, CHUNK)]
+
+
+def centered(words: str, place: Array, letter_mm: float, name: str = "") -> Text:
+    """A text with its middle at a place."""
+    return Text(words, (float(place[0]), float(place[1]) - letter_mm / 2.0), Anchor.MIDDLE, letter_mm, name=name)

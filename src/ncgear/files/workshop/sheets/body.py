@@ -1,0 +1,158 @@
+"""A gear's body as it is drawn on a sheet: finished, from above, and cut across its axis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from shapely import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from ncgear.files.workshop.drawing import Circle, Cross, Layer, Polyline, Shape, body_shapes, pitch_points
+from ncgear.files.workshop.sheets.sheet import Line, Pen, Ring
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import turned
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.solids.plan.areas import polygons
+from ncgear.solids.plan.body import BodyPlan
+from ncgear.teeth.gear import ToothedGear
+
+STRAY_MM = 0.004
+"""How far lines of a drawing may be from those of the outline's table, which itself keeps the chord tolerance."""
+
+ARC_STEP_RAD = np.radians(3.0)
+"""Largest angle between points of an arc that is drawn in chords: 0.003 mm off on a radius of 10 mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """From a gear's own frame to paper: seen from above, or for ``hand`` -1 from below, turned, scaled, and moved."""
+
+    scale: float
+    origin: tuple[float, float]
+    turn_rad: float = 0.0
+    hand: float = 1.0
+
+    def on_paper(self, points_mm: Array) -> Array:
+        """Points (..., 2) in mm of paper."""
+        seen = points_mm * np.array([1.0, self.hand])
+        return np.asarray(np.asarray(self.origin) + self.scale * turned(seen, np.asarray(self.turn_rad)))
+
+    def direction_rad(self, own_rad: float) -> float:
+        """A direction of the gear's own frame on paper."""
+        return self.turn_rad + self.hand * own_rad
+
+
+def finished(drive: Drive, gear: Gear) -> BodyPlan:
+    """The body as it shall come out: without what a process takes off, or a cutter leaves, along its edges."""
+    plan = drive.solids.of(gear).plan
+    off = plan.clearance_mm
+    if off == 0.0:
+        return plan
+    outline = drive.teeth.of(gear).outline_mm
+    disc = Polygon(plan.disc.exterior, [outline]) if plan.is_ring else Polygon(outline)
+    # Round holes are not enlarged by a clearance, but are narrower by a kerf.
+    wider = -2.0 * min(off, 0.0)
+    return replace(
+        plan,
+        disc=disc,
+        bore=plan.bore.widened(-off) if plan.bore else None,
+        slot=plan.slot.widened(-off) if plan.slot else None,
+        index_hole=replace(plan.index_hole, diameter_mm=plan.index_hole.diameter_mm + wider)
+        if plan.index_hole
+        else None,
+        lightening_holes=tuple(replace(hole, diameter_mm=hole.diameter_mm + wider) for hole in plan.lightening_holes),
+        clearance_mm=0.0,
+    )
+
+
+def drawn_body(drive: Drive, gear: Gear, plan: BodyPlan, view: View, name: str = "") -> Iterator[Line | Ring]:
+    """All edges seen from above, the pitch curve, and the mark of the axis; the tooth outline is named ``name``."""
+    for layer, shapes in body_shapes(plan).items():
+        for shape in shapes:
+            yield from drawn_shape(shape, view, Pen.VISIBLE, name if layer is Layer.OUTLINE else "")
+    curve = pitch_points(drive.pitch.of(gear), plan.chord_tolerance_mm)
+    yield Line(view.on_paper(curve), Pen.CHAIN, closed=True)
+
+
+def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[Line | Ring]:
+    """The lines of a shape."""
+    match shape:
+        case Polyline():
+            ring = shapely.simplify(shapely.LinearRing(flattened(shape)), STRAY_MM)
+            yield Line(view.on_paper(shapely.get_coordinates(ring)[:-1]), pen, closed=True, name=name)
+        case Circle():
+            x, y = view.on_paper(np.array([shape.x_mm, shape.y_mm])).tolist()
+            yield Ring((x, y), view.scale * shape.radius_mm, pen, name)
+        case Cross():
+            for ends in shape.lines:
+                yield Line(view.on_paper(ends), Pen.CHAIN)
+
+
+def flattened(chain: Polyline) -> Array:
+    """A chain of lines and arcs as points (n, 2) of a closed polygon."""
+    points = []
+    for start, end, bulge in zip(chain.points, np.roll(chain.points, -1, axis=0), chain.bulges.tolist(), strict=True):
+        points.append(start[None, :])
+        if bulge:
+            angle = 4.0 * np.arctan(bulge)
+            middle, half = (start + end) / 2.0, (end - start) / 2.0
+            center = middle + np.array([-half[1], half[0]]) / np.tan(angle / 2.0)
+            steps = int(np.ceil(abs(angle) / ARC_STEP_RAD))
+            points.append(center + turned(start - center, angle * np.arange(1, steps)[:, None].ravel() / steps))
+    return np.vstack(points)
+
+
+def tooth_places(gear: ToothedGear, height_mm: float) -> Array:
+    """Places over the pitch curve in the middle of every tooth, shape (z, 2); the row of tooth n is n - 1."""
+    flanks = gear.flanks
+    sides = flanks.crossing_mm[: 2 * flanks.teeth].reshape(-1, 2)
+    return flanks.offset(sides.mean(axis=1), height_mm)[0]
+
+
+HATCH_MM = 2.5
+"""Distance of the lines of a hatching."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A body cut in the plane x = 0 of its frame: z to the right in mm, and y upwards."""
+
+    area: BaseGeometry
+    width_mm: float
+    height_mm: float
+
+    def lines(self, scale: float, left: float, middle: float) -> Iterator[Line]:
+        """The section on paper: z = 0 at ``left``, y = 0 at ``middle``, with its hatching."""
+        place = np.array([left, middle])
+        cut = shapely.transform(self.area, lambda points: place + scale * points)
+        low, high = (edge(shapely.get_coordinates(cut)[:, 1]) for edge in (np.min, np.max))
+        for z in {0.0, self.width_mm, self.height_mm}:
+            if z != self.height_mm or z == self.width_mm:
+                x = left + scale * z
+                yield Line(np.array([[x, low], [x, high]]), Pen.VISIBLE)
+        for part in polygons(cut):
+            for ring in (part.exterior, *part.interiors):
+                yield Line(np.asarray(ring.coords)[:-1], Pen.VISIBLE, closed=True)
+        right = left + scale * self.height_mm
+        for start in np.arange(low - (right - left), high, HATCH_MM * np.sqrt(2.0)):
+            stroke = LineString([(left, start), (right, start + right - left)]).intersection(cut)
+            for piece in shapely.get_parts(stroke):
+                if piece.length > 0.0:
+                    yield Line(np.asarray(piece.coords), Pen.THIN)
+
+
+def section_of(plan: BodyPlan) -> Section:
+    """The body's section by the plane x = 0."""
+    reach = 2.0 * float(np.abs(shapely.get_coordinates(plan.disc)).max())
+    plane = LineString([(0.0, -reach), (0.0, reach)])
+    boxes = []
+    for slab in plan.slabs:
+        for piece in shapely.get_parts(slab.section.intersection(plane)):
+            if piece.length > 0.0:
+                ys = np.asarray(piece.coords)[:, 1]
+                boxes.append(shapely.box(slab.low_mm, ys.min(), slab.high_mm, ys.max()))
+    return Section(shapely.union_all(boxes), plan.face_width_mm, plan.height_mm)
