@@ -305,12 +305,14 @@ def test_walls_as_long_as_the_chamber_would_be_passed_through() -> None:
 def test_a_wall_begins_no_later_than_it_must() -> None:
     """By the rod's upper edge in closed form: the line through both pins, moved by half the rod's width."""
     found = scene("uniform-crank")
-    linkage, half, gap = found.machine.linkage, found.chamber.height_mm / 2.0, WALL_GAP * found.machine.linkage.crank_mm
+    linkage, half = found.machine.linkage, found.chamber.height_mm / 2.0
+    gap = WALL_GAP * linkage.crank_mm
     turned = np.linspace(0.0, 2.0 * pi, 200_001)
     x, y = linkage.crank_mm * np.cos(turned), linkage.crank_mm * np.sin(turned)
     slope = np.arcsin(y / linkage.rod_mm)
     level = half - gap - ROD_WIDTH / 2.0 * linkage.crank_mm / np.cos(slope)
-    reached = (x + (y - level) / np.tan(slope))[y > level].max() + gap
+    over = y > level
+    reached = (x + (y - level) / np.tan(np.where(over, slope, 1.0)))[over].max() + gap
     low, high = wall_starts_mm(found, found.chamber)
     assert low == pytest.approx(high, abs=1e-3 * linkage.crank_mm)
     assert high == pytest.approx(reached, abs=2e-3 * linkage.crank_mm)
