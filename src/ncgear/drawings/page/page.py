@@ -32,6 +32,7 @@ from ncgear.drawings.page.tables import (
     strength_tables,
     versions,
 )
+from ncgear.drawings.page.teeth import ToothLinks
 from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
@@ -43,8 +44,8 @@ from ncgear.project.drive import Drive
 
 PACKAGE = "ncgear.drawings.page"
 
-SCENE_SCRIPTS = ("angles", "places", "gestures", "scene")
-PAGE_SCRIPTS = ("shafts", "clock", "charts", "readouts", "controls", "page")
+SCENE_SCRIPTS = ("angles", "places", "gestures", "teeth", "scene")
+PAGE_SCRIPTS = ("shafts", "clock", "charts", "readouts", "controls", "find", "page")
 """Files of scene/ and of script/; each may use those before it."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
@@ -65,13 +66,17 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "pairs": [
             {
                 "title": _stage_name(pair),
+                "teeth": ToothLinks(pair.stage),
                 "sheet": sheet_tables(data_sheet(pair)),
                 "contact": contact_tables(pair, found),
                 "strength": strength_tables(pair),
             }
             for pair, found in pairs
         ],
-        "advices": [("", check_advice(drive)), *((_stage_name(pair), build_advice(pair)) for pair, _ in pairs)],
+        "advices": [
+            ("", ToothLinks(), check_advice(drive)),
+            *((_stage_name(pair), ToothLinks(pair.stage), build_advice(pair)) for pair, _ in pairs),
+        ],
     }
     about_design = {
         "design": drive.design,
@@ -85,6 +90,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "text": loaded.text,
         "file_name": loaded.path.name,
         "versions": versions(),
+        "plain": ToothLinks(),
         "ncgear_version": __version__,
     }
     moving = {
@@ -93,6 +99,9 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "cycle_deg": data["cycle_deg"],
         "scene": Markup(scene_svg(scene)),
         "views": list(views(scene)),
+        "gears": [
+            (gear.body.name, gear.body.name.replace("-", " of stage "), len(gear.teeth_mm)) for gear in scene.gears
+        ],
         "paces": paces(drive.design.operation.speed_rpm),
     }
     return _rendered({**about_design, **about_pairs, **moving})

@@ -37,6 +37,7 @@ function start() {
     ),
   );
   viewButtons(scene);
+  createFinder(scene, clock);
   clock.set(0);
 
   // For whoever looks at the page by script: angles in rad.
