@@ -42,6 +42,7 @@ class Entry:
     masses: type[GearMasses] = SlidingMasses
     resistance: type[Load] = Resistance
     wishes: type[Timing] = Wishes
+    has_crank_pin: bool = True
 
     @property
     def stroke_key(self) -> str | None:
@@ -103,8 +104,8 @@ MECHANISMS: dict[str, Entry] = {
     "scotch_yoke": Entry(_scotch_yoke, YokeKeys),
     "crank_rocker": Entry(_crank_rocker, RockerKeys, RockerMasses, RockerTorque, TurningWishes),
     "slotted_lever": Entry(_slotted_lever, LeverKeys, LeverMasses),
-    "rack_pinion": Entry(_rack_pinion, RackKeys),
-    NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque),
+    "rack_pinion": Entry(_rack_pinion, RackKeys, has_crank_pin=False),
+    NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque, has_crank_pin=False),
 }
 """All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""
 

@@ -106,6 +106,16 @@ class Design(Model):
         return self
 
     @model_validator(mode="after")
+    def _a_crank_pin_has_a_crank(self) -> Self:
+        pin = self.gears.driven.crank_pin if self.gears else None
+        if pin is not None and not entry_of(self.linkage).has_crank_pin:
+            raise fault(
+                "gears.driven.crank_pin",
+                "given, but the driven shaft turns no crank here; leave it out, or give a linkage with a crank",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _limits_are_those_of_the_output(self) -> Self:
         if self.optimize is None:
             return self

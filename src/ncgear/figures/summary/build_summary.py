@@ -415,6 +415,8 @@ def _cuts(plan: BodyPlan) -> dict[str, Any]:
     if plan.web is not None:
         found["web_mm"] = plan.web.thickness_mm
         found["pocket_areas_mm2"] = [float(pocket.area) for pocket in plan.web.pockets]
+    if plan.crank_pin is not None:
+        found["crank_pin_hole"] = asdict(plan.crank_pin)
     if plan.lightening_holes:
         found["lightening_holes"] = [asdict(hole) for hole in plan.lightening_holes]
     if plan.slot is not None:
