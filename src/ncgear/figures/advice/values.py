@@ -29,6 +29,7 @@ class Kind(StrEnum):
     IDLE_FLANKS = "idle_flanks"
     THRUST = "thrust"
     CRANK_PIN = "crank_pin"
+    ROD = "rod"
     STRENGTH = "strength"
 
 

@@ -20,6 +20,7 @@ from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
 from ncgear.errors import DesignError
 from ncgear.figures.advice.collected import build_advice, check_advice
+from ncgear.figures.passed import passed_summary
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
@@ -66,6 +67,7 @@ def build_summary(drive: Drive, contact: PairContact, outline_errors_mm: Mapping
         **_strength(drive),
         **_pumped(drive),
         "bodies": bodies_summary(drive),
+        **passed_summary(drive),
         "files": {f"{kind}_outline_error_max_mm": error for kind, error in outline_errors_mm.items()},
         "comparison": comparison,
         "warnings": [advice.line for advice in advices if advice.matters],

@@ -123,9 +123,9 @@ def _crank_pin(
     asked = blank.crank_pin
     if asked is None:
         return None
-    hole = replace(asked, diameter_mm=asked.diameter_mm + 2.0 * blank.clearance_mm)
-    require_crank_pin_room(room, hole, shapely.union_all(others), INNER_WALL_IN_MODULES * module_mm, key)
-    return hole
+    wall_mm = INNER_WALL_IN_MODULES * module_mm
+    require_crank_pin_room(room, asked, shapely.union_all(others), wall_mm, blank.clearance_mm, key)
+    return replace(asked, diameter_mm=asked.diameter_mm + 2.0 * blank.clearance_mm)
 
 
 def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:

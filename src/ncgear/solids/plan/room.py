@@ -139,10 +139,13 @@ def require_slot_room(
     raise WrongInput(problem, key=f"{key}.end_stop.radius_mm")
 
 
-def require_crank_pin_room(disc: Polygon, hole: RoundHole, others: BaseGeometry, wall_mm: float, key: str) -> None:
+def require_crank_pin_room(
+    disc: Polygon, hole: RoundHole, others: BaseGeometry, wall_mm: float, clearance_mm: float, key: str
+) -> None:
     """Raise WrongInput for ``key``.crank_pin.diameter_mm unless the hole keeps a wall to everything.
 
-    ``others`` is what is cut elsewhere or stands about the axis.  The message states the largest hole that would do.
+    The hole is widened by the clearance first.  ``others`` is what is cut elsewhere or stands about the axis.  The
+    message states the largest hole that would do.
     """
     center = Point(hole.x_mm, hole.y_mm)
     reach_mm = hypot(hole.x_mm, hole.y_mm)
@@ -150,7 +153,7 @@ def require_crank_pin_room(disc: Polygon, hole: RoundHole, others: BaseGeometry,
         apart_mm = min(float(disc.exterior.distance(center)), float(others.distance(center)))
     else:
         apart_mm = 0.0
-    largest = 2.0 * (apart_mm - wall_mm)
+    largest = 2.0 * (apart_mm - wall_mm - clearance_mm)
     if hole.diameter_mm <= largest:
         return
     right = said_largest(largest, "none fits there; a larger gear, another crank or a thinner shaft is needed")
