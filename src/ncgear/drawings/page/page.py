@@ -6,9 +6,7 @@ this folder.
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from hashlib import sha256
 from importlib.resources import files
 from itertools import chain
 from typing import Any
@@ -23,6 +21,7 @@ from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.page_charts import gear_charts, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
+from ncgear.drawings.page.solid_view import hash_of, solid_view
 from ncgear.drawings.page.tables import (
     comparison_tables,
     contact_tables,
@@ -45,7 +44,7 @@ from ncgear.project.drive import Drive
 PACKAGE = "ncgear.drawings.page"
 
 SCENE_SCRIPTS = ("angles", "places", "gestures", "teeth", "scene")
-PAGE_SCRIPTS = ("shafts", "clock", "charts", "readouts", "controls", "find", "page")
+PAGE_SCRIPTS = ("shafts", "clock", "charts", "readouts", "controls", "find", "solid", "page")
 """Files of scene/ and of script/; each may use those before it."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
@@ -99,6 +98,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "cycle_deg": data["cycle_deg"],
         "scene": Markup(scene_svg(scene)),
         "views": list(views(scene)),
+        "solids": [solid_view(pair, _stage_name(pair)) for pair, _ in pairs],
         "gears": [
             (gear.body.name, gear.body.name.replace("-", " of stage "), len(gear.teeth_mm)) for gear in scene.gears
         ],
@@ -118,7 +118,8 @@ def _rendered(content: Mapping[str, Any]) -> bytes:
     environment.policies["json.dumps_kwargs"] = JSON_FORM
     template = environment.get_template("template.html.j2")
     css, script = style_of_colors() + _asset("page.css") + scene_style(), _page_script()
-    return template.render(**content, css=Markup(css), script=Markup(script), policy=_policy(script)).encode()
+    policy = _policy([hash_of(script), *(view.script_hash for view in content["solids"])])
+    return template.render(**content, css=Markup(css), script=Markup(script), policy=policy).encode()
 
 
 def scene_script() -> str:
@@ -137,11 +138,15 @@ def _page_script() -> str:
     return "\n".join(["(() => {", '"use strict";', *parts, "})();"])
 
 
-def _policy(script: str) -> str:
-    """The policy of the page: it makes no request of any kind, and runs no code but this script."""
-    own = b64encode(sha256(script.encode()).digest()).decode()
+def _policy(hashes: Sequence[str]) -> str:
+    """The policy of the page: it makes no request to anywhere, and runs no code but the scripts with these hashes.
+
+    The frames of gears in 3D have the same policy; they read their model from an address that holds the data itself.
+    """
+    connect = "connect-src data:; " if len(hashes) > 1 else ""
     return (
-        f"default-src 'none'; script-src 'sha256-{own}'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src {' '.join(dict.fromkeys(hashes))}; {connect}style-src 'unsafe-inline'; "
+        "base-uri 'none'; form-action 'none'"
     )
 
 

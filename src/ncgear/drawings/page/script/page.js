@@ -38,6 +38,7 @@ function start() {
   );
   viewButtons(scene);
   createFinder(scene, clock);
+  createSolids();
   clock.set(0);
 
   // For whoever looks at the page by script: angles in rad.
