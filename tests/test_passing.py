@@ -14,7 +14,7 @@ from shapely import LineString, Point
 
 from drives import drive, drive_of_text
 from ncgear.errors import WrongInput
-from ncgear.figures.advice.law_advice import crank_pin, rods
+from ncgear.figures.advice.law_advice import crank_pin, pin_beside_hub, rods
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.passed import passed_rows, passed_summary
 from ncgear.kinematics.motion import Machine
@@ -154,6 +154,16 @@ def test_a_pin_of_its_own_diameter_is_judged_by_it() -> None:
     assert pin.half_mm == 4.0
     assert pin.room_mm is None
     assert pin.clearance_mm is None
+
+
+def test_a_pin_beside_a_hub_is_remarked() -> None:
+    text = TEXT.format(linkage="{crank_mm: 30, rod_mm: 150}", axis=180.0, more="")
+    body = "driven: {bore_mm: 10, crank_pin: {diameter_mm: 8}, hub: {diameter_mm: 30, height_mm: 6}}"
+    told = pin_beside_hub(drive_of_text(text.replace("driving: {bore_mm: 12}", body)))
+    assert told is not None
+    assert not told.matters
+    assert "6 mm high" in told.what
+    assert pin_beside_hub(drive_of_text(text)) is None
 
 
 def test_summary_and_data_sheet_tell_the_same() -> None:

@@ -80,8 +80,10 @@ def passings_of(drive: Drive) -> tuple[Passing, ...]:
 
 def _half_mm(drive: Drive, part: str) -> float | None:
     """Half the diameter of the crank pin, or half the width of a rod."""
-    asked, fit = drive.gears.driven.crank_pin, drive.design.fit
-    width_mm = (asked and asked.diameter_mm) if part == CRANK_PIN else (fit and fit.rod_width_mm)
+    if part == CRANK_PIN:
+        pin = drive.gears.driven.crank_pin
+        return pin.diameter_mm / 2.0 if pin else None
+    width_mm = drive.design.fit.rod_width_mm if drive.design.fit else None
     return None if width_mm is None else width_mm / 2.0
 
 

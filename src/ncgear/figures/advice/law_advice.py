@@ -170,23 +170,20 @@ NO_MEETING = {
 
 
 def rods(drive: Drive) -> list[Advice]:
-    """Rods that meet what stands in their plane, and a hub that the crank pin must stand out of.
-
-    They are judged only where the design says what stands there, by its section ``fit``.
-    """
+    """Rods that meet what stands in their plane; judged only where the design says what, by its section ``fit``."""
     fit = drive.design.fit
     if fit is None:
         return []
     found = []
     for one in passings_of(drive):
         ends = fit.driving_shaft == "ends" and one.standing.name.startswith("driving")
-        room, half = one.room_mm, one.half_mm or 0.0
-        if one.part == CRANK_PIN or ends or room is None or room >= 2.0 * half:
+        room, half, radius = one.room_mm, one.half_mm or 0.0, one.standing.radius_mm
+        if one.part == CRANK_PIN or ends or room is None or radius is None or room >= 2.0 * half:
             continue
         at, wide = degrees(one.phi1_rad), f"{drawn(2.0 * half, 'mm')} mm wide" if half else "however thin it is"
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
         lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
-        taken = drawn(one.standing.radius_mm, "mm")
+        taken = drawn(radius, "mm")
         found.append(
             Advice(
                 Kind.ROD,
@@ -198,6 +195,21 @@ def rods(drive: Drive) -> list[Advice]:
             )
         )
     return found
+
+
+def pin_beside_hub(drive: Drive) -> Advice | None:
+    """A remark about a crank pin in a gear with a hub on the same face: what the pin moves must run above the hub."""
+    driven = drive.gears.driven
+    if driven.crank_pin is None or driven.hub is None or not drive.turns_crank:
+        return None
+    height = drawn(driven.hub.height_mm, "mm")
+    return Advice(
+        Kind.CRANK_PIN,
+        (Where(Gear.DRIVEN.value),),
+        f"the crank pin stands beside the driven gear's hub, which is {height} mm high",
+        "at a dead centre what the pin moves lies over the axis: let the pin stand out above the hub or on the other face",
+        matters=False,
+    )
 
 
 def concave(drive: Drive, gear: Gear) -> Advice | None:

@@ -68,8 +68,8 @@ def _round_holes(drive: Drive) -> list[Entry]:
     driving, driven = drive.solids.driving.plan, drive.solids.driven.plan
     pin = driven.crank_pin
     rows = [
-        Entry("diameter of the crank pin's hole", "mm", driven=pin and pin.diameter_mm),
-        Entry("centre of the crank pin's hole, x and y", "mm", driven=pin and _place(pin)),
+        Entry("diameter of the crank pin's hole", "mm", driven=pin.diameter_mm if pin else None),
+        Entry("centre of the crank pin's hole, x and y", "mm", driven=_place(pin) if pin else None),
         Entry("lightening holes, number x diameter", "mm", driving=_lightening(driving), driven=_lightening(driven)),
     ]
     if gears.index_holes:
