@@ -173,7 +173,7 @@ def test_summary_and_data_sheet_tell_the_same() -> None:
     assert section["rod_to_driving_shaft_min_mm"] == rod.distance_mm
     assert section["rod_to_driving_shaft_clearance_mm"] == pytest.approx(rod.distance_mm - 6.0 - 9.0)
     rows = {entry.label: entry for entry in passed_rows(found)}
-    clearance = rows["rod to driving shaft: clearance, less than 0 where they meet"]
+    clearance = rows["rod to driving shaft: clearance, under 0 where they meet"]
     assert clearance.pair == section["rod_to_driving_shaft_clearance_mm"]
     assert "Beside the gears" in [group.title for group in data_sheet(found).groups]
 

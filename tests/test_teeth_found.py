@@ -110,6 +110,14 @@ def test_cells_that_hold_teeth() -> None:
     assert [links(cell) for cell in tips.cells] == [[], [("driving", 3), ("driving", 5), ("driving", 4)], [], []]
 
 
+def test_notes_of_a_gear_s_table_name_its_teeth() -> None:
+    notes = "no pin in the space after tooth 16", "elsewhere"
+    table = Table("The driven gear is cut by", (Column("tool"),), (("hob",),), notes, ("held beside tooth 7",))
+    assert [links(note) for note in ToothLinks().notes(table)] == [[("driven", 16)], []]
+    (row,) = ToothLinks().rows(table)
+    assert links(row.note) == [("driven", 7)]
+
+
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")

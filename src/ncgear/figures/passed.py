@@ -6,7 +6,6 @@ from math import degrees
 from typing import Any
 
 from ncgear.figures.data_sheet.entry import Entry
-from ncgear.figures.numbers import drawn, fixed
 from ncgear.project.drive import Drive
 from ncgear.project.passing import passings_of
 
@@ -33,15 +32,11 @@ def passed_rows(drive: Drive) -> tuple[Entry, ...]:
     """The same as rows of the data sheet: distances between middles, the angles, and the widest part that passes."""
     rows = []
     for one in passings_of(drive):
-        name = f"{one.part} to {one.standing.name}"
-        at = f"{drawn(one.distance_mm, 'mm')} at {fixed(degrees(one.phi1_rad), 1)} deg"
-        rows.append(Entry(f"{name}, least distance of their middles, at phi1", "mm", pair=at))
-        room = one.room_mm
+        name, room = f"{one.part} to {one.standing.name}", one.room_mm
+        rows.append(Entry(f"{name}: least distance of their middles", "mm", pair=one.distance_mm))
+        rows.append(Entry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))
         if room is not None:
-            width = "diameter" if one.part == "crank pin" else "width"
-            rows.append(
-                Entry(f"{name}: greatest {width} that passes", "mm", pair=drawn(room, "mm") if room > 0.0 else "none")
-            )
+            rows.append(Entry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
         if one.clearance_mm is not None:
-            rows.append(Entry(f"{name}: clearance, less than 0 where they meet", "mm", pair=one.clearance_mm))
+            rows.append(Entry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
     return tuple(rows)

@@ -51,19 +51,23 @@ class ToothLinks:
 
         Long tables get no links: whoever goes through the page by keyboard would stop at each.
         """
-        titled = re.search(r"\b(driving|driven)\b", table.title)
+        titled = _titled(table)
         for row in table.html_rows:
             first, *others = row.cells
             if table.long:
                 yield row
                 continue
-            of_row = first if first in ("driving", "driven") else titled[1] if titled else ""
+            of_row = first if first in ("driving", "driven") else titled
             cells = [self.text(first)]
             for place, cell in enumerate(others, start=1):
                 label = table.columns[place].label if place < len(table.columns) and row.span == 1 else ""
                 gear = label if label in ("driving", "driven") else of_row
                 cells.append(self._cell(cell, gear, label in TOOTH_COLUMNS or first.startswith(TEETH_ROW)))
-            yield HtmlRow(tuple(cells), row.span, self.text(row.note))
+            yield HtmlRow(tuple(cells), row.span, self.text(row.note, titled))
+
+    def notes(self, table: Table) -> list[Markup]:
+        """The notes of a table as HTML."""
+        return [self.text(note, _titled(table)) for note in table.notes]
 
     def _cell(self, cell: str, gear: str, begins_with_teeth: bool) -> Markup:
         found = TEETH_FIRST.match(cell) if begins_with_teeth and gear else None
@@ -84,3 +88,9 @@ class ToothLinks:
             )
 
         return Markup(re.sub(r"\d+", link, numbers))
+
+
+def _titled(table: Table) -> str:
+    """The gear that the title of a table names; empty where it names none."""
+    found = re.search(r"\b(driving|driven)\b", table.title)
+    return found[1] if found else ""

@@ -207,7 +207,7 @@ def pin_beside_hub(drive: Drive) -> Advice | None:
         Kind.CRANK_PIN,
         (Where(Gear.DRIVEN.value),),
         f"the crank pin stands beside the driven gear's hub, which is {height} mm high",
-        "at a dead centre what the pin moves lies over the axis: let the pin stand out above the hub or on the other face",
+        "at a dead centre what it moves lies over the axis: let the pin stand out above the hub or on the other face",
         matters=False,
     )
 
