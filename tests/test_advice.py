@@ -36,6 +36,10 @@ CASES: dict[str, Data] = {
     "undercut, allowed and shifted": {
         "gears": {"teeth": 12, "undercut": "allow", "profile_shift": {"driving": 0.05}},
     },
+    "rod that meets the shaft": {
+        "fit": {"rod_width_mm": 10},
+        "gears": {"driving_axis_deg": 0, "driving": {"bore_mm": 12}},
+    },
     "pointed": {
         "gears": {
             "teeth": 20,

@@ -7,12 +7,14 @@ from math import pi, radians
 
 import numpy as np
 import pytest
-from shapely import LinearRing, Point, Polygon
+import shapely
+from shapely import LinearRing, LineString, Point, Polygon
 
 from drives import drive_of_text
-from ncgear.drawings.scene.bodies import REST, Places, chamber_of
+from ncgear.drawings.scene.bodies import REST, ROD_WIDTH, Places, chamber_of
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, mountings
 from ncgear.drawings.scene.scene import Poses, Scene
+from ncgear.drawings.scene.standing import WALL_GAP, wall_starts_mm, walls_mm
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear, Mesh
@@ -261,3 +263,72 @@ def test_a_force_on_the_way_back_has_its_material_behind_the_slider() -> None:
     only_friction = drive_of_text(ASKEW.replace('expression_n: "500*(x - 20)"', "friction_n: 5"))
     chamber = chamber_of(only_friction.linkage, only_friction.machine.load)
     assert (chamber.begins_mm, chamber.behind_mm) == (None, None)
+
+
+def passes_through(found: Scene, walls: list[Array], poses: int) -> bool:
+    """Whether any link but the output meets a wall in so many poses, each looked at as an area."""
+    wall = shapely.MultiLineString([LineString(line) for line in walls])
+    places = found.poses(np.linspace(0.0, found.machine.transmission.cycle_rad, poses)).places
+    for body in found.links[1:]:
+        outline = Polygon(body.contours_mm[0])
+        for (x, y), angle in zip(places[body.name].origin_mm, places[body.name].angle_rad, strict=True):
+            moved = shapely.affinity.rotate(outline, float(angle), origin=(0.0, 0.0), use_radians=True)
+            if shapely.affinity.translate(moved, float(x), float(y)).intersects(wall):
+                return True
+    return False
+
+
+WALLED = [
+    "uniform-crank",
+    "pump-1-2",
+    "pump-both-ways",
+    "askew",
+    "both ways",
+    "scotch-yoke-pump",
+    "quick-return-shaper",
+]
+
+
+@pytest.mark.tiers(quick=["uniform-crank", "both ways", "scotch-yoke-pump"], rest="thorough")
+@pytest.mark.parametrize("name", WALLED)
+def test_no_link_passes_through_a_wall(name: str) -> None:
+    assert not passes_through(scene(name), walls_mm(scene(name)), 500)
+
+
+def test_walls_as_long_as_the_chamber_would_be_passed_through() -> None:
+    found = scene("uniform-crank")
+    half = found.chamber.height_mm / 2.0
+    sides = [np.array([[found.chamber.start_mm, y], [found.chamber.end_mm, y]]) for y in (-half, half)]
+    assert passes_through(found, sides, 100)
+
+
+def test_a_wall_begins_no_later_than_it_must() -> None:
+    """By the rod's upper edge in closed form: the line through both pins, moved by half the rod's width."""
+    found = scene("uniform-crank")
+    linkage, half = found.machine.linkage, found.chamber.height_mm / 2.0
+    gap = WALL_GAP * linkage.crank_mm
+    turned = np.linspace(0.0, 2.0 * pi, 200_001)
+    x, y = linkage.crank_mm * np.cos(turned), linkage.crank_mm * np.sin(turned)
+    slope = np.arcsin(y / linkage.rod_mm)
+    level = half - gap - ROD_WIDTH / 2.0 * linkage.crank_mm / np.cos(slope)
+    over = y > level
+    reached = (x + (y - level) / np.tan(np.where(over, slope, 1.0)))[over].max() + gap
+    low, high = wall_starts_mm(found, found.chamber)
+    assert low == pytest.approx(high, abs=1e-3 * linkage.crank_mm)
+    assert high == pytest.approx(reached, abs=2e-3 * linkage.crank_mm)
+
+
+def test_an_end_wall_has_an_opening_for_the_bar_of_a_yoke() -> None:
+    found = scene("scotch-yoke-pump")
+    ends = [line for line in walls_mm(found) if np.all(line[:, 0] == found.chamber.start_mm)]
+    crank = found.machine.linkage.crank_mm
+    levels = sorted(np.concatenate([line[:, 1] for line in ends]))
+    opening = (ROD_WIDTH / 2.0 + WALL_GAP) * crank
+    half = found.chamber.height_mm / 2.0
+    assert levels == pytest.approx([-half, -opening, opening, half])
+
+
+def test_straw_is_shown_where_the_file_says_so() -> None:
+    assert scene("baler").chamber.straw
+    assert not scene("pump-1-2").chamber.straw
+    assert not scene("askew").chamber.straw

@@ -140,6 +140,7 @@ def test_svg_and_data_name_the_same_bodies(name: str) -> None:
     assert {f"scene-{gear['name']}" for gear in data["gears"]} <= bodies
     assert ("scene-material" in made) == (data["chamber"]["begins"] is not None)
     assert ("scene-material-behind" in made) == (data["chamber"]["behind"] is not None) == (name == "both ways")
+    assert ("straw" in scene_svg(found)) == (found.chamber is not None and found.chamber.straw)
     assert set(data["views"]) == ({"machine", "gears", "mesh"} if found.pairs else {"machine"})
     assert json.loads(json.dumps(data, allow_nan=False)) == data
 
@@ -147,11 +148,13 @@ def test_svg_and_data_name_the_same_bodies(name: str) -> None:
 def test_every_class_that_is_drawn_has_a_colour() -> None:
     classes = {word for text in map(scene_svg, map(scene, SCENES)) for word in re.findall(r'class="([^"]*)"', text)}
     style = scene_style()
-    lines = {"outline", "edge", "pitch-curve", "charge", "straw", "wall", "hatching", "orbit", "centres", "pin"}
+    lines = {"outline", "edge", "pitch-curve", "charge", "straw", "load", "wall", "hatching", "orbit", "centres", "pin"}
     lines |= {"shaft", "pitch-point"}
     assert classes & lines <= set(re.findall(r"\.([a-z-]+)", style))
     assert classes >= lines - {"edge"}
-    assert {"--ink", "--paper", "--driving", "--driven", "--material"} <= set(re.findall(r"var\((--[a-z]+)", style))
+    assert {"--ink", "--paper", "--driving", "--driven", "--material", "--load"} <= set(
+        re.findall(r"var\((--[a-z]+)", style)
+    )
 
 
 OPTIONS = [

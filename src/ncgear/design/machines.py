@@ -197,6 +197,7 @@ resistance:                # of the straw: next to nothing at first, then ever s
     displacement_mm: [0, 35, 100, 200, 400, 500, 600, 700, 760]
     force_n: [0, 0, 270, 440, 520, 2100, 6900, 17300, 27400]
   friction_n: 150          # of the plunger in its guides, on both strokes
+  shown_as: straw          # in pictures
 
 masses:
   slider_kg: 150

@@ -45,6 +45,8 @@ class Entry:
     proportions: Mapping[str, float] = field(default_factory=dict)
     """Lengths of a machine that works, as multiples of its crank or pinion, for whoever begins with this mechanism."""
 
+    has_crank_pin: bool = True
+
     @property
     def stroke_key(self) -> str | None:
         """The key of the length that may be left out if the law gives the stroke; None where no law gives it."""
@@ -114,8 +116,8 @@ MECHANISMS: dict[str, Entry] = {
     "slotted_lever": Entry(
         _slotted_lever, LeverKeys, LeverMasses, proportions={"crank_mm": 1.0, "pivot_mm": 2.5, "lever_mm": 5.0}
     ),
-    "rack_pinion": Entry(_rack_pinion, RackKeys, proportions={"radius_mm": 1.0}),
-    NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque),
+    "rack_pinion": Entry(_rack_pinion, RackKeys, proportions={"radius_mm": 1.0}, has_crank_pin=False),
+    NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque, has_crank_pin=False),
 }
 """All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""
 

@@ -291,6 +291,7 @@ KNOWN = {
     "web.thickness_mm": "6",
     "web.rim_mm": "6",
     "web.hub_mm": "20",
+    "crank_pin.diameter_mm": "8",
     "end_stop.pin_mm": "5",
     "end_stop.radius_mm": "20",
     "lightening_holes.count": "5",

@@ -25,6 +25,7 @@ LIGHT: Mapping[str, str] = {
     "link": "#b9c0c7",
     "slider": "#d9dde1",
     "material": "#a8841a",
+    "load": "#7f9bab",
     "warning": "#7a4300",
     "warning-ground": "#fff4e0",
 }
@@ -44,6 +45,7 @@ DARK: Mapping[str, str] = {
     "link": "#566070",
     "slider": "#39424d",
     "material": "#cfa93a",
+    "load": "#6d8ba0",
     "warning": "#ffd08a",
     "warning-ground": "#33270f",
 }

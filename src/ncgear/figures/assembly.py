@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from math import cos, sin
+from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.project.drive import Drive
+from ncgear.project.gear_solids import crank_direction_rad
 from ncgear.solids.plan.body import RoundHole
 
 FLANK_BAND_IN_MODULES = 0.1
@@ -46,7 +47,22 @@ def assembly_of(drive: Drive) -> dict[str, Any]:
         pitch.size.module_mm,
         pitch.mesh,
     )
-    return {**pose, **_end_stops(drive)}
+    return {**pose, **_crank(drive), **_end_stops(drive)}
+
+
+def _crank(drive: Drive) -> dict[str, Any]:
+    """The crank at phi1 = 0, in the frame of the driven gear that turns it; nothing for other gears.
+
+    The frame of a ring is seen from the other side, so that its crank is not told.
+    """
+    if not drive.turns_crank or drive.pitch.driven.is_ring:
+        return {}
+    decimals = DRAWN_DECIMALS["mm"]
+    direction = crank_direction_rad(drive.linkage, drive.gears.driving_axis_deg) % (2.0 * pi)
+    pin = drive.solids.driven.plan.crank_pin
+    hole = {"hole": {key: rounded(size_mm, decimals) for key, size_mm in asdict(pin).items()}} if pin else {}
+    length_mm = rounded(drive.linkage.crank_mm, decimals)
+    return {"crank": {"direction_rad": rounded(direction, RAD_DECIMALS), "length_mm": length_mm, **hole}}
 
 
 def _end_stops(drive: Drive) -> dict[str, Any]:

@@ -316,10 +316,15 @@ class CrankRocker(CrankRockers[float], Mechanism):
         pin = Vector(self.ground_mm - self.rocker_mm * cosine, self.side * self.rocker_mm * sine)
         return Link(pin, -self.side * gamma)
 
+    @property
+    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
+        """The coupler from the crank pin to the rocker, and the rocker from its pin to its axis."""
+        lengths = {"coupler": self.coupler_mm, "rocker": self.rocker_mm}
+        return {name: ((0.0, 0.0), (length, 0.0)) for name, length in lengths.items()}
+
     def shapes(self) -> Mapping[str, Shape]:
         """Rocker and coupler with an eye at each end."""
-        rocker, coupler = (((0.0, 0.0), (length, 0.0)) for length in (self.rocker_mm, self.coupler_mm))
-        return {"rocker": Shape((rocker,), rocker), "coupler": Shape((coupler,), coupler)}
+        return {name: Shape((ends,), ends) for name, ends in self.rod_ends_mm.items()}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
         """Rocker and coupler."""

@@ -16,7 +16,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
 from ncgear.mechanisms.masses import Masses, RodMasses
-from ncgear.mechanisms.mechanism import Link, Mechanisms, MovingMass, Rod, RodMechanism, Shape
+from ncgear.mechanisms.mechanism import Link, Mechanisms, MovingMass, Point, Rod, RodMechanism, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
@@ -203,9 +203,14 @@ class CrankSlider(CrankSliders[float], RodMechanism):
             "rod": Link(rod.pin, rod.angle),
         }
 
+    @property
+    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
+        """From the crank pin to the wrist."""
+        return {"rod": ((0.0, 0.0), (self.rod_mm, 0.0))}
+
     def shapes(self) -> Mapping[str, Shape]:
         """The rod with an eye at each end."""
-        ends = (0.0, 0.0), (self.rod_mm, 0.0)
+        ends = self.rod_ends_mm["rod"]
         return {"rod": Shape((ends,), ends)}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:

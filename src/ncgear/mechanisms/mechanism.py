@@ -276,6 +276,11 @@ class Mechanism(Mechanisms[float]):
         return {}
 
     @property
+    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
+        """The joints at both ends of each rod that moves beside the gears, by its name, in the frame of its link."""
+        return {}
+
+    @property
     def pivots_mm(self) -> tuple[Point, ...]:
         """Axes in the frame, the crank's apart, about which links turn."""
         return ()

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from math import radians
+from dataclasses import replace
+from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.bodies import GearBody
 from ncgear.design.keys.bodies import Hub as AskedHub
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import WrongInput
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.helix import Helix
-from ncgear.solids.plan.body import Blank, Bore, EndStop, HoleSet, Hub, Keyway, RingBlank, SetScrew, WebSize
+from ncgear.solids.plan.body import Blank, Bore, EndStop, HoleSet, Hub, Keyway, RingBlank, RoundHole, SetScrew, WebSize
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair
 
@@ -26,7 +28,27 @@ From this thickness on, ISO 6336-3 counts no weakening of internal teeth (value 
 """
 
 
-def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float) -> SolidPair:
+def crank_direction_rad(linkage: Mechanism, driving_axis_deg: float) -> float:
+    """Polar angle of the crank at phi1 = 0 in the frame of the driven gear of an external pair.
+
+    In the frame of the mechanism the driving axis is at ``driving_axis_deg`` from the crank's; in that of the gear it
+    is at pi.  Both frames are seen from the side from which the crank turns clockwise.
+    """
+    return linkage.crank_start_rad - radians(driving_axis_deg) + pi
+
+
+def crank_pin_hole(gears: Gears, linkage: Mechanism) -> RoundHole | None:
+    """The hole for the crank pin that the file asks for in the driven gear; None where it asks for none."""
+    pin = gears.driven.crank_pin
+    if pin is None:
+        return None
+    direction = crank_direction_rad(linkage, gears.driving_axis_deg)
+    return RoundHole(linkage.crank_mm * cos(direction), linkage.crank_mm * sin(direction), pin.diameter_mm)
+
+
+def straight_solids(
+    gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float, crank_pin: RoundHole | None = None
+) -> SolidPair:
     """Both gears with straight teeth as closed meshes; raises WrongInput where a part of the body has no room."""
     from ncgear.solids.mesh.pair import SolidPair, gear_solid, ring_solid
 
@@ -37,17 +59,26 @@ def straight_solids(gears: Gears, pitch: PitchPair, teeth: ToothedPair, toleranc
     driving = gear_solid(Gear.DRIVING, teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
     if pitch.driven.is_ring:
         return SolidPair(driving, ring_solid(outline, _ring_blank(gears, module), module, tolerance_mm))
-    driven = gear_solid(Gear.DRIVEN, outline, _blank(gears, gears.driven, turned[1]), module, tolerance_mm)
+    blank = replace(_blank(gears, gears.driven, turned[1]), crank_pin=crank_pin)
+    driven = gear_solid(Gear.DRIVEN, outline, blank, module, tolerance_mm)
     return SolidPair(driving, driven)
 
 
-def helical_solids(gears: Gears, pitch: PitchPair, form: ToothForm, helix: Helix, tolerance_mm: float) -> SolidPair:
+def helical_solids(
+    gears: Gears,
+    pitch: PitchPair,
+    form: ToothForm,
+    helix: Helix,
+    tolerance_mm: float,
+    crank_pin: RoundHole | None = None,
+) -> SolidPair:
     """Both gears with helical teeth as closed meshes; raises WrongInput for an internal pair."""
     from ncgear.solids.helical.mesh import helical_pair
 
     if pitch.driven.is_ring:
         raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
-    blanks = {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: _blank(gears, gears.driven)}
+    driven = replace(_blank(gears, gears.driven), crank_pin=crank_pin)
+    blanks = {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: driven}
     return helical_pair(pitch, form, helix, blanks, tolerance_mm)
 
 

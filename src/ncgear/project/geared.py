@@ -62,6 +62,11 @@ class Geared(Moving):
             size = size_of(gears, self.law)
             return sized_pair(transmission, *size, Mesh(gears.mesh), reach_in_pitches(gears))
 
+    @property
+    def turns_crank(self) -> bool:
+        """Whether its driven shaft turns a crank with a pin: not that of the first of two pairs in series."""
+        return self.stage in (None, self.design.stages) and entry_of(self.design.linkage).has_crank_pin
+
     @computed
     def rack(self) -> BasicRack:
         """The basic rack at the module."""
@@ -133,16 +138,17 @@ class Geared(Moving):
     @computed
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
-        from ncgear.project.gear_solids import helical_solids, straight_solids
+        from ncgear.project.gear_solids import crank_pin_hole, helical_solids, straight_solids
 
         gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
+        crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
         if self.helix is not None:
             form = self.tooth_form
             with self.stopwatch("solids"):
-                return helical_solids(gears, pitch, form, self.helix, tolerance)
+                return helical_solids(gears, pitch, form, self.helix, tolerance, crank_pin)
         teeth = self.teeth
         with self.stopwatch("solids"):
-            return straight_solids(gears, pitch, teeth, tolerance)
+            return straight_solids(gears, pitch, teeth, tolerance, crank_pin)
 
     @computed
     def tooth_arcs(self) -> dict[Gear, ArcOutline] | None:

@@ -8,7 +8,8 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from ncgear import __version__
-from ncgear.drawings.page.page import PACKAGE, hash_source, in_own_scope, page_style, shared_script
+from ncgear.drawings.page.page import PACKAGE, in_own_scope, page_style, shared_script
+from ncgear.drawings.page.solid_view import hash_of
 from ncgear.studio.jobs import COMMANDS
 
 WEB = "ncgear.studio.web"
@@ -29,13 +30,14 @@ def page(file_name: str) -> tuple[str, str]:
         ncgear_version=__version__,
         commands=COMMANDS,
         views=VIEWS,
+        gears=(("driving", "driving", 1), ("driven", "driven", 1)),
         cycle_deg=360,
         paces=(),
         css=Markup(page_style() + _asset("studio.css")),
         script=Markup(script),
     )
     policy = (
-        f"default-src 'none'; script-src {hash_source(script)}; style-src 'unsafe-inline'; connect-src 'self'; "
+        f"default-src 'none'; script-src {hash_of(script)}; style-src 'unsafe-inline'; connect-src 'self'; "
         "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     )
     return content, policy

@@ -92,6 +92,15 @@ class EndStop(Model):
     )
 
 
+class CrankPin(Model):
+    """A hole for the crank pin in the gear itself, which then is the crank."""
+
+    diameter_mm: Length = Field(
+        description="diameter of the hole in mm; its centre is the crank's length from the axis, in the direction of "
+        "the crank at phi1 = 0"
+    )
+
+
 class GearBody(Model):
     """What is cut into one gear around its axis, and what stands on it."""
 
@@ -160,13 +169,18 @@ class DrivenBody(GearBody):
         default=None,
         description="of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules",
     )
+    crank_pin: CrankPin | None = Field(
+        default=None,
+        description="hole for the crank pin in the gear, which then is the crank itself; of two pairs in series it is "
+        "in the last gear; left out: none",
+    )
 
     @property
     def about_axis(self) -> list[str]:
         """The given keys that a ring has no room for, because it is open about its axis."""
         return [
             name
-            for name in ("bore_mm", "hub", "web", "lightening_holes", "end_stop")
+            for name in ("bore_mm", "hub", "web", "lightening_holes", "end_stop", "crank_pin")
             if getattr(self, name) is not None
         ]
 

@@ -11,6 +11,7 @@ from pydantic import Field, TypeAdapter, create_model, model_validator
 
 from ncgear.design.keys.base import Model, fault, given, listed
 from ncgear.design.keys.drivetrain import Drivetrain
+from ncgear.design.keys.fit import Fit
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
@@ -60,6 +61,10 @@ class Design(Model):
         default_factory=Simulation,
         description="how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation",
     )
+    fit: Fit | None = Field(
+        default=None,
+        description="what stands and moves beside the gears: a build tells whether rods pass it; left out: not known",
+    )
     strength: StrengthKeys = Field(
         default_factory=StrengthKeys,
         description="what the teeth run under and how safe they shall be; left out: 20 000 h in oil",
@@ -103,6 +108,19 @@ class Design(Model):
         for name in ("wishes", "optimize", "comparison"):
             if name in self.model_fields_set and getattr(self, name) is not None:
                 raise fault(name, "given, but without linkage nothing moves to and fro; leave it out, or give linkage")
+        return self
+
+    @model_validator(mode="after")
+    def _a_crank_pin_has_a_crank(self) -> Self:
+        pin = self.gears.driven.crank_pin if self.gears else None
+        asked = {"gears.driven.crank_pin": pin, "fit": self.fit}
+        for key, value in asked.items():
+            if value is not None and not entry_of(self.linkage).has_crank_pin:
+                raise fault(
+                    key, "given, but the driven shaft turns no crank here; leave it out, or give a linkage with a crank"
+                )
+        if self.fit is not None and self.gears is None:
+            raise fault("fit", "given, but without gears nothing stands beside them; leave it out, or give gears")
         return self
 
     @model_validator(mode="after")

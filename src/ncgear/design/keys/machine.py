@@ -240,6 +240,10 @@ class Resistance(StrokeForce):
     friction_n: float = Field(
         default=0.0, ge=0.0, description="constant force in N against the slider's motion, on both strokes"
     )
+    shown_as: Literal["load", "straw"] = Field(
+        default="load",
+        description="what pictures show where the force acts: load, a plain block, or straw, as in a baler",
+    )
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:

@@ -58,6 +58,7 @@ EDGES: dict[Kind, Style] = {
 }
 
 CHARGE: Style = {"facecolor": tinted(MATERIAL, 0.3), "edgecolor": "none"}
+BLOCK: Style = {"facecolor": tinted(LIGHT["load"], 0.45), "edgecolor": LIGHT["load"], "linewidth": 0.8}
 STRAW: Style = {"color": MATERIAL, "linewidth": 0.7}
 WALL: Style = {"color": INK, "linewidth": 1.3}
 HATCHING: Style = {"color": INK, "linewidth": 0.45, "alpha": 0.6}
@@ -129,18 +130,22 @@ def _strip(axes: Axes, chamber: Chamber, depths_mm: Callable[[Poses], Array], le
     """A strip of unit depth from ``left``, squeezed to the depth of the material; its 0 is put to a place."""
     squeezed = Affine2D()
     transform = squeezed + axes.transData
-    charge = Rectangle((left, -0.5), 1.0, 1.0, transform=transform, **CHARGE)
-    grain = LineCollection(list(straws() + np.array([left, 0.0])), transform=transform, **STRAW)
-    axes.add_artist(charge)
-    axes.add_collection(grain, autolim=False)
+    parts: list[Artist] = [
+        Rectangle((left, -0.5), 1.0, 1.0, transform=transform, **(CHARGE if chamber.straw else BLOCK))
+    ]
+    axes.add_artist(parts[0])
+    if chamber.straw:
+        grain = LineCollection(list(straws() + np.array([left, 0.0])), transform=transform, **STRAW)
+        axes.add_collection(grain, autolim=False)
+        parts.append(grain)
 
     def pose(poses: Poses, row: int) -> None:
         depth_mm = float(depths_mm(poses)[row])
         squeezed.clear().scale(depth_mm, chamber.height_mm).translate(at_mm, chamber.linkage.offset_mm)
-        for artist in (charge, grain):
+        for artist in parts:
             artist.set_visible(depth_mm != 0.0)
 
-    return Moving((charge, grain), pose)
+    return Moving(tuple(parts), pose)
 
 
 def pin_artists(axes: Axes, scene: Scene) -> Moving:

@@ -38,7 +38,7 @@ from ncgear.drawings.charts.drawer import Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, dress, figure
 from ncgear.drawings.scene.scene import Poses, Scene
-from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, wall_mm
+from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, walls_mm
 from ncgear.figures.numbers import fixed, rounded
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Mechanism
@@ -57,14 +57,11 @@ def look_at(axes: Axes, box: Box) -> float:
 
 def draw_standing(axes: Axes, scene: Scene) -> None:
     """Walls, supports, the mark of the ground, and the circle of the crank pin."""
-    linkage, chamber = scene.machine.linkage, scene.chamber
+    linkage = scene.machine.linkage
     if not scene.links:
         return
-    lines, hatches = supports_mm(linkage), [*support_hatches_mm(linkage)]
-    if chamber is not None:
-        wall = wall_mm(chamber)
-        lines += [wall] if chamber.begins_mm is not None else [wall[:2], wall[2:]]
-        hatches += list(hatches_mm(chamber))
+    lines = [*supports_mm(linkage), *walls_mm(scene)]
+    hatches = [*support_hatches_mm(linkage), *hatches_mm(scene)]
     axes.add_collection(LineCollection(hatches, **looks.HATCHING), autolim=False)
     axes.add_collection(LineCollection(lines, **looks.WALL), autolim=False)
     axes.add_artist(Circle((0.0, 0.0), scene.machine.linkage.crank_mm, fill=False, **looks.ORBIT))

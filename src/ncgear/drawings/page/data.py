@@ -66,6 +66,12 @@ The error of the cubics is greatest in the middle, or beside it where the law ch
 FIRST_STEPS = 16
 """Number of steps on each piece of a law before any step is halved."""
 
+TOOTH_DECIMALS = 5
+"""Decimals of places of teeth in mm: those of a drawing and two more."""
+
+NUMBER_IN_MODULES = 0.85
+"""Height of a tooth's number in modules: two digits are narrower than a tooth."""
+
 LINK_DECIMALS = 9
 """Decimals of places in mm and angles in rad of links: finer by far than the error of their tables."""
 
@@ -76,7 +82,7 @@ def scene_data(scene: Scene) -> dict[str, Any]:
     return {
         "loop": scene.loop_rad,
         "shafts": [angle_table(transmission) for transmission in shafts],
-        "gears": [_gear(gear) for gear in scene.gears],
+        "gears": [_gear(gear, pair.module_mm) for pair in scene.pairs for gear in (pair.driving, pair.driven)],
         "pairs": [_pair(pair) for pair in scene.pairs],
         "linkage": _linkage(scene),
         "chamber": None if scene.chamber is None else _chamber(scene.chamber),
@@ -135,7 +141,7 @@ def _chamber(chamber: Chamber) -> dict[str, Any]:
     }
 
 
-def _gear(gear: SceneGear) -> dict[str, Any]:
+def _gear(gear: SceneGear, module_mm: float) -> dict[str, Any]:
     mounting = gear.mounting
     return {
         "name": gear.body.name,
@@ -143,7 +149,18 @@ def _gear(gear: SceneGear) -> dict[str, Any]:
         "start": mounting.turn_rad,
         "sense": mounting.sense(gear.gear),
         "shaft": gear.shaft,
+        "facing": gear.facing_rad,
+        "teeth": {
+            "at": _places(gear.teeth_mm),
+            "label": _places(gear.numbers_mm),
+            "size": NUMBER_IN_MODULES * module_mm,
+        },
     }
+
+
+def _places(points_mm: Array) -> list[list[float]]:
+    rounded: list[list[float]] = np.round(points_mm, TOOTH_DECIMALS).tolist()
+    return rounded
 
 
 def _pair(pair: ScenePair) -> dict[str, Any]:

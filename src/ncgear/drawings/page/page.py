@@ -6,9 +6,7 @@ this folder.
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from hashlib import sha256
 from importlib.resources import files
 from itertools import chain
 from typing import Any
@@ -23,6 +21,7 @@ from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.page_charts import gear_charts, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
+from ncgear.drawings.page.solid_view import hash_of, solid_view
 from ncgear.drawings.page.tables import (
     comparison_tables,
     contact_tables,
@@ -31,6 +30,7 @@ from ncgear.drawings.page.tables import (
     typeset,
     versions,
 )
+from ncgear.drawings.page.teeth import ToothLinks
 from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
@@ -43,8 +43,8 @@ from ncgear.project.drive import Drive
 
 PACKAGE = "ncgear.drawings.page"
 
-SCENE_SCRIPTS = ("angles", "places", "gestures", "scene")
-SHARED_SCRIPTS = ("shafts", "clock", "charts", "views", "readouts", "controls")
+SCENE_SCRIPTS = ("angles", "places", "gestures", "teeth", "scene")
+SHARED_SCRIPTS = ("shafts", "clock", "charts", "views", "find", "readouts", "controls")
 """Files of scene/ and of script/; each may use those before it.  The studio has them too."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
@@ -68,13 +68,17 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "pairs": [
             {
                 "title": _stage_name(pair),
+                "teeth": ToothLinks(pair.stage),
                 "sheet": sheet_tables(data_sheet(pair)),
                 "contact": contact_tables(pair, found),
                 "strength": strength_tables(pair),
             }
             for pair, found in pairs
         ],
-        "advices": [("", check_advice(drive)), *((_stage_name(pair), build_advice(pair)) for pair, _ in pairs)],
+        "advices": [
+            ("", ToothLinks(), check_advice(drive)),
+            *((_stage_name(pair), ToothLinks(pair.stage), build_advice(pair)) for pair, _ in pairs),
+        ],
     }
     about_design = {
         "design": drive.design,
@@ -88,6 +92,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "text": loaded.text,
         "file_name": loaded.path.name,
         "versions": versions(),
+        "plain": ToothLinks(),
         "ncgear_version": __version__,
     }
     moving = {
@@ -96,6 +101,10 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "cycle_deg": data["cycle_deg"],
         "scene": Markup(scene_svg(scene)),
         "views": list(views(scene)),
+        "solids": [solid_view(pair, _stage_name(pair)) for pair, _ in pairs],
+        "gears": [
+            (gear.body.name, gear.body.name.replace("-", " of stage "), len(gear.teeth_mm)) for gear in scene.gears
+        ],
         "paces": paces(drive.design.operation.speed_rpm),
     }
     return _rendered({**about_design, **about_pairs, **moving})
@@ -111,11 +120,8 @@ def _rendered(content: Mapping[str, Any]) -> bytes:
     environment = Environment(loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined)
     environment.policies["json.dumps_kwargs"] = JSON_FORM
     template = environment.get_template("template.html.j2")
-    css, script = page_style(), in_own_scope(shared_script(), _asset("script/page.js"))
-    policy = (
-        f"default-src 'none'; script-src {hash_source(script)}; style-src 'unsafe-inline'; base-uri 'none'; "
-        "form-action 'none'"
-    )
+    css, script = page_style(), in_own_scope(shared_script(), _asset("script/solid.js"), _asset("script/page.js"))
+    policy = _policy([hash_of(script), *(view.script_hash for view in content["solids"])])
     return template.render(**content, css=Markup(css), script=Markup(script), policy=policy).encode()
 
 
@@ -144,9 +150,16 @@ def in_own_scope(*scripts: str) -> str:
     return "\n".join(["(() => {", '"use strict";', *scripts, "})();"])
 
 
-def hash_source(script: str) -> str:
-    """The source of a content security policy that lets this script run, and no other code."""
-    return f"'sha256-{b64encode(sha256(script.encode()).digest()).decode()}'"
+def _policy(hashes: Sequence[str]) -> str:
+    """The policy of the page: it makes no request to anywhere, and runs no code but the scripts with these hashes.
+
+    The frames of gears in 3D have the same policy; they read their model from an address that holds the data itself.
+    """
+    connect = "connect-src data:; " if len(hashes) > 1 else ""
+    return (
+        f"default-src 'none'; script-src {' '.join(dict.fromkeys(hashes))}; {connect}style-src 'unsafe-inline'; "
+        "base-uri 'none'; form-action 'none'"
+    )
 
 
 def _asset(name: str) -> str:

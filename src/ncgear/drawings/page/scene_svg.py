@@ -13,7 +13,7 @@ from math import floor, log10
 
 import numpy as np
 
-from ncgear.drawings.scene.bodies import Body, pin_radius_mm
+from ncgear.drawings.scene.bodies import Body, Chamber, pin_radius_mm
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import (
@@ -23,7 +23,7 @@ from ncgear.drawings.scene.standing import (
     support_hatches_mm,
     supports_mm,
     views,
-    wall_mm,
+    walls_mm,
 )
 from ncgear.numerics.arrays import Array
 
@@ -88,24 +88,23 @@ def _standing(scene: Scene) -> Iterator[str]:
     lines, hatches = supports_mm(linkage), support_hatches_mm(linkage)
     if chamber is not None:
         for name, met_mm in (("material", chamber.begins_mm), ("material-behind", chamber.behind_mm)):
-            yield _group("", name, _material(chamber.height_mm)) if met_mm is not None else ""
-        wall = wall_mm(chamber)
-        lines += [wall] if chamber.begins_mm is not None else [wall[:2], wall[:1:-1]]
-        hatches = np.concatenate([hatches, hatches_mm(chamber)])
+            yield _group("", name, _material(chamber)) if met_mm is not None else ""
+    lines, hatches = [*lines, *walls_mm(scene)], np.concatenate([hatches, hatches_mm(scene)])
     yield _scaled(grid, f'<path class="hatching" d="{strokes_path(hatches, grid)}"/>')
     yield f'<circle class="orbit" r="{linkage.crank_mm:.6g}"/>'
     yield _scaled(grid, f'<path class="wall" d="{"".join(strokes_path(line[None], grid) for line in lines)}"/>')
 
 
-def _material(height_mm: float) -> str:
+def _material(chamber: Chamber) -> str:
     """A strip of unit depth; scene.js stretches it to the depth of the material."""
-    strokes = straws() * [1.0, height_mm]
+    height = chamber.height_mm
+    kind = "charge" if chamber.straw else "load"
+    strip = f'<rect class="{kind}" x="0" y="{-height / 2.0:.6g}" width="1" height="{height:.6g}"/>'
+    if not chamber.straw:
+        return strip
+    strokes = straws() * [1.0, height]
     grain = "".join(f"M{a:.4f} {b:.3f}L{c:.4f} {d:.3f}" for (a, b), (c, d) in strokes.tolist())
-    half = height_mm / 2.0
-    return (
-        f'<rect class="charge" x="0" y="{-half:.6g}" width="1" height="{height_mm:.6g}"/>'
-        f'<path class="straw" d="{grain}"/>'
-    )
+    return f'{strip}<path class="straw" d="{grain}"/>'
 
 
 def _bodies(scene: Scene) -> Iterator[str]:

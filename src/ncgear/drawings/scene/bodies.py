@@ -4,12 +4,13 @@ Each link has a shape in its own frame.  A design file gives only lengths, so th
 crank lies along +x from its axis.  A slider has its pin at the origin and its face in front of it in +x.  The
 mechanism says where the bars, eyes and slots of the other links are.
 
-A slider moves in a guide.  Where it works against a force, the guide is a chamber with material in it.  A design file
-gives the force, but not the chamber.  So the height of the chamber, the length of the slider and the least depth of the
-material are chosen in proportion to the stroke.  The material reaches from the place where the force first acts to the
-end of the chamber.  On its way back the slider leaves it pressed; the next stroke begins with new material.  Where a
-force acts on the way back, there is material behind the slider then, which ends at the open end of the chamber; it is
-new at the extended end, and nothing is left of it at the retracted one.  Friction is not drawn.
+A slider moves in a guide.  Where it works against a force, the guide is a chamber with a load in it: a plain block, or
+straw where a design file says so; both are called material here.  A design file gives the force, but not the chamber.
+So the height of the chamber, the length of the slider and the least depth of the material are chosen in proportion to
+the stroke.  The material reaches from the place where the force first acts to the end of the chamber.  On its way back
+the slider leaves it pressed; the next stroke begins with new material.  Where a force acts on the way back, there is
+material behind the slider then, which ends at the open end of the chamber; it is new at the extended end, and nothing
+is left of it at the retracted one.  Friction is not drawn.
 """
 
 from __future__ import annotations
@@ -136,7 +137,7 @@ def _contours(polygon: Polygon) -> Contours:
 
 
 SLIDER_LENGTH = 0.30
-HEIGHT = 0.42
+HEIGHT = 0.5
 REST = 0.14
 """Length of the slider, height of the chamber and least depth of the material, as shares of the stroke."""
 
@@ -146,12 +147,13 @@ class Chamber:
     """A rectangle about the slider's line y = ``offset_mm``; places along it count from the crank's axis.
 
     ``begins_mm`` is the slider's displacement at which it meets the material, ``behind_mm`` the one at which it meets
-    the material behind it on its way back; None where there is none.
+    the material behind it on its way back; None where there is none.  ``straw`` tells whether the material has a grain.
     """
 
     linkage: Mechanism
     begins_mm: float | None
     behind_mm: float | None
+    straw: bool = False
 
     @property
     def face_mm(self) -> float:
@@ -188,12 +190,12 @@ class Chamber:
         return np.where(working, 0.0, np.minimum(displacement_mm, self.behind_mm))
 
 
-def chamber_of(linkage: Mechanism, load: SliderLoad) -> Chamber | None:
+def chamber_of(linkage: Mechanism, load: SliderLoad, straw: bool = False) -> Chamber | None:
     """The chamber of a mechanism whose piston works against a load; an empty guide where no force but friction acts."""
     if not linkage.PISTON:
         return None
     out, back = (_acting_mm(force, linkage.stroke_mm) for force in (load.working, load.returning))
-    return Chamber(linkage, out and out[0], back and back[1])
+    return Chamber(linkage, out and out[0], back and back[1], straw)
 
 
 def _acting_mm(resistance: Resistance, stroke_mm: float) -> tuple[float, float] | None:

@@ -20,7 +20,7 @@ from shapely import Polygon
 from ncgear.drawings.scene.bodies import Body, Kind, Places
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.shape import Gear, Mesh
+from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.project.drive import Drive
 from ncgear.solids.plan.areas import rings
 from ncgear.solids.plan.body import BodyPlan, circle_points
@@ -77,6 +77,9 @@ def mountings(meshes: Sequence[Mesh], center_distances_mm: Sequence[float], driv
     return made
 
 
+NUMBER_DEPTH = 2.2
+"""Depth of a tooth's number below the pitch curve in modules, under its root."""
+
 CURVE_POINTS = 721
 """Points of a drawn pitch curve: one every half degree of the driving angle."""
 
@@ -86,6 +89,8 @@ class SceneGear:
     """A gear in the view of the scene, the number of its shaft (0 is the driving shaft), and its closed pitch curve.
 
     The curve is in mm, shape (n, 2).  That of gears that turn less than once is closed by straight sides to the axis.
+    ``teeth_mm`` (shape (z, 2)) are the places on the pitch curve in the middle of each tooth, from tooth 1 on, and
+    ``numbers_mm`` those below the roots where their numbers stand.
     """
 
     body: Body
@@ -93,11 +98,22 @@ class SceneGear:
     shaft: int
     mounting: Mounting
     pitch_curve_mm: Array
+    teeth_mm: Array
+    numbers_mm: Array
 
     @property
     def axis_mm(self) -> tuple[float, float]:
         """The place of its axis."""
         return self.mounting.axis_mm(self.gear)
+
+    @property
+    def facing_rad(self) -> float:
+        """Angle from the direction towards the mate's axis to that towards the pitch point: 0, or pi in a ring's pair.
+
+        In an internal pair the pitch point lies beyond the driving axis, seen from the driven one.
+        """
+        own = meeting_direction_rad(self.gear, self.mounting.mesh)
+        return own if self.gear is Gear.DRIVING else own - pi
 
     def places(self, shaft_angles_rad: Array) -> Places:
         """The places of the gear when the shafts have turned by angles in rad, shape (shafts, n)."""
@@ -154,7 +170,12 @@ def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting) -> SceneGea
     if drive.pitch.toothed is not None:
         # The straight sides from both ends to the axis lie on the line of centres at the end stops.
         points = np.vstack([points, np.zeros((1, 2))])
-    return SceneGear(body, gear, number + (gear is Gear.DRIVEN), mounting, mounting.seen(points))
+    flanks = drive.teeth.of(gear).flanks
+    back, front = flanks.crossing_mm[: 2 * flanks.teeth].reshape(-1, 2).T
+    middle = flanks.curve.at_length((back + front) / 2.0)
+    below = middle.position - NUMBER_DEPTH * drive.pitch.size.module_mm * middle.normal
+    shaft = number + (gear is Gear.DRIVEN)
+    return SceneGear(body, gear, shaft, mounting, *map(mounting.seen, (points, middle.position, below)))
 
 
 def _edges(plan: BodyPlan) -> list[Array]:

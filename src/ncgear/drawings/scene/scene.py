@@ -13,6 +13,7 @@ from math import gcd, pi
 
 import numpy as np
 
+from ncgear.design.keys.machine import Resistance
 from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, output_shape
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs
 from ncgear.kinematics.motion import Machine, OutputMotion
@@ -92,16 +93,15 @@ class Scene:
         return tuple(made)
 
     @cached_property
-    def swept_mm(self) -> Array:
-        """Points that the links pass in a cycle, shape (n, 2)."""
+    def swept_mm(self) -> Mapping[str, Array]:
+        """The outer contours of the links at SWEEP angles of a cycle, by their names, shape (SWEEP, n, 2) each."""
         driven = self.machine.transmission.driven_angle(np.array([self.machine.transmission.cycle_rad])).value[0]
         places = self._link_places(np.linspace(0.0, driven, SWEEP))
-        found = [np.empty((0, 2))]
+        found = {}
         for body in self.links:
             at = places[body.name]
-            moved = turned(body.contours_mm[0], at.angle_rad[:, None]) + at.origin_mm[:, None, :]
-            found.append(moved.reshape(-1, 2))
-        return np.concatenate(found)
+            found[body.name] = turned(body.contours_mm[0], at.angle_rad[:, None]) + at.origin_mm[:, None, :]
+        return found
 
     @property
     def gears(self) -> tuple[SceneGear, ...]:
@@ -165,6 +165,6 @@ def scene_of(drive: Drive) -> Scene:
 
 def scene_without_gears(drive: Drive) -> Scene:
     """The scene of a drive's mechanism alone; raises WrongInput or NoSuchMechanism where its law cannot be made."""
-    machine = drive.machine
-    chamber = chamber_of(drive.linkage, machine.load)
+    machine, asked = drive.machine, drive.design.resistance
+    chamber = chamber_of(drive.linkage, machine.load, isinstance(asked, Resistance) and asked.shown_as == "straw")
     return Scene(drive.design.name, machine, drive.law.train, (), chamber)

@@ -1,7 +1,7 @@
 """The standing parts of a scene, the boxes of its views, and contours with as many points as a picture needs.
 
-The walls beside a slider, the supports of axes and other guides are hatched like the ground in a drawing.  The
-material in front of the slider has a grain, which shows how the slider presses it.
+The walls beside a slider, the supports of axes and other guides are hatched like the ground in a drawing.  Straw in
+front of the slider has a grain, which shows how the slider presses it.
 """
 
 from __future__ import annotations
@@ -45,21 +45,83 @@ Source: M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2
 """
 
 
-def wall_mm(chamber: Chamber) -> Array:
-    """The open line of the chamber's walls in mm, shape (n, 2): two sides, and an end where there is material."""
+WALL_GAP = 0.03
+"""Least room that is left between a wall and what moves through it, as a share of the crank's length."""
+
+
+def walls_mm(scene: Scene) -> list[Array]:
+    """The open lines of the chamber's walls in mm, shape (n, 2) each; none without a chamber.
+
+    Two sides, and an end where there is material.  Where there is material behind the slider, there is a wall too, with
+    an opening for the links that pass.  A side begins where no link reaches it any more: a rod that swings out passes
+    before it, not through it.
+    """
+    chamber = scene.chamber
+    if chamber is None:
+        return []
+    low, high = _sides_mm(chamber)
+    low_start, high_start = wall_starts_mm(scene, chamber)
+    end = chamber.end_mm
+    lower, upper = np.array([[low_start, low], [end, low]]), np.array([[end, high], [high_start, high]])
+    walls = [np.vstack([lower, upper])] if chamber.begins_mm is not None else [lower, upper]
+    if chamber.behind_mm is not None:
+        start, (below, above) = chamber.start_mm, _opening_mm(scene, chamber)
+        walls += [np.array([[start, low], [start, below]])] if low < below and low_start == start else []
+        walls += [np.array([[start, above], [start, high]])] if above < high and high_start == start else []
+    return walls
+
+
+def _sides_mm(chamber: Chamber) -> tuple[float, float]:
+    """The levels of both sides."""
     half = chamber.height_mm / 2.0
-    low, high = chamber.linkage.offset_mm - half, chamber.linkage.offset_mm + half
-    start, end = chamber.start_mm, chamber.end_mm
-    return np.array([[start, low], [end, low], [end, high], [start, high]])
+    return chamber.linkage.offset_mm - half, chamber.linkage.offset_mm + half
 
 
-def hatches_mm(chamber: Chamber) -> Array:
+def wall_starts_mm(scene: Scene, chamber: Chamber) -> tuple[float, float]:
+    """Where the lower and the upper side begin: at the chamber's start, or beyond the last place that a link reaches.
+
+    The output, which slides between them, does not count.
+    """
+    gap = WALL_GAP * chamber.linkage.crank_mm
+    low, high = _sides_mm(chamber)
+    others = [scene.swept_mm[link.name] for link in scene.links[1:]]
+
+    def start(level_mm: float) -> float:
+        reached = [crossings(moved[..., ::-1], level_mm) for moved in others]
+        return float(max(chamber.start_mm, *(places.max(initial=-np.inf) + gap for places in reached)))
+
+    return start(low + gap), start(high - gap)
+
+
+def _opening_mm(scene: Scene, chamber: Chamber) -> tuple[float, float]:
+    """The lowest and the highest level at which a link passes the chamber's start, with a gap."""
+    gap = WALL_GAP * chamber.linkage.crank_mm
+    just_before = chamber.start_mm - 1e-6 * chamber.linkage.stroke_mm
+    levels = np.concatenate([crossings(moved, just_before) for moved in scene.swept_mm.values()])
+    middle = chamber.linkage.offset_mm
+    return float(levels.min(initial=middle)) - gap, float(levels.max(initial=middle)) + gap
+
+
+def crossings(closed_mm: Array, x_mm: float) -> Array:
+    """The y at which closed contours (points in mm, shape (m, n, 2)) cross a line x = ``x_mm``, shape (k,)."""
+    following = np.roll(closed_mm, -1, axis=1)
+    (x0, y0), (x1, y1) = np.moveaxis(closed_mm, -1, 0), np.moveaxis(following, -1, 0)
+    crossing = (x0 < x_mm) != (x1 < x_mm)
+    share = (x_mm - x0[crossing]) / (x1[crossing] - x0[crossing])
+    found: Array = y0[crossing] + share * (y1 - y0)[crossing]
+    return found
+
+
+def hatches_mm(scene: Scene) -> Array:
     """Slanting strokes outside both sides, in mm, shape (n, 2, 2); they mark the walls as parts of the frame."""
-    wall, length = wall_mm(chamber), HATCH_LENGTH * chamber.height_mm
-    foot = np.linspace(chamber.start_mm, chamber.end_mm, HATCHES + 1)[1:]
-    (_, low), (_, high) = wall[0], wall[2]
-    strokes = []
-    for side, across in ((low, -length), (high, length)):
+    chamber = scene.chamber
+    if chamber is None:
+        return np.empty((0, 2, 2))
+    length, strokes = HATCH_LENGTH * chamber.height_mm, []
+    feet = np.linspace(chamber.start_mm, chamber.end_mm, HATCHES + 1)[1:]
+    sides = zip(_sides_mm(chamber), wall_starts_mm(scene, chamber), (-length, length), strict=True)
+    for side, start, across in sides:
+        foot = feet[feet >= start]
         level = np.full_like(foot, side)
         strokes.append(np.stack([np.stack([foot, level], -1), np.stack([foot - length, level + across], -1)], axis=1))
     return np.concatenate(strokes)
@@ -125,12 +187,11 @@ def views(scene: Scene) -> dict[str, Box]:
 
     The box of the mesh is about the origin; it has to be moved to the pitch point.
     """
-    linkage, chamber = scene.machine.linkage, scene.chamber
+    linkage = scene.machine.linkage
     reach = linkage.crank_mm * (1.0 + CRANK_EYE)
     crank = np.array([[-reach, -reach], [reach, reach]]) if scene.links else np.empty((0, 2))
-    standing = [*supports_mm(linkage), support_hatches_mm(linkage).reshape(-1, 2), scene.swept_mm]
-    if chamber is not None:
-        standing += [wall_mm(chamber), hatches_mm(chamber).reshape(-1, 2)]
+    lines, strokes = [*supports_mm(linkage), *walls_mm(scene)], [support_hatches_mm(linkage), hatches_mm(scene)]
+    standing = [*lines, *(some.reshape(-1, 2) for some in (*strokes, *scene.swept_mm.values()))]
     # Two corners of the square in which each gear turns.
     corners = [np.array(gear.axis_mm) + side * gear.body.reach_mm for gear in scene.gears for side in (-1.0, 1.0)]
     gears = np.array(corners).reshape(-1, 2)

@@ -30,6 +30,8 @@ def build_advice(drive: Drive) -> tuple[Advice, ...]:
         law_advice.ring(drive),
         *(law_advice.concave(drive, gear) for gear in Gear),
         *law_advice.crank_pin(drive),
+        *law_advice.rods(drive),
+        law_advice.pin_beside_hub(drive),
     ]
     of_teeth = [teeth_advice.undercut(drive), teeth_advice.pointed(drive), *teeth_advice.shortened(drive)]
     of_contact = teeth_advice.contact_ratio(drive), teeth_advice.idle_flanks(drive)

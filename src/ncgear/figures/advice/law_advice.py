@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, degrees, radians
+from math import cos, degrees, floor, radians
 
-from ncgear.design.keys.bodies import GearBody
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
 from ncgear.figures.numbers import drawn, fixed, to_digits
@@ -14,6 +13,7 @@ from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.alternatives import STEPS, flatter_rack, gentler, kept_percent
 from ncgear.project.drive import Drive
+from ncgear.project.passing import CRANK_PIN, about_axis, passings_of
 from ncgear.ratio.transmission import Transmission
 
 OPTIMIZE = "ncgear optimize"
@@ -141,16 +141,18 @@ def ring(drive: Drive) -> Advice | None:
 def crank_pin(drive: Drive) -> list[Advice]:
     """A crank pin that comes near to the driving shaft, or to the hub or shaft that carries it.
 
-    The crank is carried by the last driven shaft.  Its pin, of which a design says nothing, is taken to be as thick as
-    that shaft or, where that has no bore, as the driving one.
+    The crank is carried by the last driven shaft.  Where the design does not say how thick its pin is, it is taken to
+    be as thick as that shaft or, where that has no bore, as the driving one.
     """
     if drive.stage not in (None, drive.design.stages) or not drive.linkage.RETURNS:
         return []
-    gears, crank = drive.gears, drive.linkage.crank_mm
-    pin = (gears.driven.bore_mm or gears.driving.bore_mm or 0.0) / 2.0
+    gears, crank, fit = drive.gears, drive.linkage.crank_mm, drive.design.fit
+    thick = (gears.driven.crank_pin and gears.driven.crank_pin.diameter_mm) or gears.driven.bore_mm
+    pin = (thick or gears.driving.bore_mm or 0.0) / 2.0
     passing = {Gear.DRIVING: abs(drive.pitch.center_distance_mm - crank), Gear.DRIVEN: crank}
     bodies = {Gear.DRIVING: gears.driving, Gear.DRIVEN: gears.driven}
-    near = [(gear, *_about_axis(bodies[gear])) for gear in Gear]
+    judged = [gear for gear in Gear if gear is Gear.DRIVEN or fit is None or fit.driving_shaft == "through"]
+    near = [(gear, *about_axis(bodies[gear])) for gear in judged]
     return [
         Advice(
             Kind.CRANK_PIN,
@@ -162,7 +164,7 @@ def crank_pin(drive: Drive) -> list[Advice]:
             brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
         )
         for gear, part, radius in near
-        if part and passing[gear] < radius + pin
+        if radius is not None and passing[gear] < radius + pin
     ]
 
 
@@ -173,11 +175,49 @@ NO_MEETING = {
 }
 
 
-def _about_axis(body: GearBody) -> tuple[str, float]:
-    """What stands about a gear's axis, and its radius in mm; nothing where neither hub nor bore is given."""
-    if body.hub is not None:
-        return "hub", body.hub.diameter_mm / 2.0
-    return ("shaft", body.bore_mm / 2.0) if body.bore_mm is not None else ("", 0.0)
+def rods(drive: Drive) -> list[Advice]:
+    """Rods that meet what stands in their plane; judged only where the design says what, by its section ``fit``."""
+    fit = drive.design.fit
+    if fit is None:
+        return []
+    found = []
+    for one in passings_of(drive):
+        ends = fit.driving_shaft == "ends" and one.standing.name.startswith("driving")
+        room, half, radius = one.room_mm, one.half_mm or 0.0, one.standing.radius_mm
+        if one.part == CRANK_PIN or ends or room is None or radius is None or room >= 2.0 * half:
+            continue
+        at, wide = degrees(one.phi1_rad), f"{drawn(2.0 * half, 'mm')} mm wide" if half else "however thin it is"
+        widest = drawn(floor(100.0 * room) / 100.0, "mm")
+        lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
+        taken = drawn(radius, "mm")
+        found.append(
+            Advice(
+                Kind.ROD,
+                (Where(angles_deg=((at, at),)),),
+                f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
+                f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {to_digits(at, 4)} deg, and {taken} mm of it are taken",
+                f"a {one.part}, {wide}, cannot pass there",
+                (Remedy(f"{lower}let the {one.standing.name} end below the {one.part}"),),
+                brief=f"the {one.part} meets the {one.standing.name} at phi1 = {to_digits(at, 4)} deg",
+            )
+        )
+    return found
+
+
+def pin_beside_hub(drive: Drive) -> Advice | None:
+    """A remark about a crank pin in a gear with a hub on the same face: what the pin moves must run above the hub."""
+    driven = drive.gears.driven
+    if driven.crank_pin is None or driven.hub is None or not drive.turns_crank:
+        return None
+    height = drawn(driven.hub.height_mm, "mm")
+    return Advice(
+        Kind.CRANK_PIN,
+        (Where(Gear.DRIVEN.value),),
+        f"the crank pin stands beside the driven gear's hub, which is {height} mm high",
+        "at a dead centre what it moves lies over the axis: let the pin stand out above the hub or on the other face",
+        brief="the crank pin stands beside the driven gear's hub",
+        matters=False,
+    )
 
 
 def concave(drive: Drive, gear: Gear) -> Advice | None:

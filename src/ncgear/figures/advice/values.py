@@ -21,6 +21,7 @@ class Kind(StrEnum):
     CONTACT_RATIO = "contact_ratio"
     PRESSURE_ANGLE = "pressure_angle"
     CRANK_PIN = "crank_pin"
+    ROD = "rod"
     MISSED_WISH = "missed_wish"
     SPEEDS = "speeds"
     NEGATIVE_RESISTANCE = "negative_resistance"

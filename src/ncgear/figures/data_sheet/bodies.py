@@ -62,11 +62,15 @@ def _thickness(web: Web | None) -> Value:
 def _round_holes(drive: Drive) -> list[Entry]:
     """The round holes as they are made; solids are made only where a gear has some."""
     gears = drive.gears
-    if not gears.index_holes and gears.driving.lightening_holes is None and gears.driven.lightening_holes is None:
+    asked = gears.index_holes, gears.driving.lightening_holes, gears.driven.lightening_holes, gears.driven.crank_pin
+    if not any(asked):
         return []
     driving, driven = drive.solids.driving.plan, drive.solids.driven.plan
+    pin = driven.crank_pin
     rows = [
-        Entry("lightening holes, number x diameter", "mm", driving=_lightening(driving), driven=_lightening(driven))
+        Entry("diameter of the crank pin's hole", "mm", driven=pin.diameter_mm if pin else None),
+        Entry("centre of the crank pin's hole, x and y", "mm", driven=_place(pin) if pin else None),
+        Entry("lightening holes, number x diameter", "mm", driving=_lightening(driving), driven=_lightening(driven)),
     ]
     if gears.index_holes:
         sizes, places = zip(_marked(driving.index_hole), _marked(driven.index_hole), strict=True)
@@ -82,4 +86,8 @@ def _lightening(plan: BodyPlan) -> Value:
 
 def _marked(hole: RoundHole | None) -> tuple[Value, Value]:
     """Diameter and centre of an index hole."""
-    return ("no room for one", None) if hole is None else (hole.diameter_mm, f"{_mm(hole.x_mm)}, {_mm(hole.y_mm)}")
+    return ("no room for one", None) if hole is None else (hole.diameter_mm, _place(hole))
+
+
+def _place(hole: RoundHole) -> str:
+    return f"{_mm(hole.x_mm)}, {_mm(hole.y_mm)}"

@@ -17,6 +17,7 @@ from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
+from ncgear.figures.passed import passed_rows
 from ncgear.figures.quantities import OF_GEAR, figure, name_of
 from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
@@ -68,6 +69,7 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Basic rack": partial(rack_data, pair),
         "Teeth": partial(tooth_data, pair),
         "Bodies": partial(bodies, pair),
+        "Beside the gears": partial(passed_rows, pair),
         "Tolerances, as given": partial(tolerances, pair),
         "Measurements of the teeth": lambda: measurements(pair, gears()),
     }

@@ -21,6 +21,7 @@ from ncgear.contact.written.as_written import AsWritten
 from ncgear.errors import DesignError
 from ncgear.figures.advice.collected import check_advice
 from ncgear.figures.advice.values import Advice
+from ncgear.figures.passed import passed_summary
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
@@ -70,6 +71,7 @@ def build_summary(
         **_strength(drive),
         **_pumped(drive),
         "bodies": bodies_summary(drive),
+        **passed_summary(drive),
         "files": {f"{kind}_outline_error_max_mm": error for kind, error in outline_errors_mm.items()},
         "comparison": comparison,
         "warnings": [advice.line for advice in advices if advice.matters],
@@ -420,6 +422,8 @@ def _cuts(plan: BodyPlan) -> dict[str, Any]:
     if plan.web is not None:
         found["web_mm"] = plan.web.thickness_mm
         found["pocket_areas_mm2"] = [float(pocket.area) for pocket in plan.web.pockets]
+    if plan.crank_pin is not None:
+        found["crank_pin_hole"] = asdict(plan.crank_pin)
     if plan.lightening_holes:
         found["lightening_holes"] = [asdict(hole) for hole in plan.lightening_holes]
     if plan.slot is not None:

@@ -58,6 +58,7 @@ class Layer(Enum):
     OUTLINE = "tooth outline", Use.THROUGH
     RIM = "outer circle of the ring", Use.THROUGH
     BORE = "bore with its keyway", Use.THROUGH
+    CRANK_PIN = "hole for the crank pin, in the direction of the crank at phi1 = 0", Use.THROUGH
     INDEX_HOLE = "index hole; those of both gears face each other at phi1 = 0", Use.THROUGH
     END_STOP = "slot in which a pin of the frame stops the gear", Use.THROUGH
     LIGHTENING_HOLES = "lightening holes", Use.THROUGH
@@ -185,6 +186,7 @@ def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
     return {
         **_toothed(plan),
         Layer.BORE: () if plan.bore is None else (bore_shape(plan.bore),),
+        Layer.CRANK_PIN: () if plan.crank_pin is None else (_circle(plan.crank_pin),),
         Layer.INDEX_HOLE: () if plan.index_hole is None else (_circle(plan.index_hole),),
         Layer.END_STOP: () if plan.slot is None else (Polyline(plan.slot.points, plan.slot.bulges),),
         Layer.LIGHTENING_HOLES: tuple(_circle(hole) for hole in plan.lightening_holes),

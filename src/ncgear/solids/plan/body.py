@@ -7,7 +7,7 @@ lower face at z = 0, pose of phi1 = 0.
   its circle, and the one interior is the tooth outline), already moved inwards by the clearance for the process, or
   outwards by half a kerf.
 - through cuts: ``bore`` with its keyway (enlarged by the clearance), ``index_hole``, ``lightening_holes``: circles, and
-  for a keyway ``bore_points``; ``slot`` (enlarged as the bore is); all of them narrower by a kerf.
+  for a keyway ``bore_points``; ``slot`` and ``crank_pin``, a hole (enlarged as the bore is); all narrower by a kerf.
 - ``web``: pockets from the upper face down to the web, as polygons; a pocket's floor is at ``web.thickness_mm``.
 - ``hub``: a cylinder about the axis on the upper face; the bore goes through it, and its radial ``set_screw`` hole goes
   from one side down to the bore.
@@ -176,6 +176,7 @@ class Blank:
     web: WebSize | None = None
     holes: HoleSet | None = None
     end_stop: EndStop | None = None
+    crank_pin: RoundHole | None = None
     chamfer_mm: float = 0.0
     clearance_mm: float = 0.0
 
@@ -246,11 +247,12 @@ class BodyPlan:
     clearance_mm: float = 0.0
     slot: ArcSlot | None = None
     pin_mm: tuple[float, float] | None = None
+    crank_pin: RoundHole | None = None
 
     @property
     def round_holes(self) -> tuple[RoundHole, ...]:
         """All round through holes beside the axis."""
-        return (*([self.index_hole] if self.index_hole else []), *self.lightening_holes)
+        return (*(hole for hole in (self.crank_pin, self.index_hole) if hole is not None), *self.lightening_holes)
 
     @property
     def is_ring(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import cos, pi, sin
 
@@ -30,6 +31,7 @@ from ncgear.solids.plan.room import (
     around_axis,
     full_disc,
     index_hole,
+    require_crank_pin_room,
     require_hub_room,
     require_room,
     require_slot_room,
@@ -72,10 +74,12 @@ def planned_within(
     bore = blank.bore.widened(blank.clearance_mm) if blank.bore else None
     hub_mm = blank.hub.diameter_mm if blank.hub else 0.0
     slot, pin_mm = _slot(room, blank, around_axis(bore, hub_mm, module_mm), direction_rad, module_mm, key)
-    slotted = slot_points(slot, tolerance_mm) if slot else None
-    of_slot = None if slotted is None else Polygon(slotted)
-    mark = index_hole(room, bore, direction_rad, module_mm, hub_mm, of_slot) if blank.index_hole else None
-    cuts = [*([hole_points(mark, tolerance_mm)] if mark else []), *([] if slotted is None else [slotted])]
+    cuts = [slot_points(slot, tolerance_mm)] if slot else []
+    crank_pin = _crank_pin(room, blank, [around_axis(bore, hub_mm, module_mm), *map(Polygon, cuts)], module_mm, key)
+    cuts += [hole_points(crank_pin, tolerance_mm)] if crank_pin else []
+    beside = shapely.union_all([Polygon(cut) for cut in cuts]) if cuts else None
+    mark = index_hole(room, bore, direction_rad, module_mm, hub_mm, beside) if blank.index_hole else None
+    cuts += [hole_points(mark, tolerance_mm)] if mark else []
     web = web_of(room, cuts, blank.web, module_mm, tolerance_mm, key) if blank.web else None
     plan = BodyPlan(
         disc,
@@ -90,6 +94,7 @@ def planned_within(
         blank.clearance_mm,
         slot,
         pin_mm,
+        crank_pin,
     )
     if blank.holes is None:
         return plan
@@ -109,6 +114,18 @@ def _slot(
     pin = stop.pin_rad(middle)
     place = stop.radius_mm * cos(pin), stop.radius_mm * sin(pin)
     return stop.slot(middle).widened(blank.clearance_mm), place
+
+
+def _crank_pin(
+    room: Polygon, blank: Blank, others: Sequence[BaseGeometry], module_mm: float, key: str
+) -> RoundHole | None:
+    """The hole of the crank pin, as wide as the process wants it; None where none is asked for."""
+    asked = blank.crank_pin
+    if asked is None:
+        return None
+    wall_mm = INNER_WALL_IN_MODULES * module_mm
+    require_crank_pin_room(room, asked, shapely.union_all(others), wall_mm, blank.clearance_mm, key)
+    return replace(asked, diameter_mm=asked.diameter_mm + 2.0 * blank.clearance_mm)
 
 
 def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
@@ -140,6 +157,7 @@ def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
         index_hole=_narrowed(plan.index_hole, half_mm) if plan.index_hole else None,
         lightening_holes=tuple(_narrowed(hole, half_mm) for hole in plan.lightening_holes),
         slot=plan.slot.widened(-half_mm) if plan.slot else None,
+        crank_pin=_narrowed(plan.crank_pin, half_mm) if plan.crank_pin else None,
         clearance_mm=-half_mm,
     )
 
@@ -151,6 +169,7 @@ def _widths_cut(plan: BodyPlan) -> list[tuple[str, float]]:
     openings += [("a keyway", bore.keyway.width_mm)] if bore and bore.keyway else []
     openings += [("an index hole", hole.diameter_mm)] if hole else []
     openings += [("a slot", plan.slot.width_mm)] if plan.slot else []
+    openings += [("the crank pin's hole", plan.crank_pin.diameter_mm)] if plan.crank_pin else []
     return openings + [("lightening holes", one.diameter_mm) for one in plan.lightening_holes[:1]]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import cos, degrees, pi, sin
+from math import cos, degrees, hypot, pi, sin
 
 import numpy as np
 import shapely
@@ -139,22 +139,47 @@ def require_slot_room(
     raise WrongInput(problem, key=f"{key}.end_stop.radius_mm")
 
 
+def require_crank_pin_room(
+    disc: Polygon, hole: RoundHole, others: BaseGeometry, wall_mm: float, clearance_mm: float, key: str
+) -> None:
+    """Raise WrongInput for ``key``.crank_pin.diameter_mm unless the hole keeps a wall to everything.
+
+    The hole is widened by the clearance first.  ``others`` is what is cut elsewhere or stands about the axis.  The
+    message states the largest hole that would do.
+    """
+    center = Point(hole.x_mm, hole.y_mm)
+    reach_mm = hypot(hole.x_mm, hole.y_mm)
+    if disc.contains(center) and not others.contains(center):
+        apart_mm = min(float(disc.exterior.distance(center)), float(others.distance(center)))
+    else:
+        apart_mm = 0.0
+    largest = 2.0 * (apart_mm - wall_mm - clearance_mm)
+    if hole.diameter_mm <= largest:
+        return
+    right = said_largest(largest, "none fits there; a larger gear, another crank or a thinner shaft is needed")
+    problem = (
+        f"a hole of {hole.diameter_mm:g} mm for the crank pin, {reach_mm:.5g} mm from the axis, leaves less than "
+        f"{wall_mm:g} mm, one module, to the teeth, to what is about the axis, or to the end stop's slot; {right}"
+    )
+    raise WrongInput(problem, key=f"{key}.crank_pin.diameter_mm")
+
+
 def index_hole(
     disc: Polygon,
     bore: Bore | None,
     direction_rad: float,
     module_mm: float,
     hub_mm: float = 0.0,
-    slot: BaseGeometry | None = None,
+    beside: BaseGeometry | None = None,
 ) -> RoundHole | None:
     """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
 
     Its diameter is half a module, or ``USEFUL_MM`` where that is more and has room, or ``LEAST_MM``.  The walls above
     are left all around it.  ``disc`` is the gear's section without bore, in mm; ``hub_mm`` is the diameter of its hub,
-    and ``slot`` the area of its slot, beside which the hole stands.
+    and ``beside`` what else is cut through it, beside which the hole stands.
     """
     other = around_axis(bore, hub_mm, module_mm)
-    other = other if slot is None else other.union(slot)
+    other = other if beside is None else other.union(beside)
     return _hole_on_ray(disc, direction_rad, module_mm, disc.exterior, other, np.argmax)
 
 

@@ -14,6 +14,11 @@
  *   scene.place(name, phi1)   {x, y, angle} of a body in mm and rad, y upwards: "crank", "rod", "slider", "driving"
  *   scene.looking()           view, zoom and place of the picture, which scene.lookAs(...) of another scene takes over
  *   scene.follow(shafts)      turn by the tables of another law, while its gears are not there yet
+ *   scene.numbers(on)         show the numbers of all teeth, or hide them
+ *   scene.tooth_angle(name, n)  driving angle in [0, loop] at which tooth n of the gear of that name ("driving") is
+ *                             on the line of centres
+ *   scene.mark(name, n)       mark that tooth, and look at the mesh of its pair; scene.unmark() takes the mark away
+ *   scene.teeth               number of teeth of each gear by its name
  *   scene.loop                driving angle in rad after which every body is back in its pose
  *
  * Angles are those of the law to 1e-6 rad; they are interpolated by Hermite's cubics from a table, all other places
@@ -43,7 +48,7 @@ function showMaterial(groups, data, places, phi2) {
 function boxOf(data, state) {
   const [left, bottom, width, height] = data.views[state.view];
   const center = { x: left + width / 2, y: bottom + height / 2 };
-  const follows = state.view === "mesh" ? state.places[`pitch-point-${data.pairs.length}`] : { x: 0, y: 0 };
+  const follows = state.view === "mesh" ? state.places[`pitch-point-${state.pair}`] : { x: 0, y: 0 };
   const [w, h] = [width / state.zoom, height / state.zoom];
   const x = center.x + follows.x + state.dx;
   const y = center.y + follows.y + state.dy;
@@ -69,7 +74,8 @@ function groupsOf(svg) {
 
 function createScene(svg, data) {
   const groups = groupsOf(svg);
-  const state = { view: "machine", zoom: 1, dx: 0, dy: 0, places: placesAt(data, 0) };
+  const state = { view: "machine", pair: data.pairs.length, zoom: 1, dx: 0, dy: 0, places: placesAt(data, 0) };
+  const teeth = createTeeth(svg, groups, data);
 
   function look() {
     svg.setAttribute("viewBox", boxOf(data, state).join(" "));
@@ -80,6 +86,7 @@ function createScene(svg, data) {
     state.places = placesAt(data, phi1);
     for (const name of Object.keys(state.places)) groups[name].setAttribute("transform", placed(state.places[name]));
     showMaterial(groups, data, state.places, driven_angle(phi1));
+    teeth.show(state.places);
     if (state.view === "mesh") look();
   }
 
@@ -91,8 +98,28 @@ function createScene(svg, data) {
     if (!data.views[name]) throw new Error(`no view ${name}; there are ${Object.keys(data.views).join(", ")}`);
     svg.classList.remove(...Object.keys(data.views).map((one) => `view-${one}`));
     svg.classList.add(`view-${name}`);
-    state.view = name;
+    Object.assign(state, { view: name, pair: data.pairs.length });
     reset();
+  }
+
+  // A gear, the number of its pair from 1, and its mate.
+  function geared(name) {
+    const place = data.gears.findIndex((gear) => gear.name === name);
+    if (place < 0) throw new Error(`no gear ${name}; there are ${data.gears.map((gear) => gear.name).join(", ")}`);
+    return { gear: data.gears[place], mate: data.gears[place ^ 1], pair: (place >> 1) + 1 };
+  }
+
+  function tooth_angle(name, number) {
+    const { gear, mate } = geared(name);
+    return drivingAngleOf(data.shafts, gear.shaft, turnOfTooth(gear, mate, number), data.loop);
+  }
+
+  function mark(name, number) {
+    const { gear, pair } = geared(name);
+    view("mesh");
+    state.pair = pair;
+    teeth.mark(gear, number, state.places);
+    look();
   }
 
   function reset() {
@@ -146,5 +173,9 @@ function createScene(svg, data) {
   const place = (name, phi1) => placesAt(data, phi1)[name];
   const shaft_angles = (phi1) => shaftsAt(data.shafts, phi1).map((shaft) => shaft.value);
   const views = Object.keys(data.views);
-  return { show, view, looking, lookAs, follow, driven_angle, shaft_angles, zoom, reset, place, views, loop: data.loop };
+  const numbers = (on) => teeth.numbers(on, state.places);
+  const of_teeth = { numbers, tooth_angle, mark, unmark: teeth.unmark };
+  const counts = Object.fromEntries(data.gears.map((gear) => [gear.name, gear.teeth.at.length]));
+  const of_picture = { view, views, zoom, reset, looking, lookAs };
+  return { show, follow, driven_angle, shaft_angles, place, ...of_picture, ...of_teeth, teeth: counts, loop: data.loop };
 }

@@ -29,6 +29,8 @@ function start() {
     ),
   );
   listenToViews(() => scene);
+  createFinder(() => scene, clock);
+  createSolids();
   clock.fit(data.cycle_deg, data.swings);
 
   // For whoever looks at the page by script: angles in rad.

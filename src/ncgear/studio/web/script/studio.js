@@ -30,6 +30,7 @@ function start() {
   const board = createBoard(at("charts"), handles, pick);
   const form = createForm(at("form"), at("find"), acts);
   const told = createTold(acts);
+  const finder = createFinder(machine.scene, clock);
   const making = createMaking(at("jobs"), link.send);
 
   function show(deg, playing) {
@@ -87,6 +88,7 @@ function start() {
   function takeScene(content) {
     clear("gears");
     machine.take(content);
+    finder.fit();
     clock.set(clock.deg());
     if (!content.gears) told.withoutGears("");
   }

@@ -1,0 +1,211 @@
+"""Whether the crank pin and the rods pass what stands beside the gears: the driving shaft with its hub, end stops.
+
+The model is plane.  Crank pin and rods move in one plane beside the gears, seen along the axes.  What can stand in it
+are the driving gear's shaft (as thick as its bore) or hub, and the pins of end stops.  A rod is the straight line
+between its joints, with half its width on both sides and round ends.  The driven shaft cannot stand in the plane: at a
+dead centre every rod lies over the crank's axis.
+
+Over the cycle the distance of an axis from such a line is a continuous function of the driving angle, which changes no
+faster than the ends of the line move.  So a step between two samples is left out only where it cannot hold the least
+distance; in all others it is looked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import cos, pi, radians, sin
+
+import numpy as np
+
+from ncgear.design.keys.bodies import GearBody
+from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.pitch.shape import Gear, Mesh
+from ncgear.project.drive import Drive
+from ncgear.ratio.transmission import Transmission
+
+CRANK_PIN = "crank pin"
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Something round that stands beside the gears: its name, its centre in the mechanism's frame, its radius in mm.
+
+    The radius is None where the design does not say how thick it is.
+    """
+
+    name: str
+    center_mm: tuple[float, float]
+    radius_mm: float | None
+
+
+@dataclass(frozen=True)
+class Passing:
+    """How near the middle of a moving part comes to the centre of what stands, and at which driving angle.
+
+    ``part`` is the crank pin or a rod by its name, ``half_mm`` half its width or diameter, None where it is not given.
+    """
+
+    part: str
+    standing: Standing
+    distance_mm: float
+    phi1_rad: float
+    half_mm: float | None
+
+    @property
+    def room_mm(self) -> float | None:
+        """The widest part that passes, or the negative of what is missing; None where the radius is not known."""
+        return None if self.standing.radius_mm is None else 2.0 * (self.distance_mm - self.standing.radius_mm)
+
+    @property
+    def clearance_mm(self) -> float | None:
+        """The room between both, negative where they meet; None where one of them is not known."""
+        if self.half_mm is None or self.standing.radius_mm is None:
+            return None
+        return self.distance_mm - self.standing.radius_mm - self.half_mm
+
+
+def passings_of(drive: Drive) -> tuple[Passing, ...]:
+    """All parts of a pair's crank beside all that stands there; none where the pair turns no crank."""
+    if not drive.turns_crank:
+        return ()
+    return tuple(
+        Passing(part, one, *least_distance(lines, one.center_mm, drive.transmission), _half_mm(drive, part))
+        for part, lines in center_lines(drive.linkage).items()
+        for one in standing_of(drive)
+    )
+
+
+def _half_mm(drive: Drive, part: str) -> float | None:
+    """Half the diameter of the crank pin, or half the width of a rod."""
+    if part == CRANK_PIN:
+        pin = drive.gears.driven.crank_pin
+        return pin.diameter_mm / 2.0 if pin else None
+    width_mm = drive.design.fit.rod_width_mm if drive.design.fit else None
+    return None if width_mm is None else width_mm / 2.0
+
+
+def standing_of(drive: Drive) -> tuple[Standing, ...]:
+    """What stands beside a pair of gears: shaft or hub of the driving gear, and the pins of end stops."""
+    gears, distance_mm = drive.gears, drive.pitch.center_distance_mm
+    axis_rad = radians(gears.driving_axis_deg)
+    driving = distance_mm * cos(axis_rad), distance_mm * sin(axis_rad)
+    name, radius_mm = about_axis(gears.driving)
+    found = [Standing(f"driving {name}", driving, radius_mm)]
+    if drive.pitch.mesh is Mesh.INTERNAL:
+        return tuple(found)
+    for gear, body, (x, y) in ((Gear.DRIVING, gears.driving, driving), (Gear.DRIVEN, gears.driven, (0.0, 0.0))):
+        pin = drive.solids.of(gear).plan.pin_mm if body.end_stop else None
+        if pin is not None and body.end_stop is not None:
+            # The frame of the pair has the driven axis on +x of the driving one.
+            turned = complex(*pin) * np.exp(1j * (axis_rad - pi))
+            center = x + float(turned.real), y + float(turned.imag)
+            found.append(Standing(f"pin of the {gear.value} gear's end stop", center, body.end_stop.pin_mm / 2.0))
+    return tuple(found)
+
+
+def about_axis(body: GearBody) -> tuple[str, float | None]:
+    """What stands about a gear's axis, hub or shaft, and its radius in mm; None where neither hub nor bore is given."""
+    if body.hub is not None:
+        return "hub", body.hub.diameter_mm / 2.0
+    return "shaft", None if body.bore_mm is None else body.bore_mm / 2.0
+
+
+CenterLines = Callable[[Array], tuple[Array, Array, float]]
+"""From crank angles in rad (n,): both ends of a line in mm, complex (n,) each, and their greatest speed in mm/rad."""
+
+
+def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
+    """The middle of the crank pin, a line without length, and of each rod, by their names."""
+
+    def pin(crank_rad: Array) -> tuple[Array, Array, float]:
+        at = linkage.crank_body(Jet(crank_rad[None, :]), 0.0).pin
+        place = at.x.value + 1j * at.y.value
+        return place, place, linkage.crank_mm
+
+    def rod(name: str) -> CenterLines:
+        (x0, y0), (x1, y1) = linkage.rod_ends_mm[name]
+
+        def ends(crank_rad: Array) -> tuple[Array, Array, float]:
+            link = linkage.links(Jet.variable(crank_rad, 1))[name]
+            way = np.exp(1j * link.angle.value)
+            origin = link.origin.x.value + 1j * link.origin.y.value
+            slide = link.origin.x.derivative(1) + 1j * link.origin.y.derivative(1)
+            turn = 1j * link.angle.derivative(1) * way
+            own = complex(x0, y0), complex(x1, y1)
+            speed = max(float(np.abs(slide + turn * end).max()) for end in own)
+            return origin + way * own[0], origin + way * own[1], speed
+
+        return ends
+
+    return {CRANK_PIN: pin, **{name: rod(name) for name in linkage.rod_ends_mm}}
+
+
+STEPS, PARTS, LEVELS = 720, 16, 2
+"""Steps of a cycle, the parts into which a step is cut that may hold the least distance, and how often."""
+
+FASTER = 1.5
+"""The ends of a line move no faster between samples than so many times the greatest speed at samples."""
+
+NARROWEST_RAD = 1e-12
+"""Where a least distance is known as exactly, it is looked for no longer."""
+
+
+def least_distance(
+    lines: CenterLines, center_mm: tuple[float, float], transmission: Transmission
+) -> tuple[float, float]:
+    """The least distance in mm of a point from a moving line over a cycle, and the driving angle in rad of it.
+
+    The distance changes between two samples by less than the way of the line's ends.  A step whose bound, which follows
+    from this, is above the least value found cannot hold the least distance.  Raises ArithmeticError for a distance
+    that is no finite number.
+    """
+    lobes, point = transmission.lobes, complex(*center_mm)
+    end = transmission.cycle_rad if lobes.repeats else lobes.driving_period_rad
+
+    def sampled(phi1_rad: Array) -> tuple[Array, Array]:
+        """Distances, and bounds of the way of the line's ends from each angle to the next, along the last axis."""
+        crank = transmission.driven_angle(phi1_rad.ravel()).value
+        start, stop, speed = lines(crank)
+        way = FASTER * speed * np.abs(np.diff(crank.reshape(phi1_rad.shape), axis=-1))
+        return from_segment(point, start, stop).reshape(phi1_rad.shape), way
+
+    edges = np.linspace(0.0, end, STEPS + 1)
+    steps = np.stack([edges[:-1], edges[1:]], axis=-1)
+    for level in range(LEVELS + 1):
+        grid = steps if level == 0 else steps[:, :1] + np.diff(steps) * np.linspace(0.0, 1.0, PARTS + 1)
+        distance, way = sampled(grid)
+        if not np.isfinite(distance).all():
+            raise ArithmeticError("the distance of a rod from a shaft is no finite number")
+        lowest = (distance[:, :-1] + distance[:, 1:] - way) / 2.0
+        held = lowest < distance.min()
+        steps = np.stack([grid[:, :-1][held], grid[:, 1:][held]], axis=-1)
+        if not len(steps):
+            place = np.unravel_index(np.argmin(distance), distance.shape)
+            return float(distance[place]), float(grid[place])
+    parted = np.nonzero(steps[1:, 0] > steps[:-1, 1] + NARROWEST_RAD)[0] + 1
+    runs = [(float(run[0, 0]), float(run[-1, 1])) for run in np.split(steps, parted)]
+    return min(_narrowed(lambda phi1: sampled(phi1)[0], low, high) for low, high in runs)
+
+
+def _narrowed(distance: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:
+    """The least distance between two angles, between which it has one minimum, and its angle."""
+    while True:
+        grid = np.linspace(low, high, 2 * PARTS + 1)
+        found = distance(grid)
+        place = int(np.argmin(found))
+        if high - low < NARROWEST_RAD:
+            return float(found[place]), float(grid[place])
+        low, high = float(grid[max(place - 1, 0)]), float(grid[min(place + 1, 2 * PARTS)])
+
+
+def from_segment(point: complex, start: Array, stop: Array) -> Array:
+    """Distance of a point from the segments between complex ends, shape (n,)."""
+    along = stop - start
+    square = np.abs(along) ** 2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.clip(np.where(square > 0.0, (np.conj(along) * (point - start)).real / square, 0.0), 0.0, 1.0)
+    found: Array = np.abs(point - start - share * along)
+    return found

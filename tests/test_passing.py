@@ -1,0 +1,207 @@
+"""How near crank pin and rods pass what stands beside the gears: least distances, where they are, and what is told.
+
+The judges are polygons of shapely at thousands of angles, closed forms, and scenes whose links move by other code.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import cos, hypot, pi, radians, sin
+
+import numpy as np
+import pytest
+from shapely import LineString, Point
+
+from drives import drive, drive_of_text
+from ncgear.errors import WrongInput
+from ncgear.figures.advice.law_advice import crank_pin, pin_beside_hub, rods
+from ncgear.figures.data_sheet.sheet import data_sheet
+from ncgear.figures.passed import passed_rows, passed_summary
+from ncgear.kinematics.motion import Machine
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.project.drive import Drive
+from ncgear.project.passing import CRANK_PIN, Passing, center_lines, from_segment, least_distance, passings_of
+
+LINKAGES = {
+    "in front": "{crank_mm: 40, rod_mm: 150}",
+    "offset": "{crank_mm: 40, rod_mm: 150, offset_mm: 22}",
+    "short rod": "{crank_mm: 40, rod_mm: 60}",
+    "rocker": "{kind: crank_rocker, crank_mm: 30, coupler_mm: 110, rocker_mm: 80, ground_mm: 120}",
+    "lever": "{kind: slotted_lever, crank_mm: 26, pivot_mm: 80, lever_mm: 150}",
+    "yoke": "{kind: scotch_yoke, crank_mm: 30}",
+}
+
+TEXT = """
+name: passing
+linkage: {linkage}
+operation: {{speed_rpm: 60}}
+motion: {{law: ratio_expression, ratio: "1 - 0.2*cos(2*phi) + 0.1*sin(phi)", scale_to_close: true}}
+gears: {{teeth: 40, module_mm: 2, face_width_mm: 10, driving_axis_deg: {axis}, driving: {{bore_mm: 12}}}}
+{more}
+"""
+
+
+@cache
+def made(kind: str, axis: float, more: str = "") -> Drive:
+    return drive_of_text(TEXT.format(linkage=LINKAGES[kind], axis=axis, more=more))
+
+
+def axis_mm(found: Drive) -> Point:
+    """The driving axis in the frame of the mechanism."""
+    at = radians(found.gears.driving_axis_deg)
+    return Point(found.pitch.center_distance_mm * cos(at), found.pitch.center_distance_mm * sin(at))
+
+
+def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | Point]:
+    """The middle of a part at driving angles, by the joints that the mechanism's own bodies have."""
+    machine: Machine = found.machine
+    links = machine.linkage.links(Jet(machine.transmission.driven_angle(phi1).value[None, :]))
+    link = links["crank"] if part == CRANK_PIN else links[part]
+    x, y, angle = link.origin.x.value, link.origin.y.value, link.angle.value
+    length = machine.linkage.crank_mm if part == CRANK_PIN else getattr(machine.linkage, f"{part}_mm")
+    ends = np.stack([x + length * np.cos(angle), y + length * np.sin(angle)], axis=-1)
+    if part == CRANK_PIN:
+        return [Point(end) for end in ends]
+    return [LineString([start, end]) for start, end in zip(np.stack([x, y], axis=-1), ends, strict=True)]
+
+
+KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20.0), ("lever", -100.0), ("yoke", 180.0)]
+
+
+@pytest.mark.tiers(quick=["in front-30.0", "lever--100.0"], rest="thorough")
+@pytest.mark.parametrize(("kind", "axis"), KINDS)
+def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> None:
+    found = made(kind, axis)
+    phi1 = np.linspace(0.0, found.transmission.cycle_rad, 4001)
+    assert {one.part for one in passings_of(found)} == {CRANK_PIN, *found.linkage.rod_ends_mm}
+    for one in passings_of(found):
+        sampled = np.array([line.distance(axis_mm(found)) for line in lines_at(found, one.part, phi1)])
+        assert sampled.min() >= one.distance_mm - 1e-9
+        assert sampled.min() <= one.distance_mm + 0.1
+        (there,) = lines_at(found, one.part, np.array([one.phi1_rad]))
+        assert there.distance(axis_mm(found)) == pytest.approx(one.distance_mm, abs=1e-9)
+
+
+def test_a_pin_passes_the_driving_axis_at_the_difference_of_both_lengths() -> None:
+    for kind, axis in KINDS:
+        found = made(kind, axis)
+        pin = next(one for one in passings_of(found) if one.part == CRANK_PIN)
+        assert pin.distance_mm == pytest.approx(abs(found.pitch.center_distance_mm - found.linkage.crank_mm), abs=1e-12)
+
+
+def test_a_shaft_as_wide_as_told_is_just_passed() -> None:
+    """A circle and a rod as polygons: they touch with the width that is told, and overlap with a tenth more."""
+    found = made("offset", -25.0)
+    rod = next(one for one in passings_of(found) if one.part == "rod")
+    assert rod.room_mm is not None
+    assert rod.room_mm == pytest.approx(2.0 * (rod.distance_mm - 6.0))
+    shaft, phi1 = axis_mm(found).buffer(6.0, quad_segs=256), np.linspace(0.0, 2.0 * pi, 1441)
+    lines = lines_at(found, "rod", np.append(phi1, rod.phi1_rad))
+    for width, meets in ((rod.room_mm - 0.01, False), (rod.room_mm + 0.1, True)):
+        assert any(line.buffer(width / 2.0, quad_segs=64).intersects(shaft) for line in lines) == meets
+
+
+def test_a_narrow_passage_between_two_samples_is_not_missed() -> None:
+    """A rod hardly longer than its crank swings round within a tenth of a degree, near a point in its way."""
+    found = drive_of_text(TEXT.format(linkage="{crank_mm: 40, rod_mm: 40.0004}", axis=180.0, more=""))
+    lines, transmission = center_lines(found.linkage)["rod"], found.transmission
+    center = 3.0, 39.0
+    least, at = least_distance(lines, center, transmission)
+    dense = np.linspace(0.0, transmission.cycle_rad, 400_001)
+    start, stop, _ = lines(transmission.driven_angle(dense).value)
+    sampled = from_segment(complex(*center), start, stop)
+    assert least <= sampled.min() + 1e-12
+    assert least >= sampled.min() - 0.05
+    assert 0.0 <= at <= transmission.cycle_rad
+
+
+def test_distance_from_a_segment_is_shapely_s() -> None:
+    rng = np.random.default_rng(1)
+    points = rng.normal(size=(200, 3, 2))
+    for point, start, stop in points:
+        own = from_segment(complex(*point), np.array([complex(*start)]), np.array([complex(*stop)]))
+        assert own[0] == pytest.approx(LineString([start, stop]).distance(Point(point)), abs=1e-12)
+    assert from_segment(1j, np.zeros(1, complex), np.zeros(1, complex))[0] == 1.0
+
+
+def meeting(more: str, axis: float = 0.0) -> list[str]:
+    return [advice.what for advice in rods(made("in front", axis, more))]
+
+
+def test_a_rod_that_meets_the_shaft_is_told_where_the_file_says_what_stands_there() -> None:
+    assert meeting("") == []
+    assert meeting("fit: {driving_shaft: ends}") == []
+    (told,) = meeting("fit: {}")
+    assert "the rod meets the driving shaft" in told
+    assert "at 0 mm, at phi1 = 0 deg" in told
+    assert meeting("fit: {rod_width_mm: 20}", 180.0) == []
+    (wide,) = rods(made("in front", 180.0, "fit: {rod_width_mm: 80}"))
+    room = next(one.room_mm for one in passings_of(made("in front", 180.0)) if one.part == "rod")
+    assert f"no wider than {np.floor(100.0 * room) / 100.0:g} mm" in wide.remedies[0].text
+
+
+def test_a_driving_shaft_that_ends_is_not_in_the_pin_s_way() -> None:
+    text = TEXT.format(linkage="{crank_mm: 78, rod_mm: 300}", axis=180.0, more="{}")
+    assert len(crank_pin(drive_of_text(text.replace("{}", "")))) == 1
+    assert crank_pin(drive_of_text(text.replace("{}", "fit: {driving_shaft: ends}"))) == []
+
+
+def test_a_pin_of_its_own_diameter_is_judged_by_it() -> None:
+    text = TEXT.format(linkage="{crank_mm: 30, rod_mm: 150}", axis=180.0, more="")
+    found = drive_of_text(text.replace("driving: {bore_mm: 12}", "driven: {bore_mm: 10, crank_pin: {diameter_mm: 8}}"))
+    pin = next(one for one in passings_of(found) if one.part == CRANK_PIN)
+    assert pin.half_mm == 4.0
+    assert pin.room_mm is None
+    assert pin.clearance_mm is None
+
+
+def test_a_pin_beside_a_hub_is_remarked() -> None:
+    text = TEXT.format(linkage="{crank_mm: 30, rod_mm: 150}", axis=180.0, more="")
+    body = "driven: {bore_mm: 10, crank_pin: {diameter_mm: 8}, hub: {diameter_mm: 30, height_mm: 6}}"
+    told = pin_beside_hub(drive_of_text(text.replace("driving: {bore_mm: 12}", body)))
+    assert told is not None
+    assert not told.matters
+    assert "6 mm high" in told.what
+    assert pin_beside_hub(drive_of_text(text)) is None
+
+
+def test_summary_and_data_sheet_tell_the_same() -> None:
+    found = made("in front", 180.0, "fit: {rod_width_mm: 18}")
+    section = passed_summary(found)["fit"]
+    rod: Passing = next(one for one in passings_of(found) if one.part == "rod")
+    assert section["rod_to_driving_shaft_min_mm"] == rod.distance_mm
+    assert section["rod_to_driving_shaft_clearance_mm"] == pytest.approx(rod.distance_mm - 6.0 - 9.0)
+    rows = {entry.label: entry for entry in passed_rows(found)}
+    clearance = rows["rod to driving shaft: clearance, under 0 where they meet"]
+    assert clearance.pair == section["rod_to_driving_shaft_clearance_mm"]
+    assert "Beside the gears" in [group.title for group in data_sheet(found).groups]
+
+
+def test_pins_of_end_stops_stand_where_the_frame_has_them() -> None:
+    """In the frame of the pair the driven axis is on +x; with the driving axis behind the crank both frames agree."""
+    found = drive("spiral-pair")
+    stop = next(one.standing for one in passings_of(found) if "end stop" in one.standing.name)
+    x, y = found.solids.driving.plan.pin_mm
+    assert stop.center_mm == pytest.approx((x - found.pitch.center_distance_mm, y))
+    assert hypot(x, y) == pytest.approx(found.gears.driving.end_stop.radius_mm)
+
+
+@pytest.mark.parametrize("name", ["rack-feed", "desk-toy"])
+def test_gears_without_a_crank_have_nothing_to_pass(name: str) -> None:
+    assert passings_of(drive(name)) == ()
+    assert passed_summary(drive(name)) == {}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "name: a\noperation: {speed_rpm: 1}\nmotion: {law: ellipse, eccentricity: 0.2}\nfit: {rod_width_mm: 3}\n",
+        "name: a\nlinkage: {crank_mm: 4, rod_mm: 20}\noperation: {speed_rpm: 1}\n"
+        "motion: {law: ellipse, eccentricity: 0.2}\nfit: {rod_width_mm: 3}\n",
+    ],
+)
+def test_fit_without_a_crank_or_gears_is_refused(text: str) -> None:
+    with pytest.raises(WrongInput) as told:
+        drive_of_text(text)
+    assert told.value.key == "fit"
