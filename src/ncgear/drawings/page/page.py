@@ -61,7 +61,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
     figures = [drawn(chart) for chart in charts]
     data = page_data(scene, figures)
     about_pairs = {
-        "facts": [*facts(drive), *chain.from_iterable(gear_facts(*pair) for pair in pairs)],
+        "facts": [*facts(drive), *chain.from_iterable(gear_facts(pair) for pair, _ in pairs)],
         "pairs": [
             {
                 "title": _stage_name(pair),

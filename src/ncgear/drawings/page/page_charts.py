@@ -18,11 +18,12 @@ import numpy as np
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import Chart, Line, Role, decimals_of, joints_up_to
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION, RATIO_NAME, Quantity, motion_chart
 from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict, known_verdict
+from ncgear.ratio.transmission import Transmission
 
 DIGITS = 4
 """Significant digits of the largest value of a line; all lines of the chart have the decimals that follow from it."""
@@ -115,18 +116,19 @@ def split_angles(end_rad: float, jumps_rad: Iterable[float]) -> Array:
 
 def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
     """Pressure angle and transmission error of one pair, stresses where a load is known; of a stage its ratio, too."""
+    end_rad = contact.as_designed.placement.cycle_rad
     charts = {
         "pressure_angle": _pressure_angle(drive, contact),
         "transmission_error": _transmission_error(contact),
         **_strength(drive),
     }
-    joints = np.degrees(joints_up_to(drive.pair.transmission, contact.as_designed.placement.cycle_rad))
+    joints = np.degrees(joints_up_to(drive.pair.transmission, end_rad))
     if drive.stage is None:
         return [PageChart(key, replace(chart, joints_deg=joints)) for key, chart in charts.items()]
     shaft, stage = DRIVING if drive.stage == 1 else BETWEEN, drive.stage
     return [
         PageChart(f"{key}_{stage}", replace(chart, name=f"{chart.name}, stage {stage}", joints_deg=joints), shaft)
-        for key, chart in {"ratio": _ratio(drive, contact), **charts}.items()
+        for key, chart in {"ratio": ratio_chart(drive.pair.transmission, end_rad), **charts}.items()
     ]
 
 
@@ -177,9 +179,10 @@ def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
     return Line(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))
 
 
-def _ratio(drive: Drive, contact: PairContact) -> Chart:
-    law, end = drive.pair.transmission, contact.as_designed.placement.cycle_rad
-    angle = split_angles(end, joints_up_to(law, end).tolist())
+def ratio_chart(law: Transmission, end_rad: float) -> Chart:
+    """The ratio of a law from 0 to a driving angle, with its joints."""
+    joints = joints_up_to(law, end_rad)
+    angle = split_angles(end_rad, joints.tolist())
     values = 1.0 / law.driven_angle(angle, 1).derivative(1)
     line = Line(Role.OWN, "this design", np.degrees(angle), values)
-    return Chart(Quantity.RATIO.name_of(drive.linkage.OUTPUT), "", (line,), degrees(end))
+    return Chart(RATIO_NAME, "", (line,), degrees(end_rad), joints_deg=np.degrees(joints))

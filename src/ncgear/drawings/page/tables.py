@@ -102,9 +102,9 @@ def facts(drive: Drive) -> list[tuple[str, str]]:
     ]
 
 
-def gear_facts(drive: Drive, contact: PairContact) -> list[tuple[str, str]]:
+def gear_facts(drive: Drive) -> list[tuple[str, str]]:
     """Names and values of the main figures of a pair of gears; the names begin with its stage where there are two."""
-    designed = contact.as_designed
+    designed = drive.designed_contact
     size, stage = drive.pitch.size, f"stage {drive.stage}: " if drive.stage else ""
     displaced = drive.pumped
     pumped = (
