@@ -164,6 +164,18 @@ def test_the_points_of_the_racks_picture_lie_on_the_teeth(share: float) -> None:
     assert off.max() <= drive.design.output.chord_tolerance_mm
 
 
+def test_the_keys_of_the_strokes_picture_are_those_of_the_motion() -> None:
+    """Angles, speeds and slope that are marked against the speed that is drawn, from the law's own derivatives."""
+    drive = ncgear.load(ROOT / "designs" / "baler.yaml")
+    marks, omega = drawings.stroke_marks(drive), drive.law_speed_rpm * np.pi / 30.0
+    moved = drive.machine.displacement(np.array(marks.theta_rad) - 1e-9, 2)
+    speed, slope = omega * moved.derivative(1), omega * moved.derivative(2)
+    assert speed == pytest.approx([marks.v1_mm_s, marks.v2_mm_s, marks.v2_mm_s, 0.0], abs=1e-4)
+    assert slope == pytest.approx([0.0, 0.0, 0.0, marks.a1_mm_s_rad], abs=1e-4)
+    # a1 is stated at 20 r/min, where the published baler has 1500 mm/s2.
+    assert marks.a1_mm_s_rad * omega * (20.0 / drive.law_speed_rpm) ** 2 == pytest.approx(-1500.0)
+
+
 class TestFaults:
     """So that the tests above can fail."""
 

@@ -24,6 +24,7 @@ def _report() -> bytes:
 DRAWN: dict[str, Callable[[], bytes]] = {
     "method-inversion.png": drawings.inversion,
     "method-rack.png": drawings.rack,
+    "stroke-keys.png": drawings.stroke,
     "method-contact.png": drawings.contact,
     "pusher-report.png": _report,
 }
