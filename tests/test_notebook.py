@@ -10,12 +10,14 @@ import pytest
 
 import drives
 import ncgear
-from commands import modules_after
+from commands import ROOT, modules_after
+from ncgear.design.reading.balance_file import load_balance
 from ncgear.drawings.notebook.frame import framed, made, refusal
 from ncgear.drawings.notebook.running import running
 from ncgear.drawings.page.tables import facts
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
+from ncgear.project.balancing import Balancing
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.measured import cut_gears
@@ -134,6 +136,11 @@ def test_what_is_searched_for_shows_itself_and_searches_for_nothing() -> None:
     text = shown(Frontier([law], [FamilyPoint(6300.0, None, None)])).text
     assert "28000" in text
     assert "hob" in shown(cut_gears(drives.drive("pusher"))[0]).text
+    design = shown(drives.drive("pusher").design).text
+    assert "motion.theta3_pi1" in design
+    assert "gears.driving.bore_mm10" in design
+    balance = Balancing(load_balance(ROOT / "designs" / "balance" / "sieve-and-pan.yaml"))
+    assert "sieve-and-pan" in shown(balance).text
 
 
 REFUSED = {

@@ -8,19 +8,21 @@ from __future__ import annotations
 
 import re
 from base64 import b64encode
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial, singledispatch
 
 import numpy as np
 from markupsafe import Markup
 
 from ncgear.contact.designed.as_designed import AsDesigned
+from ncgear.design.keys.base import Model
+from ncgear.design.keys.design import Design
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
 from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.drawings.notebook.frame import NOTHING, charts, facts, figures, framed, made, not_made, refusal, table
 from ncgear.drawings.notebook.running import running
-from ncgear.drawings.notebook.shapes import Outline, picture, pitch_outlines, tooth_outline, tooth_outlines
+from ncgear.drawings.notebook.shapes import picture, pitch_outlines, section_outline, tooth_outline, tooth_outlines
 from ncgear.drawings.page.page_charts import PageChart, motion_charts, ratio_chart
 from ncgear.drawings.page.tables import comparison_tables, gear_facts
 from ncgear.drawings.page.tables import facts as main_facts
@@ -82,7 +84,11 @@ def _as_far_as_made(value: object) -> Iterator[Markup]:
 
 
 def _title(value: object) -> tuple[str, str]:
-    """A drive has its design's name and description; any other value its type's name."""
+    """A drive and a design have the name and description of the file; any other value has its type's name."""
+    if isinstance(value, Balancing):
+        return value.balance.name, ""
+    if isinstance(value, Design):
+        return value.name, value.description or ""
     if not isinstance(value, Drive):
         return type(value).__name__, ""
     design = value.design
@@ -219,8 +225,7 @@ def _solid(solid: GearSolid, gear: Gear = Gear.DRIVING) -> Iterator[Markup]:
     size = " x ".join(to_digits(float(length), 4) for length in solid.mesh.extents)
     mark = "yes" if solid.index_hole else "no"
     yield facts([("size", f"{size} mm"), ("triangles", str(len(solid.mesh.faces))), ("index hole", mark)])
-    outline = np.asarray(solid.plan.section.exterior.coords)[:-1]
-    yield picture([Outline(gear, outline, 0.0)], "a gear")
+    yield picture([section_outline(gear, solid.plan.section)], "a gear")
 
 
 @_pieces.register
@@ -315,4 +320,26 @@ def _png(picture_of: bytes) -> Markup:
 
 @_pieces.register
 def _balancing(balancing: Balancing) -> Iterator[Markup]:
-    yield figures(figures_of(balancing))
+    """Every part of the balance file under its name; of tables within, the command and its files have the rows."""
+    for part, content in figures_of(balancing).items():
+        for one in content if isinstance(content, list) else [content]:
+            if isinstance(one, Mapping):
+                yield Markup("<p><b>{}</b></p>").format(part.replace("_", " ")) + figures(one)
+
+
+@_pieces.register
+def _design(design: Design) -> Iterator[Markup]:
+    """The keys that the file gives, in their order."""
+    yield table(Table("Keys of the file", (Column("key"), Column("value")), tuple(_given(design, ""))))
+
+
+def _given(group: Model, above: str) -> Iterator[tuple[str, str]]:
+    for name in (one for one in type(group).model_fields if one in group.model_fields_set):
+        value, path = getattr(group, name), f"{above}{type(group).model_fields[name].alias or name}"
+        several = value if isinstance(value, tuple) and value and isinstance(value[0], Model) else ()
+        for number, one in enumerate(several):
+            yield from _given(one, f"{path}.{number}.")
+        if isinstance(value, Model):
+            yield from _given(value, f"{path}.")
+        elif not several:
+            yield path, shown(value)
