@@ -45,7 +45,7 @@ def applies(pattern: str, path: str) -> bool:
 
     Source: ``FilePatternAssociation`` and ``convertSimple2RegExpPattern`` of its language server, told in words.
     """
-    return re.search(f"{re.escape(pattern).replace(re.escape('*'), '.*')}$", f"/home/user/work/{path}") is not None
+    return re.search(f"{re.escape(pattern).replace(re.escape('*'), '.*')}$", f"/folder/{path}") is not None
 
 
 def written(folder: Path) -> dict[str, Any]:
