@@ -42,4 +42,7 @@ docs: .venv  ## make the pictures, the heads of command pages, the pages of keys
 	PYTHONPATH=tests $(PYTHON) -m hard.table
 	.venv/bin/ncgear reproduce && cp export/reproduction/reproduction.md docs/
 
-.PHONY: quick test slow fuzz attack lint bench beside docs
+site: .venv  ## the documentation as a site with search, export/site/README.html, from the same pages; needs no network
+	$(PYTHON) -m sphinx -q -W --keep-going -n -b html -c docs/site . export/site
+
+.PHONY: quick test slow fuzz attack lint bench beside docs site

@@ -12,13 +12,14 @@ import pytest
 
 from commands import ROOT, loaded_by
 from drives import loaded
+from ncgear import shown
 from ncgear.figures.terminal import check_text
 from ncgear.project.drive import Drive
 
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
-    {"errors", "extras", "interrupts", "stopwatch", "numerics"},
+    {"errors", "extras", "interrupts", "shown", "stopwatch", "numerics"},
     {"mechanisms"},
     {"ratio"},
     {"kinematics"},
@@ -94,6 +95,23 @@ def test_an_import_that_goes_up_is_seen() -> None:
 @pytest.mark.thorough
 def test_every_room_has_a_layer() -> None:
     assert set(package_imports()) == set(HEIGHT)
+
+
+DOORS = {"ncgear.drawings.notebook.values": ["shown.py"]}
+"""Modules that are imported by their names in text, and what does so: values reach what draws them in a notebook."""
+
+
+@pytest.mark.thorough
+def test_the_only_door_upwards_is_that_of_notebooks() -> None:
+    """An import by a name in text escapes the test above; ``__init__`` says where public names live."""
+    named: dict[str, list[str]] = {}
+    for path in SOURCE.rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        if "import_module" in text and path != SOURCE / "__init__.py":
+            for name in re.findall(r'"(ncgear\.[\w.]+)"', text):
+                named.setdefault(name, []).append(str(path.relative_to(SOURCE)))
+    assert named == DOORS
+    assert shown.DRAWER in DOORS
 
 
 def circles(files: dict[str, set[str]]) -> list[list[str]]:

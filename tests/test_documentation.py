@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import re
+from io import BytesIO
 from itertools import chain
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
+from PIL import Image
 
 import drives
 import ncgear
 from documented.installing import ROOT
 from documented.pages import PAGES
-from made import command_heads, drawings, figures, key_pages, kinds_page, material_page
+from made import command_heads, drawings, figures, gallery, key_pages, kinds_page, material_page
 from ncgear.design.keys.base import FORMULA
+from ncgear.design.keys.design import Design
+from ncgear.design.mechanisms import MECHANISMS
+from ncgear.design.reference import keys_of
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.mechanisms.resistance import FormulaResistance
@@ -67,6 +72,57 @@ def test_pages_of_keys_are_todays(name: str) -> None:
 
 def test_the_page_of_materials_is_todays() -> None:
     assert material_page.material_page() == TEXTS[f"docs/{material_page.NAME}"], "run `make docs`"
+
+
+def test_the_gallery_is_todays_and_small() -> None:
+    assert gallery.gallery_page() == TEXTS[f"docs/{gallery.NAME}"], "run `make docs`"
+    assert set(gallery.KINDS) == set(MECHANISMS)
+    designs = {path.name for path in (ROOT / "designs").rglob("*.yaml")}
+    assert {Path(link).name for link in links(TEXTS[f"docs/{gallery.NAME}"]) if link.endswith(".yaml")} == designs
+    assert sum(path.stat().st_size for path in figures.IMAGES.glob(f"{gallery.PREFIX}*")) < 1_000_000
+
+
+def unknown_names(page: str) -> list[str]:
+    """Names in code on a page that are no key of a design file, command, law or design."""
+    keys = {key.path for key in keys_of(Design)}
+    known = keys | {key.law for key in keys_of(Design)} | set(gallery.PATHS) | {"drive.pitch"}
+    commands = {f"ncgear {name}" for name in command_heads.NAMES}
+    return [
+        name
+        for name in re.findall(r"`([^`]+)`", page)
+        if name not in known and not any(name.startswith(command) for command in commands)
+    ]
+
+
+def test_the_words_that_people_search_for_lead_to_what_exists() -> None:
+    page = TEXTS["docs/words.md"]
+    assert unknown_names(page) == []
+    assert unknown_names("`wishes.dwell` `wishes.dwel` `ncgear bake`") == ["wishes.dwel", "ncgear bake"]
+    rows = [line for line in page.splitlines() if line.startswith("| ") and "](" in line]
+    assert len(rows) > 30
+    for word in (
+        "quick return",
+        "dwell",
+        "time ratio",
+        "oval gears",
+        "elliptical gears",
+        "function generator",
+        "Geneva",
+    ):
+        assert any(word in row.split("|")[1] for row in rows), word
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["pusher", "oval-flow-meter", "baler-a1-at-law-speed"])
+def test_a_picture_of_the_gallery_is_drawn_as_it_is_kept(name: str) -> None:
+    """Of a machine, of gears by themselves, of a machine whose gears are refused; a few pixels may differ by fonts."""
+    drawn, kept = (
+        np.asarray(Image.open(data).convert("L"), dtype=float)
+        for data in (BytesIO(gallery.thumbnail(name)), figures.IMAGES / f"{gallery.PREFIX}{name}.png")
+    )
+    assert drawn.shape == kept.shape
+    assert np.mean(np.abs(drawn - kept) > 40.0) < 0.001
+    assert np.mean(drawn < 200.0) > 0.01
 
 
 @pytest.mark.slow
@@ -162,6 +218,18 @@ def test_the_points_of_the_racks_picture_lie_on_the_teeth(share: float) -> None:
     off = shapely.distance(outline, shapely.points(points))
     assert off.size >= 3
     assert off.max() <= drive.design.output.chord_tolerance_mm
+
+
+def test_the_keys_of_the_strokes_picture_are_those_of_the_motion() -> None:
+    """Angles, speeds and slope that are marked against the speed that is drawn, from the law's own derivatives."""
+    drive = ncgear.load(ROOT / "designs" / "baler.yaml")
+    marks, omega = drawings.stroke_marks(drive), drive.law_speed_rpm * np.pi / 30.0
+    moved = drive.machine.displacement(np.array(marks.theta_rad) - 1e-9, 2)
+    speed, slope = omega * moved.derivative(1), omega * moved.derivative(2)
+    assert speed == pytest.approx([marks.v1_mm_s, marks.v2_mm_s, marks.v2_mm_s, 0.0], abs=1e-4)
+    assert slope == pytest.approx([0.0, 0.0, 0.0, marks.a1_mm_s_rad], abs=1e-4)
+    # a1 is stated at 20 r/min, where the published baler has 1500 mm/s2.
+    assert marks.a1_mm_s_rad * omega * (20.0 / drive.law_speed_rpm) ** 2 == pytest.approx(-1500.0)
 
 
 class TestFaults:

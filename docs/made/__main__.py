@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 
 from made.command_heads import FOLDER, NAMES, with_head
+from made.gallery import NAME as GALLERY
+from made.gallery import gallery_page
 from made.key_pages import PAGES, key_page
 from made.kinds_page import NAME as KINDS
 from made.kinds_page import kinds_page
@@ -22,6 +24,7 @@ def write_pages() -> None:
     for file in PAGES:
         (DOCS / file).write_text(key_page(file), encoding="utf-8")
     (DOCS / MATERIALS).write_text(material_page(), encoding="utf-8")
+    (DOCS / GALLERY).write_text(gallery_page(), encoding="utf-8")
     (DOCS / KINDS).write_text(kinds_page(), encoding="utf-8")
 
 

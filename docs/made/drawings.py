@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
-from math import pi, tan
+from math import degrees, pi, tan
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,21 @@ from matplotlib.axes import Axes
 
 import ncgear
 from ncgear.drawings.plots.assembled_pair import assembled_teeth, draw_mesh, positions_at, turned
-from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, REFERENCE, Margins, dress, figure, png
+from ncgear.drawings.plots.canvas import (
+    DRIVEN,
+    DRIVING,
+    HIGHLIGHT,
+    INK,
+    NORMAL,
+    REFERENCE,
+    Margins,
+    dress,
+    figure,
+    png,
+)
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 
@@ -71,6 +84,87 @@ def _follow(wished: Axes, linkage: Axes, found: Axes) -> None:
     wished.plot([phi1, phi1, 360.0], [0.0, way, way], **DOTTED)
     linkage.plot([0.0, phi2, phi2], [way, way, 0.0], **DOTTED)
     found.plot([phi1, phi1, 0.0], [0.0, phi2, phi2], **DOTTED)
+
+
+@dataclass(frozen=True)
+class StrokeMarks:
+    """The keys of a three-segment stroke on its speed curve: angles in rad, speeds in mm/s at the law speed.
+
+    ``a1_mm_s_rad`` is the slope at theta4 in mm/s to a radian of the driving angle: a1 at the law speed, divided by it.
+    """
+
+    theta_rad: tuple[float, float, float, float]
+    v1_mm_s: float
+    v2_mm_s: float
+    a1_mm_s_rad: float
+
+
+def stroke_marks(drive: ncgear.Drive) -> StrokeMarks:
+    """What the design file of a drive says of its stroke."""
+    motion: Any = drive.design.motion
+    omega, stated = drive.law_speed_rpm * RAD_S_PER_RPM, motion.a1_speed_rpm * RAD_S_PER_RPM
+    first, second, third, fourth = (pi * getattr(motion, f"theta{number}_pi") for number in (1, 2, 3, 4))
+    slope = motion.a1_mm_s2 * (omega / stated) ** 2 / omega
+    return StrokeMarks((first, second, third, fourth), motion.v1_mm_s, motion.v2_mm_s, slope)
+
+
+ARROW = {"arrowstyle": "<->", "color": REFERENCE}
+
+SEGMENTS = ("approach", "constant speed", "braking", "return stroke: found by ncgear")
+"""What the stretches between the dead centres, theta2, theta3 and theta4 are called."""
+
+
+def stroke() -> bytes:
+    """The keys theta1 to theta4, v1, v2, a1 and the stroke on the speed curve of the baler."""
+    drive = ncgear.load(DESIGNS / "baler.yaml")
+    marks, scale = stroke_marks(drive), drive.law_speed_rpm / drive.design.operation.speed_rpm
+    size = 9.2, 4.6
+    made = figure(
+        *size, f"The keys of a three-segment stroke, on the speed of the baler at {drive.law_speed_rpm:.2f} r/min"
+    )
+    axes = made.subplots(gridspec_kw=Margins(left=0.95, top=0.95).shares(*size))
+    angle, speed = np.degrees(drive.motion.phi1_rad), scale * drive.motion.velocity
+    axes.plot(angle, speed, color=DRIVING, linewidth=2.2)
+    axes.axhline(0.0, color=REFERENCE, linewidth=0.9)
+    theta = [degrees(place) for place in marks.theta_rad]
+    # The return goes far below what is explained here.
+    high, low = marks.v1_mm_s, -1.05 * marks.v1_mm_s
+    working = angle <= theta[3]
+    axes.fill_between(angle[working], speed[working], color=DRIVING, alpha=0.1, linewidth=0.0)
+    axes.text(theta[0] + 6.0, 0.3 * high, "area, over time: stroke_mm", color=INK, size=NORMAL)
+    for number, place in enumerate(theta, start=1):
+        axes.plot([place, place], [low, 1.16 * high], **DOTTED)
+        text = f"theta{number}\n{place / 180.0:g} pi"
+        axes.text(place, 1.18 * high, text, color=HIGHLIGHT, size=NORMAL, ha="center", va="bottom", weight="bold")
+    for value, place in ((marks.v1_mm_s, theta[0]), (marks.v2_mm_s, theta[1])):
+        axes.plot([0.0, place], [value, value], **DOTTED)
+    of_v2 = (theta[1] + theta[2]) / 2.0, marks.v2_mm_s - 160.0
+    for (x, y), text in (((3.0, high + 40.0), f"v1 = {high:g} mm/s"), (of_v2, f"v2 = {marks.v2_mm_s:g} mm/s")):
+        axes.text(x, y, text, color=HIGHLIGHT, size=NORMAL, weight="bold", ha="left" if x == 3.0 else "center")
+    slope = marks.a1_mm_s_rad * pi / 180.0
+    reach = np.array([-38.0, 30.0])
+    axes.plot(theta[3] + reach, slope * reach, color=DRIVEN, linewidth=1.6)
+    axes.annotate(
+        "slope: the acceleration a1",
+        (theta[3] - 30.0, -30.0 * slope),
+        xytext=(theta[3] + 10.0, 0.75 * high),
+        color=DRIVEN,
+        size=NORMAL,
+        weight="bold",
+        arrowprops={"arrowstyle": "-", "color": DRIVEN},
+    )
+    for name, start, end in zip(SEGMENTS, (0.0, *theta[1:]), (*theta[1:], 360.0), strict=True):
+        axes.annotate("", (start, 0.93 * low), xytext=(end, 0.93 * low), arrowprops=ARROW)
+        axes.text((start + end) / 2.0, 0.9 * low, name, color=INK, size=NORMAL, ha="center", va="bottom")
+    for place, name in ((0.0, "retracted"), (theta[3], "extended"), (360.0, "retracted")):
+        axes.plot(place, 0.0, "o", color=INK, markersize=6.0, clip_on=False)
+        aside, side = (4.0, "left") if place == 0.0 else (-4.0, "right")
+        axes.text(place + aside, 0.05 * low, name, color=INK, size=NORMAL, va="top", ha=side)
+    dress(axes, "driving angle phi1 in deg", "speed of the slider in mm/s")
+    axes.set_xlim(0.0, 360.0)
+    axes.set_ylim(low, 1.16 * high)
+    axes.set_xticks(range(0, 361, 60))
+    return png(made)
 
 
 def rack() -> bytes:

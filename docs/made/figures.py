@@ -5,10 +5,11 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from made import drawings
+from made import drawings, gallery
 
 DOCS = Path(__file__).parents[1]
 IMAGES = DOCS / "images"
@@ -36,10 +37,12 @@ def _studio_in_use() -> bytes:
 DRAWN: dict[str, Callable[[], bytes]] = {
     "method-inversion.png": drawings.inversion,
     "method-rack.png": drawings.rack,
+    "stroke-keys.png": drawings.stroke,
     "method-contact.png": drawings.contact,
     "pusher-report.png": _report,
     "studio.png": _studio,
     "studio.gif": _studio_in_use,
+    **{f"{gallery.PREFIX}{name}.png": partial(gallery.thumbnail, name) for name in gallery.PATHS},
 }
 """Pictures made for a page, by their names in docs/images."""
 

@@ -86,6 +86,12 @@ PAGES: dict[str, tuple[str, type[Any], str]] = {
 
 HEADS = ("key", "unit", "meaning", "value", "left out")
 
+PICTURES = {
+    "`motion`, law `three_segment_stroke`": "![The speed of a slider over the driving angle: theta1 to theta4, v1, v2, "
+    "a1 and the stroke are marked on it](images/stroke-keys.png)"
+}
+"""Pictures that explain the keys of a section, by its title."""
+
 SPECIAL = str.maketrans({"|": "&#124;", "*": "\\*", "<": "&lt;"})
 """What would be more than a letter in a table of Markdown."""
 
@@ -99,7 +105,8 @@ def key_page(name: str) -> str:
 def _section(keys: Sequence[Key], above: str, law: str, title: str, level: int) -> Iterator[str]:
     """The table of a group's own keys, then the groups in it."""
     own = [key for key in _inside(keys, above) if key.law == law]
-    yield from (f"{'#' * min(level, 4)} {title}", "", *markdown(HEADS, map(_row, own)), "")
+    picture = [PICTURES[title], ""] if title in PICTURES else []
+    yield from (f"{'#' * min(level, 4)} {title}", "", *picture, *markdown(HEADS, map(_row, own)), "")
     for group in (key for key in own if key.group):
         yield from _groups(keys, group, level + bool(above))
 

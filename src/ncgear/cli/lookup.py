@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
@@ -34,11 +35,48 @@ def explain(
 
 def schema(
     of: Annotated[FileKind, typer.Option(help="The kind of file.")] = FileKind.DESIGN,
+    vscode: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Write the schemas of both kinds into .vscode of a folder, and name them in its settings.",
+        ),
+    ] = None,
 ) -> None:
     """Print the JSON Schema of a design or a balance file, for editors that complete and check while typing."""
+    if vscode is not None:
+        _into_settings(vscode)
+        return
     from ncgear.design.keys.design import json_schema
 
     typer.echo(json.dumps(json_schema(model_of(of)), indent=2))
+
+
+NAMED = 4
+"""Patterns of files that are named in words."""
+
+
+def _into_settings(folder: Path) -> None:
+    """Write the schemas and the settings that name them; say what was written and which files they are for."""
+    from ncgear.errors import WrongInput
+    from ncgear.files.publish import exchange, opened
+    from ncgear.files.vscode import SETTINGS_FOLDER, editor_files
+
+    if not folder.is_dir():
+        raise WrongInput("is no folder; the one that is opened in VS Code is right", location=str(folder))
+    place = folder / SETTINGS_FOLDER
+    found = editor_files(folder)
+    if found.files:
+        with opened(place):
+            exchange(place, found.files)
+    for name in found.files:
+        typer.echo(str(place / name))
+    patterns = list(chain.from_iterable(found.patterns.values()))
+    more = f" and {len(patterns) - NAMED} more" if len(patterns) > NAMED else ""
+    files = f"{', '.join(patterns[:NAMED])}{more}"
+    typer.echo(
+        f"{'' if found.files else 'nothing to change: '}the extension YAML of Red Hat completes and checks {files}"
+    )
 
 
 def reproduce(

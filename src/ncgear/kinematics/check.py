@@ -15,10 +15,11 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import NO_KNOTS, Extremum, extremes
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.shown import Shown
 
 
 @dataclass(frozen=True)
-class KinematicCheck:
+class KinematicCheck(Shown):
     """Peaks over one cycle of the output, each with the driving angle at which it occurs.
 
     Speeds and accelerations are in mm/s and mm/s^2, or in rad/s and rad/s^2 where the output turns.  Accelerations are

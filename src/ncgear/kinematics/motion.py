@@ -25,16 +25,18 @@ from ncgear.numerics.quadrature import integrated_slope
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.numerics.zeros import zeros_between
 from ncgear.ratio.transmission import CLOSED, Piece, Transmission
+from ncgear.shown import Shown
 
 
 @dataclass(frozen=True, eq=False)
-class OutputMotion:
+class OutputMotion(Shown):
     """Samples over the driving angle, all of shape (n,); the load is the one against the motion, on both strokes.
 
     Places, speeds, accelerations and loads are in mm, mm/s, mm/s^2 and N, or in rad, rad/s, rad/s^2 and N mm where the
-    mechanism's output turns.
+    output of ``linkage``, the mechanism that moves so, turns.
     """
 
+    linkage: Mechanism
     phi1_rad: Array
     phi2_rad: Array
     ratio: Array
@@ -50,7 +52,7 @@ class OutputMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class Machine:
+class Machine(Shown):
     """A transmission that drives a mechanism against a load of its slider at constant driving speed."""
 
     transmission: Transmission
@@ -108,6 +110,7 @@ class Machine:
         returning = ~self.working(driven.value)
         force = self.load.against_n(displacement.value, returning)
         return OutputMotion(
+            linkage=self.linkage,
             phi1_rad=phi1,
             phi2_rad=driven.value,
             ratio=1.0 / driven.derivative(1),

@@ -24,6 +24,7 @@ from ncgear.pitch.curve import ArcLength, PitchCurve, arc_length, period_length
 from ncgear.pitch.internal import require_ring, require_room
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.transmission import Lobes, Piece, Range, Transmission
+from ncgear.shown import Shown
 
 STRAIGHT = 1e-9
 """Curvature times centre distance below which a curve counts as straight: a radius of 1e9 centre distances."""
@@ -70,7 +71,7 @@ class ToothedArc:
 
 
 @dataclass(frozen=True, eq=False)
-class PitchPair:
+class PitchPair(Shown):
     """The two curves that roll on each other.
 
     Those of gears that turn less than once are continued to closed ones (ncgear.pitch.continued), and only the teeth of

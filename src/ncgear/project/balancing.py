@@ -28,6 +28,7 @@ from ncgear.project.law import require_whole_turns
 from ncgear.project.moving_masses import masses_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.shown import Shown
 
 if TYPE_CHECKING:
     from ncgear.balance.gears import Corrected, GearBody
@@ -42,7 +43,7 @@ class BalancedGear:
     corrected: Corrected | None
 
 
-class Balancing:
+class Balancing(Shown):
     """A balance file; its mechanisms and gears are attributes, which raise WrongInput or NoSuchMechanism."""
 
     def __init__(self, loaded: LoadedBalance) -> None:

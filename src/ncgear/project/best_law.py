@@ -14,13 +14,14 @@ from ncgear.project.law import law_of
 from ncgear.project.wishes import task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
+from ncgear.shown import Shown
 
 if TYPE_CHECKING:
     from ncgear.optimum.certified.limit import Bound
     from ncgear.optimum.makeable.law import MakeableLaw
 
 
-class BestLaw:
+class BestLaw(Shown):
     """A design's machine with the best law that its wishes allow.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where

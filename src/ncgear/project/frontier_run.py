@@ -24,6 +24,7 @@ from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.task import Figures
 from ncgear.project.wishes import task_of, wishes_of
+from ncgear.shown import Shown
 
 POINTS_FILE = "frontier-points.jsonl"
 """File of finished points in the output folder, one line each."""
@@ -36,7 +37,7 @@ ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_
 
 
 @dataclass(frozen=True)
-class Frontier:
+class Frontier(Shown):
     """Points in the order of their caps; a family point is the best one found at its cap or a lower one."""
 
     laws: list[LawPoint]

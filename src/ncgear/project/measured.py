@@ -16,6 +16,7 @@ from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.shown import Shown
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
 
@@ -76,7 +77,7 @@ def measured_gears(drive: Drive) -> tuple[MeasuredGear, MeasuredGear]:
 
 
 @dataclass(frozen=True)
-class CutGear:
+class CutGear(Shown):
     """One gear as tools cut it: the largest round tool that follows its outline, and what each kind of tool makes.
 
     Of helical gears the section at z = 0 is tried.

@@ -29,6 +29,7 @@ from ncgear.project.alternatives import (
 )
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import rack_of, require_pushing_flanks
+from ncgear.shown import Shown
 
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of trials done and in all."""
@@ -97,7 +98,7 @@ class Way:
 
 
 @dataclass(frozen=True, eq=False)
-class Mend:
+class Mend(Shown):
     """A change with which the teeth can be made: the way, and the drive of the changed design."""
 
     way: Way
@@ -122,7 +123,7 @@ class Mend:
 
 
 @dataclass(frozen=True, eq=False)
-class Mending:
+class Mending(Shown):
     """The search for a change: the refusal, the ways that do not work in the order of the trials, and the one found.
 
     ``found`` is None where none of the ways works.

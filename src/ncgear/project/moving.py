@@ -19,10 +19,11 @@ from ncgear.project.law import law_of, load_of
 from ncgear.project.motion_wishes import motion_wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
+from ncgear.shown import Shown
 from ncgear.stopwatch import Stopwatch
 
 
-class Moving:
+class Moving(Shown):
     """A design, and the motion of its machine; see ``ncgear.project.drive.Drive``."""
 
     def __init__(self, design: Design, stage: int | None = None, loaded: LoadedDesign | None = None) -> None:

@@ -28,6 +28,7 @@ from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import integrated_slope
 from ncgear.numerics.units import in_words
+from ncgear.shown import Shown
 
 JetFunction = Callable[[Array, int], Jet]
 """From driving angles in rad, shape (n,), and an order to the driven angle in rad with its derivatives."""
@@ -181,7 +182,7 @@ class DrivenGearStops(NoSuchMechanism):
 
 
 @dataclass(frozen=True, eq=False)
-class Transmission:
+class Transmission(Shown):
     """A law phi2(phi1); raises NoSuchMechanism where the ratio is not positive and finite."""
 
     pieces: tuple[Piece, ...]
@@ -327,7 +328,7 @@ class PrescribedStroke:
 
 
 @dataclass(frozen=True, eq=False)
-class Law:
+class Law(Shown):
     """A closed law on its mechanism, the pairs of gears that make it, and its stroke where the law prescribes one."""
 
     linkage: Mechanism

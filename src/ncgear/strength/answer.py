@@ -9,6 +9,7 @@ import numpy as np
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
+from ncgear.shown import Shown
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.material import Material
 
@@ -71,7 +72,7 @@ class GearStrength:
 
 
 @dataclass(frozen=True, eq=False)
-class Strength:
+class Strength(Shown):
     """Both gears by one method.
 
     ``load`` says what the load follows from: the machine with its masses, or the resistance alone.

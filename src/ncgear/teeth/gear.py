@@ -16,6 +16,7 @@ import numpy as np
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
+from ncgear.shown import Shown
 from ncgear.teeth.backlash import play_of
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
@@ -35,7 +36,7 @@ LEAST_COSINE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class ToothedGear:
+class ToothedGear(Shown):
     """One gear with its outline in mm (shape (n, 2), counter-clockwise, own frame, pose of phi1 = 0)."""
 
     tips: Tips
@@ -72,7 +73,7 @@ class ToothedGear:
 
 
 @dataclass(frozen=True, eq=False)
-class ToothedPair:
+class ToothedPair(Shown):
     """Both gears, and the kind of tool that cuts them.
 
     At phi1 = 0 a tooth of the driving gear stands in a space of the driven gear on the line of centres.

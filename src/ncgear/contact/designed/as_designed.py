@@ -16,6 +16,7 @@ from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement, m
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask, largest_rows
 from ncgear.numerics.units import in_words
+from ncgear.shown import Shown
 from ncgear.teeth.gear import ToothedPair
 
 ALIKE_RAD = 1e-12
@@ -116,7 +117,7 @@ class PairTouch:
 
 
 @dataclass(frozen=True, eq=False)
-class AsDesigned(PairTouch):
+class AsDesigned(PairTouch, Shown):
     """Contact of the exact curves over a whole cycle of meetings."""
 
     pushing: SideContact

@@ -22,6 +22,7 @@ from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
 from ncgear.design.naming import NAME_PATTERN
+from ncgear.shown import Shown
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -37,7 +38,7 @@ else:
     ]
 
 
-class Design(Model):
+class Design(Model, Shown):
     """A design file: what a person wrote, and nothing computed."""
 
     name: str = Field(pattern=NAME_PATTERN, description="name of the design and of its output folder")

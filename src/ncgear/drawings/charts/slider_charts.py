@@ -35,7 +35,7 @@ class Quantity(Enum):
             case Quantity.POWER:
                 return "driving power"
             case Quantity.RATIO:
-                return "ratio i\u2081\u2082"
+                return RATIO_NAME
         return str(self.value)
 
     def unit_of(self, output: Output) -> Unit:
@@ -61,6 +61,8 @@ class Quantity(Enum):
         values: Array = getattr(motion, self.value) * self.unit_of(output).factor
         return values
 
+
+RATIO_NAME = "ratio i\u2081\u2082"
 
 WATT, NO_UNIT = Unit("w", "W"), Unit("", "")
 

@@ -18,11 +18,12 @@ import numpy as np
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import Chart, Line, Role, decimals_of, joints_up_to
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION, RATIO_NAME, Quantity, motion_chart
 from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict, known_verdict
+from ncgear.ratio.transmission import Transmission
 
 DIGITS = 4
 """Significant digits of the largest value of a line; all lines of the chart have the decimals that follow from it."""
@@ -129,7 +130,7 @@ def charts_of_pair(drive: Drive, written: Mapping[str, Chart], cycle_rad: float)
     shaft, stage = DRIVING if drive.stage == 1 else BETWEEN, drive.stage
     return [
         PageChart(f"{key}_{stage}", replace(chart, name=f"{chart.name}, stage {stage}", joints_deg=joints), shaft)
-        for key, chart in {"ratio": _ratio(drive, cycle_rad), **charts}.items()
+        for key, chart in {"ratio": ratio_chart(drive.pair.transmission, cycle_rad), **charts}.items()
     ]
 
 
@@ -180,9 +181,10 @@ def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
     return Line(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))
 
 
-def _ratio(drive: Drive, end: float) -> Chart:
-    law = drive.pair.transmission
-    angle = split_angles(end, joints_up_to(law, end).tolist())
+def ratio_chart(law: Transmission, end_rad: float) -> Chart:
+    """The ratio of a law from 0 to a driving angle, with its joints."""
+    joints = joints_up_to(law, end_rad)
+    angle = split_angles(end_rad, joints.tolist())
     values = 1.0 / law.driven_angle(angle, 1).derivative(1)
     line = Line(Role.OWN, "this design", np.degrees(angle), values)
-    return Chart(Quantity.RATIO.name_of(drive.linkage.OUTPUT), "", (line,), degrees(end))
+    return Chart(RATIO_NAME, "", (line,), degrees(end_rad), joints_deg=np.degrees(joints))

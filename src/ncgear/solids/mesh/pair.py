@@ -8,6 +8,7 @@ from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
+from ncgear.shown import Shown
 from ncgear.solids.mesh.finish import drilled_hub
 from ncgear.solids.mesh.slabs import bevel_of, slab_mesh
 from ncgear.solids.plan.body import Blank, BodyPlan, RingBlank, RoundHole
@@ -17,7 +18,7 @@ CHAMFER_KEY = "gears.first_layer_chamfer_mm"
 
 
 @dataclass(frozen=True, eq=False)
-class GearSolid:
+class GearSolid(Shown):
     """One gear's mesh in its own frame at phi1 = 0, and the plan that it was made by."""
 
     mesh: Trimesh
@@ -35,7 +36,7 @@ class GearSolid:
 
 
 @dataclass(frozen=True, eq=False)
-class SolidPair:
+class SolidPair(Shown):
     """The solids of a pair."""
 
     driving: GearSolid

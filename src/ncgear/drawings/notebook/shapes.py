@@ -1,0 +1,102 @@
+"""Pitch curves and teeth in a notebook: closed outlines of a pair of gears in mm, assembled at phi1 = 0."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from markupsafe import Markup
+from shapely import Polygon
+
+from ncgear.drawings.notebook.frame import NOTHING
+from ncgear.drawings.page.scene_svg import closed_path, grid_mm
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.teeth.gear import ToothedGear, ToothedPair
+
+CURVE_POINTS = 721
+"""Points of a pitch curve: one every half degree."""
+
+FINENESS = 2e-4
+"""Tolerance of a drawn outline as a share of the picture's size: a tenth of a pixel."""
+
+ROOM = 1.04
+"""Size of the picture divided by that of what is on it."""
+
+
+RING = 1.1
+"""Outer radius of a ring, divided by the largest radius of its curve or teeth: these alone know of no body."""
+
+ROUND = 2.0 * np.pi * np.linspace(0.0, 1.0, 181)[:-1]
+
+
+class Outline(NamedTuple):
+    """Closed contours in mm, shape (n, 2) each, in the frame of a gear, the outer one first; the place of its axis."""
+
+    gear: Gear
+    contours_mm: tuple[Array, ...]
+    axis_mm: float
+
+
+def _outline(curve: PitchCurve, points_mm: Array, axis_mm: float) -> Outline:
+    """The outline of a gear by its pitch curve or teeth: that of a ring is around them."""
+    if not curve.is_ring:
+        return Outline(curve.gear, (points_mm,), axis_mm)
+    radius = RING * float(np.hypot(*points_mm.T).max())
+    circle = radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
+    return Outline(curve.gear, (circle, points_mm), axis_mm)
+
+
+def pitch_outlines(pitch: PitchPair) -> list[Outline]:
+    """Both pitch curves; those of gears that turn less than once are closed by straight sides to the axis."""
+    outlines = []
+    for curve, axis in ((pitch.driving, 0.0), (pitch.driven, pitch.center_distance_mm)):
+        points = curve.drawn(CURVE_POINTS).position
+        closed = points if pitch.toothed is None else np.vstack([points, np.zeros((1, 2))])
+        outlines.append(_outline(curve, closed, axis))
+    return outlines
+
+
+def tooth_outlines(teeth: ToothedPair) -> list[Outline]:
+    """Both tooth outlines in mesh."""
+    distance = teeth.driving.flanks.curve.center_distance_mm
+    return [tooth_outline(teeth.of(gear), axis) for gear, axis in zip(Gear, (0.0, distance), strict=True)]
+
+
+def tooth_outline(gear: ToothedGear, axis_mm: float = 0.0) -> Outline:
+    """The teeth of one gear."""
+    return _outline(gear.flanks.curve, gear.outline_mm, axis_mm)
+
+
+def section_outline(gear: Gear, section: Polygon) -> Outline:
+    """The section of a solid, with its holes."""
+    rings = (np.asarray(ring.coords)[:-1] for ring in (section.exterior, *section.interiors))
+    return Outline(gear, tuple(rings), 0.0)
+
+
+def picture(outlines: Sequence[Outline], name: str) -> Markup:
+    """The outlines to one scale, with their axes; the name is what a screen reader says."""
+    corners = np.vstack([outline.contours_mm[0] + np.array([outline.axis_mm, 0.0]) for outline in outlines])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    size, middle = ROOM * (high - low), (low + high) / 2.0
+    box = f"{middle[0] - size[0] / 2.0:.6g} {-middle[1] - size[1] / 2.0:.6g} {size[0]:.6g} {size[1]:.6g}"
+    grid = grid_mm(FINENESS * float(size.max()))
+    # A ring goes behind the gear within it.
+    drawn = sorted(outlines, key=lambda outline: -float(np.ptp(outline.contours_mm[0][:, 0])))
+    shapes = NOTHING.join(_shape(outline, grid) for outline in drawn)
+    return Markup(
+        '<figure class="shape"><svg viewBox="{}" role="img" aria-label="{}"><g transform="scale(1 -1)">{}</g></svg>'
+        "</figure>"
+    ).format(box, name, shapes)
+
+
+def _shape(outline: Outline, grid: float) -> Markup:
+    color = outline.gear.value
+    return Markup(
+        '<g transform="translate({0:.6g} 0)"><path transform="scale({1:.6g})" d="{2}" fill="var(--{3})" '
+        'fill-opacity="0.22" fill-rule="evenodd" stroke="var(--{3})" stroke-width="1.4"/>'
+        '<path d="M0 0h0" stroke="var(--ink)" stroke-width="7" stroke-linecap="round"/></g>'
+    ).format(outline.axis_mm, grid, closed_path(outline.contours_mm, grid), color)

@@ -1,0 +1,345 @@
+"""What a notebook shows of each value: the drive, its stages from the law to the strength, and what was searched.
+
+``html`` is what ``ncgear.shown.Shown`` asks.  A value shows what it knows by itself; the drive shows the whole machine,
+for which it makes the teeth.  Nothing is searched for to be shown.
+"""
+
+from __future__ import annotations
+
+import re
+from base64 import b64encode
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial, singledispatch
+
+import numpy as np
+from markupsafe import Markup
+
+from ncgear.contact.designed.as_designed import AsDesigned
+from ncgear.design.keys.base import Model
+from ncgear.design.keys.design import Design
+from ncgear.drawings.charts import contact_charts
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
+from ncgear.drawings.charts.strength_charts import strength_charts
+from ncgear.drawings.notebook.frame import NOTHING, charts, facts, figures, framed, made, not_made, refusal, table
+from ncgear.drawings.notebook.running import running
+from ncgear.drawings.notebook.shapes import picture, pitch_outlines, section_outline, tooth_outline, tooth_outlines
+from ncgear.drawings.page.page_charts import PageChart, motion_charts, ratio_chart
+from ncgear.drawings.page.tables import comparison_tables, typeset
+from ncgear.drawings.plots.frontier_plot import frontier
+from ncgear.drawings.scene.scene import scene_of
+from ncgear.figures.advice.collected import check_advice
+from ncgear.figures.answers.machine import gear_facts, machine_facts
+from ncgear.figures.balance.parts import figures_of
+from ncgear.figures.best_law import figures_summary
+from ncgear.figures.data_sheet.cut_table import cut_table
+from ncgear.figures.mended import found_words, tried_words
+from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.strong import METHODS, life_words
+from ncgear.figures.summary.check_summary import peaks
+from ncgear.figures.tables import Column, Table
+from ncgear.kinematics.check import KinematicCheck
+from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
+from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Gear
+from ncgear.project.balancing import Balancing
+from ncgear.project.best_law import BestLaw
+from ncgear.project.drive import Drive
+from ncgear.project.frontier_run import Frontier
+from ncgear.project.measured import CutGear
+from ncgear.project.mending import Mend, Mending
+from ncgear.ratio.transmission import Law, Transmission
+from ncgear.solids.mesh.pair import GearSolid, SolidPair
+from ncgear.strength.answer import Strength
+from ncgear.strength.holding import WantedSafety, weakest_teeth
+from ncgear.teeth.gear import ToothedGear, ToothedPair
+
+ANY_SAFETY = WantedSafety(0.0, 0.0)
+"""A strength does not know what was wanted; no tooth is too weak then."""
+
+STRENGTH_COLUMNS = (
+    Column("gear"),
+    Column("material"),
+    Column("damage"),
+    Column("weakest tooth"),
+    Column("stress", "MPa"),
+    Column("safety"),
+    Column("life"),
+)
+
+
+def html(value: object) -> str:
+    """The value as HTML that stands by itself; never raises for what cannot be made, which is told instead."""
+    title, description = _title(value)
+    return framed(title, *_as_far_as_made(value), description=description)
+
+
+def _as_far_as_made(value: object) -> Iterator[Markup]:
+    """The pieces of a value up to one that cannot be made, in the place of which its refusal stands."""
+    try:
+        yield from _pieces(value)
+    except Exception as error:
+        yield not_made(error)
+
+
+def _title(value: object) -> tuple[str, str]:
+    """A drive and a design have the name and description of the file; any other value has its type's name."""
+    if isinstance(value, Balancing):
+        return value.balance.name, ""
+    if isinstance(value, Design):
+        return value.name, value.description or ""
+    if not isinstance(value, Drive):
+        return type(value).__name__, ""
+    design = value.design
+    stage = "" if value.stage is None else f", stage {value.stage}"
+    return f"{design.name}{stage}", design.description or ""
+
+
+@singledispatch
+def _pieces(value: object) -> Iterator[Markup]:
+    """What is shown below the title of a value."""
+    raise TypeError(f"{type(value).__name__} has no picture")
+
+
+@_pieces.register
+def _drive(drive: Drive) -> Iterator[Markup]:
+    """The whole machine; what needs a part that is refused is left out, and the refusal is told once."""
+    pairs = drive.by_stage if drive.design.gears is not None else ()
+    pieces: list[Callable[[], Markup]] = [
+        lambda: facts([("mechanism", _mechanism(drive.linkage)), *typeset(machine_facts(drive))]),
+        *(partial(_about_pair, pair) for pair in pairs),
+        lambda: running(scene_of(drive)),
+        lambda: charts(motion_charts(drive, drive.transmission.cycle_rad)[1:]),
+        lambda: NOTHING.join(map(table, comparison_tables(drive))),
+        lambda: NOTHING.join(refusal(f"warning: {one.line}") for one in check_advice(drive) if one.matters),
+    ]
+    yield from dict.fromkeys(map(made, pieces))
+
+
+def _about_pair(pair: Drive) -> Markup:
+    return facts(typeset(gear_facts(pair), pair.stage))
+
+
+def _mechanism(linkage: Mechanism) -> str:
+    """``CrankSlider`` in words."""
+    return re.sub("(?<=[a-z])(?=[A-Z])", " ", type(linkage).__name__).lower()
+
+
+@_pieces.register
+def _law(law: Law) -> Iterator[Markup]:
+    pairs = len(law.train.pairs)
+    yield facts([("mechanism", _mechanism(law.linkage)), ("pairs of gears", str(pairs))])
+    yield figures({**law.facts, **(law.stroke.facts if law.stroke else {})})
+    yield from _transmission(law.transmission)
+
+
+@_pieces.register
+def _transmission(law: Transmission) -> Iterator[Markup]:
+    low, high = law.ratio_range
+    lobes = law.lobes
+    yield facts(
+        [
+            ("ratio i\u2081\u2082", f"{to_digits(low.value, 4)} to {to_digits(high.value, 4)}"),
+            ("lobes", f"{lobes.driving} : {lobes.driven}"),
+            ("pieces", str(len(law.pieces))),
+        ]
+    )
+    yield charts([PageChart("ratio", ratio_chart(law, law.cycle_rad))])
+
+
+@_pieces.register
+def _machine(machine: Machine) -> Iterator[Markup]:
+    speed = machine.speed_rad_s / RAD_S_PER_RPM
+    yield facts([("mechanism", _mechanism(machine.linkage)), ("speed", f"{shown(speed)} r/min")])
+    yield from _motion(machine.motion(sample_angles(machine.transmission)))
+
+
+@_pieces.register
+def _motion(motion: OutputMotion) -> Iterator[Markup]:
+    loaded = LOAD if np.any(motion.load != 0.0) else ()
+    chosen = [
+        (quantity, motion_chart(quantity, motion.linkage, motion)) for quantity in (*MOTION, *loaded, Quantity.RATIO)
+    ]
+    yield charts(PageChart(quantity.value, chart) for quantity, chart in chosen)
+
+
+@_pieces.register
+def _check(check: KinematicCheck) -> Iterator[Markup]:
+    yield facts([("speed", f"{shown(check.speed_rpm)} r/min")])
+    yield figures(peaks(check, returns=True))
+
+
+@_pieces.register
+def _pitch(pitch: PitchPair) -> Iterator[Markup]:
+    size = pitch.size
+    radii = [(f"radius, {gear.value}", "{} to {} mm".format(*map(shown, pitch.radius_range_mm(gear)))) for gear in Gear]
+    yield facts(
+        [
+            ("centre distance", f"{shown(size.center_distance_mm)} mm"),
+            ("teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
+            ("module", f"{shown(size.module_mm)} mm"),
+            *radii,
+        ]
+    )
+    yield picture(pitch_outlines(pitch), "both pitch curves")
+
+
+@_pieces.register
+def _teeth(teeth: ToothedPair) -> Iterator[Markup]:
+    counts = [(f"teeth, {gear.value}", str(teeth.of(gear).teeth)) for gear in Gear]
+    yield facts([*counts, ("cutter", teeth.cutter.value)])
+    yield picture(tooth_outlines(teeth), "both gears in mesh")
+
+
+@_pieces.register
+def _gear(gear: ToothedGear) -> Iterator[Markup]:
+    undercut = shown(gear.undercut)
+    yield facts([("teeth", str(gear.teeth)), ("undercut", undercut), ("points", str(len(gear.outline_mm)))])
+    yield picture([tooth_outline(gear)], "a gear")
+
+
+@_pieces.register
+def _contact(contact: AsDesigned) -> Iterator[Markup]:
+    yield figures(
+        {
+            "contact_ratio": contact.contact_ratio,
+            "contact_ratio_min": contact.least_arc,
+            "transmission_error_rad": contact.pushing.transmission_error_rad,
+            "backlash_max_rad": float(contact.backlash_rad.max()),
+            "penetration_max_mm": float(contact.overlap_mm.max()),
+        }
+    )
+    drawn = contact_charts.pressure_angle(contact), contact_charts.sliding(contact), contact_charts.backlash(contact)
+    yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
+
+
+@_pieces.register
+def _solids(solids: SolidPair) -> Iterator[Markup]:
+    for gear in Gear:
+        yield from _solid(solids.of(gear), gear)
+
+
+@_pieces.register
+def _solid(solid: GearSolid, gear: Gear = Gear.DRIVING) -> Iterator[Markup]:
+    size = " x ".join(to_digits(float(length), 4) for length in solid.mesh.extents)
+    mark = "yes" if solid.index_hole else "no"
+    yield facts([("size", f"{size} mm"), ("triangles", str(len(solid.mesh.faces))), ("index hole", mark)])
+    yield picture([section_outline(gear, solid.plan.section)], "a gear")
+
+
+@_pieces.register
+def _strength(strength: Strength) -> Iterator[Markup]:
+    found = weakest_teeth(strength, dict.fromkeys(Gear, ANY_SAFETY))
+    rows = tuple(
+        (
+            one.gear.value,
+            strength.of(one.gear).material.name,
+            one.damage.value,
+            str(one.tooth),
+            shown(one.stress_mpa),
+            shown(one.safety),
+            life_words(one.life_h),
+        )
+        for one in found
+    )
+    yield table(Table("The weakest teeth", STRENGTH_COLUMNS, rows, (METHODS[strength.method],)))
+    drawn = strength_charts(strength, found)
+    yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
+
+
+@_pieces.register
+def _cut(gear: CutGear) -> Iterator[Markup]:
+    yield table(cut_table(gear))
+
+
+@_pieces.register
+def _mend(mend: Mend) -> Iterator[Markup]:
+    yield facts([("what works", found_words(mend))])
+    yield from (picture(tooth_outlines(pair.teeth), "both gears in mesh") for pair in mend.drive.by_stage)
+
+
+@_pieces.register
+def _mending(search: Mending) -> Iterator[Markup]:
+    yield refusal(str(search.refusal))
+    if search.failed:
+        yield facts([("tried in vain", tried_words(search.failed))])
+    if search.found is not None:
+        yield from _mend(search.found)
+
+
+@_pieces.register
+def _best_law(best: BestLaw) -> Iterator[Markup]:
+    """What was found, and nothing else: the search takes seconds."""
+    if "law" not in vars(best):
+        yield facts([("best law", f"of {best.design.name}: searched for when .law or .figures is asked for")])
+        return
+    found = {"best law": best.figures, "uniform crank": best.uniform_figures}
+    if best.given_figures is not None:
+        found["this design"] = best.given_figures
+    for name, one in found.items():
+        yield Markup("<p><b>{}</b></p>").format(name) + figures(figures_summary(one))
+
+
+@_pieces.register
+def _frontier(found: Frontier) -> Iterator[Markup]:
+    columns = (
+        Column("cap on the power", "W"),
+        Column("limit", "mm/s2"),
+        Column("best law", "mm/s2"),
+        Column("family", "mm/s2"),
+    )
+    rows = tuple(
+        (
+            shown(law.cap_w),
+            shown(law.limit_mm_s2),
+            shown(law.law.peak_acceleration_mm_s2),
+            shown(family.peak_acceleration_mm_s2),
+        )
+        for law, family in zip(found.laws, found.families, strict=True)
+    )
+    yield table(Table("Least peak acceleration", columns, rows))
+    limit = np.array([[law.cap_w, law.limit_mm_s2] for law in found.laws])
+    laws = np.array([[law.law.peak_power_w, law.law.peak_acceleration_mm_s2] for law in found.laws])
+    family = np.array(
+        [
+            [one.peak_power_w, one.peak_acceleration_mm_s2]
+            for one in found.families
+            if one.peak_power_w is not None and one.peak_acceleration_mm_s2 is not None
+        ]
+    ).reshape(-1, 2)
+    yield _png(frontier(limit, laws, family, [], "power against acceleration"))
+
+
+def _png(picture_of: bytes) -> Markup:
+    data = b64encode(picture_of).decode()
+    return Markup(
+        '<img alt="power against acceleration" style="max-width:100%" src="data:image/png;base64,{}">'
+    ).format(data)
+
+
+@_pieces.register
+def _balancing(balancing: Balancing) -> Iterator[Markup]:
+    """Every part of the balance file under its name; of tables within, the command and its files have the rows."""
+    for part, content in figures_of(balancing).items():
+        for one in content if isinstance(content, list) else [content]:
+            if isinstance(one, Mapping):
+                yield Markup("<p><b>{}</b></p>").format(part.replace("_", " ")) + figures(one)
+
+
+@_pieces.register
+def _design(design: Design) -> Iterator[Markup]:
+    """The keys that the file gives, in their order."""
+    yield table(Table("Keys of the file", (Column("key"), Column("value")), tuple(_given(design, ""))))
+
+
+def _given(group: Model, above: str) -> Iterator[tuple[str, str]]:
+    for name in (one for one in type(group).model_fields if one in group.model_fields_set):
+        value, path = getattr(group, name), f"{above}{type(group).model_fields[name].alias or name}"
+        several = value if isinstance(value, tuple) and value and isinstance(value[0], Model) else ()
+        for number, one in enumerate(several):
+            yield from _given(one, f"{path}.{number}.")
+        if isinstance(value, Model):
+            yield from _given(value, f"{path}.")
+        elif not several:
+            yield path, shown(value)

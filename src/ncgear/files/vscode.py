@@ -1,0 +1,140 @@
+"""The schemas of ncgear in the settings of a folder that is opened in VS Code, for its extension YAML (Red Hat)."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from ncgear.design.keys.balance import Balance
+from ncgear.design.keys.base import Model
+from ncgear.design.keys.design import Design, json_schema
+from ncgear.errors import WrongInput
+from ncgear.files.jsonc import NotEditable, parsed, with_member
+
+SETTINGS_FOLDER, SETTINGS_FILE = ".vscode", "settings.json"
+
+SETTING = "yaml.schemas"
+"""The setting in which the extension looks for schemas: to each the files that it is for."""
+
+SCHEMAS: dict[str, type[Model]] = {"ncgear.schema.json": Design, "ncgear-balance.schema.json": Balance}
+"""The files of the schemas, beside the settings."""
+
+OF_DESIGN = re.compile(r"^motion\s*:", flags=re.MULTILINE)
+OF_BALANCE = re.compile(
+    rf"^(?:{'|'.join(name for name in Balance.model_fields if name not in Design.model_fields)})\s*:",
+    flags=re.MULTILINE,
+)
+"""What the text of a design file and that of a balance file has at its left margin."""
+
+MOST_FILES, LONGEST_BYTES = 5000, 1_000_000
+"""Files of YAML that are looked at, and how large one may be."""
+
+LEFT_OUT = ("node_modules", "__pycache__", "site-packages")
+"""Folders that are not looked into, beside those whose names begin with a dot."""
+
+ANY = "*.yaml"
+"""The files of a folder in which there is nothing yet."""
+
+
+@dataclass(frozen=True)
+class EditorFiles:
+    """The files to be written into the settings folder by their names, and the patterns that each schema is for."""
+
+    files: dict[str, bytes]
+    patterns: dict[str, list[str]]
+
+
+def editor_files(folder: Path) -> EditorFiles:
+    """What is to be written into ``.vscode`` of a folder; files that are as they should be already are not in it.
+
+    All settings and comments that are there stay.  Raises WrongInput, with the lines to paste, where the settings are
+    a link or are not read as JSON with comments.
+    """
+    place = folder / SETTINGS_FOLDER
+    patterns = dict(zip(SCHEMAS, _patterns(folder), strict=True))
+    if not any(patterns.values()):
+        patterns["ncgear.schema.json"] = [ANY]
+    patterns = {name: found for name, found in patterns.items() if found}
+    files = {
+        name: f"{json.dumps(json_schema(model), indent=2)}\n".encode()
+        for name, model in SCHEMAS.items()
+        if name in patterns
+    }
+    files[SETTINGS_FILE] = _settings(place / SETTINGS_FILE, patterns)
+    return EditorFiles({name: new for name, new in files.items() if _bytes(place / name) != new}, patterns)
+
+
+def _bytes(path: Path) -> bytes | None:
+    """The content of a file; None where there is none.  Raises WrongInput where it cannot be read."""
+    try:
+        return path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except OSError as error:
+        raise WrongInput(f"cannot be read ({error.strerror or error})", location=str(path)) from error
+
+
+def _settings(path: Path, patterns: dict[str, list[str]]) -> bytes:
+    """The settings with both schemas; files that a person has added to a schema's stay."""
+    wanted = {f"./{SETTINGS_FOLDER}/{name}": globs for name, globs in patterns.items()}
+    try:
+        if path.is_symlink():
+            raise NotEditable("it is a link to another file")
+        text = (_bytes(path) or b"").decode()
+        given = parsed(text).get(SETTING, {}) if text.strip() else {}
+        if not isinstance(given, dict):
+            raise NotEditable(f"{SETTING} is no object in curly brackets")
+        for key, globs in wanted.items():
+            there = given.get(key, [])
+            kept = [there] if isinstance(there, str) else list(there)
+            value = [*kept, *(glob for glob in globs if glob not in kept)]
+            if value != there:
+                text = with_member(text, (SETTING, key), value)
+        found = parsed(text)[SETTING]
+        if any(glob not in found[key] for key, globs in wanted.items() for glob in globs):
+            raise NotEditable("it reads otherwise than it is written")
+    except (NotEditable, UnicodeDecodeError, TypeError) as error:
+        paste = json.dumps({SETTING: wanted}, indent=4).strip("{}\n")
+        problem = f"cannot be changed safely: {error}; put these lines into it by hand:\n{paste}"
+        raise WrongInput(problem, location=str(path)) from error
+    return text.encode()
+
+
+def _patterns(folder: Path) -> tuple[list[str], list[str]]:
+    """Patterns of the design files and of the balance files below a folder, by their paths from it.
+
+    ``NAME/*.yaml`` where all YAML files in a folder and below are of the kind, else each file by itself: in the
+    extension's patterns a star also stands for names of folders, and two schemas of one file would contradict.
+    """
+    kinds = {path.relative_to(folder): _kind(path) for path in islice(_yaml_files(folder), MOST_FILES)}
+    found: dict[re.Pattern[str] | None, dict[str, None]] = {OF_DESIGN: {}, OF_BALANCE: {}, None: {}}
+    for path, kind in kinds.items():
+        alone = (place for place in reversed(path.parents) if _all_below(kinds, place) == {kind})
+        place = next(alone, None)
+        found[kind][path.as_posix() if place is None else (place / ANY).as_posix()] = None
+    return list(found[OF_DESIGN]), list(found[OF_BALANCE])
+
+
+def _all_below(kinds: dict[Path, re.Pattern[str] | None], place: Path) -> set[re.Pattern[str] | None]:
+    return {kind for path, kind in kinds.items() if path.is_relative_to(place)}
+
+
+def _yaml_files(folder: Path) -> Iterator[Path]:
+    for place, folders, names in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith(".") and name not in LEFT_OUT)
+        yield from (Path(place) / name for name in sorted(names) if name.endswith(".yaml"))
+
+
+def _kind(path: Path) -> re.Pattern[str] | None:
+    try:
+        if path.stat().st_size > LONGEST_BYTES:
+            return None
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None
+    return next((kind for kind in (OF_DESIGN, OF_BALANCE) if kind.search(text)), None)
