@@ -30,6 +30,7 @@ from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.quantities import NAMES, SIZES, name_of
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import summary_text
+from ncgear.project.drive import Drive
 from tiers import long_but
 
 NAMED = [path.stem for path in sorted(DESIGNS.glob("*.yaml"))]
@@ -68,6 +69,13 @@ def test_a_check_is_a_screen(name: str) -> None:
     assert text.startswith(f"{name}: ")
     assert "peak speed" in text
     assert ("Next: ncgear build" in text) == (loaded(name).design.gears is not None)
+
+
+@pytest.mark.parametrize("name", ["ellipse", "baler-66-two-stage"])
+def test_a_check_makes_no_tooth(name: str) -> None:
+    made = Drive(loaded(name).design)
+    answer_text(check_answer(made, (*check_advice(made), *rough_advice(made)), "d.yaml"))
+    assert all("teeth" not in vars(pair) for pair in (made, *made.by_stage))
 
 
 RUNS = {
