@@ -352,8 +352,16 @@ gears:
 
 @pytest.mark.thorough
 def test_a_wide_name_is_cut_and_given_tolerances_are_told() -> None:
-    made = drawing_files(drive_of_text(WIDE))
+    limits = "tooth_thickness_upper_mm: -0.02, tooth_thickness_lower_mm: -0.05"
+    one = drive_of_text(WIDE.replace("grade: DIN 8", f"grade: DIN 8, {limits}"))
+    made = drawing_files(one)
     assert {Path(name).suffix for name in made} == {".svg", ".pdf", ".dxf"}
-    words = [text.text for text in texts(SVG.parse(BytesIO(made["driving_drawing.svg"]), ppi=25.4))]
+    svg = SVG.parse(BytesIO(made["driving_drawing.svg"]), ppi=25.4)
+    words = [text.text for text in texts(svg)]
     assert sum(text.startswith("WWW") and text.endswith("W...") for text in words) == 1
-    assert {"accuracy grade", "DIN 8", "any (note)"} <= set(words)
+    assert {"accuracy grade", "DIN 8", "any (note)", "least, mm", "greatest, mm"} <= set(words)
+    assert covered([box(text) for text in texts(svg)], lines(svg)) == []
+    # The data sheet's limits of the first of its places.
+    rows = sheet_text(data_sheet(one)).partition("## Measurement over two pins")[2].splitlines()
+    least, greatest = rows[4].split("|")[4:6]
+    assert {least.strip(), greatest.strip()} <= set(words)
