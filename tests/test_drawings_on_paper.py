@@ -31,6 +31,7 @@ from ncgear.files.workshop.sheets.pdf import pdf_bytes
 from ncgear.files.workshop.sheets.sheet import Sheet, Text, text_width_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
+from ncgear.project.measured import measured_gears
 from test_workshop_files import strayed_mm
 
 DESIGNS = ["baler", "ellipse", "internal-1-2"]
@@ -226,6 +227,21 @@ def test_teeth_have_the_numbers_of_warnings(name: str, gear: Gear) -> None:
     wanted = [n for n in range(1, len(middles) + 1) if apart >= 5.0 or n == 1 or n % 5 == 0]
     assert sorted(numbers) == wanted
     assert misplaced(np.roll(middles, 1, axis=0), numbers) == wanted
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gear", Gear)
+@pytest.mark.parametrize("name", ["spiral-pair", "rack-feed", "log-generator"])
+def test_teeth_of_open_gears_are_numbered_as_the_spaces_of_their_pins(name: str, gear: Gear) -> None:
+    """Tooth n is between the pins after teeth n - 1 and n."""
+    (scale, axis), numbers = placed(name, gear), labels(name, gear)
+    (pins,) = (one.pins for one in measured_gears(drive(name)) if one.gear is gear)
+    centers = dict(zip(pins.space.tolist(), axis + scale * pins.center_mm, strict=True))
+    between = {n: (centers[n] + centers[n - 1]) / 2.0 for n in centers if n - 1 in centers}
+    told = {n: place for n, place in numbers.items() if n in between}
+    assert len(told) > 5
+    for number, place in told.items():
+        assert min(between, key=lambda n: float(np.hypot(*(between[n] - place)))) == number
 
 
 # --- DXF -------------------------------------------------------------------------------------------------------------
