@@ -31,6 +31,7 @@ from ncgear.files.workshop.sheets.pdf import pdf_bytes
 from ncgear.files.workshop.sheets.sheet import Sheet, Text, text_width_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
+from ncgear.project.measured import measured_gears
 from test_workshop_files import strayed_mm
 
 DESIGNS = ["baler", "ellipse", "internal-1-2"]
@@ -228,6 +229,21 @@ def test_teeth_have_the_numbers_of_warnings(name: str, gear: Gear) -> None:
     assert misplaced(np.roll(middles, 1, axis=0), numbers) == wanted
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("gear", Gear)
+@pytest.mark.parametrize("name", ["spiral-pair", "rack-feed", "log-generator"])
+def test_teeth_of_open_gears_are_numbered_as_the_spaces_of_their_pins(name: str, gear: Gear) -> None:
+    """Tooth n is between the pins after teeth n - 1 and n."""
+    (scale, axis), numbers = placed(name, gear), labels(name, gear)
+    (pins,) = (one.pins for one in measured_gears(drive(name)) if one.gear is gear)
+    centers = dict(zip(pins.space.tolist(), axis + scale * pins.center_mm, strict=True))
+    between = {n: (centers[n] + centers[n - 1]) / 2.0 for n in centers if n - 1 in centers}
+    told = {n: place for n, place in numbers.items() if n in between}
+    assert len(told) > 5
+    for number, place in told.items():
+        assert min(between, key=lambda n: float(np.hypot(*(between[n] - place)))) == number
+
+
 # --- DXF -------------------------------------------------------------------------------------------------------------
 
 
@@ -352,8 +368,16 @@ gears:
 
 @pytest.mark.thorough
 def test_a_wide_name_is_cut_and_given_tolerances_are_told() -> None:
-    made = drawing_files(drive_of_text(WIDE))
+    limits = "tooth_thickness_upper_mm: -0.02, tooth_thickness_lower_mm: -0.05"
+    one = drive_of_text(WIDE.replace("grade: DIN 8", f"grade: DIN 8, {limits}"))
+    made = drawing_files(one)
     assert {Path(name).suffix for name in made} == {".svg", ".pdf", ".dxf"}
-    words = [text.text for text in texts(SVG.parse(BytesIO(made["driving_drawing.svg"]), ppi=25.4))]
+    svg = SVG.parse(BytesIO(made["driving_drawing.svg"]), ppi=25.4)
+    words = [text.text for text in texts(svg)]
     assert sum(text.startswith("WWW") and text.endswith("W...") for text in words) == 1
-    assert {"accuracy grade", "DIN 8", "any (note)"} <= set(words)
+    assert {"accuracy grade", "DIN 8", "any (note)", "least, mm", "greatest, mm"} <= set(words)
+    assert covered([box(text) for text in texts(svg)], lines(svg)) == []
+    # The data sheet's limits of the first of its places.
+    rows = sheet_text(data_sheet(one)).partition("## Measurement over two pins")[2].splitlines()
+    least, greatest = rows[4].split("|")[4:6]
+    assert {least.strip(), greatest.strip()} <= set(words)

@@ -13,7 +13,7 @@ from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.measured_tables import one_pin_table, span_table, two_pin_table
 from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes, tolerances
 from ncgear.figures.numbers import drawn
-from ncgear.figures.tables import Table, cell_text
+from ncgear.figures.tables import Table, Value, cell_text
 from ncgear.files.workshop.drawing import Circle, Cross, bore_shape
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import (
@@ -64,13 +64,11 @@ SHORTER = {
 }
 """Labels that are shorter on paper."""
 
-LEFT_OUT = {"play of the driven gear, the same at every position", "bore", "diameter of index hole", "tip relief", ""}
+LEFT_OUT = {"play of the driven gear, the same at every position", "bore", "diameter of index hole", "tip relief"}
 """Rows of the data sheet that the sheet has elsewhere or does not need."""
 
-NOTHING = {"none", "0"}
-"""Values of rows that are left out where they say nothing."""
-
-MAY_BE_NOTHING = {"helix angle", "tip relief"}
+NOTHING = ("helix angle", "0")
+"""A row that says nothing."""
 
 
 def gear_tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, pitch_radii: Table, box: Box) -> list[Item]:
@@ -112,7 +110,7 @@ def _row(entry: Entry, gear: Gear) -> tuple[str, str] | None:
     if value is None or label in LEFT_OUT:
         return None
     text = cell_text(value, entry.unit)
-    if label in MAY_BE_NOTHING and text in NOTHING:
+    if (label, text) == NOTHING:
         return None
     return label, f"{text} {entry.unit}".strip()
 
@@ -175,7 +173,7 @@ def _measurements(measured: MeasuredGear, tool: str, width_mm: float, height_mm:
     for place, (title, head, rows) in enumerate(found):
         # Those that are left share the lines; each has a title and heads.
         most = max(2, lines // (len(found) - place) - 2)
-        heads = (head, "mm", "least", "greatest")[: len(rows[0])]
+        heads = (head, "least, mm", "greatest, mm") if len(rows[0]) > 2 else (head, "mm")
         numbers = range(1, len(heads))
         widths = [max(width_for([heads[column], *(row[column] for row in rows)]), 14.0) for column in numbers]
         columns = Columns((width_mm - sum(widths), *widths), (False, *(True for _ in numbers)))
@@ -188,9 +186,9 @@ def _alone(table: Callable[[MeasuredGear], Table], measured: MeasuredGear) -> tu
     return (table(measured),)
 
 
-def _numbers(values: Sequence[object]) -> list[str]:
-    """Lengths as texts; empty ones stay empty."""
-    return [drawn(value, "mm") if isinstance(value, float) else "" for value in values]
+def _numbers(values: Sequence[Value]) -> list[str]:
+    """A length, or where its limits follow it, these alone; empty where they could not be computed."""
+    return [cell_text(value, "mm") for value in (values[1:] or values)]
 
 
 AGAINST_KEYWAY_RAD = radians(80.0)
