@@ -308,6 +308,24 @@ def test_a_page_that_is_loaded_anew_goes_on_where_it_was(opened: Opened) -> None
     assert opened.page.locator("#undo").is_enabled()
 
 
+@pytest.mark.long
+def test_a_point_of_the_frontier_that_is_clicked_becomes_the_design(opened: Opened) -> None:
+    pytest.importorskip("casadi", reason="the optimiser is not installed")
+    page = opened.page
+    page.set_default_timeout(10.0 * LONGEST_MS)
+    page.locator("[data-run=frontier]").click()
+    point = page.locator("svg.frontier circle").nth(3)
+    point.wait_for()
+    power = float(point.get_attribute("aria-label").split()[4])
+    point.focus()
+    page.keyboard.press("Enter")
+    take = page.locator("#jobs button:text-is('take over')")
+    take.wait_for()
+    opened.step(take.click)
+    assert "spline_ratio" in opened.text
+    assert float(opened.fact("peak power").split()[0]) <= 1.001 * power
+
+
 def test_the_best_law_is_found_and_taken_over(opened: Opened) -> None:
     pytest.importorskip("casadi", reason="the optimiser is not installed")
     page = opened.page

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import shutil
 import signal
@@ -11,12 +12,14 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from websockets.exceptions import InvalidStatus
 
 from commands import environment, fresh
 from drives import DESIGNS
+from ncgear.studio import chains
 from studios import Studio, children, is_running, running
 
 pytestmark = pytest.mark.thorough
@@ -267,6 +270,33 @@ def test_a_command_is_cancelled(studio: Studio) -> None:
 
 
 # --- the processes that compute
+
+
+def test_a_computation_that_takes_too_long_is_ended_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chains, "LONGEST_S", 0.05)
+    heard: list[dict[str, Any]] = []
+
+    async def told(line: str) -> None:
+        heard.append(json.loads(line))
+
+    async def asked() -> None:
+        chain = chains.Chain("gears", told)
+        await chain.ask(1, (DESIGNS / "baler.yaml").read_text(encoding="utf-8"), "d.yaml")
+        process = chain._process
+        assert process is not None
+        while not heard:
+            await asyncio.sleep(0.01)
+        assert await process.wait() != 0
+        monkeypatch.setattr(chains, "LONGEST_S", 60.0)
+        await chain.ask(2, (DESIGNS / "uniform-crank.yaml").read_text(encoding="utf-8"), "d.yaml")
+        while heard[-1]["is"] != "done":
+            await asyncio.sleep(0.01)
+        await chain.close()
+
+    asyncio.run(asked())
+    assert (heard[0]["is"], heard[0]["n"]) == ("refused", 1)
+    assert "without an answer" in heard[0]["content"]["problem"]
+    assert {one["n"] for one in heard[1:]} == {2}
 
 
 def test_the_newest_request_is_answered_and_older_ones_are_broken_off() -> None:

@@ -32,7 +32,7 @@ class Command:
 
 
 COMMANDS: Mapping[str, Command] = {
-    "build": Command("Build all files", ("build", *(f"--format={one}" for one in ("dxf", "svg", "3mf", "glb")))),
+    "build": Command("Build all files", ("build",)),
     "report": Command("Report as one page", ("report",)),
     "animate": Command("Animation", ("animate",), file="mechanism.gif"),
     "simulate": Command("Forces of the masses", ("simulate",), out="-rigid"),
