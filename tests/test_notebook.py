@@ -14,8 +14,9 @@ from commands import ROOT, modules_after
 from ncgear.design.reading.balance_file import load_balance
 from ncgear.drawings.notebook.frame import framed, made, refusal
 from ncgear.drawings.notebook.running import running
-from ncgear.drawings.page.tables import facts
+from ncgear.drawings.page.tables import typeset
 from ncgear.drawings.scene.scene import scene_of
+from ncgear.figures.answers.machine import machine_facts
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.project.balancing import Balancing
 from ncgear.project.best_law import BestLaw
@@ -86,7 +87,7 @@ def shown(value: Shown) -> Read:
 def test_a_drive_shows_the_figures_of_its_report_and_the_machine() -> None:
     drive = drives.drive("pusher")
     read = shown(drive)
-    for name, value in facts(drive):
+    for name, value in typeset(machine_facts(drive)):
         assert f"{name}{value}" in read.text
     assert "pusher" in read.text
     assert "crank slider" in read.text

@@ -11,13 +11,14 @@ import pytest
 from mpmath import mp
 from numpy.polynomial import Chebyshev, legendre
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.design.keys import gears
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch import shape
 from ncgear.pitch.curve import CurvePoints
-from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.pair import MOST_TEETH, PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import ratio_expression_law
@@ -494,3 +495,11 @@ def test_shape_functions_are_consistent_with_each_other(gear: Gear) -> None:
     assert speeds == pytest.approx(
         own * np.hypot(shape.radius(slope, gear, Mesh.EXTERNAL).value, radius_slope), rel=1e-14
     )
+
+
+def test_more_teeth_than_a_file_may_ask_for_are_refused() -> None:
+    law = uniform_law(Lobes(1, 1))
+    assert MOST_TEETH == gears.MOST_TEETH
+    assert sized_pair(law, None, 0.02, 0.02 * MOST_TEETH).size.driving_teeth == MOST_TEETH
+    with pytest.raises(WrongInput, match="10000 at most are right"):
+        sized_pair(law, None, 0.02, 0.02 * (MOST_TEETH + 1))

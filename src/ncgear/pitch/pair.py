@@ -249,6 +249,20 @@ def refuse_corners(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> No
         )
 
 
+MOST_TEETH = 10_000
+"""Teeth of the driving gear at most, as the key for their number allows; with more of them a computer is busy for
+minutes before it says that none of them can be seen."""
+
+
+def _refuse_many_teeth(pitches: float) -> None:
+    if pitches > MOST_TEETH:
+        raise WrongInput(
+            f"the driving gear has {pitches:.6g} tooth pitches of that size; {MOST_TEETH} at most are right: a larger "
+            "module, or a smaller centre distance",
+            key="gears.module_mm",
+        )
+
+
 def sized_pair(
     transmission: Transmission,
     teeth: int | None,
@@ -261,7 +275,7 @@ def sized_pair(
 
     Of an open law ``teeth`` counts the pitches in its range, and ``reach_in_pitches`` is the rolled length over which
     flanks touch to each side of the pitch point, which tells which teeth are made.  Raises WrongInput as
-    ``solved_size`` does and for a ring that turns less than once, and NoSuchMechanism for curves too sharp to be
+    ``solved_size`` does, for over MOST_TEETH teeth and for a ring that turns less than once, and NoSuchMechanism for curves too sharp to be
     computed, for a law that cannot drive a ring, and for a driving curve that does not fit into its ring.
     """
     if mesh is Mesh.INTERNAL:
@@ -278,6 +292,7 @@ def sized_pair(
     size = solved_size(
         transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
     )
+    _refuse_many_teeth(size.driving_teeth)
     pair = PitchPair(transmission, arc, size, mesh)
     if mesh is Mesh.INTERNAL:
         require_room(pair.driving, pair.driven)
@@ -300,6 +315,7 @@ def _open_pair(
         distance_mm = teeth * pi * module_mm / length
     elif teeth is not None:
         _refuse_disagreement(length, teeth, module_mm, distance_mm)
+    _refuse_many_teeth(length * distance_mm / (pi * module_mm))
     whole = continued(transmission, covered, pi * module_mm / distance_mm)
     arc = arc_length(whole, Mesh.EXTERNAL)
     share = distance_mm / (pi * module_mm)

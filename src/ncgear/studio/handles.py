@@ -6,18 +6,15 @@ operating speed.  Along each axis it may move one key: ``key = base + factor * (
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from math import degrees, pi
 from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
-from ncgear.design.keys.base import FULL_TURN, given, spellings
-from ncgear.design.laws.registry import LawName
-from ncgear.design.laws.spline_ratio import SplineRatio
-from ncgear.design.laws.table import VALUE_COLUMNS, TableLaw
-from ncgear.design.laws.three_segment_stroke import ThreeSegmentStroke
+from ncgear.design.keys.base import FULL_TURN
+from ncgear.design.laws.base import LawPoint
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.project.drive import Drive
 
@@ -33,86 +30,59 @@ def handles(drive: Drive) -> list[Handle]:
     Each has ``name``, ``chart`` (key of a chart), ``x`` in deg, ``y`` in the chart's unit, and ``moves``: for ``x`` and
     ``y``, where they move something, the ``key``, its value ``base`` at that place, its ``factor``, and its ``unit``.
     """
-    of_law = OF_LAWS.get(LawName(drive.design.motion.law))
-    found = list(of_law(drive)) if of_law else []
-    return [*(found if len(found) <= MOST_HANDLES else []), *_of_wishes(drive)]
+    points = drive.design.motion.law_points
+    return [*(_of_point(drive, point) for point in points if len(points) <= MOST_HANDLES), *_of_wishes(drive)]
 
 
-def _three_segments(drive: Drive) -> Iterator[Handle]:
-    """theta1 to theta4 along the angle; v1 and v2, and a1 where it is given, along speed and acceleration."""
-    motion = drive.design.motion
-    assert isinstance(motion, ThreeSegmentStroke)
-    speed = drive.linkage.OUTPUT.speed
-    for name, along in (("theta1", "v1"), ("theta2", "v2"), ("theta3", "v2"), ("theta4", "")):
-        angle_key = given(motion, spellings(name))[0]
-        unit = angle_key.rpartition("_")[2]
-        angle_deg = degrees(getattr(motion, name))
-        moves = {
-            "x": {
-                "key": f"motion.{angle_key}",
-                "base": getattr(motion, angle_key),
-                "factor": FULL_TURN[unit] / 360.0,
-                "unit": {"pi": "pi", "deg": "\u00b0", "rad": "rad"}[unit],
-            }
+def _of_point(drive: Drive, point: LawPoint) -> Handle:
+    """The handle of a point of the law."""
+    quantity = Quantity[point.quantity.upper()]
+    angle_deg = degrees(_driving_rad(drive, point))
+    moves: dict[str, Any] = {}
+    if point.angle_key:
+        unit = point.angle_key.rpartition("_")[2]
+        # Per degree of the chart, the part of a turn in the unit of the key.
+        factor = FULL_TURN[unit] / 360.0
+        moves["x"] = {
+            "key": f"motion.{point.angle_key}",
+            "base": getattr(drive.design.motion, point.angle_key),
+            "factor": factor,
+            "unit": {"pi": "pi", "deg": "\u00b0", "rad": "rad"}[unit],
         }
-        value = getattr(motion, f"{along}_{speed.ending}") if along else None
-        if value is not None:
-            factor = drive.law_speed_rpm / drive.design.operation.speed_rpm
-            moves["y"] = {"key": f"motion.{along}_{speed.ending}", "base": value, "factor": factor, "unit": speed.text}
-        yield _handle(drive, f"{name}, {along}" if along else name, Quantity.VELOCITY, angle_deg, moves)
-    acceleration = drive.linkage.OUTPUT.acceleration
-    given_a1 = getattr(motion, f"a1_{acceleration.ending}")
-    if given_a1 is not None:
-        speeds = drive.design.operation.speed_rpm, motion.a1_speed_rpm or drive.law_speed_rpm
-        key, factor = f"motion.a1_{acceleration.ending}", (speeds[1] / speeds[0]) ** 2
-        moves = {"y": {"key": key, "base": given_a1, "factor": factor, "unit": acceleration.text}}
-        # Just before the return, which may begin with another acceleration.
-        yield _handle(drive, "a1", Quantity.ACCELERATION, degrees(motion.theta4) - 1e-6, moves)
+    if point.value_key:
+        moves["y"] = {
+            "key": f"motion.{point.value_key}",
+            "base": point.value,
+            "factor": _factor(drive, point, _value_at(drive, quantity, angle_deg)),
+            "unit": quantity.unit_of(drive.linkage.OUTPUT).text,
+        }
+    return _handle(drive, point.name, quantity, angle_deg, moves)
 
 
-def _table(drive: Drive) -> Iterator[Handle]:
-    """Every point of a table that stands in the design file."""
-    motion = drive.design.motion
-    assert isinstance(motion, TableLaw)
-    if motion.file is not None:
-        return
-    key = given(motion, VALUE_COLUMNS)[0]
-    quantity = Quantity.RATIO if key == "ratio" else Quantity.DISPLACEMENT
-    for place, (angle, value) in enumerate(zip(motion.phi1, getattr(motion, key), strict=True)):
-        shown = _value_at(drive, quantity, degrees(angle))
-        factor = value / shown if quantity is Quantity.RATIO else 1.0
-        moves = {"y": {"key": f"motion.{key}.{place}", "base": value, "factor": factor, "unit": ""}}
-        yield _handle(drive, f"point {place + 1}", quantity, degrees(angle), moves)
+def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
+    """The value of a point's key per value on the chart: other speed of the machine, other common factor."""
+    faster = (point.speed_rpm or drive.law_speed_rpm) / drive.design.operation.speed_rpm
+    match point.quantity:
+        case "velocity":
+            return faster
+        case "acceleration":
+            return faster**2
+        case "ratio":
+            return point.value / shown
+    return 1.0
 
 
-def _spline(drive: Drive) -> Iterator[Handle]:
-    """Every point of a spline of the ratio, at the driving angle at which the driven one is that of the point."""
-    motion = drive.design.motion
-    assert isinstance(motion, SplineRatio)
-    keys = given(motion, spellings("driven_angle"))
-    count = len(motion.ratio)
-    if motion.second_stage is not None or count > MOST_HANDLES:
-        return
-    shares = [value / FULL_TURN[keys[0].rpartition("_")[2]] for value in getattr(motion, keys[0])] if keys else None
+def _driving_rad(drive: Drive, point: LawPoint) -> float:
+    """The driving angle of a point in rad."""
+    if point.driven_share is None:
+        assert point.phi1_rad is not None
+        return point.phi1_rad
     law = drive.transmission
-    for place, value in enumerate(motion.ratio):
-        driven = law.lobes.driven_period_rad * (shares[place] if shares else place / count)
-
-        def beyond(phi1: float, driven: float = driven) -> float:
-            return float(law.driven_angle(np.array([phi1])).value[0]) - driven
-
-        phi1_deg = degrees(brentq(beyond, 0.0, law.lobes.driving_period_rad)) if driven > 0.0 else 0.0
-        shown = _value_at(drive, Quantity.RATIO, phi1_deg)
-        moves = {"y": {"key": f"motion.ratio.{place}", "base": value, "factor": value / shown, "unit": ""}}
-        yield _handle(drive, f"point {place + 1}", Quantity.RATIO, phi1_deg, moves)
-
-
-OF_LAWS: dict[LawName, Callable[[Drive], Iterator[Handle]]] = {
-    LawName.THREE_SEGMENT_STROKE: _three_segments,
-    LawName.TABLE: _table,
-    LawName.SPLINE_RATIO: _spline,
-}
-"""The laws with points that can be dragged; the values of others are numbers."""
+    driven = law.lobes.driven_period_rad * point.driven_share
+    if driven == 0.0:
+        return 0.0
+    end = law.lobes.driving_period_rad
+    return float(brentq(lambda phi1: float(law.driven_angle(np.array([phi1])).value[0]) - driven, 0.0, end))
 
 
 def _of_wishes(drive: Drive) -> Iterator[Handle]:

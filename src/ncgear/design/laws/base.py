@@ -22,6 +22,25 @@ SHORTEST_RANGE_DEG, LONGEST_RANGE_DEG = 5.0, 355.0
 """What gears that turn less than once turn from end to end, in degrees: less is no gear, and more leaves no body."""
 
 
+@dataclass(frozen=True)
+class LawPoint:
+    """A point of a law on the curve of a quantity, for whoever drags it there instead of typing its keys.
+
+    It stands at ``phi1_rad``, or where the driven gear has turned by a share of its period, ``driven_share``.  Along
+    the angle it moves ``angle_key``, along the quantity ``value_key`` from ``value``; a key is empty where it moves
+    none, and counts from ``motion``.  ``value`` holds at ``speed_rpm``; None stands for the speed of the law.
+    """
+
+    name: str
+    quantity: Literal["displacement", "velocity", "acceleration", "ratio"]
+    phi1_rad: float | None = None
+    driven_share: float | None = None
+    angle_key: str = ""
+    value_key: str = ""
+    value: float = 0.0
+    speed_rpm: float | None = None
+
+
 class LawKeys(Model):
     """The keys under ``motion``: a law's own ones in the class derived from this."""
 
@@ -84,6 +103,11 @@ class LawKeys(Model):
         from ncgear.ratio.transmission import Law, single
 
         return Law(linkage, single(self.transmission(linkage, lobes)))
+
+    @property
+    def law_points(self) -> tuple[LawPoint, ...]:
+        """The points that make the law; none for a law of a formula or of a few numbers."""
+        return ()
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
         """Values of keys that leave ``share`` (0 to 1) of the swing of the ratio; empty for a law without such keys.

@@ -19,7 +19,7 @@ from ncgear.design.keys.base import (
     require_rising,
     spellings,
 )
-from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.laws.base import DesignLaw, LawKeys, LawPoint
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -107,6 +107,16 @@ class SplineRatio(LawKeys):
     def pairs_in_series(self) -> int:
         """Two where a second stage is given."""
         return 1 if self.second_stage is None else 2
+
+    @property
+    def law_points(self) -> tuple[LawPoint, ...]:
+        """Every point of the ratio; none of two pairs in series, whose first one has what the second one leaves."""
+        if self.second_stage is not None:
+            return ()
+        return tuple(
+            LawPoint(f"point {place + 1}", "ratio", None, angle / (2.0 * pi), "", f"ratio.{place}", value)
+            for place, (angle, value) in enumerate(zip(self.driven_angle, self.ratio, strict=True))
+        )
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law of the whole machine, phi2(phi1)."""

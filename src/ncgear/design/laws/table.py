@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import FULL_TURN, Numbers, fault, given, in_rad, require_one, require_rising, spellings
-from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.laws.base import DesignLaw, LawKeys, LawPoint
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
@@ -94,6 +94,18 @@ class TableLaw(LawKeys):
     def prescribed(self) -> str:
         """The points of the displacement."""
         return "the displacements of the table" if self.gives_slider else ""
+
+    @property
+    def law_points(self) -> tuple[LawPoint, ...]:
+        """Every point that stands in the design file itself."""
+        if self.file is not None:
+            return ()
+        key = given(self, VALUE_COLUMNS)[0]
+        quantity: Literal["ratio", "displacement"] = "ratio" if key == "ratio" else "displacement"
+        return tuple(
+            LawPoint(f"point {place + 1}", quantity, phi1, value_key=f"{key}.{place}", value=value)
+            for place, (phi1, value) in enumerate(zip(self.phi1, getattr(self, key), strict=True))
+        )
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law through the points."""

@@ -23,7 +23,7 @@ from ncgear.design.keys.base import (
     require_one,
     spellings,
 )
-from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.laws.base import DesignLaw, LawKeys, LawPoint
 from ncgear.design.reading.text import quoted
 from ncgear.errors import WrongInput
 
@@ -234,6 +234,24 @@ class ThreeSegmentStroke(LawKeys):
     def gives_stroke(self) -> bool:
         """Whether the stroke is solved for."""
         return self.solve_for == "stroke"
+
+    @property
+    def law_points(self) -> tuple[LawPoint, ...]:
+        """theta1 to theta4 with v1 and v2, and a1; what is solved for is moved by none."""
+        found = []
+        speeds = {"theta1": "v1", "theta2": "v2", "theta3": "v2", "theta4": ""}
+        for angle, speed in speeds.items():
+            key = SOLVED_KEYS[speed][self.turns] if speed else ""
+            value = getattr(self, key) if key else None
+            name, at = f"{angle}, {speed}" if speed else angle, given(self, spellings(angle))[0]
+            value_key = key if value is not None else ""
+            found.append(LawPoint(name, "velocity", getattr(self, angle), None, at, value_key, value or 0.0))
+        key = SOLVED_KEYS["a1"][self.turns]
+        if (value := getattr(self, key)) is not None:
+            # Just before the return, which may begin with another acceleration.
+            before = self.theta4 * (1.0 - 1e-9)
+            found.append(LawPoint("a1", "acceleration", before, None, "", key, value, self.a1_speed_rpm))
+        return tuple(found)
 
     def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
         """The stroke in mm or rad that follows from the other quantities.

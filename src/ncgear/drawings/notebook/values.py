@@ -34,6 +34,7 @@ from ncgear.figures.best_law import figures_summary
 from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.mended import found_words, tried_words
 from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import METHODS, life_words
 from ncgear.figures.summary.check_summary import peaks
 from ncgear.figures.tables import Column, Table
@@ -122,7 +123,7 @@ def _about_pair(pair: Drive) -> Markup:
 
 
 def _mechanism(linkage: Mechanism) -> str:
-    """``CrankSlider`` in words."""
+    """The name of a mechanism's class in words."""
     return re.sub("(?<=[a-z])(?=[A-Z])", " ", type(linkage).__name__).lower()
 
 
@@ -176,7 +177,7 @@ def _pitch(pitch: PitchPair) -> Iterator[Markup]:
     radii = [(f"radius, {gear.value}", "{} to {} mm".format(*map(shown, pitch.radius_range_mm(gear)))) for gear in Gear]
     yield facts(
         [
-            ("centre distance", f"{shown(size.center_distance_mm)} mm"),
+            (name_of("center_distance_mm"), figure("center_distance_mm", size.center_distance_mm)),
             ("teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
             ("module", f"{shown(size.module_mm)} mm"),
             *radii,
