@@ -275,8 +275,9 @@ def sized_pair(
 
     Of an open law ``teeth`` counts the pitches in its range, and ``reach_in_pitches`` is the rolled length over which
     flanks touch to each side of the pitch point, which tells which teeth are made.  Raises WrongInput as
-    ``solved_size`` does, for over MOST_TEETH teeth and for a ring that turns less than once, and NoSuchMechanism for curves too sharp to be
-    computed, for a law that cannot drive a ring, and for a driving curve that does not fit into its ring.
+    ``solved_size`` does, for over MOST_TEETH teeth, and for a ring that turns less than once; NoSuchMechanism for
+    curves too sharp to be computed, for a law that cannot drive a ring, and for a driving curve that does not fit into
+    its ring.
     """
     if mesh is Mesh.INTERNAL:
         require_ring(transmission)
