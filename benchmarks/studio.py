@@ -34,7 +34,7 @@ CHANGED = {
 AIMS_MS = {"motion": 100, "scene": 300, "teeth": 1000, "strength": 1000}
 """What was asked for: motion, ratio and power; pitch curves and teeth; contact; strength."""
 
-TIMES = 8
+TIMES = 5
 WARM = 2
 
 
@@ -90,7 +90,7 @@ def main() -> None:
     text = [
         "# How fast the studio answers",
         "",
-        "Milliseconds from a change to each part, over the web socket: the median of eight changes that each wait for",
+        "Milliseconds from a change to each part, over the web socket: the median of five changes that each wait for",
         "the one before, and the largest in brackets. `python benchmarks/studio.py` measures it anew.",
         "",
         "| design | motion, ratio, power | figures and wishes | pitch curves and teeth | contact | strength |",

@@ -279,11 +279,19 @@ def test_what_cannot_be_read_has_its_line_and_key() -> None:
 
 @pytest.mark.thorough
 def test_teeth_that_cannot_be_made_leave_the_motion() -> None:
-    text = text_of("baler").replace("bore_mm: 16,", "bore_mm: 60,")
-    assert "figures" in dict(motion_answers(text, DESIGNS / "baler.yaml"))
-    found = dict(gear_answers(text, DESIGNS / "baler.yaml"))
+    name = "baler-a1-at-law-speed"
+    text, path = text_of(name), DESIGNS / f"{name}.yaml"
+    assert "figures" in dict(motion_answers(text, path))
+    found = dict(gear_answers(text, path))
     assert set(found) == {"bare", "refused"}
-    assert found["refused"]["key"].startswith("gears.")
+    assert found["refused"]["problem"]
+
+
+@pytest.mark.thorough
+def test_a_body_that_cannot_be_made_leaves_its_teeth() -> None:
+    text = text_of("baler").replace("bore_mm: 16,", "bore_mm: 60,")
+    found = [kind for kind, _ in gear_answers(text, DESIGNS / "baler.yaml")]
+    assert found == ["scene", "teeth", "refused"]
 
 
 @pytest.mark.thorough
@@ -296,4 +304,4 @@ def test_all_parts_come_for_every_kind_of_design(name: str) -> None:
     assert set(motion[2:]) == {"chart"}
     assert gears[0] == "scene"
     if drive(name).design.gears is not None:
-        assert gears[1:4] == ["teeth", "strength", "advice"]
+        assert gears[1:5] == ["teeth", "scene", "strength", "advice"]

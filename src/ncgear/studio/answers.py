@@ -23,9 +23,9 @@ from ncgear.drawings.page.data import angle_table, paces, page_data, scene_data
 from ncgear.drawings.page.page_charts import PageChart, charts_of_pair, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.tables import comparison_tables, strength_tables, typeset
-from ncgear.drawings.scene.scene import Scene, scene_of, scene_without_gears
+from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_without_gears
 from ncgear.errors import DesignError, WrongInput
-from ncgear.figures.advice.collected import build_advice, check_advice
+from ncgear.figures.advice.collected import build_advice, check_advice, rough_advice
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.summary.build_summary import designed_contact
@@ -52,6 +52,7 @@ def motion_answers(text: str, path: Path) -> Iterator[Answer]:
 def gear_answers(text: str, path: Path) -> Iterator[Answer]:
     """The machine and its teeth: ``scene``, ``teeth``, ``strength``, ``advice``, ``chart`` for each chart of teeth.
 
+    There is a second ``scene`` after the contact, in which the gears have bore and holes.
     Where there are no gears such as the design wants, ``bare`` is the mechanism without them.
     """
     yield from _guarded("design", partial(_gears, text, path))
@@ -103,6 +104,7 @@ def _motion(text: str, path: Path) -> Iterator[Answer]:
             "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
             "tables": [_table(table) for table in comparison_tables(drive)],
             "advice": [_advice("", one) for one in check_advice(drive)],
+            "rough": [_advice("", one) for one in rough_advice(drive)],
         },
     )
     yield from _drawn(scene, charts)
@@ -112,7 +114,7 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
     loaded = parsed(text, path)
     drive = Drive(loaded.design, loaded=loaded)
     try:
-        scene = scene_of(drive)
+        scene = scene_of_teeth(drive)
     except DesignError:
         yield "bare", _shown(scene_without_gears(drive), gears=False)
         raise
@@ -129,6 +131,7 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
             "tables": [_contact_table(stage, pair) for stage, pair in pairs],
         },
     )
+    yield "scene", _shown(scene_of(drive), gears=True)
     yield "strength", [_table(table) for _, pair in pairs for table in strength_tables(pair)]
     yield "advice", [_advice(stage, one) for stage, pair in pairs for one in build_advice(pair)]
     for _, pair in pairs:

@@ -10,7 +10,7 @@ the same sense.  All axes are on one line.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import cos, pi, radians, sin
 
@@ -141,10 +141,28 @@ class ScenePair:
         return self.mounting.on_centres_mm(self.pitch.pitch_point_mm(shaft_angles_rad[self.shaft]))
 
 
-def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
+GearShape = tuple[Polygon, list[Array]]
+"""The section of a gear in its own frame, and the edges that are seen on its upper face."""
+
+
+def whole_body(drive: Drive, gear: Gear) -> GearShape:
+    """One gear of a drive with its bore, holes and hub; raises as the drive's solids do."""
+    plan = drive.solids.of(gear).plan
+    return plan.section, _edges(plan)
+
+
+def teeth_alone(drive: Drive, gear: Gear) -> GearShape:
+    """One gear of a drive without bore and holes, which takes a tenth of the time; of a ring the whole body."""
+    if gear is Gear.DRIVEN and drive.pitch.driven.is_ring:
+        return whole_body(drive, gear)
+    return Polygon(drive.teeth.of(gear).outline_mm), []
+
+
+def scene_pairs(drive: Drive, shape: Callable[[Drive, Gear], GearShape] = whole_body) -> tuple[ScenePair, ...]:
     """The pairs of a drive from the driving shaft on; none where its design has no gears.
 
-    The contact of the teeth is not judged.  Raises WrongInput or NoSuchMechanism where the teeth cannot be made.
+    ``shape`` gives what is seen of each gear.  The contact of the teeth is not judged.  Raises WrongInput or
+    NoSuchMechanism where the teeth cannot be made.
     """
     gears = drive.design.gears
     if gears is None:
@@ -153,19 +171,17 @@ def scene_pairs(drive: Drive) -> tuple[ScenePair, ...]:
     distances = [pitch.center_distance_mm for pitch in pitches]
     found = mountings([pitch.mesh for pitch in pitches], distances, radians(gears.driving_axis_deg))
     placed = zip(drive.by_stage, found, strict=True)
-    return tuple(_pair(pair, number, mounting) for number, (pair, mounting) in enumerate(placed))
+    return tuple(_pair(pair, number, mounting, shape) for number, (pair, mounting) in enumerate(placed))
 
 
-def _pair(drive: Drive, number: int, mounting: Mounting) -> ScenePair:
-    driving, driven = (_gear(drive, gear, number, mounting) for gear in Gear)
+def _pair(drive: Drive, number: int, mounting: Mounting, shape: Callable[[Drive, Gear], GearShape]) -> ScenePair:
+    driving, driven = (_gear(drive, gear, number, mounting, *shape(drive, gear)) for gear in Gear)
     return ScenePair(drive.pitch, drive.pitch.size.module_mm, mounting, driving, driven)
 
 
-def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting) -> SceneGear:
+def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting, section: Polygon, edges: list[Array]) -> SceneGear:
     name = gear.value if drive.stage is None else f"{gear.value}-{drive.stage}"
-    plan = drive.solids.of(gear).plan
-    edges = tuple(mounting.seen(edge) for edge in _edges(plan))
-    body = Body(name, Kind(gear.value), _seen(plan.section, mounting), edges)
+    body = Body(name, Kind(gear.value), _seen(section, mounting), tuple(map(mounting.seen, edges)))
     points = drive.pitch.of(gear).drawn(CURVE_POINTS).position
     if drive.pitch.toothed is not None:
         # The straight sides from both ends to the axis lie on the line of centres at the end stops.

@@ -15,7 +15,7 @@ import numpy as np
 
 from ncgear.design.keys.machine import Resistance
 from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, output_shape
-from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs
+from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs, teeth_alone
 from ncgear.kinematics.motion import Machine, OutputMotion
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
@@ -161,6 +161,11 @@ def scene_of(drive: Drive) -> Scene:
     Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made.
     """
     return replace(scene_without_gears(drive), pairs=scene_pairs(drive))
+
+
+def scene_of_teeth(drive: Drive) -> Scene:
+    """The same with gears that have neither bore nor holes, as soon as their teeth are known."""
+    return replace(scene_without_gears(drive), pairs=scene_pairs(drive, teeth_alone))
 
 
 def scene_without_gears(drive: Drive) -> Scene:

@@ -22,7 +22,7 @@ function tableElement(table) {
 // `acts.set(changes)` takes a remedy, `acts.reveal(key)` shows a key of the form.
 function createTold(acts) {
   const at = (id) => document.getElementById(id);
-  const parts = { facts: [], teeth: [], advice: { motion: [], gears: [] }, tables: { motion: [], gears: [], strength: [] } };
+  const parts = { facts: [], teeth: [], advice: { motion: [], gears: [], rough: [], roughOf: 0, gearsOf: -1 }, tables: { motion: [], gears: [], strength: [] } };
   let held = null;
 
   function showFacts() {
@@ -38,7 +38,9 @@ function createTold(acts) {
   }
 
   function showAdvice() {
-    const all = [...parts.advice.motion, ...parts.advice.gears];
+    const { motion, gears, rough, roughOf, gearsOf } = parts.advice;
+    // What is known roughly counts until every tooth is computed.
+    const all = [...motion, ...(gearsOf < roughOf ? rough : []), ...gears];
     const items = all.map((advice) => {
       const before = [advice.stage && `${advice.stage}: `, advice.matters ? "" : "Remark: "].join("");
       const item = made("li", { class: advice.remedies.length ? "remediable" : "" });
@@ -67,9 +69,9 @@ function createTold(acts) {
     at("tables").lastElementChild.replaceChildren(...[...strength, ...motion, ...gears].map(tableElement));
   }
 
-  function figures(content) {
+  function figures(content, message) {
     parts.facts = content.facts;
-    parts.advice.motion = content.advice;
+    Object.assign(parts.advice, { motion: content.advice, rough: content.rough, roughOf: message.n });
     parts.tables.motion = content.tables;
     at("achieved").replaceChildren(...content.achieved.map((line) => cell("li", line)));
     showFacts();
@@ -84,8 +86,8 @@ function createTold(acts) {
     showTables();
   }
 
-  function advice(content) {
-    parts.advice.gears = content;
+  function advice(content, message) {
+    Object.assign(parts.advice, { gears: content, gearsOf: message.n });
     showAdvice();
   }
 
