@@ -10,7 +10,9 @@ import gc
 import os
 import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -64,3 +66,16 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
         return int(exit_.value.code or 0), out, err
 
     return run_once
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Chromium without a window, for the tests of one file."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    # It loads numpy, which must not happen before the number of threads is set.
+    from scenes import CHROMIUM, FLAGS
+
+    with sync_api.sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield started
+        started.close()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +10,7 @@ import pytest
 
 import drives
 from ncgear.drawings.scene.scene import scene_of
-from scenes import CHROMIUM, FLAGS, in_a_browser
-
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+from scenes import in_a_browser
 
 pytestmark = [pytest.mark.slow, in_a_browser]
 
@@ -32,11 +29,8 @@ PLACES = """share => {
 
 
 @pytest.fixture(scope="module")
-def page() -> Iterator[Any]:
-    with sync_api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield started.new_context(offline=True).new_page()
-        started.close()
+def page(browser: Any) -> Any:
+    return browser.new_context(offline=True).new_page()
 
 
 def shown(page: Any, name: str, body: str, folder: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import degrees, pi, radians
 from pathlib import Path
@@ -16,9 +16,7 @@ import drives
 import reports
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page.page_charts import PageChart, gear_charts
-from scenes import CHROMIUM, FLAGS, in_a_browser
-
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+from scenes import in_a_browser
 
 pytestmark = [pytest.mark.thorough, in_a_browser]
 
@@ -45,14 +43,6 @@ class Opened:
 
     def text(self, selector: str) -> str:
         return str(self.page.locator(selector).first.inner_text()).replace("\u2212", "-")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with sync_api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield started
-        started.close()
 
 
 Open = Callable[..., Opened]

@@ -18,23 +18,13 @@ from drives import DESIGNS
 from ncgear.design.reading.design_file import parsed
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.project.drive import Drive
-from scenes import CHROMIUM, FLAGS, in_a_browser
+from scenes import in_a_browser
 from studios import Studio, running
-
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 
 pytestmark = [pytest.mark.slow, in_a_browser]
 
 WIDE, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
 LONGEST_MS = 120_000
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with sync_api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield started
-        started.close()
 
 
 @pytest.fixture

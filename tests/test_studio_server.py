@@ -182,6 +182,18 @@ def test_a_design_that_is_no_yaml_is_shown_with_its_fault(studio: Studio) -> Non
             pass
 
 
+def test_a_file_that_has_gone_is_said_to_a_new_page(tmp_path: Path) -> None:
+    path = tmp_path / "ellipse.yaml"
+    shutil.copy(DESIGNS / "ellipse.yaml", path)
+    with running(path, tmp_path / "export") as studio:
+        path.unlink()
+        with studio.page() as page:
+            assert "cannot be read" in page.until("said")["content"]
+        shutil.copy(DESIGNS / "ellipse.yaml", path)
+        with studio.page() as page:
+            assert page.until("state")["content"]["saved"]
+
+
 # --- what is left of it
 
 

@@ -21,7 +21,7 @@ from ncgear.figures.advice.collected import build_advice
 from ncgear.figures.tables import Column, Table
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-from scenes import CHROMIUM, FLAGS, in_a_browser, scene
+from scenes import in_a_browser, scene
 
 DESIGNS = ["pump-1-2", "internal-1-2", "spiral-pair", "helical-ellipse", "desk-toy", "baler-66-two-stage"]
 
@@ -116,15 +116,6 @@ def test_notes_of_a_gear_s_table_name_its_teeth() -> None:
     assert [links(note) for note in ToothLinks().notes(table)] == [[("driven", 16)], []]
     (row,) = ToothLinks().rows(table)
     assert links(row.note) == [("driven", 7)]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    with sync_api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield started
-        started.close()
 
 
 @pytest.fixture

@@ -23,6 +23,7 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from ncgear.errors import DesignError
 from ncgear.files.publish import is_staging
 from ncgear.studio.page import page
 from ncgear.studio.session import Session
@@ -129,8 +130,14 @@ class Studio:
             await socket.close(code=1013)
             return
         await socket.accept()
+        try:
+            session = self.session(name)
+        except DesignError as error:
+            # The file has gone since the studio was started.
+            await socket.send_text(json.dumps({"is": "said", "content": str(error)}))
+            await socket.close(code=1011)
+            return
         self.open.add(name)
-        session = self.session(name)
         sending = asyncio.Lock()
 
         async def send(text: str) -> None:
