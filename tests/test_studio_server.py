@@ -203,7 +203,7 @@ def test_a_page_that_is_closed_leaves_no_process(studio: Studio) -> None:
         end = time.monotonic() + 20
         # Those of pages of other tests may still be on their way out.
         while len(before := studio.workers) != 2:
-            assert time.monotonic() < end
+            assert time.monotonic() < end, before
     wait_until_gone(before)
 
 

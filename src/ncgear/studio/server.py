@@ -26,7 +26,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from ncgear.errors import DesignError
 from ncgear.files.publish import is_staging
 from ncgear.studio.page import page
-from ncgear.studio.session import Session
+from ncgear.studio.open_page import OpenPage
 
 HOST = "127.0.0.1"
 """The loopback address; other computers cannot reach it."""
@@ -36,7 +36,7 @@ TOKEN_BYTES = 24
 MOST_PAGES = 6
 """Pages that are open at once; each has two processes."""
 
-MOST_SESSIONS = 30
+MOST_REMEMBERED = 30
 """Pages that are remembered, so that a page that is loaded anew goes on where it was."""
 
 LARGEST_MESSAGE = 2 << 20
@@ -84,20 +84,20 @@ class Guard:
 
 
 class Studio:
-    """The sessions of all pages of one design."""
+    """All pages of one design."""
 
     def __init__(self, path: Path, out: Path) -> None:
         self.path, self.out = path, out.absolute()
-        self.sessions: dict[str, Session] = {}
+        self.pages: dict[str, OpenPage] = {}
         self.open: set[str] = set()
 
-    def session(self, name: str) -> Session:
-        """The session of a page by the name that it has chosen; the oldest ones that are closed are forgotten."""
-        if name not in self.sessions:
-            for old in [one for one in self.sessions if one not in self.open][: len(self.sessions) - MOST_SESSIONS + 1]:
-                del self.sessions[old]
-            self.sessions[name] = Session(self.path, self.out)
-        return self.sessions[name]
+    def page_of(self, name: str) -> OpenPage:
+        """A page by the name that it has chosen; the oldest ones that are closed are forgotten."""
+        if name not in self.pages:
+            for old in [one for one in self.pages if one not in self.open][: len(self.pages) - MOST_REMEMBERED + 1]:
+                del self.pages[old]
+            self.pages[name] = OpenPage(self.path, self.out)
+        return self.pages[name]
 
     async def index(self, request: Request) -> Response:
         """The page."""
@@ -131,7 +131,7 @@ class Studio:
             return
         await socket.accept()
         try:
-            session = self.session(name)
+            opened = self.page_of(name)
         except DesignError as error:
             # The file has gone since the studio was started.
             await socket.send_text(json.dumps({"is": "said", "content": str(error)}))
@@ -146,18 +146,18 @@ class Studio:
                     await socket.send_text(text)
 
         try:
-            await session.connected(send)
+            await opened.connected(send)
             while (text := await _text_from(socket)) is not None:
                 message = _read(text)
                 if message is not None:
-                    await session.hear(message)
+                    await opened.hear(message)
         finally:
             self.open.discard(name)
-            await session.disconnected()
+            await opened.disconnected()
 
     async def close(self) -> None:
         """End all processes."""
-        await asyncio.gather(*(session.closed() for session in self.sessions.values()))
+        await asyncio.gather(*(one.closed() for one in self.pages.values()))
 
 
 async def _text_from(socket: WebSocket) -> str | None:

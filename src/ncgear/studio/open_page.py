@@ -1,6 +1,6 @@
 """One page of the studio: what it asks for, the text that it edits, the answers and jobs that it is told of.
 
-Messages are values of JSON.  From the page come ``{"do": ..., ...}``, as the methods of ``Session`` named after them
+Messages are values of JSON.  From the page come ``{"do": ..., ...}``, as the methods of ``OpenPage`` named after them
 say; to it go ``state`` (the text and all that follows from it), the answers of ``answers.py`` with the number ``n`` of
 the text that they belong to, ``job`` and ``said``.
 """
@@ -28,7 +28,7 @@ MOST_JOBS = 2
 """Commands that run at once; each may use all cores."""
 
 
-class Session:
+class OpenPage:
     """The state of one page; it outlives a connection, so that a page that is loaded anew goes on where it was."""
 
     def __init__(self, path: Path, out: Path) -> None:
@@ -43,6 +43,7 @@ class Session:
         self._send: Callable[[str], Awaitable[None]] | None = None
         self._chains = Chains(self._tell)
         self._changed = asyncio.Event()
+        self._asking = asyncio.Lock()
 
     async def connected(self, send: Callable[[str], Awaitable[None]]) -> None:
         """Tell a page that has just connected everything, and go on telling it."""
@@ -53,8 +54,10 @@ class Session:
     async def disconnected(self) -> None:
         """End the processes of the page; commands that write files go on."""
         self._send = None
-        for task in self._tasks:
-            task.cancel()
+        async with self._asking:
+            # A process that is just being started would be lost if its start were cancelled.
+            for task in self._tasks:
+                task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         await self._chains.close()
         self.changes = {}
@@ -221,20 +224,20 @@ class Session:
             except DesignError as error:
                 await self._say(str(error))
                 continue
-            if changes == self.changes:
-                await self._ask(text)
+            async with self._asking:
+                # A step of the history may have come in the meantime; its text is the newer one.
+                if changes == self.changes:
+                    self.number += 1
+                    await self._tell(json.dumps({"is": "asked", "n": self.number}))
+                    await self._chains.ask(self.number, text, str(self.file.path))
 
     async def _show(self) -> None:
         """Tell the page the text and what follows from it by itself, and ask for the answers."""
-        text = self.history.now
-        self.number += 1
-        await self._tell(json.dumps({"is": "state", "n": self.number, "content": await asyncio.to_thread(self._state)}))
-        await self._chains.ask(self.number, text, str(self.file.path))
-
-    async def _ask(self, text: str) -> None:
-        self.number += 1
-        await self._tell(json.dumps({"is": "asked", "n": self.number}))
-        await self._chains.ask(self.number, text, str(self.file.path))
+        async with self._asking:
+            self.number += 1
+            content = await asyncio.to_thread(self._state)
+            await self._tell(json.dumps({"is": "state", "n": self.number, "content": content}))
+            await self._chains.ask(self.number, content["text"], str(self.file.path))
 
     def _state(self) -> dict[str, Any]:
         text, saved = self.history.now, self.file.text
