@@ -25,8 +25,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from ncgear.errors import DesignError
 from ncgear.files.publish import is_staging
-from ncgear.studio.page import page
 from ncgear.studio.open_page import OpenPage
+from ncgear.studio.page import page
 
 HOST = "127.0.0.1"
 """The loopback address; other computers cannot reach it."""
