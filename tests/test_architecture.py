@@ -145,9 +145,17 @@ def test_the_page_of_the_house_has_every_room_in_order() -> None:
 
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
-WRITERS = {"files/publish.py", "cli/new.py", "project/frontier_run.py", "files/workshop/dxf.py"}
+WRITERS = {
+    "files/publish.py",
+    "cli/new.py",
+    "project/frontier_run.py",
+    "files/workshop/dxf.py",
+    "files/workshop/sheets/dxf.py",
+    "studio/chains.py",
+    "studio/worker.py",
+}
 """What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points.
-And what calls the same of a library, for a text in memory."""
+And what calls the same of a library, for a text in memory, or of a pipe between two processes."""
 
 
 def writes_to_paths(text: str) -> bool:

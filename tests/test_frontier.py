@@ -304,5 +304,5 @@ def test_the_command_keeps_files_of_others(tmp_path: Path, run: Run, monkeypatch
     for kept in (others, {}):
         status, said, _ = run("frontier", str(ROOT / "designs" / "baler-frontier.yaml"), "--out", "out")
         assert status == 0
-        assert said.count("-kept") == len(kept)
+        assert ("frontier-kept.csv and 2 more" in said) is bool(kept)
     assert {(tmp_path / "out" / name.replace(".", "-kept.")).read_bytes() for name in others} == {b"of others"}

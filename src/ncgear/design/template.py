@@ -34,8 +34,7 @@ def _wished(wishes: Mapping[str, Any]) -> str:
 
 _HEAD = """\
 # A design file of ncgear. Lengths in mm, angles in the unit their key ends in (_rad, _deg, or _pi: multiples of pi).
-#   ncgear studio {name}.yaml   a page on which it runs and is changed
-#   ncgear check {name}.yaml    kinematics and power
+#   ncgear check {name}.yaml    kinematics and power (ncgear studio {name}.yaml: on a page on which it runs)
 #   ncgear build {name}.yaml    gears, into export/{name}
 
 name: {quoted}               # letters, digits, - and _; also names the output folder
