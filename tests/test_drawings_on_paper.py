@@ -148,7 +148,7 @@ def test_the_drawn_outline_is_the_exact_one_in_the_scale_of_the_title(name: str,
 READABLE = [*DESIGNS, *LOOKED_AT]
 
 
-THOROUGH = ["baler-[dp]*", "internal-*"]
+THOROUGH = ["baler-driv*", "baler-pair", "internal-*"]
 
 
 @pytest.mark.tiers(quick=["ellipse-*"], thorough=THOROUGH, rest="slow")
