@@ -19,7 +19,8 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_svg import drawn
-from ncgear.drawings.page.data import angle_table, paces, page_data, scene_data
+from ncgear.drawings.page.data import paces, page_data, scene_data, shaft_tables
+from ncgear.drawings.page.page import stage_name
 from ncgear.drawings.page.page_charts import PageChart, charts_of_pair, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.tables import comparison_tables, strength_tables, typeset
@@ -92,7 +93,7 @@ def _motion(text: str, path: Path) -> Iterator[Answer]:
             "loop": scene.loop_rad,
             "swings": scene.swings,
             "paces": [asdict(pace) for pace in paces(drive.design.operation.speed_rpm)],
-            "shafts": _shafts(scene),
+            "shafts": shaft_tables(scene),
             "charts": [_live(chart) for chart in charts],
             "handles": handles(drive),
         },
@@ -122,7 +123,7 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
     yield "scene", _shown(scene, gears=has_gears)
     if not has_gears:
         return
-    pairs = [(f"Stage {pair.stage}" if pair.stage else "", pair) for pair in drive.by_stage]
+    pairs = [(stage_name(pair), pair) for pair in drive.by_stage]
     drive.require_sound_pairs()
     yield (
         "teeth",
@@ -140,11 +141,6 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
 
 def _shown(scene: Scene, *, gears: bool) -> dict[str, Any]:
     return {"svg": scene_svg(scene), "data": scene_data(scene), "gears": gears}
-
-
-def _shafts(scene: Scene) -> list[dict[str, Any]]:
-    shafts = [*(pair.transmission for pair in scene.train.pairs[:-1]), scene.train.whole]
-    return [angle_table(transmission) for transmission in shafts]
 
 
 def _live(page_chart: PageChart) -> dict[str, Any]:

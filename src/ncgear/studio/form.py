@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from ncgear.design.keys.base import UNITS, quantity, spellings
 from ncgear.design.keys.design import design_model
-from ncgear.design.laws.registry import LawName, design_law
+from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.messages import fields_of
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
@@ -116,7 +116,7 @@ def _plain(key: Key, given: bool, value: Any, root: type[BaseModel]) -> Row:
     row = {**_head(key, given), "allowed": allowed(key), "default": default_words(key), "value": value}
     row["needed"] = key.field.is_required()
     if key.is_law_name:
-        return {**row, "kind": "choice", "choices": [law.value for law in LawName], "named": _law_choices()}
+        return {**row, "kind": "choice", "choices": [law.value for law in LawName]}
     words = [str(word) for rule in rules for word in rule.get("enum", [rule["const"]] if "const" in rule else [])]
     if len(rules) > 1 or (isinstance(value, str) and not words and rules[0].get("type") != "string"):
         return {**row, "kind": "other", "choices": words}
@@ -131,10 +131,6 @@ def _plain(key: Key, given: bool, value: Any, root: type[BaseModel]) -> Row:
         case "number" | "integer":
             return {**row, "kind": rule["type"], **_bounds(rule), "step": _step(key, value, root)}
     return {**row, "kind": "text"}
-
-
-def _law_choices() -> dict[str, str]:
-    return {name.value: design_law(name).choice for name in LawName}
 
 
 def _bounds(rule: Mapping[str, Any]) -> dict[str, float]:

@@ -97,6 +97,9 @@ class Job:
         )
         assert self._process.stdout is not None
         assert self._process.stderr is not None
+        if self.cancelled:
+            # It was cancelled before there was a process.
+            self._kill()
         try:
             async with asyncio.timeout(LONGEST_S):
                 await asyncio.gather(self._heard(self._process.stdout, False), self._heard(self._process.stderr, True))

@@ -78,16 +78,21 @@ LINK_DECIMALS = 9
 
 def scene_data(scene: Scene) -> dict[str, Any]:
     """All data that move the SVG of ``scene_svg``, ready for JSON; angles in rad, lengths in mm."""
-    shafts = [*(pair.transmission for pair in scene.train.pairs[:-1]), scene.train.whole]
     return {
         "loop": scene.loop_rad,
-        "shafts": [angle_table(transmission) for transmission in shafts],
+        "shafts": shaft_tables(scene),
         "gears": [_gear(gear, pair.module_mm) for pair in scene.pairs for gear in (pair.driving, pair.driven)],
         "pairs": [_pair(pair) for pair in scene.pairs],
         "linkage": _linkage(scene),
         "chamber": None if scene.chamber is None else _chamber(scene.chamber),
         "views": {name: list(box) for name, box in views(scene).items()},
     }
+
+
+def shaft_tables(scene: Scene) -> list[dict[str, Any]]:
+    """Tables of the angles of all shafts but the driving one: those between by the shaft before, last the crank's."""
+    shafts = [*(pair.transmission for pair in scene.train.pairs[:-1]), scene.train.whole]
+    return [angle_table(transmission) for transmission in shafts]
 
 
 def angle_table(transmission: Transmission) -> dict[str, Any]:

@@ -67,7 +67,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         ],
         "pairs": [
             {
-                "title": _stage_name(pair),
+                "title": stage_name(pair),
                 "teeth": ToothLinks(pair.stage),
                 "sheet": sheet_tables(data_sheet(pair)),
                 "contact": contact_tables(pair, found),
@@ -77,7 +77,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         ],
         "advices": [
             ("", ToothLinks(), check_advice(drive)),
-            *((_stage_name(pair), ToothLinks(pair.stage), build_advice(pair)) for pair, _ in pairs),
+            *((stage_name(pair), ToothLinks(pair.stage), build_advice(pair)) for pair, _ in pairs),
         ],
     }
     about_design = {
@@ -101,7 +101,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "cycle_deg": data["cycle_deg"],
         "scene": Markup(scene_svg(scene)),
         "views": list(views(scene)),
-        "solids": [solid_view(pair, _stage_name(pair)) for pair, _ in pairs],
+        "solids": [solid_view(pair, stage_name(pair)) for pair, _ in pairs],
         "gears": [
             (gear.body.name, gear.body.name.replace("-", " of stage "), len(gear.teeth_mm)) for gear in scene.gears
         ],
@@ -110,7 +110,7 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
     return _rendered({**about_design, **about_pairs, **moving})
 
 
-def _stage_name(pair: Drive) -> str:
+def stage_name(pair: Drive) -> str:
     """The name of one of two pairs on the page; empty where there is only one pair."""
     return f"Stage {pair.stage}" if pair.stage else ""
 

@@ -2,7 +2,7 @@
 
 function createBoard(place, handles, onPick) {
   const charts = new Map();
-  const state = { handles: [], held: null, deg: 0, degrees: null };
+  const state = { handles: [], held: null, degrees: null };
 
   function created(key) {
     const figure = document.createElement("figure");
@@ -97,15 +97,6 @@ function createBoard(place, handles, onPick) {
     for (const one of charts.values()) if (one.chart) overlay(one);
   }
 
-  // Charts of gears that are not there any more.
-  function keepOnly(keys) {
-    for (const [key, one] of charts) {
-      if (keys.has(key)) continue;
-      one.figure.remove();
-      charts.delete(key);
-    }
-  }
-
   const chart = (key) => charts.get(key)?.chart;
-  return { draw, follow, settle, show, hold, keepOnly, chart, pale: (key) => charts.get(key)?.figure.classList.add("pale") };
+  return { draw, follow, settle, show, hold, chart };
 }

@@ -1,7 +1,7 @@
 // The machine running, and beside it the one that was kept; what is not computed anew yet is pale.
 
 function createMachine(stage, heldStage) {
-  const state = { scene: null, data: null, svg: "", held: null, n: 0 };
+  const state = { scene: null, data: null, svg: "", held: null };
 
   function put(place, svg, data) {
     place.querySelector("svg.scene")?.remove();
@@ -28,7 +28,7 @@ function createMachine(stage, heldStage) {
   function hold() {
     if (!state.scene) return false;
     const data = structuredClone(state.data);
-    state.held = put(heldStage, state.svg.replaceAll('id="scene-', 'id="scene-'), data);
+    state.held = put(heldStage, state.svg, data);
     heldStage.hidden = false;
     return true;
   }

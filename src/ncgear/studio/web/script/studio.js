@@ -4,7 +4,7 @@ const PART_OF_GEARS = "gears";
 
 function start() {
   const at = (id) => document.getElementById(id);
-  const state = { newest: 0, refused: { motion: null, gears: null }, motion: null, state: null, held: false };
+  const state = { newest: 0, refused: { motion: null, gears: null }, motion: null, held: false };
   const link = createLink(hear, (on) => {
     document.body.classList.toggle("offline", !on);
     if (!on) say("The server does not answer; the page connects anew as soon as it does.");
@@ -63,7 +63,6 @@ function start() {
   }
 
   function takeState(content, message) {
-    state.state = content;
     at("name").textContent = content.file;
     at("saved").textContent = content.saved ? "saved" : "not saved";
     at("save").disabled = content.saved;
