@@ -19,7 +19,7 @@ from ncgear.project.drive import Drive
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
-    {"errors", "extras", "interrupts", "shown", "stopwatch", "numerics"},
+    {"errors", "extras", "interrupts", "shown", "stopwatch", "workers", "numerics"},
     {"mechanisms"},
     {"ratio"},
     {"kinematics"},

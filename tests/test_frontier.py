@@ -177,15 +177,15 @@ def test_an_interrupted_run_goes_on_from_where_it_was(tmp_path: Path, monkeypatc
         law = figures(cap, 20_000.0)
         return {"cap_w": cap, "limit_mm_s2": 10_000.0, "law": vars(law)}
 
-    def computed(of: Design, jobs: list[tuple[str, float]]) -> object:
+    def computed(of: object, jobs: list[tuple[str, float]], *where: object) -> object:
         for job in jobs:
             if len(asked) == 3:
                 raise KeyboardInterrupt
             asked.append(job)
-            yield (*job, point(*job))
+            yield job, point(*job)
 
     monkeypatch.setattr(of_design, "caps_w", lambda task, wishes, count: [6000.0, 8000.0, 12_000.0])
-    monkeypatch.setattr(of_design, "_computed", computed)
+    monkeypatch.setattr(of_design, "finished", computed)
     heard: list[tuple[int, int]] = []
     with pytest.raises(KeyboardInterrupt):
         frontier(design(), 3, tmp_path, lambda done, total: heard.append((done, total)))
@@ -208,7 +208,7 @@ def test_without_resistance_there_is_no_frontier(tmp_path: Path) -> None:
 def test_points_that_were_all_refused_say_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     results = {"law": {"refused": "no law was found"}, "family": vars(FamilyPoint(1.0, None, None))}
     monkeypatch.setattr(of_design, "caps_w", lambda task, wishes, count: [6000.0])
-    monkeypatch.setattr(of_design, "_computed", lambda of, jobs: [(*job, results[job[0]]) for job in jobs])
+    monkeypatch.setattr(of_design, "finished", lambda of, jobs, *where: [(job, results[job[0]]) for job in jobs])
     with pytest.raises(NoSuchMechanism, match="no law was found"):
         frontier(design(), 1, tmp_path, lambda done, total: None)
 

@@ -74,6 +74,18 @@ DesignFile = Annotated[
     ),
 ]
 Verbose = Annotated[bool, typer.Option("--verbose", help="Print every figure, every file, and warnings in full.")]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Dask scheduler (tcp://host:8786) that computes, or local for a Dask cluster of this computer.",
+        show_default="processes of this computer",
+    ),
+]
+Processes = Annotated[
+    int | None,
+    typer.Option(min=1, max=1024, help="Processes of this computer that compute.", show_default="one for each core"),
+]
 Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, how long each step took.")]
 
 

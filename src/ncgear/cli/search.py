@@ -8,7 +8,16 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, SUFFIXES, DesignFile, Verbose, materials_to_complete, opened
+from ncgear.cli.arguments import (
+    EXPORT,
+    SUFFIXES,
+    DesignFile,
+    Processes,
+    Scheduler,
+    Verbose,
+    materials_to_complete,
+    opened,
+)
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.errors import WrongInput
@@ -63,6 +72,8 @@ def optimize(
 def frontier(
     design_file: DesignFile,
     points: Annotated[int, typer.Option(min=2, max=200, help="Points from least power to least acceleration.")] = 20,
+    scheduler: Scheduler = None,
+    processes: Processes = None,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-frontier")
     ] = None,
@@ -86,7 +97,7 @@ def frontier(
         folder = out or EXPORT / f"{loaded.design.name}-frontier"
         prepare(folder)
         with counted("points") as on_point:
-            found = frontier_of(loaded.design, points, folder, on_point)
+            found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
         best = BestLaw(loaded.design)
         run = publish_run(folder, frontier_files(found, best), "frontier")
         if verbose:

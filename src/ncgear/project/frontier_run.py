@@ -8,11 +8,10 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from hashlib import sha256
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -20,20 +19,18 @@ from ncgear import __version__
 from ncgear.design.keys.design import Design
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
-from ncgear.interrupts import deaf_processes, end_processes, uninterrupted
+from ncgear.interrupts import uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.task import Figures
 from ncgear.project.wishes import task_of, wishes_of
 from ncgear.shown import Shown
+from ncgear.workers import finished
 
 POINTS_FILE = "frontier-points.jsonl"
 """File of finished points in the output folder, one line each."""
 
 ENTRY = '{"key": "'
 """How each entry begins."""
-
-ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-"""Each process has one core, so several threads of linear algebra in it would only hinder each other."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +95,17 @@ class FinishedPoints:
             raise WrongInput(problem, location=str(self.path)) from error
 
 
-def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, int], None]) -> Frontier:
+def frontier(
+    design: Design,
+    count: int,
+    folder: Path,
+    on_point: Callable[[int, int], None],
+    scheduler: str | None = None,
+    processes: int | None = None,
+) -> Frontier:
     """The frontier of a design at ``count`` caps; calls ``on_point`` with the numbers of finished and of all points.
+
+    ``scheduler`` and ``processes`` say where the points are computed, as in ``ncgear.workers``.
 
     Raises WrongInput where nothing resists or the optimiser is not installed, NoSuchMechanism where no law keeps the
     limits.
@@ -113,7 +119,8 @@ def frontier(design: Design, count: int, folder: Path, on_point: Callable[[int, 
     jobs = [(kind, cap) for cap in caps for kind in ("law", "family")]
     missing = [job for job in jobs if job not in found]
     on_point(len(jobs) - len(missing), len(jobs))
-    for done, (kind, cap, result) in enumerate(_computed(design, missing), start=len(jobs) - len(missing) + 1):
+    computed = finished(partial(_point, design), missing, scheduler, processes)
+    for done, ((kind, cap), result) in enumerate(computed, start=len(jobs) - len(missing) + 1):
         kept.add(kind, cap, result)
         found[kind, cap] = result
         on_point(done, len(jobs))
@@ -127,37 +134,9 @@ def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
     return caps
 
 
-def _computed(design: Design, jobs: list[tuple[str, float]]) -> Iterator[tuple[str, float, dict[str, Any]]]:
-    """Results in the order in which they are finished, from one process per core."""
-    if not jobs:
-        return
-    with _one_thread_each(), ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
-        try:
-            with deaf_processes():
-                futures = {pool.submit(_point, design, *job): job for job in jobs}
-            for future in as_completed(futures):
-                yield (*futures[future], future.result())
-        except BaseException:
-            end_processes()
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """A context in which new processes use one thread each; variables that the user has set stay."""
-    before = dict(os.environ)
-    os.environ.update({name: value for name, value in ONE_THREAD.items() if name not in before})
-    try:
-        yield
-    finally:
-        for name in ONE_THREAD:
-            if name not in before:
-                os.environ.pop(name, None)
-
-
-def _point(design: Design, kind: str, cap_w: float) -> dict[str, Any]:
+def _point(design: Design, job: tuple[str, float]) -> dict[str, Any]:
     """One point, computed in its own process; where no law keeps the limits, the refusal."""
+    kind, cap_w = job
     task, wishes = task_of(design), wishes_of(design)
     if kind == "family" and task.masses is not None:
         # The family's search knows the power of the resistance alone

@@ -10,8 +10,8 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from ncgear.project.frontier_run import ONE_THREAD
 from ncgear.studio.worker import CHAINS
+from ncgear.workers import ONE_THREAD
 
 LONGEST_S = 60.0
 """Time for all answers of one text, after which the process is replaced: an ordinary design takes a second or two."""

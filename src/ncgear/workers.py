@@ -1,0 +1,184 @@
+"""Independent tasks on the processes of this computer, or on a Dask cluster, with the same results.
+
+A task is a value that can be pickled, and the function that computes it is a module's own.  Results come as they are
+finished, with the task that they belong to.  A process that dies on the way is replaced, and its tasks are done again.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from itertools import islice
+from multiprocessing import get_context
+from typing import TypeVar
+
+from ncgear import __version__
+from ncgear.errors import WrongInput
+from ncgear.extras import require
+from ncgear.interrupts import deaf_processes, end_processes
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+OPTION = "--scheduler"
+
+LOCAL = "local"
+"""The scheduler that stands for a Dask cluster of this computer's own."""
+
+AHEAD = 4
+"""Tasks handed out for each process: one at work, the others so that it never waits, few so that memory stays small."""
+
+LEAST_AHEAD_ON_CLUSTER = 256
+"""Fewest tasks handed out to a cluster, whose number of processes may grow on the way."""
+
+DEATHS = 3
+"""Deaths of processes without a single result between them after which a run gives up: the tasks themselves kill."""
+
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""Each process has one core, so several threads of linear algebra in it would only hinder each other."""
+
+
+def core_count() -> int:
+    """The number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def finished(
+    function: Callable[[Task], Result],
+    tasks: Iterable[Task],
+    scheduler: str | None = None,
+    processes: int | None = None,
+) -> Iterator[tuple[Task, Result]]:
+    """Every task with its result, in the order in which they are finished.
+
+    Without ``scheduler`` the tasks run on ``processes`` processes of this computer, one for each core where None is
+    given; a single one is this process itself.  ``scheduler`` is the address of a Dask scheduler, as
+    ``tcp://host:8786``, or ``local`` for a Dask cluster of ``processes`` processes on this computer.  Tasks are taken
+    from ``tasks`` a few at a time, so that it may be endless.
+
+    Raises what the function raises, WrongInput where the scheduler cannot be used, and RuntimeError where processes
+    die again and again without a result.
+    """
+    if scheduler is not None:
+        with _cluster(scheduler, processes or core_count()) as (executor, ahead):
+            yield from _through(lambda: executor, ahead, function, iter(tasks))
+    elif (count := processes or core_count()) == 1:
+        yield from ((task, function(task)) for task in tasks)
+    else:
+        with _pools(count) as new_pool:
+            yield from _through(new_pool, AHEAD * count, function, iter(tasks))
+
+
+def _through(
+    new_executor: Callable[[], Executor], ahead: int, function: Callable[[Task], Result], tasks: Iterator[Task]
+) -> Iterator[tuple[Task, Result]]:
+    """Results of tasks, at most ``ahead`` of which are handed out; a broken executor is replaced by a new one."""
+    executor, deaths = new_executor(), 0
+    running: dict[Future[Result], Task] = {}
+    try:
+        while True:
+            for task in islice(tasks, ahead - len(running)):
+                running[executor.submit(function, task)] = task
+            if not running:
+                return
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            # Those that broke with their executor stay, and are handed out again below.
+            for future in [one for one in done if not isinstance(one.exception(), BrokenProcessPool)]:
+                yield running.pop(future), future.result()
+                done.remove(future)
+                deaths = 0
+            if done:
+                deaths += 1
+                if deaths == DEATHS:
+                    raise RuntimeError(f"{DEATHS} processes in a row died without a result; is there enough memory?")
+                executor, again = new_executor(), list(running.values())
+                running = {executor.submit(function, task): task for task in again}
+    finally:
+        for future in running:
+            future.cancel()
+
+
+@contextmanager
+def _pools(count: int) -> Iterator[Callable[[], Executor]]:
+    """A context with a function that begins a pool of processes; at its end all processes are gone."""
+    pools: list[ProcessPoolExecutor] = []
+
+    def new_pool() -> Executor:
+        pools.append(_DeafPool(count, get_context("spawn")))
+        return pools[-1]
+
+    with one_thread_each():
+        try:
+            yield new_pool
+        except BaseException:
+            end_processes()
+            for pool in pools:
+                pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        for pool in pools:
+            pool.shutdown()
+
+
+class _DeafPool(ProcessPoolExecutor):
+    """Processes that ignore Ctrl-C, which their parent hears; they begin when the first tasks are handed out."""
+
+    def submit(self, *given, **named):  # type: ignore[no-untyped-def]
+        with deaf_processes():
+            return super().submit(*given, **named)
+
+
+@contextmanager
+def one_thread_each() -> Iterator[None]:
+    """A context in which new processes use one thread each; variables that the user has set stay."""
+    before = dict(os.environ)
+    os.environ.update({name: value for name, value in ONE_THREAD.items() if name not in before})
+    try:
+        yield
+    finally:
+        for name in ONE_THREAD:
+            if name not in before:
+                os.environ.pop(name, None)
+
+
+@contextmanager
+def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
+    """A context with a Dask cluster as an executor, and the number of tasks to hand out at a time."""
+    require("distributed", "cluster", OPTION)
+    from distributed import Client, LocalCluster
+
+    if scheduler == LOCAL:
+        with (
+            deaf_processes(),
+            LocalCluster(n_workers=processes, threads_per_worker=1, dashboard_address=None) as cluster,
+            Client(cluster) as client,
+        ):
+            yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * processes)
+        return
+    try:
+        client = Client(scheduler, timeout="10s")
+    except (OSError, ValueError, TypeError) as error:
+        problem = f"no Dask scheduler answers at {scheduler!r} ({error}); an address as tcp://host:8786 is right"
+        raise WrongInput(problem, key=OPTION) from error
+    with client:
+        _require_same_version(client.run(_version))
+        threads = sum(client.nthreads().values())
+        yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
+
+
+def _version() -> str:
+    return __version__
+
+
+def _require_same_version(versions: dict[str, str]) -> None:
+    """Raise WrongInput where a worker of a cluster has another version of ncgear than this process."""
+    other = {worker: version for worker, version in versions.items() if version != __version__}
+    if other:
+        worker, version = next(iter(other.items()))
+        raise WrongInput(
+            f"{len(other)} of {len(versions)} workers have another ncgear than {__version__}, as {worker} has "
+            f"{version}; install the same version there",
+            key=OPTION,
+        )

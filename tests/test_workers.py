@@ -1,0 +1,110 @@
+"""Tasks on processes and on a Dask cluster: the same results, deaths made up for, few tasks at a time."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from ncgear import workers
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.workers import finished
+
+
+def squared(number: int) -> int:
+    return number * number
+
+
+def dying_once(folder: str, number: int) -> int:
+    """The square; the process that has the fifth task first dies of it."""
+    mark = Path(folder) / "died"
+    if number == 5 and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number * number
+
+
+def dying(number: int) -> int:
+    os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def refusing(number: int) -> int:
+    if number == 3:
+        raise NoSuchMechanism("no such thing", key="motion.v1_mm_s")
+    return number
+
+
+SQUARES = {number: number * number for number in range(40)}
+
+
+def test_one_process_is_this_one() -> None:
+    assert list(finished(os.path.abspath, ["a"], processes=1)) == [("a", str(Path("a").absolute()))]
+
+
+@pytest.mark.thorough
+def test_two_processes_give_every_result_once() -> None:
+    found = list(finished(squared, range(40), processes=2))
+    assert len(found) == 40
+    assert dict(found) == SQUARES
+
+
+@pytest.mark.thorough
+def test_a_process_that_dies_is_made_up_for(tmp_path: Path) -> None:
+    found = list(finished(partial(dying_once, str(tmp_path)), range(40), processes=2))
+    assert len(found) == 40
+    assert dict(found) == SQUARES
+    assert (tmp_path / "died").exists()
+
+
+@pytest.mark.thorough
+def test_tasks_that_kill_every_process_end_the_run() -> None:
+    with pytest.raises(RuntimeError, match="3 processes in a row died"):
+        list(finished(dying, range(4), processes=2))
+
+
+@pytest.mark.thorough
+def test_what_a_task_raises_is_raised_with_its_key() -> None:
+    with pytest.raises(NoSuchMechanism, match="no such thing") as refusal:
+        list(finished(refusing, range(40), processes=2))
+    assert refusal.value.key == "motion.v1_mm_s"
+
+
+@pytest.mark.thorough
+def test_tasks_are_taken_as_they_are_needed() -> None:
+    taken = []
+
+    def endless() -> Iterator[int]:
+        while True:
+            taken.append(len(taken))
+            yield taken[-1]
+
+    found = finished(squared, endless(), processes=2)
+    for count in range(1, 30):
+        next(found)
+        assert len(taken) <= count + 2 * workers.AHEAD
+    found.close()
+
+
+@pytest.mark.slow
+def test_a_cluster_of_this_computer_gives_the_same(tmp_path: Path) -> None:
+    """With a worker killed in the run."""
+    pytest.importorskip("distributed")
+    assert dict(finished(partial(dying_once, str(tmp_path)), range(40), scheduler="local", processes=2)) == SQUARES
+    assert (tmp_path / "died").exists()
+
+
+@pytest.mark.slow
+def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    with pytest.raises(WrongInput, match="no Dask scheduler answers at 'tcp://127.0.0.1:9'"):
+        list(finished(squared, range(4), scheduler="tcp://127.0.0.1:9"))
+
+
+def test_workers_with_another_version_are_refused() -> None:
+    with pytest.raises(WrongInput, match="1 of 2 workers have another ncgear"):
+        workers._require_same_version({"tcp://a": workers.__version__, "tcp://b": "0.0.1"})
