@@ -101,7 +101,7 @@ def test_a_cluster_of_this_computer_gives_the_same(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    with pytest.raises(WrongInput, match="no Dask scheduler answers at 'tcp://127.0.0.1:9'"):
+    with pytest.raises(WrongInput, match="no Dask scheduler answers"):
         list(finished(squared, range(4), scheduler="tcp://127.0.0.1:9"))
 
 
