@@ -37,8 +37,8 @@ def pytest_itemcollected(item: pytest.Item) -> None:
     tiers, callspec = item.get_closest_marker("tiers"), getattr(item, "callspec", None)
     if tiers and callspec and not item.get_closest_marker("slow"):
         tier = tier_of(callspec.id, **tiers.kwargs)
-        if tier != "quick":
-            item.add_marker(tier)
+        for mark in {"quick": [], "long": ["slow", "long"]}.get(tier, [tier]):
+            item.add_marker(mark)
 
 
 def pytest_collection_finish() -> None:

@@ -1,4 +1,4 @@
-"""Three tiers of tests: quick ones, thorough ones that the README's command runs too, slow ones.
+"""Tiers of tests: quick ones, thorough ones that the README's command runs too, slow ones, long ones.
 
 A test without a mark is quick.  One marked ``thorough`` takes longer than half a second or so; ``make quick`` leaves it
 out.  One marked ``slow`` is left to .ci/run, and one that is also marked ``long`` to ``make slow``.  Where the
@@ -7,6 +7,7 @@ parameters of a test belong to different tiers, the mark ``tiers`` says which::
     @pytest.mark.tiers(quick=["ellipse"], slow=["baler-*"], rest="thorough")
 
 Each is a list of ids of parameters, where * is any text; the first that fits counts, and ``rest`` is for the others.
+Parameters of the tier ``long`` get both marks, ``slow`` and ``long``.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import pytest
 Collected = pytest.StashKey[list[pytest.Item]]()
 """All tests that pytest found, whether or not they are asked for."""
 
-TIERS = ("quick", "thorough", "slow")
+TIERS = ("quick", "thorough", "slow", "long")
 
 
 def fits(pattern: str, name: str) -> bool:
@@ -29,12 +30,17 @@ def fits(pattern: str, name: str) -> bool:
 
 
 def tier_of(
-    name: str, rest: str, quick: Sequence[str] = (), thorough: Sequence[str] = (), slow: Sequence[str] = ()
+    name: str,
+    rest: str,
+    quick: Sequence[str] = (),
+    thorough: Sequence[str] = (),
+    slow: Sequence[str] = (),
+    long: Sequence[str] = (),
 ) -> str:
     """The tier of a parameter by its id."""
     if rest not in TIERS:
         raise ValueError(f"{rest!r} is no tier; there are {', '.join(TIERS)}")
-    for tier, patterns in zip(TIERS, (quick, thorough, slow), strict=True):
+    for tier, patterns in zip(TIERS, (quick, thorough, slow, long), strict=True):
         if any(fits(pattern, name) for pattern in patterns):
             return tier
     return rest

@@ -78,27 +78,23 @@ def _through(
     """Results of tasks, at most ``ahead`` of which are handed out; a broken executor is replaced by a new one."""
     executor, deaths = new_executor(), 0
     running: dict[Future[Result], Task] = {}
-    try:
-        while True:
-            for task in islice(tasks, ahead - len(running)):
-                running[executor.submit(function, task)] = task
-            if not running:
-                return
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            # Those that broke with their executor stay, and are handed out again below.
-            for future in [one for one in done if not isinstance(one.exception(), BrokenProcessPool)]:
-                yield running.pop(future), future.result()
-                done.remove(future)
-                deaths = 0
-            if done:
-                deaths += 1
-                if deaths == DEATHS:
-                    raise RuntimeError(f"{DEATHS} processes in a row died without a result; is there enough memory?")
-                executor, again = new_executor(), list(running.values())
-                running = {executor.submit(function, task): task for task in again}
-    finally:
-        for future in running:
-            future.cancel()
+    while True:
+        for task in islice(tasks, ahead - len(running)):
+            running[executor.submit(function, task)] = task
+        if not running:
+            return
+        done, _ = wait(running, return_when=FIRST_COMPLETED)
+        # Those that broke with their executor stay, and are handed out again below.
+        for future in [one for one in done if not isinstance(one.exception(), BrokenProcessPool)]:
+            yield running.pop(future), future.result()
+            done.remove(future)
+            deaths = 0
+        if done:
+            deaths += 1
+            if deaths == DEATHS:
+                raise RuntimeError(f"{DEATHS} processes in a row died without a result; is there enough memory?")
+            executor, again = new_executor(), list(running.values())
+            running = {executor.submit(function, task): task for task in again}
 
 
 @contextmanager
