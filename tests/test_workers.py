@@ -6,6 +6,7 @@ import os
 import signal
 from collections.abc import Iterator
 from functools import partial
+from multiprocessing import active_children
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,18 @@ def test_a_process_that_dies_is_made_up_for(tmp_path: Path) -> None:
     assert len(found) == 40
     assert dict(found) == SQUARES
     assert (tmp_path / "died").exists()
+
+
+@pytest.mark.thorough
+def test_processes_that_die_while_nothing_is_asked_are_made_up_for() -> None:
+    found = finished(squared, range(40), processes=2)
+    results = [next(found)]
+    for process in active_children():
+        process.kill()
+        process.join()
+    results.extend(found)
+    assert len(results) == 40
+    assert dict(results) == SQUARES
 
 
 @pytest.mark.thorough

@@ -80,7 +80,7 @@ def _through(
     running: dict[Future[Result], Task] = {}
     while True:
         for task in islice(tasks, ahead - len(running)):
-            running[executor.submit(function, task)] = task
+            running[_handed_out(executor, function, task)] = task
         if not running:
             return
         done, _ = wait(running, return_when=FIRST_COMPLETED)
@@ -94,7 +94,17 @@ def _through(
             if deaths == DEATHS:
                 raise RuntimeError(f"{DEATHS} processes in a row died without a result; is there enough memory?")
             executor, again = new_executor(), list(running.values())
-            running = {executor.submit(function, task): task for task in again}
+            running = {_handed_out(executor, function, task): task for task in again}
+
+
+def _handed_out(executor: Executor, function: Callable[[Task], Result], task: Task) -> Future[Result]:
+    """The result to come of a task; it is broken at once where the executor is."""
+    try:
+        return executor.submit(function, task)
+    except BrokenProcessPool as death:
+        broken: Future[Result] = Future()
+        broken.set_exception(death)
+        return broken
 
 
 @contextmanager
