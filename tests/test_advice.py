@@ -134,7 +134,7 @@ NOT_REMOVED = {Kind.NEGATIVE_RESISTANCE}
 """Kinds that a remedy answers otherwise: the load is then what the file says, and stays so in the advice."""
 
 
-@pytest.mark.tiers(quick=["undercut-*", "loses contact*", "negative resistance*"], rest="thorough")
+@pytest.mark.tiers(quick=["undercut-*", "loses contact*"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "kind", "gear", "said"),
     [

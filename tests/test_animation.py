@@ -64,7 +64,7 @@ def marked_pins(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(looks, "PIN", {"facecolor": MARK, "edgecolor": "none"})
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.usefixtures("marked_pins")
 def test_the_pins_are_drawn_where_the_law_has_them() -> None:
     """To a third of a pixel; the law tells the crank's angle, plane trigonometry the rest."""
@@ -80,7 +80,7 @@ def test_the_pins_are_drawn_where_the_law_has_them() -> None:
         assert np.abs(marked_mm(made, frame, (480.0, np.inf)) - expected).max() < pixel_mm(made) / 3.0
 
 
-@pytest.mark.tiers(quick=["pump-1-2-1.0"], rest="slow")
+@pytest.mark.tiers(thorough=["pump-1-2-1.0"], rest="slow")
 @pytest.mark.parametrize(("name", "sense"), [("pump-1-2", 1.0), ("internal-1-2", -1.0)])
 def test_a_point_of_the_driving_gear_turns_with_it(name: str, sense: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """A gear that is a square aside of its axis; as the crank turns clockwise, a ring's pinion does so, too."""
@@ -106,6 +106,7 @@ def with_square(found: Scene, center: complex) -> Scene:
     return replace(found, pairs=(replace(pair, driving=replace(pair.driving, body=body)),))
 
 
+@pytest.mark.thorough
 def test_the_words_tell_the_pose() -> None:
     found = scene("uniform-crank")
     made = picture(found, WIDTH)
@@ -197,7 +198,7 @@ def gearless(tmp_path: Path) -> str:
 QUICK = ["--frames", "2", "--width", "320"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_command_writes_where_it_is_told(run: Run, gearless: str) -> None:
     status, out, _ = run("animate", gearless, *QUICK)
     assert status == 0
@@ -257,6 +258,7 @@ def test_every_frame_of_a_gif_is_shown_for_at_least_two_hundredths_of_a_second(f
     assert sum(durations) == pytest.approx(1000.0 * seconds, abs=10.0)
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_leaves_the_last_picture(run: Run, gearless: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("animate", gearless, *QUICK, "--out", "one.gif")[0] == 0
     before = Path("one.gif").read_bytes()

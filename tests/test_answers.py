@@ -71,6 +71,7 @@ def test_a_check_is_a_screen(name: str) -> None:
     assert ("Next: ncgear build" in text) == (loaded(name).design.gears is not None)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["ellipse", "baler-66-two-stage"])
 def test_a_check_makes_no_tooth(name: str) -> None:
     made = Drive(loaded(name).design)
@@ -115,7 +116,7 @@ def test_a_balance_is_a_screen(name: str, run: Run) -> None:
     assert fits(text), text
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_sweep_is_a_screen(run: Run) -> None:
     vary = "--vary", "motion.v1_mm_s=1400:1800:4", "--vary", "motion.v2_mm_s=900:1300:4"
     status, text, _ = run("sweep", str(DESIGNS / "baler.yaml"), *vary)
@@ -291,7 +292,7 @@ TOLD = {
 """What each place tells for certain."""
 
 
-@pytest.mark.tiers(thorough=["pusher"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pusher", "baler", "printed-pump"])
 def test_the_same_name_has_the_same_figure_everywhere(name: str) -> None:
     places = everywhere(name)

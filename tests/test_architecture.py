@@ -92,7 +92,7 @@ def test_an_import_that_goes_up_is_seen() -> None:
     assert upward_imports({"numerics": {"ncgear.teeth.flank"}}) == ["numerics imports ncgear.teeth.flank"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_every_room_has_a_layer() -> None:
     assert set(package_imports()) == set(HEIGHT)
 
@@ -126,6 +126,7 @@ def modules() -> dict[str, set[str]]:
     return {".".join(path.relative_to(SOURCE.parent).with_suffix("").parts): imports_of(path) for path in paths}
 
 
+@pytest.mark.thorough
 def test_no_modules_import_each_other_in_a_circle() -> None:
     assert circles(modules()) == []
 
@@ -187,11 +188,12 @@ LIBRARIES = SOLVERS | {
 """Every solver and algebra; meshes, plots, planes, drawings, pages, exact solids."""
 
 
+@pytest.mark.thorough
 def test_help_loads_no_library_at_all() -> None:
     assert loaded_by("--help") & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
 
 
-@pytest.mark.tiers(thorough=["baler"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["baler", "baler-66", "ellipse", "uniform-crank"])
 def test_a_check_loads_neither_meshes_nor_plots_nor_solvers(name: str) -> None:
     assert loaded_by("check", f"designs/{name}.yaml") & LIBRARIES == set()
@@ -203,7 +205,7 @@ def test_a_check_of_a_table_loads_splines_and_nothing_more() -> None:
     assert loaded_by("check", "designs/feeder-table.yaml") & LIBRARIES == {"scipy"}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_sweep_loads_neither_meshes_nor_plots_nor_solvers(tmp_path: Path) -> None:
     vary = ["--vary", "motion.v1_mm_s=1600:1610:2", "--out", str(tmp_path)]
     assert loaded_by("sweep", "designs/baler.yaml", *vary) & LIBRARIES == set()
@@ -213,6 +215,7 @@ VALUES = ("law", "machine", "check", "uniform_check", "pitch", "teeth", "designe
 """Of a drive; each is computed when it is first asked for."""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "more"),
     # Loads are known of the baler: whether its teeth hold is told roughly, from its pitch curves.
@@ -234,7 +237,7 @@ def test_asking_twice_for_a_value_computes_once(name: str) -> None:
     assert drive.timing_s == counts
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_nothing_is_lost_where_python_leaves_assertions_out() -> None:
     """``python -O`` skips them: they may tell a type checker what is known, and must not be what checks the teeth."""
     stated = [

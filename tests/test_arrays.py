@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy import array
@@ -11,6 +12,7 @@ from ncgear.numerics.arrays import largest_rows
 VALUES = st.sampled_from([-float("inf"), -1.5, 0.0, 0.25, 3.0])
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(VALUES, st.integers(0, 5)), max_size=20))
 def test_the_largest_row_of_each_group_is_the_first_of_equal_ones(rows: list[tuple[float, int]]) -> None:
     values, group = array([value for value, _ in rows], dtype=float), array([number for _, number in rows], dtype=int)

@@ -37,7 +37,7 @@ def both(contact: AsDesigned) -> tuple[SideContact, SideContact]:
 # --- the sides as chords ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(quick=["sine-25"], rest="thorough")
+@pytest.mark.tiers(quick=["sine-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("baler", 25), ("ring", 40)])
 def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> None:
     """Without a gap, down flank and fillet, over the root land, and up the fillet of the flank that faces it."""
@@ -51,7 +51,7 @@ def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> 
         assert shapely.distance(shapely.LinearRing(gear.outline_mm), points).max() <= TOLERANCE
 
 
-@pytest.mark.tiers(quick=["sine-25-False"], rest="thorough")
+@pytest.mark.tiers(quick=["sine-25-False"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "teeth", "undercut"),
     [("sine", 25, False), ("uniform", 12, True), ("deep sine", 40, False), ("baler", 25, False), ("ring", 40, False)],
@@ -74,7 +74,7 @@ def test_curves_stray_from_their_chords_by_no_more_than_is_said(name: str, teeth
 # --- positions ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(thorough=["baler-86-86-1-1720"], rest="quick")
+@pytest.mark.tiers(slow=["baler-86-86-1-1720"], rest="quick")
 @pytest.mark.parametrize(
     ("name", "teeth", "driven", "turns", "count"),
     [("uniform", 25, 25, 1, 500), ("uniform 1:2", 24, 48, 2, 960), ("uniform 3:2", 30, 20, 2, 1200),
@@ -235,7 +235,7 @@ def test_contact_of_a_circular_pair_runs_along_the_line_of_action(backlash: floa
         assert touching.pressure_angle_rad == pytest.approx(np.arccos(second * cos(ALPHA) / rho), abs=1e-10)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_contact_of_a_circular_ring_is_the_closed_form() -> None:
     """The driving gear lies inside: pitch point beyond its axis, gears turning alike, sliding by the difference."""
     backlash, base = 0.1, 60.0 * cos(ALPHA)
@@ -318,7 +318,7 @@ def fine(name: str, teeth: int, backlash_mm: float = 0.0) -> tuple[meshing.Pair,
     return meshing.Pair(*polygons, placement.phi1_rad, placement.phi2_rad, pitch.center_distance_mm), placement
 
 
-@pytest.mark.tiers(quick=["uniform-8-0.0"], thorough=["long ellipse-18-0.0", "ellipse-24-0.1"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "teeth", "backlash_mm"),
     [("uniform", 8, 0.0), ("ellipse", 8, 0.0), ("long ellipse", 18, 0.0), ("ellipse", 24, 0.1),
@@ -368,7 +368,7 @@ def test_no_corner_that_touches_first_is_left_out(name: str, teeth: int, relief:
         assert few <= side.touching.position.size <= many
 
 
-@pytest.mark.tiers(quick=["uniform-8-0.0"], slow=["baler-25-0.0"], rest="thorough")
+@pytest.mark.tiers(quick=["uniform-8-0.0"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "teeth", "backlash_mm"), [("baler", 25, 0.1), ("baler", 25, 0.0), ("uniform", 8, 0.0)]
 )
@@ -431,7 +431,7 @@ def height(one: FlankPair, rolled: Array, cycle: float) -> Array:
 COUNTED = [("uniform 3:2", 30), ("ellipse", 37), ("sine", 25), ("baler", 86), ("baler", 25)]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_contact_ratio_is_that_of_the_worse_side() -> None:
     """The baler's 25 teeth, as the method page has them."""
     pairs, _ = flank_pairs("baler", 25)
@@ -469,6 +469,7 @@ def test_numbers_in_contact_are_what_counting_finds(name: str, teeth: int) -> No
         assert np.array_equal(found.simultaneous, total)
 
 
+@pytest.mark.slow
 def test_the_undercut_balers_gap_is_seen() -> None:
     contact = designed("baler", 18, undercut=True)
     assert min(side.pairs.arcs.min() for side in both(contact)) < 1.0
@@ -556,7 +557,7 @@ def test_written_outlines_see_the_same_overlap() -> None:
     assert contact.overlap_mm.min() > 2.0 * TOLERANCE
 
 
-@pytest.mark.tiers(thorough=["case1", "case2"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [("baler", 18, True), ("baler", 25, True), ("baler", 25, False), ("sine", 25, False)])
 def test_gaps_of_contact_are_those_of_counting_between_positions(case: tuple[str, int, bool]) -> None:
     """Four hundred times as fine as the positions; the cycle's end is no end of a gap."""

@@ -178,15 +178,13 @@ def require_contact(data: Data) -> None:
         _ = stage.designed_contact
 
 
-@pytest.mark.tiers(
-    quick=["ellipse", "baler-smooth"], thorough=["baler", "helical-ellipse", "pump-1-2", "pusher"], rest="slow"
-)
+@pytest.mark.tiers(quick=["ellipse"], thorough=["baler-smooth", "pump-1-2", "pusher"], rest="slow")
 @pytest.mark.parametrize("name", WORKED)
 def test_worked_designs_may_have_backlash(name: str) -> None:
     require_contact(with_gears(name, backlash_mm=0.05))
 
 
-@pytest.mark.tiers(thorough=["sine-0.4"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("backlash_mm", [0.0, 0.05, 0.4])
 @pytest.mark.parametrize("data", [DEEP_SINE, DEEP_RING], ids=["sine", "ring"])
 def test_deep_laws_may_have_backlash(data: Data, backlash_mm: float) -> None:
@@ -196,7 +194,7 @@ def test_deep_laws_may_have_backlash(data: Data, backlash_mm: float) -> None:
     require_contact(data)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("gears", "lacking"),
     [

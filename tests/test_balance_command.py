@@ -103,7 +103,7 @@ def test_every_worked_file_has_pinned_numbers() -> None:
     assert {path.stem for path in WORKED} == set(PINNED) == set(PICTURES)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PINNED)
 def test_files_and_text(name: str) -> None:
     figures, files = worked(name)
@@ -180,7 +180,7 @@ TWO_CRANKS = CRANK + SECOND
 SMALL_CRANK = "crank: {mass_kg: 1, center_mm: 0.001, inertia_kg_mm2: 1}"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_cranks_of_other_lengths_share_by_mass_times_length(run: Run) -> None:
     """In phase nothing cancels; half a turn apart a third of the force is left, 20 - 10 of 30."""
     massive = TWO_CRANKS.replace("crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}", SMALL_CRANK)
@@ -277,6 +277,7 @@ def test_frequencies_of_no_machine_are_refused(given: dict[str, str], place: str
     assert " given; " in err
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("natural", "speed", "order"), [("1.0e+9", "1.0e-6", "0.001"), ("1.0e-8", "1.0e+7", "10000")])
 def test_frequencies_at_the_ends_of_what_is_read_are_told_and_drawn(
     natural: str, speed: str, order: str, run: Run
@@ -398,6 +399,7 @@ def test_wrong_measurements_are_told_by_line(name: str, run: Run) -> None:
     assert words in err
 
 
+@pytest.mark.thorough
 def test_a_boss_too_low_is_no_such_mechanism(run: Run) -> None:
     design = DESIGNS / "ellipse.yaml"
     text = f"name: a\nspeed_rpm: 60\ngears:\n  design: {design}\n  driven:\n    boss: {{height_mm: 5, wall_mm: 2}}\n"

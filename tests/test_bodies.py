@@ -79,6 +79,7 @@ def section(solid: GearSolid, height: float) -> Polygon:
 # --- hub and set screw -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_a_hub_is_a_cylinder_on_the_upper_face_with_the_bore_through_it() -> None:
     solid = made(Blank(WIDTH, Bore(10.0), hub=Hub(24.0, 7.0)))
     expected = pi * (RADIUS**2 - 5.0**2) * WIDTH + pi * (12.0**2 - 5.0**2) * 7.0
@@ -97,7 +98,7 @@ def hole_volume(screw_radius: float, outer: float, inner: float | None, floor: f
     return quad(lambda y: 2.0 * sqrt(screw_radius**2 - y**2) * length(y), -screw_radius, screw_radius)[0]
 
 
-@pytest.mark.tiers(quick=["0.0"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("direction", [0.0, 90.0, -143.0])
 def test_a_set_screw_takes_the_volume_of_crossing_cylinders(direction: float) -> None:
     """The hole ends in the bore's far side nowhere: it is cut out of one side only."""
@@ -112,6 +113,7 @@ def test_a_set_screw_takes_the_volume_of_crossing_cylinders(direction: float) ->
     assert np.abs(np.hypot(new[:, :2] @ [-across[1], across[0]], new[:, 2] - WIDTH - 4.0) - 1.65).max() < 2.0 * FINE
 
 
+@pytest.mark.slow
 def test_a_set_screw_over_the_keyway_is_as_long_as_the_wall_there() -> None:
     hub = Hub(24.0, 9.0, SetScrew(3.0, WIDTH + 4.5, 0.0))
     bore = Bore(10.0, Keyway(4.0, 1.8))
@@ -135,6 +137,7 @@ def test_the_quadrature_that_judges_a_screw_hole_has_digits_to_spare(tolerance: 
 # --- web and holes ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_pockets_of_a_round_gear_are_rings_between_hub_and_rim() -> None:
     solid = made(Blank(WIDTH, Bore(10.0), web=WebSize(4.0, 5.0, 20.0)))
     ring = pi * ((RADIUS - 5.0) ** 2 - 10.0**2)
@@ -166,6 +169,7 @@ def test_few_holes_fill_the_way_from_bore_to_outline() -> None:
     assert [hole.diameter_mm for hole in holes] == pytest.approx([RADIUS - 5.0 - 2.0 * 4.0] * 3, abs=0.011)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("count", [1, 3])
 def test_holes_too_small_to_save_weight_are_not_made_unasked(count: int) -> None:
     """Between bore and outline there is room for 1.7 mm, as a given diameter, and not for what takes off weight."""
@@ -179,7 +183,7 @@ def test_holes_too_small_to_save_weight_are_not_made_unasked(count: int) -> None
     assert enough[0].diameter_mm == pytest.approx(2.1, abs=0.02)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_many_holes_leave_the_wall_to_each_other() -> None:
     """On the circle of centres R - w - d/2 neighbours stand 2 (R - w - d/2) sin(pi/n) apart, which is d + w."""
     holes = made(Blank(WIDTH, Bore(10.0), holes=HoleSet(12, 2.0))).plan.lightening_holes
@@ -196,7 +200,7 @@ ASKED = [
 ]
 
 
-@pytest.mark.tiers(thorough=["blank0", "blank2"], rest="quick")
+@pytest.mark.tiers(slow=["blank0", "blank2"], rest="thorough")
 @pytest.mark.parametrize("blank", ASKED)
 def test_holes_keep_their_walls(blank: Blank) -> None:
     plan = made(blank, TOLERANCE, drive("printed-pump").teeth.driving.outline_mm).plan
@@ -220,7 +224,7 @@ def test_holes_keep_their_walls(blank: Blank) -> None:
 CHAMFERED = [("pump-1-2", "driven", 0.3), ("baler", "driving", 0.4)]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "gear", "chamfer"), CHAMFERED)
 def test_sections_of_the_chamfer_are_parallels_of_the_outline(name: str, gear: str, chamfer: float) -> None:
     """At every height, to the chord tolerance and both ways, judged by shapely on what was written."""
@@ -234,6 +238,7 @@ def test_sections_of_the_chamfer_are_parallels_of_the_outline(name: str, gear: s
     assert section(solid, chamfer + 1e-4).symmetric_difference(solid.plan.section).area < 1e-2
 
 
+@pytest.mark.thorough
 def test_volume_of_the_chamfer_is_the_integral_of_its_sections() -> None:
     solid = made(Blank(WIDTH, Bore(8.0), chamfer_mm=0.4), TOLERANCE, drive("pump-1-2").teeth.driven.outline_mm)
     whole = solid.plan.section
@@ -249,6 +254,7 @@ def test_a_round_chamfer_is_a_cone() -> None:
     assert pi * (RADIUS**2 - 25.0) * WIDTH - solid.mesh.volume == pytest.approx(outer + inner, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_chamfer_without_levels_strays_where_edges_vanish(monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative control: with one slope from top to bottom a tip of the baler's is cut off."""
     area = Polygon(drive("baler").teeth.driving.outline_mm)
@@ -288,7 +294,7 @@ def test_bore_and_keyway_widen_by_the_clearance_on_every_side() -> None:
     assert bore.keyway.width_mm == pytest.approx(3.2)
 
 
-@pytest.mark.tiers(slow=["True"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("internal", [False, True])
 def test_parts_just_as_written_lag_by_two_clearances_over_the_lever(internal: bool) -> None:
     """What the summary says of a process that takes nothing: measured on the drawn-in outlines themselves."""
@@ -326,7 +332,7 @@ def sections_of(drive: Drive) -> list[Polygon]:
 
 
 @pytest.mark.judges("solids")
-@pytest.mark.tiers(quick=["web"], slow=["internal-1-2"], rest="thorough")
+@pytest.mark.tiers(quick=["web"], rest="slow")
 @pytest.mark.parametrize("name", [*KERFED, "internal-1-2"])
 def test_a_cutter_that_follows_the_lines_leaves_the_gears_at_size(name: str) -> None:
     """Area and distance of what is left, against the design without kerf; with the other sign both are far off."""
@@ -359,6 +365,7 @@ def test_bore_and_keyway_are_drawn_narrower_by_the_kerf() -> None:
     assert bores[1].reach_mm == pytest.approx(5.0 + 1.4 - 0.1)
 
 
+@pytest.mark.thorough
 def test_contact_as_written_is_that_of_the_gears_after_the_cut() -> None:
     drive = asked(KERFED["web"].format(-0.15))
     solid, outline = drive.solids.driving, drive.teeth.driving.outline_mm
@@ -380,7 +387,7 @@ def of_both_gears(made: Callable[[float], Drive], fault: WrongInput, pattern: st
     return size
 
 
-@pytest.mark.tiers(thorough=["process_clearance_mm: -0.9*"], rest="quick")
+@pytest.mark.tiers(slow=["process_clearance_mm: -0.9*"], rest="quick")
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
@@ -467,7 +474,7 @@ NO_ROOM = [
 ]
 
 
-@pytest.mark.tiers(quick=["driving: {{hub*"], slow=["first_layer*"], rest="thorough")
+@pytest.mark.tiers(quick=["driving: {{hub*"], rest="slow")
 @pytest.mark.parametrize(("text", "given", "key", "problem"), NO_ROOM)
 def test_what_does_not_fit_is_refused_with_the_largest_that_does(
     text: str, given: float, key: str, problem: str
@@ -481,6 +488,7 @@ def test_what_does_not_fit_is_refused_with_the_largest_that_does(
         asked("  " + text.format(stated + 0.03)).solids  # noqa: B018
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("text", "key", "problem"),
     [
@@ -664,6 +672,7 @@ def test_helical_gears_have_the_same_bodies() -> None:
             assert wall >= 1.5 - 0.02
 
 
+@pytest.mark.slow
 def test_a_ring_is_chamfered_inside_and_outside_and_its_teeth_recede() -> None:
     outline, rim = drive("printed-pump").teeth.driving.outline_mm, 6.0
     whole = Polygon(circle_points(outer_radius_mm(outline, rim), TOLERANCE), [outline])

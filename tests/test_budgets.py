@@ -139,7 +139,7 @@ def test_points_do_not_grow_with_the_size_beyond_all_proportion(
     assert most_bytes(work) < MOST_BYTES_OF_TEETH
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_tolerances_that_refusals_name_lead_to_teeth() -> None:
     """Flanks, fillets and lands may each ask for more."""
     pitch, tolerance_mm = sized_pair(elliptical_law(0.15, 0.0, Lobes()), 24, 4.0e5, None), 0.002

@@ -44,7 +44,7 @@ def test_the_page_has_every_case_once() -> None:
     assert {path.stem for path in FOLDER.glob("*.yaml")} <= set(ALL)
 
 
-@pytest.mark.tiers(thorough=["pole*"], rest="quick")
+@pytest.mark.tiers(slow=["pole*"], rest="quick")
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_does_not_exist_is_refused_in_these_words(name: str) -> None:
     refused = verdict(name)
@@ -63,7 +63,7 @@ def test_what_is_made_closes_and_no_peak_is_passed_by(name: str) -> None:
     assert told(name)[-1] == "made"
 
 
-@pytest.mark.tiers(quick=["lobes-5-1"], thorough=["ratio-1-100"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", long_but([name for name in MADE if name != "table-noisy-ratios"], MADE))
 def test_no_figure_is_off_by_more_than_the_page_tells(name: str) -> None:
     """Twice what it says, for another machine's rounding, or the same rounding errors where they are few."""
@@ -84,7 +84,7 @@ def test_errors_are_the_problems(name: str) -> None:
     assert condition[worst] == pytest.approx(float(told(name)[3]), rel=1.0) or condition[worst] <= 1e6
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [pytest.param(law, marks=pytest.mark.slow if law in SLOW else []) for law in LawName])
 def test_every_law_is_the_law_of_its_reference(law: LawName) -> None:
     """By its template; a law that is added is judged by its line in ``oracles.laws.REFERENCES``."""
@@ -105,6 +105,7 @@ def test_a_figure_off_by_more_than_its_condition_is_seen() -> None:
     assert max(in_roundings(made, conditions(case.data)).values()) > 1e3 * FACTOR
 
 
+@pytest.mark.thorough
 def test_a_stroke_within_rounding_of_the_linkages_is_the_linkages() -> None:
     """stroke_mm off by 1e-9: every figure is that of the file without it, to the last bit."""
     written, plain = reported(ALL["stroke-off-by-1e-9"].drive()), reported(ALL["baler"].drive())

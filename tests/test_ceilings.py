@@ -64,7 +64,7 @@ def along(ceiling: Ceiling, at: Array) -> Array:
     return np.interp(at, ceiling.at_mm[0], ceiling.height_mm[0], period=LENGTH)
 
 
-@pytest.mark.tiers(slow=["falling_up_to_a_jump"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("heights", [jumping, falling_up_to_a_jump])
 def test_heights_under_their_ceiling_rise_no_more_steeply_than_it(heights: Heights) -> None:
     at = np.linspace(0.0, LENGTH, 40_001)
@@ -87,6 +87,7 @@ def test_there_is_no_ceiling_over_smooth_heights() -> None:
     assert np.all(ceiling_of(waving).height_mm > 4.0 * MODULE)
 
 
+@pytest.mark.thorough
 def test_a_ceiling_over_part_of_a_pitch_knows_jumps_within_the_part_only() -> None:
     """Teeth that advance by a quarter of a pitch pass the jump at 0.2 of the length, on a tooth, or do not."""
     quarter = ceiling_of(jumping, 12)
@@ -142,7 +143,7 @@ def test_spaces_get_shallower_by_degrees_where_undercut_begins() -> None:
 # --- advanced teeth exist, or are refused with tooth and remedy ----------------------------------------------------
 
 
-@pytest.mark.tiers(slow=["0.3927"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("advance", [0.3927, 0.7854])
 def test_a_space_that_no_tip_can_cut_is_refused_by_tooth(advance: float) -> None:
     """Between teeth 7 and 8 the mate's tip is so steep that no perpendicular from the pitch point meets its edge."""
@@ -152,7 +153,7 @@ def test_a_space_that_no_tip_can_cut_is_refused_by_tooth(advance: float) -> None
     assert caught.value.key == "gears.teeth"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_balers_outline_does_not_cross_itself_where_it_once_did() -> None:
     pitch = sized_pair(baler_law(), 25, 3.0, None)
     assert toothed_pair(pitch, ToothForm(rack(module=3.0)), 0.02, advance_mm=-1.0718).driving.teeth == 25

@@ -72,7 +72,7 @@ def dense(name: str, number: int) -> Array:
     return curve(np.full(100_001, number), np.linspace(start, end, 100_001))[0]
 
 
-@pytest.mark.tiers(thorough=["0.01-waves-straddled", "0.01-arcs-sampled", "0.01-waves-sampled"], rest="quick")
+@pytest.mark.tiers(thorough=["0.01-waves-straddled", "0.01-arcs-sampled"], slow=["0.01-waves-sampled"], rest="thorough")
 @pytest.mark.parametrize("sampling", [sampled, straddled])
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize(

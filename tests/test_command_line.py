@@ -383,6 +383,7 @@ def test_new_refuses_names_that_are_no_names(run: Run, tmp_path: Path, name: str
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.thorough
 def test_schema_is_json_on_stdout(run: Run) -> None:
     status, out, err = run("schema")
     assert (status, err) == (0, "")
@@ -447,7 +448,7 @@ def test_traceback_of_a_fault_on_demand(run: Run, monkeypatch: pytest.MonkeyPatc
     assert err.endswith("ncgear: internal fault: ZeroDivisionError: by zero, please report\n")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_in_a_process_of_its_own(tmp_path: Path) -> None:
     assert fresh("new", "mine", folder=tmp_path).returncode == 0
     Path(tmp_path, "mine.yaml").write_text(changed(template("mine"), "rod_mm", "rod_m"))
@@ -456,6 +457,7 @@ def test_in_a_process_of_its_own(tmp_path: Path) -> None:
     assert done.stderr == "mine.yaml:10:3: linkage.rod_m: unknown key; did you mean rod_mm?\n"
 
 
+@pytest.mark.thorough
 def test_help_names_every_command(tmp_path: Path) -> None:
     done = fresh("--help", folder=tmp_path)
     assert done.returncode == 0
@@ -470,7 +472,7 @@ def in_shell(redirected: str, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.tiers(slow=["ncgear check right.yaml 2>&--0", "*--timing*"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("line", "status"),
     [

@@ -119,7 +119,7 @@ def test_the_constant_is_the_polynomial_extrapolated_to_zero(constant: float) ->
     assert in_tau.coef[0] == pytest.approx(constant, abs=1e-10)
 
 
-@pytest.mark.tiers(slow=["baler-0"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "constant"), [("baler", "0"), ("offset", "0"), ("baler", "1")])
 def test_the_published_return_against_mpmath(name: str, constant: str) -> None:
     law, exact = law_of(name, constant), exact_stroke(name).return_polynomial(constant)
@@ -188,7 +188,7 @@ def test_no_neighbour_has_less_acceleration(name: str, kind: str, step: float) -
         assert min(others) > peak * (1.0 + ON_GRID)  # the comparison does tell a worse law
 
 
-@pytest.mark.tiers(thorough=["baler-least", "offset-least"], rest="quick")
+@pytest.mark.tiers(slow=["baler-least", "offset-least"], rest="quick")
 @pytest.mark.parametrize("kind", FARTHER)
 @pytest.mark.parametrize("name", LINKAGES)
 def test_the_best_of_a_scan_of_the_family_is_not_better(name: str, kind: str) -> None:
@@ -287,6 +287,7 @@ def test_inverse_basis_refuses_a_return_that_would_turn_back() -> None:
     assert 4.0 < stated_angle(caught.value) < 6.0
 
 
+@pytest.mark.thorough
 def test_the_same_ends_are_fine_in_the_ratio_basis() -> None:
     law = return_of_least_acceleration(replace(LEVEL, end_driven_rad=3.4), CrankSlider(100.0, 400.0), inverse=False)
     assert law.polynomial(np.linspace(0.0, 1.0, 101)).min() > 0.0

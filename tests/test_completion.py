@@ -23,6 +23,7 @@ def offered(typed: str, folder: Path = ROOT) -> list[str]:
     return done.stdout.split()
 
 
+@pytest.mark.thorough
 def test_all_commands() -> None:
     assert offered("ncgear ") == [command.__name__ for command in COMMANDS]
 
@@ -57,6 +58,7 @@ def test_files_are_designs_and_folders_that_may_hold_some(tmp_path: Path) -> Non
     assert offered("ncgear check nowhere/x", tmp_path) == []
 
 
+@pytest.mark.thorough
 def test_a_shell_gets_its_script() -> None:
     done = python("-c", PROGRAM, _NCGEAR_COMPLETE="source_bash")
     assert "complete" in done.stdout

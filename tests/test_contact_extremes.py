@@ -98,7 +98,7 @@ def test_single_positions_see_what_the_table_of_even_ones_sees() -> None:
     np.testing.assert_allclose(single.largest_sliding_mm, contact.largest_sliding_mm[7::13], rtol=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_overlap_between_positions_is_refused() -> None:
     """Base pitches of another pressure angle: overlaps have kinks where one pair takes over from the other."""
     pitch, pair = made("sine", 25)

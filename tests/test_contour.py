@@ -89,7 +89,7 @@ def ring_of(contour: Contour, count: int = DENSE) -> Array:
 SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("circle", "concave")]
 
 
-@pytest.mark.tiers(slow=["baler"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["undercut", "baler", *SLOW])
 def test_curves_and_exact_outline_are_close_both_ways(name: str) -> None:
     for gear in (pair(name).driving, pair(name).driven):
@@ -130,6 +130,7 @@ def test_each_curve_begins_exactly_where_the_last_one_ends() -> None:
         )
 
 
+@pytest.mark.slow
 def test_six_curves_a_tooth_and_one_more_at_each_joint() -> None:
     """A joint of the law is rolled over by a flank and a fillet or by a land: it parts one or two curves."""
     assert len(contour_of(pair("ellipse").driving, TOLERANCE).curves) == 6 * 37
@@ -149,6 +150,7 @@ def test_lands_of_a_circle_are_arcs_about_its_axis() -> None:
     assert np.all(np.minimum(np.abs(radii - tip), np.abs(radii - root)) < 1e-6)
 
 
+@pytest.mark.thorough
 def test_tip_relief_parts_the_flanks_where_it_begins() -> None:
     plain = pair("circle").driving
     relieved = replace(rack(), relief=TipRelief(0.02, 1.0, 2.0))

@@ -92,7 +92,7 @@ def socp_peak(unit: np.ndarray, force: np.ndarray) -> float:
     return float(solver.solve().x[2]) * scale
 
 
-@pytest.mark.tiers(thorough=["baler"], rest="quick")
+@pytest.mark.tiers(thorough=["baler"], rest="thorough")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_the_least_peak_is_that_of_a_cone_programme(name: str) -> None:
     mechanism = MECHANISMS[name]
@@ -117,7 +117,7 @@ def test_evenly_driven_with_a_long_rod_half_the_slider_is_best() -> None:
     assert found.bound_n == pytest.approx(4.0 * 0.010 * long.speed_rad_s**2, rel=1e-3)
 
 
-@pytest.mark.tiers(thorough=["baler", "uneven"], rest="quick")
+@pytest.mark.tiers(slow=["baler", "uneven"], rest="thorough")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_no_neighbour_is_better(name: str) -> None:
     mechanism = MECHANISMS[name]
@@ -133,7 +133,7 @@ def test_no_neighbour_is_better(name: str) -> None:
             assert quantity(replace(mechanism, counterweights=(other,))) > best * (1.0 + 1e-6)
 
 
-@pytest.mark.tiers(quick=["0.001"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("grams", [1e-3, 1e9])
 def test_the_least_peak_does_not_depend_on_the_size(grams: float) -> None:
     """A toy and a giant: forces go with the mass."""
@@ -285,7 +285,7 @@ def test_the_best_phase_of_the_exact_forces() -> None:
     assert simple == pytest.approx(12.86, abs=5e-3)
 
 
-@pytest.mark.tiers(slow=["False"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_the_best_phase_of_uneven_drives(mirrored: bool) -> None:
     pair = [Mounted(BALER), Mounted(BALER, direction_rad=0.7, mirrored=mirrored)]

@@ -73,6 +73,7 @@ def test_the_hole_is_where_the_crank_pin_is(kind: str, axis: float) -> None:
     assert np.abs(carried(places["driven"], np.array([-hole.y_mm, hole.x_mm])) - pin).max() > 10.0
 
 
+@pytest.mark.thorough
 def test_an_axis_elsewhere_turns_the_hole_in_the_gear() -> None:
     straight, aside = (pinned(axis=axis).solids.driven.plan.crank_pin for axis in (180.0, 140.0))
     between = np.angle(complex(aside.x_mm, aside.y_mm) / complex(straight.x_mm, straight.y_mm))
@@ -126,6 +127,7 @@ def test_a_process_widens_or_narrows_the_hole(clearance: float, wide: float) -> 
     assert pinned(clearance=clearance).solids.driven.plan.crank_pin.diameter_mm == pytest.approx(wide)
 
 
+@pytest.mark.slow
 def test_other_parts_keep_away_from_the_hole() -> None:
     plan = pinned(more=", lightening_holes: {count: 5, least_wall_mm: 2}").solids.driven.plan
     own = plan.crank_pin
@@ -142,6 +144,7 @@ def test_other_parts_keep_away_from_the_hole() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_hole_without_room_is_refused_with_the_largest_that_fits() -> None:
     with pytest.raises(WrongInput, match=r"the largest that fits is (\S+) mm") as told:
         _ = pinned(pin=22.0).solids

@@ -129,6 +129,7 @@ def test_one_of_several_may_miss() -> None:
     assert at1[0] == pytest.approx(pi / 6.0, abs=2 * TIGHT)
 
 
+@pytest.mark.thorough
 @settings(deadline=None)
 @given(st.floats(0.1, 2.9), st.floats(-1.2, 1.2))
 def test_a_line_through_a_circle(direction: float, turned: float) -> None:
@@ -144,6 +145,7 @@ def test_a_line_through_a_circle(direction: float, turned: float) -> None:
     assert tuple(first(at1)[0][0]) == pytest.approx(exact, abs=10 * TIGHT)
 
 
+@pytest.mark.thorough
 @settings(deadline=None)
 @given(st.floats(0.2, 1.4), st.floats(-3.0, 3.0), st.floats(0.01, 0.9), st.floats(0.05, 0.95))
 def test_a_chord_through_a_circle_in_both_senses(slope: float, turned: float, before: float, share: float) -> None:

@@ -54,7 +54,7 @@ def left_by(gear: ToothedGear, diameter: float) -> float:
     return float(shapely.distance(shapely.points(ring), moved.boundary).max())
 
 
-@pytest.mark.tiers(quick=["circle-*DRIVEN"], thorough=["ellipse-*DRIVEN", "undercut-*DRIVEN"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", PITCHES)
 def test_the_largest_round_tool_leaves_no_more_than_allowed_and_a_larger_one_does(name: str, gear: Gear) -> None:
@@ -65,7 +65,7 @@ def test_the_largest_round_tool_leaves_no_more_than_allowed_and_a_larger_one_doe
     assert left_by(own, 1.15 * found.diameter_mm) > LEFT
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_tool_that_is_wider_than_the_bottom_of_a_space_does_not_get_there() -> None:
     """A rack's tip that is rounded all over: no fillet is rounder, but both sides hold the tool."""
     own = made("circle", root_radius=0.471).driving
@@ -75,7 +75,7 @@ def test_a_tool_that_is_wider_than_the_bottom_of_a_space_does_not_get_there() ->
     assert left_by(own, 1.15 * found.diameter_mm) > 0.3
 
 
-@pytest.mark.tiers(quick=["circle-*"], rest="thorough")
+@pytest.mark.tiers(quick=["circle-*"], rest="slow")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", ["circle", "ellipse", "concave", "ring"])
 def test_the_least_hollow_is_that_of_differences(name: str, gear: Gear) -> None:
@@ -94,7 +94,7 @@ def of(name: str, gear: Gear, pair: ToothedPair) -> dict[Tool, CutBy]:
     return {one.tool: one for one in cut_by(PITCHES[name](), pair, gear, free)}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_hob_cuts_what_it_is_the_tool_of_and_nothing_hollow() -> None:
     assert of("ellipse", Gear.DRIVEN, made("ellipse"))[Tool.HOB].verdict is Verdict.CUTS
     for name, gear, why in (("concave", Gear.DRIVING, "concave with a radius"), ("ring", Gear.DRIVEN, "inwards")):
@@ -113,12 +113,14 @@ def test_idle_flanks_that_stand_turned_take_the_hob_a_second_pass() -> None:
     assert driven.reason == f"idle flanks in a second pass, the gear turned by {turn:.4g} deg"
 
 
+@pytest.mark.thorough
 def test_a_hob_of_full_depth_does_not_make_spaces_that_are_shallower_against_undercut() -> None:
     allowed, avoided = (of("undercut", Gear.DRIVING, made("undercut", undercut=u))[Tool.HOB] for u in (True, False))
     assert allowed.verdict is Verdict.CUTS
     assert (avoided.verdict, avoided.reason[:28]) == (Verdict.NOT, "at full depth it undercuts t")
 
 
+@pytest.mark.thorough
 def test_the_shaper_of_the_design_cuts_it_and_others_leave_their_own_fillets() -> None:
     """Judged by the outlines: on the flanks both designs agree to the chords, in the fillets they do not."""
     shaped = made("ellipse", Cutter(CutterKind.PINION, 40))
@@ -151,7 +153,7 @@ def test_a_sharp_inner_corner_and_helical_teeth_take_no_round_tool() -> None:
     assert [one.verdict for one in helical if one.tool is not Tool.SHAPER] == [Verdict.NOT] * 3
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_sheet_says_which_tools_cut_each_gear() -> None:
     """Diameters are rounded down: the tool of the stated size is no larger than the largest."""
     gears = cut_gears(drive("ellipse"))

@@ -114,7 +114,7 @@ RACK_CUT = [
 
 
 @pytest.mark.judges("teeth")
-@pytest.mark.tiers(quick=["*DRIVEN-circle of 12"], thorough=["*DRIVING-circle of 12"], rest="slow")
+@pytest.mark.tiers(quick=["*DRIVEN-circle of 12"], rest="slow")
 @pytest.mark.parametrize("name", RACK_CUT)
 @pytest.mark.parametrize("gear", Gear)
 def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) -> None:
@@ -123,7 +123,7 @@ def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) ->
     assert rack_cut.outline_distance(Polygon(own.outline_mm), brute(own), 0.02) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
-@pytest.mark.tiers(thorough=["*-0.4-Gear.DRIVING"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize(("backlash_mm", "shift_mm"), [(0.1, 0.6), (0.1, -0.4)])
 def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_mm: float, shift_mm: float) -> None:
@@ -142,7 +142,7 @@ def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_m
     assert apart(own, cut, deepest=deepest) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
-@pytest.mark.tiers(thorough=["wrong2"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", [{"angle_deg": 20.1}, {"root_radius": 0.37}, {"dedendum": 1.251}])
 def test_brute_force_tells_slightly_other_racks_apart(wrong: dict[str, float]) -> None:
     """Negative controls: each changes the outline by more than the tolerance of the tests above."""
@@ -150,7 +150,7 @@ def test_brute_force_tells_slightly_other_racks_apart(wrong: dict[str, float]) -
     assert apart(gears[0], brute(gears[1], 50), 0.05) > 1e-3
 
 
-@pytest.mark.tiers(thorough=["circle of 18-Gear.DRIVEN"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize(
     "name",
@@ -238,7 +238,7 @@ def test_more_steps_of_a_shaper_come_nearer_to_the_outline_as_their_square(name:
     assert abs(fine - (middle - fine) / 3.0) < LEFT_AT_LAST
 
 
-@pytest.mark.tiers(thorough=["19-0.25-sine"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPED)
 @pytest.mark.parametrize(("cutter_teeth", "root_radius"), [(19, CORNER), (21, CORNER), (20, 0.24), (20, 0.26)])
 def test_brute_force_tells_slightly_other_shapers_apart(name: str, cutter_teeth: int, root_radius: float) -> None:
@@ -249,7 +249,7 @@ def test_brute_force_tells_slightly_other_shapers_apart(name: str, cutter_teeth:
 # --- which cutter ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_rack_is_chosen_where_both_curves_are_convex_and_the_mate_where_one_is_not() -> None:
     for name, kind in (("sine", CutterKind.RACK), ("concave", CutterKind.MATE), ("baler", CutterKind.MATE)):
         assert made(name, ToothForm(rack()), 0.01).cutter is kind
@@ -264,7 +264,7 @@ def test_a_rack_is_refused_on_a_concave_curve_with_radius_and_angle() -> None:
     assert "phi1 = " in caught.value.problem
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_straight_rack_would_gouge_the_hollow_flanks() -> None:
     """Why it is refused: brute force with a rack leaves a tenth of a millimetre less than the flanks need."""
     own = made("concave", form(CutterKind.PINION, 20)).driving
@@ -312,7 +312,7 @@ def test_a_pinion_of_57_teeth_does_foul_on_its_way_out_of_a_ring() -> None:
     assert tip_inside_teeth(ring, 57) > 0
 
 
-@pytest.mark.tiers(thorough=["57"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("teeth", [56, 57, 58])
 def test_a_pinion_that_fouls_on_its_way_out_of_a_ring_is_refused(teeth: int) -> None:
     """The rule of internal gears: a difference of about ten teeth at 20 degrees."""
@@ -330,6 +330,7 @@ def test_short_hollows_let_even_large_pinions_out() -> None:
     assert apart(own, brute(own, 25, 5.0, rack_cut.Pinion(65)), 0.05) < 0.001 + CUTTER_FACETS + 16.0 * SCALLOPS
 
 
+@pytest.mark.thorough
 def test_chosen_pinion_goes_into_the_hollows_with_room_to_leave() -> None:
     for name, most in (("sine", 40), ("concave", 40), ("hardly concave", 40)):
         pitch = pitch_pair(name)
@@ -351,7 +352,7 @@ def test_pinions_of_few_teeth_are_pointed_and_refused_as_such(teeth: int) -> Non
     assert caught.value.key == "gears.cutter.teeth"
 
 
-@pytest.mark.tiers(quick=["20-ellipse"], thorough=["1000-*", "40-sine"], rest="slow")
+@pytest.mark.tiers(thorough=["20-ellipse", "1000-*", "40-sine"], rest="slow")
 @pytest.mark.parametrize("name", ["ellipse", "sine", "concave"])
 @pytest.mark.parametrize("teeth", [20, 40, 1000])
 def test_pairs_that_pinions_cut_mesh(name: str, teeth: int) -> None:

@@ -67,7 +67,7 @@ def test_flanks_at_the_limits_of_thickness_are_measured_once(monkeypatch: pytest
     assert asked == [3.5] * 3
 
 
-@pytest.mark.tiers(quick=["uniform-crank", "ellipse"], slow=["helical-ellipse"], rest="thorough")
+@pytest.mark.tiers(quick=["uniform-crank", "ellipse"], rest="slow")
 @pytest.mark.parametrize("name", NAMES)
 def test_rows_fit_their_headings_and_every_number_is_finite(name: str) -> None:
     found = sheet(name)
@@ -118,6 +118,7 @@ def test_the_interpolation_of_the_pitch_table_is_as_good_as_it_says() -> None:
     assert np.abs(off).max() == pytest.approx(said, rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_sheet_says_what_the_design_gives() -> None:
     found = data_sheet(changed("ellipse", rack={"tip_relief": {"amount": 0.02}, "addendum": 0.9}))
     assert row(found, "basic rack of ISO 53").pair == "profile A, coefficients as below"
@@ -135,19 +136,21 @@ def test_a_ring_has_pins_and_says_that_it_has_no_span() -> None:
     assert "between two pins" in table(found, "Measurement between").columns[-1].label
 
 
+@pytest.mark.slow
 def test_flanks_of_equivalent_gears_have_pins_and_no_span() -> None:
     found = data_sheet(changed("ellipse", method="equivalent_gear", least_contact_ratio=0.0))
     assert "equivalent" in str(row(found, "places of a span").driving)
     assert row(found, "spaces in which they measure").driving == "all"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_helical_gears_are_measured_with_balls_half_way_up() -> None:
     found = sheet("helical-ellipse")
     assert row(found, "section that is measured, z").pair == 5.0
     assert row(found, "diameter of measuring balls").driving == 2.75
 
 
+@pytest.mark.thorough
 def test_limits_of_the_tooth_thickness_are_limits_of_spans_and_pins() -> None:
     span = np.array([cells[4:5] + cells[6:] for cells in table(toleranced(), "Span of the driving").rows], dtype=float)
     np.testing.assert_allclose(span[:, 1:] - span[:, :1], [[-0.1 * cos(radians(20.0)), -0.05 * cos(radians(20.0))]] * 4)
@@ -158,6 +161,7 @@ def test_limits_of_the_tooth_thickness_are_limits_of_spans_and_pins() -> None:
     assert row(toleranced(), "standard").pair == "ISO 1328-1"
 
 
+@pytest.mark.slow
 def test_a_given_pin_is_taken_and_spaces_where_it_measures_nothing_are_named() -> None:
     found = data_sheet(changed("ellipse", measuring_pin_mm=3.0))
     assert row(found, "diameter of measuring pins").driving == 3.0
@@ -204,6 +208,7 @@ def test_the_pitch_file_is_the_law() -> None:
 HOSTILE = "</script><b>x'); DROP\nsecond line | third cell `code` *bold* \\| end"
 
 
+@pytest.mark.slow
 def test_text_of_the_design_stays_within_its_cell() -> None:
     """A table's row is one line of as many cells as its heading, whatever the note says."""
     text = sheet_text(data_sheet(changed("ellipse", tolerances={"note": HOSTILE})))
@@ -257,7 +262,7 @@ def sheet_radius(name: str) -> float:
     return pair.pitch.center_distance_mm / (1.0 + pair.transmission.ratio_range[0].value)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_round_holes_are_told_as_they_are_made() -> None:
     """Diameters and places of the sheet are those of the circles in the solids' plan, whatever the keys say."""
     found, solids = sheet("printed-pump"), drive("printed-pump").solids
@@ -291,7 +296,7 @@ def read_radii_mm(name: str, gear: str, module_mm: float) -> tuple[np.ndarray, n
     return found[0], found[1]
 
 
-@pytest.mark.tiers(thorough=["ellipse-*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 @pytest.mark.parametrize("name", ["ellipse", "pump-1-2"])
 def test_tips_and_roots_are_those_of_the_written_solid(name: str, gear: str) -> None:

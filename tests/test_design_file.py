@@ -345,7 +345,7 @@ def test_json_schema_knows_the_laws_and_the_keys_as_written() -> None:
     assert required == [["rod_mm"]]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.text(alphabet=" \n-:[]{}&*!|>'\"#%,?a1.\t\x00\ufeff\u2028é", max_size=40))
 def test_any_text_is_read_or_refused_with_a_place(text: str) -> None:

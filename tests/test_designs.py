@@ -35,7 +35,7 @@ BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)
 every_design = pytest.mark.parametrize("name", BUILT)
 in_tiers = pytest.mark.tiers(
     quick=["ellipse*", "spiral-pair*"],
-    thorough=["baler", "baler-check*", "baler-d*", "baler-pitch*", "internal-1-2*"],
+    thorough=["baler", "baler-check*", "baler-d*", "baler-pitch*"],
     rest="slow",
 )
 """A build takes seconds; the slow ones resemble the others."""
@@ -307,6 +307,7 @@ def test_written_solids_mesh(name: str) -> None:
     assert report.gap.max() <= chords + summary["teeth"]["backlash_mm"]
 
 
+@pytest.mark.thorough
 def test_a_wrong_law_or_distance_is_seen() -> None:
     """Negative controls of the judge, on the ellipses, whose backlash of 0.06 mm must be used up first."""
     case = built("ellipse")

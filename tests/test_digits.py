@@ -93,7 +93,7 @@ NOT_IN_SUMMARY = ("face_width_mm",)
 both = pytest.mark.parametrize("name", NAMES)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
     """Sizes of gears have the decimals of a drawing, all other figures five digits."""
@@ -117,7 +117,7 @@ def test_a_data_sheet_has_the_decimals_of_a_drawing(name: str) -> None:
     assert decimals(text) == 5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @both
 def test_the_report_says_the_same(name: str) -> None:
     page = reports.page(name)
@@ -151,7 +151,7 @@ DXF_COORDINATES = {*range(10, 40), 40}
 DXF_BULGE = 42
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @both
 def test_drawings_have_coordinates_without_rounding_errors(name: str) -> None:
     for data in dxf_files(drive(name)).values():

@@ -65,6 +65,7 @@ def test_every_command_is_shown_at_work(name: str) -> None:
     assert re.search(rf"^\$ ncgear {name}\b", by_hand, flags=re.MULTILINE)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", key_pages.PAGES)
 def test_pages_of_keys_are_todays(name: str) -> None:
     assert key_pages.key_page(name) == TEXTS[f"docs/{name}"], "run `make docs`"
@@ -74,6 +75,7 @@ def test_the_page_of_materials_is_todays() -> None:
     assert material_page.material_page() == TEXTS[f"docs/{material_page.NAME}"], "run `make docs`"
 
 
+@pytest.mark.slow
 def test_the_gallery_is_todays_and_small() -> None:
     assert gallery.gallery_page() == TEXTS[f"docs/{gallery.NAME}"], "run `make docs`"
     assert set(gallery.KINDS) == set(MECHANISMS)

@@ -17,7 +17,7 @@ from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 from tiers import long_but
 
-THOROUGH = ["README.md", "docs/commands/balance.md", "docs/python.md", "docs/baler.md"]
+THOROUGH = ["README.md", "docs/commands/balance.md"]
 
 
 @pytest.fixture

@@ -135,7 +135,7 @@ def test_letters_are_as_wide_as_their_makers_say() -> None:
 
 
 @pytest.mark.judges("files")
-@pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse-*"], rest="slow")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_drawn_outline_is_the_exact_one_in_the_scale_of_the_title(name: str, gear: Gear) -> None:
@@ -366,7 +366,7 @@ gears:
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_wide_name_is_cut_and_given_tolerances_are_told() -> None:
     limits = "tooth_thickness_upper_mm: -0.02, tooth_thickness_lower_mm: -0.05"
     one = drive_of_text(WIDE.replace("grade: DIN 8", f"grade: DIN 8, {limits}"))

@@ -151,7 +151,7 @@ def even_torques(ratio: float) -> tuple[object, Array]:
     return lambda phi1: (np.full(phi1.shape, 5.0), np.full(phi1.shape, 5.0 * ratio)), np.array([0.0, 2.0 * pi])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("teeth", [23, 62])
 def test_loss_factor_of_circular_gears_is_ohlendorfs(teeth: int) -> None:
     """His closed form, with the contact ratios of equal involute gears of full height."""
@@ -165,7 +165,7 @@ def test_loss_factor_of_circular_gears_is_ohlendorfs(teeth: int) -> None:
     assert found < 0.8 * pi * (2.0 / teeth) * 2.0 * half**2 * 2.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_loss_factor_of_the_fzg_test_gears() -> None:
     """Type C: 16/24 teeth, module 4.5, 91.5 mm, tips 82.46 and 118.36 mm; published contact ratio 1.44, H_V 0.195."""
     angle, module = degrees(acos(4.5 * cos(radians(20.0)) * 20.0 / 91.5)), 91.5 / 20.0
@@ -202,7 +202,7 @@ def demand(added_kg_mm2: float = 0.0, *, friction: bool = True) -> Demand:
     return Demand(cycle(), losses, added_kg_mm2)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_means_over_the_cycle_against_simpsons_rule() -> None:
     """Work of the shaft as of the rigid level; the mean cube of the mesh force by Simpson's rule."""
     found, rigid = cycle(), drive(DESIGN).rigid
@@ -317,7 +317,7 @@ def followed(asked: Demand, span: tuple[float, float], start: float, given: Call
     return np.array(speeds)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("clutch", [False, True])
 @pytest.mark.parametrize("added_kg_mm2", [0.0, 1e9])
 def test_speed_course_against_another_solver(added_kg_mm2: float, clutch: bool) -> None:
@@ -342,7 +342,7 @@ def test_speed_course_against_another_solver(added_kg_mm2: float, clutch: bool) 
         assert (course.motor_range_n_mm[0] == 0.0) == (added_kg_mm2 == 0.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_course_is_reached_from_another_speed() -> None:
     """From a tenth slower; after eight cycles the motor has brought it to the course."""
     asked = demand()
@@ -424,7 +424,7 @@ def test_a_machine_that_runs_ahead_against_the_equation_of_motion() -> None:
         assert one.heat_n_mm == 0.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_limiter_that_slips_against_the_equation_of_motion() -> None:
     """And its heat: what the shaft gives at its own speed less what the machine gets."""
     asked, limit = demand(), 1.6e6
@@ -457,7 +457,7 @@ def whole() -> DrivetrainResult:
     return drive(DESIGN).drivetrain
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_shipped_design_pinned() -> None:
     """Useful power is the work of the resistance: the mean power of the check; the rest is pinned."""
     found = whole()
@@ -516,7 +516,7 @@ masses:
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_command_tells_what_does_not_hold(run: Run) -> None:
     text = f"""{PRESS}drivetrain:
   driving_shaft:
@@ -541,7 +541,7 @@ def test_the_command_tells_what_does_not_hold(run: Run) -> None:
     assert "Power take-off" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
     motor = "{rated_torque_n_m: 60, rated_speed_rpm: 1450, no_load_speed_rpm: 1500, gearbox: {ratio: %s}}"
     for ratio, told in ((2.5, False), (5.0, True)):
@@ -574,7 +574,7 @@ def test_what_the_section_needs_of_the_design() -> None:
         drive_of_text(f"{head}drivetrain: {{}}\n")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_a_shaft_needs_of_its_gear() -> None:
     bearings = "bearing_a: {at_mm: -9}, bearing_b: {at_mm: 9}, steel: C45"
     with pytest.raises(WrongInput, match=r"driven_shaft\.diameter_mm: missing"):
@@ -585,7 +585,7 @@ def test_what_a_shaft_needs_of_its_gear() -> None:
         ).drivetrain
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_line_of_the_simulation_is_the_motors_at_the_driving_gear() -> None:
     """Two ways to give the same motor: the same course."""
     own = "motor: {rated_torque_n_m: 2, rated_speed_rpm: 1200, no_load_speed_rpm: 1300, gearbox: {ratio: 2}}"

@@ -77,7 +77,7 @@ def backs_meet_s(out: Course) -> Array:
 # Energy
 
 
-@pytest.mark.tiers(thorough=["uniform 1:2-16-*", "sine-31-rest"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("start", list(Start))
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("uniform 1:2", 16), ("ring", 24)])
 def test_energy_balances(name: str, teeth: int, start: Start) -> None:
@@ -86,7 +86,7 @@ def test_energy_balances(name: str, teeth: int, start: Start) -> None:
     assert found.energy_error < 1e-5
 
 
-@pytest.mark.tiers(thorough=["uniform-24"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
 def test_energy_balances_where_pairs_get_stiffer_and_softer_on_their_way(name: str, teeth: int) -> None:
     found = run(mechanism(uneven_meshing(name, teeth), slider_load()), name, 0.12)
@@ -94,7 +94,7 @@ def test_energy_balances_where_pairs_get_stiffer_and_softer_on_their_way(name: s
     assert found.energy_error < 1e-5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_wrong_sign_of_the_damping_is_told_by_the_energy() -> None:
     found = meshing("uniform", 24)
     wrong = replace(found, impact=Giving(*vars(replace(found.impact, damping_n_s_mm=1.0)).values()))
@@ -121,6 +121,7 @@ def test_the_motion_converges_with_the_accuracy() -> None:
 # Closed forms on circular gears
 
 
+@pytest.mark.thorough
 def test_a_constant_torque_settles_at_the_closed_forms_depth() -> None:
     """One shaft of constant inertia against a constant torque: depth (T / (N k r))^(1/n), N pairs sharing."""
     found = mechanism(frictionless(meshing("uniform", 24)), even_load(HEAVY, 2e3), EvenDrive(0.1))
@@ -276,6 +277,7 @@ def test_from_rest_a_motor_takes_the_machine_up_to_its_speed() -> None:
     assert out.energy_error < 1e-5
 
 
+@pytest.mark.slow
 def test_a_motor_without_load_has_the_closed_forms_run_up() -> None:
     """J w' = T (1 - w / w0), so that w = w0 (1 - exp(-T t / (J w0))), with the driven shaft's inertia in J."""
     motor = Motor(10.0, 1e4, 100.0)
@@ -299,7 +301,7 @@ def test_on_the_law_a_motor_starts_at_the_operating_speed(no_load: float) -> Non
     assert brought == pytest.approx(float(asked[0]), rel=1e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_motor_that_cannot_is_told() -> None:
     weak = Motor(SPEED, 2e3, 50.0)
     with pytest.raises(NoSuchMechanism, match="does not get round") as caught:
@@ -371,7 +373,7 @@ def test_tangents_have_the_length_one(name: str, teeth: int) -> None:
     assert np.quantile(np.abs(np.abs(tangent(near, found.law.at(phi1)[1], place))[close] - 1.0), 0.95) < 2e-3
 
 
-@pytest.mark.tiers(thorough=["*ring*"], rest="quick")
+@pytest.mark.tiers(slow=["*ring*"], rest="quick")
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
 @pytest.mark.parametrize("torque", [500.0, -500.0])
 def test_stiff_teeth_push_as_the_rigid_levels_mesh_force(name: str, teeth: int, torque: float) -> None:

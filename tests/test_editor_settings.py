@@ -58,7 +58,7 @@ def put(folder: Path, files: dict[str, str]) -> None:
         (folder / name).write_text(text, encoding="utf-8")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_folder_gets_schemas_and_settings_once(tmp_path: Path) -> None:
     put(tmp_path, {"a.yaml": DESIGN, "sub/b.yaml": DESIGN})
     assert told(tmp_path)[0] == 0
@@ -84,6 +84,7 @@ def test_each_file_has_the_schema_of_its_kind_and_others_have_none(tmp_path: Pat
     assert "b/*.yaml" in found["ncgear.schema.json"]
 
 
+@pytest.mark.thorough
 def test_every_setting_and_comment_stays(tmp_path: Path) -> None:
     put(tmp_path, {"x.yaml": DESIGN, ".vscode/settings.json": SETTINGS})
     assert told(tmp_path)[0] == 0
@@ -98,6 +99,7 @@ def test_every_setting_and_comment_stays(tmp_path: Path) -> None:
         assert comment in text
 
 
+@pytest.mark.thorough
 def test_files_that_a_person_has_added_stay(tmp_path: Path) -> None:
     given_files = {"yaml.schemas": {"./.vscode/ncgear.schema.json": "mine/*.yaml"}}
     put(tmp_path, {"a/x.yaml": DESIGN, "b.yaml": "k: 1\n", ".vscode/settings.json": json.dumps(given_files)})
@@ -105,6 +107,7 @@ def test_files_that_a_person_has_added_stay(tmp_path: Path) -> None:
     assert written(tmp_path)["yaml.schemas"] == {"./.vscode/ncgear.schema.json": ["mine/*.yaml", "a/*.yaml"]}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "text",
     [
@@ -126,6 +129,7 @@ def test_settings_that_cannot_be_changed_safely_are_left_with_the_lines_to_paste
     assert place.read_bytes() == text.encode("latin-1")
 
 
+@pytest.mark.slow
 def test_a_link_is_not_replaced_by_a_file(tmp_path: Path) -> None:
     put(tmp_path, {"kept.json": "{}"})
     (tmp_path / ".vscode").mkdir()
@@ -140,7 +144,7 @@ def test_a_folder_that_is_none_is_refused(tmp_path: Path) -> None:
     assert "is no folder" in said
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_schema_takes_every_design_and_no_misspelt_one(tmp_path: Path) -> None:
     put(tmp_path, {"x.yaml": DESIGN, "b/y.yaml": BALANCE})
     assert told(tmp_path)[0] == 0
@@ -181,7 +185,7 @@ def commented(draw: st.DrawFn, value: Any) -> str:
     return f"{draw(COMMENTS)}{ends[0]}{','.join(parts)}{trailing}{draw(COMMENTS)}{ends[1]}{draw(COMMENTS)}"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.data(), st.dictionaries(st.text(max_size=4), VALUES, max_size=4), VALUES)
 def test_any_settings_are_read_and_changed_as_another_parser_reads_them(

@@ -146,6 +146,7 @@ def ring_error(order: int, parts: int) -> float:
     return float(np.abs(stress / exact - 1.0).max())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("order", "rate"), [(1, 2.0), (2, 4.0)])
 def test_stress_at_an_edge_converges(order: int, rate: float) -> None:
     """At the Gauss points of edges one power better than gradients elsewhere; two for elements of nine nodes."""
@@ -236,13 +237,14 @@ def test_work_of_the_load_is_the_energy_of_strain_and_reactions_balance_it() -> 
     assert across(arm, reaction).sum() == pytest.approx(-across(nodes[0, topology.sides[1, -3]], force), rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_all_teeth_and_both_flanks_of_a_circular_gear_are_alike() -> None:
     elements = of_circular()
     for table in (elements.tension_mpa, elements.compression_mpa, elements.middle_moved_mm, elements.middle_depth_mm):
         np.testing.assert_allclose(table, np.broadcast_to(table[0], table.shape), rtol=2e-4)
 
 
+@pytest.mark.thorough
 def test_unlike_flanks_are_told_apart() -> None:
     """As a control: the teeth of a non-circular gear are neither alike nor symmetric."""
     elements = elements_of(drive("baler").teeth.driving, STEEL, MeshSize())
@@ -251,6 +253,7 @@ def test_unlike_flanks_are_told_apart() -> None:
     assert np.abs(tip[:, 0] / tip[:, 1] - 1.0).max() > 0.1
 
 
+@pytest.mark.slow
 def test_stress_is_per_module_and_compliance_has_no_size() -> None:
     small, large = (elements_of(circular(20, module), STEEL, MeshSize()) for module in (MODULE, 3.0 * MODULE))
     np.testing.assert_allclose(3.0 * large.tension_mpa, small.tension_mpa, rtol=1e-6)
@@ -260,7 +263,7 @@ def test_stress_is_per_module_and_compliance_has_no_size() -> None:
 CIRCULAR = [(20, 0.0), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((25, 0.5), (40, 0.0), (40, -0.5)))]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize(("teeth", "shift"), CIRCULAR)
 def test_root_stresses_are_those_of_iso_6336_within_its_scatter(teeth: int, shift: float) -> None:
@@ -339,7 +342,7 @@ def test_hertz_nearing_is_the_integral_of_the_half_planes_strains() -> None:
     assert pressed_in_mm(STEEL, np.array(depth), np.array(reach)) == pytest.approx(exact, rel=2e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_compliance_does_not_depend_on_the_mesh_at_the_load() -> None:
     """While the loaded node itself gives way more and more, by the same amount each time elements are halved."""
     gear = circular()
@@ -357,7 +360,7 @@ def test_compliance_does_not_depend_on_the_mesh_at_the_load() -> None:
     assert grown[1] == pytest.approx(2.0 * log(2.0) * (1.0 - POISSON**2) / (pi * MODULUS), rel=0.1)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [5, 12])
 def test_compliance_does_not_depend_on_where_the_middle_is_taken_to_be(place: int) -> None:
     """From half to one and a half of the middle's depth, elements and closed form together stay within two percent."""
@@ -409,6 +412,7 @@ def test_a_crack_shows() -> None:
     assert stresses[1] > 1.15 * stresses[0]
 
 
+@pytest.mark.slow
 def test_thinner_teeth_show() -> None:
     """A tenth of a module off each flank, by backlash."""
     thick, thin = (elements_of(circular(backlash=play), STEEL, MeshSize()) for play in (0.0, 0.2))
@@ -472,7 +476,7 @@ def test_root_stresses_of_all_teeth_are_exact_to_a_percent(name: str) -> None:
     np.testing.assert_allclose(usual.middle_moved_mm, fine.middle_moved_mm, rtol=0.005)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_between_its_places_a_table_is_what_a_finer_one_has() -> None:
     gear = circular()
     usual, places = of_circular(), 4 * (POSITIONS - 1) + 1

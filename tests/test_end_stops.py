@@ -52,6 +52,7 @@ def depth(slot: Polygon, pin: Point, turned_rad: float, radius_mm: float) -> flo
     return radius_mm - float(carried.exterior.distance(pin)) if carried.contains(pin) else np.inf
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", list(Gear))
 def test_the_pin_is_free_in_the_range_and_stops_the_gear_at_both_ends(gear: Gear) -> None:
     made = stopped()
@@ -73,6 +74,7 @@ def test_the_pin_is_free_in_the_range_and_stops_the_gear_at_both_ends(gear: Gear
         assert over == pytest.approx(radians(0.01) * plan.slot.radius_mm, abs=2e-4)
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None)
 @given(st.floats(1.0, 20.0), st.floats(0.0, 2.0), st.floats(10.0, 80.0), st.floats(0.6, 5.0), st.booleans())
 def test_ends_meet_the_pin_exactly_with_any_clearance(
@@ -92,6 +94,7 @@ def exact_area(slot: ArcSlot) -> float:
     return slot.radius_mm * slot.width_mm * (slot.high_rad - slot.low_rad) + pi * slot.width_mm**2 / 4.0
 
 
+@pytest.mark.slow
 def test_solid_and_drawing_lack_the_slot() -> None:
     bare = drive_of_text(TEXT.replace(", end_stop: {pin_mm: 4, radius_mm: 16, clearance_mm: 0.3}", ""))
     plan = stopped().solids.driving.plan
@@ -117,6 +120,7 @@ def test_the_pitch_curve_that_is_drawn_is_the_sector_of_the_range(gear: Gear) ->
     assert axis.tolist() == [0.0, 0.0]
 
 
+@pytest.mark.slow
 def test_a_kerf_narrows_the_slot_and_a_clearance_widens_it() -> None:
     width = stopped().solids.driving.plan.slot.width_mm  # type: ignore[union-attr]
     for given_mm, wanted in ((0.1, width + 0.2), (-0.1, width - 0.2)):
@@ -129,6 +133,7 @@ def test_a_kerf_narrows_the_slot_and_a_clearance_widens_it() -> None:
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [4, 7, 60])
 def test_a_slot_without_room_is_refused_with_a_radius_that_fits(radius: float) -> None:
     text = TEXT.replace("radius_mm: 16", f"radius_mm: {radius}")
@@ -140,6 +145,7 @@ def test_a_slot_without_room_is_refused_with_a_radius_that_fits(radius: float) -
     assert drive_of_text(TEXT.replace("radius_mm: 16", f"radius_mm: {right}")).solids.driving.mesh.is_watertight
 
 
+@pytest.mark.thorough
 def test_a_slot_that_would_meet_itself_has_no_radius() -> None:
     text = TEXT.replace("range_deg: 200, ratio_start: 1.6", "range_deg: 330, ratio_start: 1.05").replace("0.7", "0.95")
     with pytest.raises(WrongInput, match="no radius fits; a thinner pin"):
@@ -154,6 +160,7 @@ def test_gears_that_turn_on_and_on_have_no_end_stop() -> None:
         drive_of_text(text)
 
 
+@pytest.mark.slow
 def test_pockets_holes_and_the_index_hole_keep_away_from_the_slot() -> None:
     body = "{bore_mm: 10, end_stop: {pin_mm: 3, radius_mm: 22}, web: {thickness_mm: 3, rim_mm: 3, hub_mm: 18},"
     body += " lightening_holes: {count: 3, least_wall_mm: 1}}"

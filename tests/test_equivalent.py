@@ -113,6 +113,7 @@ def test_equivalent_flanks_cross_the_pitch_curve_where_the_exact_ones_do(gear: G
         assert one == pytest.approx(other, abs=1e-11)
 
 
+@pytest.mark.thorough
 def test_a_pair_by_the_equivalent_method_differs_where_the_curvature_changes() -> None:
     """Outlines of the same teeth: a thousandth of a module apart on a mild law, nothing on circles."""
     for law, least, most in ((uniform_law(Lobes()), 0.0, 1e-9), (sine_law(0.08), 1e-3, 0.05)):

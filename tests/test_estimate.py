@@ -185,7 +185,7 @@ def test_a_symmetric_tooth_bears_alike_on_both_flanks_and_only_the_contact_knows
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.tiers(quick=["baler-*"], rest="thorough")
+@pytest.mark.tiers(quick=["baler-*"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "which"), [("baler", Gear.DRIVING), ("baler", Gear.DRIVEN), ("internal-1-2", Gear.DRIVEN)]
 )

@@ -110,7 +110,7 @@ def test_an_even_crank_has_two_strong_harmonics() -> None:
     assert found["harmonic 2"] == pytest.approx(LINKAGE.crank_mm / LINKAGE.rod_mm, rel=0.1)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_baler_shakes_at_high_harmonics() -> None:
     """Parseval: 400 harmonics hold all of the mean square, twenty leave a hundred-thousandth."""
     baler = DrivenCrank(BALER_LINKAGE, baler_law(), 20.0 * RPM, ONE)

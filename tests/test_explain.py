@@ -210,6 +210,7 @@ def test_without_a_key_all_are_listed(run: Run, kind: str, root: type[BaseModel]
     assert [name for name in shown if name not in words and quantity(name) not in out] == []
 
 
+@pytest.mark.thorough
 def test_defaults_that_follow_from_others(run: Run) -> None:
     assert "default    0.38, where the other keys have their defaults" in run("explain", "root_radius")[1]
     assert "default    none: it must be given" in run("explain", "rod_mm")[1]

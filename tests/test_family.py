@@ -79,6 +79,7 @@ def made(shape: Array, family: Family) -> StrokeLaw:
     return stroke_law(stroke, family.linkage, family.lobes, inverse_basis=family.inverse)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
     family = family_of(linkage)
@@ -110,7 +111,7 @@ def returned(family: Family, shape: Array, skewness: float) -> ReturnSamples:
     return return_samples(returns_with_skewness(*asked, inverse=family.inverse), family.linkage, RETURN_POINTS, 1)
 
 
-@pytest.mark.tiers(quick=["in line-*-True"], slow=["offset-*"], rest="thorough")
+@pytest.mark.tiers(thorough=["in line-*-True"], rest="slow")
 @pytest.mark.parametrize("inverse", [False, True])
 @pytest.mark.parametrize("lobes", [Lobes(), Lobes(2, 1)])
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
@@ -204,7 +205,7 @@ def test_the_same_seed_gives_the_same_law() -> None:
     assert again.request == best(18750.0, inverse=True).request
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_request_makes_the_law_again() -> None:
     """As a design file would, with v2 to be found."""
     optimum = best(18750.0, inverse=True)
@@ -224,7 +225,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     assert other.peak(Peak.POWER) == pytest.approx(12000.0, rel=0.02)
 
 
-@pytest.mark.tiers(thorough=["in line"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
     family = Family(linkage, SliderLoad(), OMEGA, True)

@@ -106,6 +106,7 @@ def found() -> Felt:
     return felt(swaying(), WHOLE, 0.05)
 
 
+@pytest.mark.thorough
 def test_power_and_torque_are_rates_of_energy() -> None:
     """A corner of the resistance between two samples is missed by their distance, 4e-4, times a jump of the slope."""
     _, torque, _ = sampled()
@@ -149,6 +150,7 @@ def test_nothing_moves_and_nothing_resists() -> None:
     assert set(vars(idle).values()) == {0.0}
 
 
+@pytest.mark.thorough
 def test_the_force_between_teeth_is_torque_over_lever() -> None:
     """On circles the lever is the base circle's radius; the peak torque is that of the power."""
     even = Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 60.0 * RPM)
@@ -158,7 +160,7 @@ def test_the_force_between_teeth_is_torque_over_lever() -> None:
     assert force == pytest.approx(torque / (100.0 * cos(radians(20.0))), rel=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_force_between_teeth_of_a_design_is_that_of_its_simulation() -> None:
     """Of designs/baler-half-dynamics.yaml.  Its gears' own inertia follows from their teeth and is left out here."""
     made, task = drive("baler-half-dynamics"), task_of(loaded("baler-half-dynamics").design)
@@ -177,6 +179,7 @@ def test_the_force_between_teeth_of_a_design_is_that_of_its_simulation() -> None
     assert figures(larger, made.law.train).tooth_force_n == pytest.approx(peak.force_n.value / 2.0, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_figures_have_loads_where_masses_are() -> None:
     """Without masses power is the check's, and no load is told; with them it is the motor's."""
     alone = Task(BALER_LINKAGE, PRESS, 60.0 * RPM)

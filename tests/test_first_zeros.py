@@ -85,6 +85,7 @@ def test_intervals_may_run_backwards() -> None:
     assert first_zero(lambda t: 1.0 + t, 0.0, -2.0) == pytest.approx(-1.0, abs=1e-14)
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(0.05, 2.9), min_size=1, max_size=4), st.floats(0.1, 10.0))
 def test_smallest_root_of_a_polynomial_with_known_roots(roots: list[float], scale: float) -> None:
     """A polynomial is the product of its roots' distances, times what makes it positive at the start."""

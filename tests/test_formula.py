@@ -195,6 +195,7 @@ def judge_formulas(count: int, number: int) -> int:
     return others
 
 
+@pytest.mark.slow
 def test_formulas_say_what_they_say_however_they_are_written() -> None:
     assert judge_formulas(40, 1) >= 20
 
@@ -423,6 +424,7 @@ def refusal(text: str) -> WrongInput | None:
     return None
 
 
+@pytest.mark.thorough
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.text(alphabet="phisncotael0123456789.+-*/()[]{}_ ,:='\"\\\n\t@", max_size=25))
 def test_random_text_gives_a_series_or_a_refusal(text: str) -> None:

@@ -72,9 +72,7 @@ def test_designs_that_are_left_out_have_no_gears() -> None:
         _ = drive("baler-a1-at-law-speed").teeth
 
 
-@pytest.mark.tiers(
-    quick=["ellipse"], thorough=["baler", "helical-ellipse", "internal-1-2", "pump-1-2", "pusher"], rest="slow"
-)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_GEARS)
 def test_gears_without_backlash_overlap_nowhere_and_turn(name: str) -> None:
     for stage in tight(name):
@@ -89,7 +87,7 @@ def test_gears_without_backlash_overlap_nowhere_and_turn(name: str) -> None:
         assert np.mean((free.on + free.back)[there] > 1e-6) >= 0.9
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_chords_to_both_sides_overlap() -> None:
     """Negative control: with chords that straddle the flanks, as much of them stands out as stays within."""
     stage = tight("baler")[0]
@@ -153,26 +151,26 @@ def deepest(pitch: PitchPair, form: ToothForm, count: int = 200) -> float:
     return max(float(outlines.overlap(at, share * play).max()) for share in SHARES)
 
 
-@pytest.mark.tiers(thorough=["baler, 0.3 mm", "rack*", "tips*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_nothing_is_in_the_mates_way_over_the_whole_play(name: str) -> None:
     assert deepest(*CASES[name]()) <= OVERLAP * TOLERANCE
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_bottoms_that_stand_like_one_flank_each_are_in_the_way(monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative control: without the sweep the two halves of a bottom stand as their flanks do."""
     monkeypatch.setattr(ncgear.teeth.gear, "swept", lambda tips, sides: (tips, sides))
     assert deepest(*baler(0.3), 60) > 0.05
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_turned_tips_get_into_bottoms_that_nobody_holds_them_against(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ncgear.teeth.fitting, "freed_of_bottoms", lambda own, mate, paths: own)
     assert deepest(*deep(0.3), 60) > 0.1
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("made", [baler, convex])
 def test_lands_that_are_not_turned_are_in_the_way(
     monkeypatch: pytest.MonkeyPatch, made: Callable[[float], Case]

@@ -216,6 +216,7 @@ def test_points_that_were_all_refused_say_why(tmp_path: Path, monkeypatch: pytes
 # --- what is written -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_tables_hold_the_points() -> None:
     rows = list(csv.DictReader(StringIO(frontier_csv(found(), BestLaw(design())))))
     assert [float(row["limit_acceleration_mm_s2"]) for row in rows] == [30_000.0, 14_000.0]
@@ -225,6 +226,7 @@ def test_tables_hold_the_points() -> None:
     assert content["speed_rpm"] == 60.0
 
 
+@pytest.mark.slow
 def test_mechanisms_are_at_one_speed() -> None:
     """The earlier mechanism's figures at 30 r/min: half the power, a quarter of the acceleration."""
     slow = design().model_copy(update={"operation": design().operation.model_copy(update={"speed_rpm": 30.0})})
@@ -236,7 +238,7 @@ def test_mechanisms_are_at_one_speed() -> None:
         assert at_30[name].peak_acceleration_mm_s2 == pytest.approx(one.peak_acceleration_mm_s2 / 4.0, rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_picture_and_the_text(tmp_path: Path) -> None:
     files = frontier_files(found(), BestLaw(design()))
     assert set(files) == {"frontier.csv", "frontier.json", "frontier.png"}
@@ -249,6 +251,7 @@ def test_the_picture_and_the_text(tmp_path: Path) -> None:
     assert "The best laws do not keep the constant speed v2" in text
 
 
+@pytest.mark.slow
 def test_small_powers_keep_their_digits_in_the_text() -> None:
     """A packaging machine's 8.7023 W is not 9 W, and its limit of 635.52 mm/s2 not 636."""
     small = Frontier([LawPoint(8.7023, 635.52, figures(8.7, 656.51))], [FamilyPoint(8.7023, 8.69, 702.18)])
@@ -256,6 +259,7 @@ def test_small_powers_keep_their_digits_in_the_text() -> None:
     assert row == ["8.7023", "635.52", "656.51", "3.3", "702.18"]
 
 
+@pytest.mark.slow
 def test_nothing_is_called_impossible_that_the_points_do_not_prove(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a limit that falls and is hollow, each point holds for smaller powers; chords between points lie above it."""
     drawn: list[Axes] = []
@@ -269,6 +273,7 @@ def test_nothing_is_called_impossible_that_the_points_do_not_prove(monkeypatch: 
         assert area.contains_point((0.999 * power, 0.999 * 9e7 / power))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("times", [1.0, 1e-3])
 def test_the_picture_has_one_unit_whatever_the_size(times: float, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[Axes] = []

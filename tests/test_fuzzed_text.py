@@ -259,6 +259,7 @@ def judge_expressions(count: int, number: int) -> None:
     judge()
 
 
+@pytest.mark.slow
 def test_random_expressions_are_functions_or_refused() -> None:
     judge_expressions(100, 10**6)
 

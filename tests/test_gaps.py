@@ -72,7 +72,7 @@ def test_the_known_slope_is_that_of_the_touching_angle(name: str, teeth: int) ->
     np.testing.assert_allclose(change[near.urge != 0.0], nodes.slopes[0][near.urge != 0.0], atol=1e-2)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_slopes_of_corners_match_differences_of_contacts() -> None:
     """The common normal against two solved positions: the error of a corner that scrapes along a flank."""
     pitch, pair = made("sine", 31)
@@ -149,6 +149,7 @@ def touching_rad(pair: ToothedPair, pitch: PitchPair, teeth: tuple[int, int], ph
     return high
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31)])
 def test_gaps_are_those_of_single_teeth_as_polygons(name: str, teeth: int) -> None:
     """Pairs that touch and pairs that are about to, or have just parted, up to a third of a millimetre away."""

@@ -163,6 +163,7 @@ def test_no_boss_of_the_height_is_lighter() -> None:
     assert found.section.area == pytest.approx(least, rel=0.02)
 
 
+@pytest.mark.thorough
 def test_holes_and_a_boss_balance_an_elliptical_gear() -> None:
     """Its unbalance is too much for holes alone: they say how much they leave, the boss takes that."""
     gear, width = section("ellipse", "driving"), 12.0
@@ -176,6 +177,7 @@ def test_holes_and_a_boss_balance_an_elliptical_gear() -> None:
     assert residual(both, gear) <= 1e-8
 
 
+@pytest.mark.thorough
 def test_a_low_boss_is_refused_with_a_height_that_does() -> None:
     gear, moment = section("ellipse", "driving"), area_moments(section("ellipse", "driving")).first_mm3 * 12.0
     with pytest.raises(NoSuchMechanism, match=r"one of (\d+) mm would") as error:
@@ -192,7 +194,7 @@ def test_a_balanced_gear_is_left_as_it_is() -> None:
     assert found.mesh.volume == pytest.approx(round_gear.area * 15.0, rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @example(offset=0.15038146635252092, direction=1.875, oval=0.0, bore=0.17254488767752046)  # three points in line
 @given(

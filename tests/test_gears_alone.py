@@ -110,7 +110,7 @@ def test_driving_torque_is_lagranges(torque: str) -> None:
     assert turn.work_n_mm / 1000.0 == pytest.approx(made.check.mean_power_w * 2.0 * np.pi / OMEGA, rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_table_of_the_motion_is_in_units_of_a_shaft(run: Run) -> None:
     Path("d.yaml").write_text(text(TORQUES["formula"], GEARS, MASSES), encoding="utf-8")
     assert run("build", "d.yaml", "--out", "b")[0] == 0
@@ -130,7 +130,7 @@ def test_the_table_of_the_motion_is_in_units_of_a_shaft(run: Run) -> None:
         assert word not in told, word
 
 
-@pytest.mark.tiers(thorough=["rigid"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("level", ["rigid", "quasi_static", "dynamic"])
 def test_simulations_name_no_crank(run: Run, level: str) -> None:
     Path("d.yaml").write_text(text(TORQUES["formula"], GEARS, MASSES, "simulation: {turns: 0.1}"), encoding="utf-8")
@@ -154,7 +154,7 @@ def test_a_motion_in_time_keeps_its_energy() -> None:
     assert work - loss == pytest.approx(12.0 * np.pi, rel=0.02)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_page_shows_gears_and_no_crank(run: Run) -> None:
     Path("d.yaml").write_text(text(TORQUES["formula"], GEARS), encoding="utf-8")
     assert run("report", "d.yaml", "--out", "page")[0] == 0
@@ -165,7 +165,7 @@ def test_the_page_shows_gears_and_no_crank(run: Run) -> None:
     assert run("animate", "d.yaml", "--out", "page/a.gif", "--frames", "4", "--width", "320")[0] == 0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gears_by_themselves_are_balanced(run: Run) -> None:
     """The centre of mass is that of the solid as read back from its file by another library."""
     off = "{law: pitch_curve, ellipse: {semi_major_mm: 40, semi_minor_mm: 38, axis_x_mm: 4}}"

@@ -124,9 +124,7 @@ def judge(case: Case, *, parted: bool = False) -> None:
         assert report.gap.max() <= 2.0 * case.tolerance_mm
 
 
-@pytest.mark.tiers(
-    thorough=["eccentricity*", "3:1", "25 degrees", "backlash", "baler, 25", "no root radius"], rest="slow"
-)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_hard_pairs_mesh(name: str) -> None:
     judge(CASES[name], parted=name in PARTED)
@@ -170,7 +168,7 @@ def jumps() -> Array:
     return sized_pair(baler_law(), 25, 1.0, None).driving.joints_mm
 
 
-@pytest.mark.tiers(thorough=["tooth-*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", range(4))
 @pytest.mark.parametrize("at_tooth", [True, False], ids=["tooth", "space"])
 def test_a_jump_of_the_curvature_in_the_middle_of_a_tooth_or_a_space(joint: int, at_tooth: bool) -> None:
@@ -179,7 +177,7 @@ def test_a_jump_of_the_curvature_in_the_middle_of_a_tooth_or_a_space(joint: int,
     judge(Case(baler_law, 25, advance=float(joints[joint]) + (0.0 if at_tooth else pi / 2.0)))
 
 
-@pytest.mark.tiers(quick=["0.5"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5])
 def test_a_tooth_that_straddles_convex_and_hollow(share: float) -> None:
     """The inflection in the middle of a tooth, on its flank, in the middle of a space."""
@@ -195,6 +193,7 @@ def test_a_tooth_that_straddles_convex_and_hollow(share: float) -> None:
 # --- negative controls -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("closer", [0.05, -0.05])
 def test_another_centre_distance_is_seen(closer: float) -> None:
     """A twentieth of a millimetre: the flanks overlap by it times sin(20 degrees), or gape as much."""
@@ -207,6 +206,7 @@ def test_another_centre_distance_is_seen(closer: float) -> None:
     assert (report.overlap_depth if closer > 0.0 else report.gap).max() > 2.0 * tolerance
 
 
+@pytest.mark.slow
 def test_another_law_is_seen() -> None:
     pitch, pair = CASES["3:1"].made()
     phi1 = np.linspace(0.0, pitch.driving.turn_rad, 98)

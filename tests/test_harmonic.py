@@ -109,6 +109,7 @@ def test_against_fifty_digits(name: str) -> None:
                 assert abs(series.derivative(k)[i] - derivative) <= bound
 
 
+@pytest.mark.slow
 def test_the_oracle_sees_a_wrong_coefficient() -> None:
     """Negative control: a thousand-millionth more of one harmonic."""
     exact, transmission = Exact((0.5,), (), Lobes()), law([0.5 + 1e-9], [])
@@ -194,6 +195,7 @@ def test_lists_of_different_length_are_filled_with_zeros() -> None:
     assert np.array_equal(short.driven_angle(phi1, 2).coefficients, full.driven_angle(phi1, 2).coefficients)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("harmonics", [60, 200])
 def test_many_harmonics(harmonics: int) -> None:
     random = np.random.default_rng(harmonics)
@@ -228,7 +230,7 @@ def test_all_derivatives_run_on_over_the_seam(name: str) -> None:
 coefficients = st.lists(st.floats(-0.4, 0.4), max_size=8)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(coefficients, coefficients, st.sampled_from([Lobes(), Lobes(2, 1), Lobes(1, 2), Lobes(3, 2)]))
 def test_any_coefficients_close_and_invert(cosine: list[float], sine: list[float], lobes: Lobes) -> None:
@@ -290,6 +292,7 @@ def test_just_below_the_largest_range_is_a_law() -> None:
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.floats(-10.0, 10.0), max_size=30), st.lists(st.floats(-10.0, 10.0), max_size=30))
 def test_every_list_gives_a_law_or_a_refusal(cosine: list[float], sine: list[float]) -> None:

@@ -13,6 +13,7 @@ from ncgear.numerics.highest import largest_of_each
 Array = np.ndarray
 
 
+@pytest.mark.thorough
 def test_tops_of_several_functions_at_once() -> None:
     """A wave, a parabola that falls throughout from its end, one that is even, and one with its top at a sample."""
 

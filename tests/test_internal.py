@@ -80,7 +80,7 @@ every_pair = pytest.mark.parametrize("of", [variable, pytest.param(table, marks=
 # --- circles -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(thorough=["lobes2", "lobes3"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize("lobes", [Lobes(1, 2), Lobes(1, 3), Lobes(2, 3), Lobes(7, 8)])
 def test_a_constant_ratio_makes_a_circle_in_a_circle(lobes: Lobes) -> None:
     found = sized_pair(uniform_law(lobes), 21 * lobes.driving, None, DISTANCE, Mesh.INTERNAL)
@@ -181,6 +181,7 @@ def test_derivatives_along_the_curve_are_tangent_and_curvature(gear: Gear) -> No
     assert (4.0 * bends[1] - bends[0]) / 3.0 == pytest.approx(-at.curvature[:, None] * at.normal, abs=1e-11)
 
 
+@pytest.mark.slow
 @every_gear
 def test_arc_lengths_are_those_of_an_independent_quadrature(gear: Gear) -> None:
     """mpmath on r1 = a/(i - 1) and r2 = a i/(i - 1) from the ratio's own formula: the curves roll without slip."""
@@ -248,7 +249,7 @@ def longest(depth: float) -> Transmission:
     return ratio_expression_law(f"2 + {depth}*cos(phi)", Lobes(1, 2), scale_to_close=True)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_driving_gear_too_long_for_its_ring_is_refused_where_shapely_sees_it_stand_out() -> None:
     """One lobe on two fits until, at phi1 = 0, the driving gear is as long as the ring is wide through its axis.
 
@@ -315,7 +316,7 @@ def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: st
     assert np.ptp(radius[0]) > MODULE
 
 
-@pytest.mark.tiers(thorough=["variable"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_mating_flanks_touch_where_their_normal_goes_through_the_pitch_point(law: str) -> None:
     """A driving flank at height h and the ring's flank of the same crossing at -h, in the fixed frame."""
@@ -336,7 +337,7 @@ def test_mating_flanks_touch_where_their_normal_goes_through_the_pitch_point(law
         assert np.max(np.abs(np.sum(arm * along, axis=1)) / np.linalg.norm(along, axis=1)) <= 1e-10
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_rings_outline_is_the_edge_of_its_hole() -> None:
     """Counter-clockwise, tips towards the axis, roots away from it."""
     _, pair = made("1:2", 60)
@@ -368,7 +369,7 @@ def turns(count: int = 101) -> Array:
     return np.arange(count) * (4.0 * pi / count)
 
 
-@pytest.mark.tiers(thorough=["variable"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_pairs_neither_overlap_nor_stand_apart(law: str) -> None:
     report = judge_of(made(law, 60), turns()).report(101)
@@ -399,7 +400,7 @@ def contact_of(pair: Made) -> tuple[AsWritten, Placement]:
     return read(outlines(pair[1]), pair[0], pair[1], at), at
 
 
-@pytest.mark.tiers(slow=["variable"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_play_is_what_shapely_finds(law: str) -> None:
     pair = made(law, 60, 0.05)
@@ -411,6 +412,7 @@ def test_play_is_what_shapely_finds(law: str) -> None:
         assert (-found.pushing_rad[row], found.back_rad[row]) == pytest.approx(expected, abs=1e-8)
 
 
+@pytest.mark.thorough
 def test_transmission_error_is_that_of_the_chords() -> None:
     found, _ = contact_of(made("1:2", 60))
     # Both outlines within the tolerance of the exact flank, as an arc about the ring's base circle
@@ -480,7 +482,7 @@ def wavy(points: int = 40_000) -> Array:
     return wave_ring(RADIUS, WAVE, TEETH, points)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_volume_of_a_ring_is_that_of_the_closed_form() -> None:
     solid = ring_solid(wavy(), RingBlank(20.0, 8.0), MODULE, 1e-4)
     outer = RADIUS + WAVE + 8.0
@@ -493,12 +495,14 @@ def test_the_volume_of_a_ring_is_that_of_the_closed_form() -> None:
     assert np.hypot(*solid.mesh.vertices[:, :2].T).max() == pytest.approx(outer, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_ring_reads_back_from_its_stl() -> None:
     mesh = ring_solid(wavy(4000), RingBlank(20.0, 8.0, index_hole=True), MODULE, TOLERANCE).mesh
     assert mesh.euler_number == -2
     assert read_back(stl_bytes(mesh), mesh).is_watertight
 
 
+@pytest.mark.thorough
 def test_the_index_hole_of_a_ring_stands_behind_its_root_and_faces_that_of_the_driving_gear() -> None:
     ring = ring_solid(wavy(4000), RingBlank(20.0, 8.0, index_hole=True), MODULE, TOLERANCE).index_hole
     driving = gear_solid(
@@ -517,6 +521,7 @@ def test_the_index_hole_of_a_ring_stands_behind_its_root_and_faces_that_of_the_d
         assert abs(hole.y_mm) < 1e-12 * RADIUS
 
 
+@pytest.mark.thorough
 def test_a_rim_too_thin_has_no_index_hole() -> None:
     least = (OUTER_WALL_IN_MODULES + INNER_WALL_IN_MODULES + 0.5) * MODULE
     for rim, there in ((least + 0.2, True), (least - 0.2, False)):
@@ -541,7 +546,7 @@ def picture(png: bytes) -> Array:
     return np.asarray(Image.open(BytesIO(png)).convert("RGB"), dtype=float)
 
 
-@pytest.mark.tiers(quick=["-1"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("sense", [1, -1])
 def test_the_ring_is_filled_outside_its_curve_and_the_driving_gear_inside(sense: int) -> None:
     """Whichever way the curve runs, as areas tell: a hole that is filled makes the ring nearly twice as large."""
@@ -556,7 +561,7 @@ def test_the_ring_is_filled_outside_its_curve_and_the_driving_gear_inside(sense:
     assert orange / blue == pytest.approx(20.0, rel=0.25)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_ring_is_drawn_turned_with_the_driving_gear() -> None:
     """By phi2 = 0.3: as one that stands at 0.3 with phi2 = 0.  Titles, which name phi2, are in the upper half."""
 

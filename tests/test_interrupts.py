@@ -134,6 +134,7 @@ main()
 """Ctrl-C while an object is freed, where the interpreter can raise nothing."""
 
 
+@pytest.mark.thorough
 def test_ctrl_c_is_heard_also_where_it_cannot_be_raised() -> None:
     done = python("-c", AWAY)
     assert_interrupted((done.returncode, done.stderr))
@@ -164,6 +165,7 @@ main()
 """Ctrl-C while manifold3d makes an enumeration as it is imported: an exception there aborts the process."""
 
 
+@pytest.mark.thorough
 def test_ctrl_c_waits_for_the_import_of_a_compiled_library() -> None:
     done = python("-c", IMPORT)
     assert done.stdout == "pressed\n"

@@ -62,7 +62,7 @@ def evaluated(pieces: tuple[Piece, ...], angles: Array) -> tuple[Array, Array]:
     return driven, ratio
 
 
-@pytest.mark.tiers(thorough=["baler", "a1 at law speed"], rest="slow")
+@pytest.mark.slow
 @every_case
 def test_angle_and_ratio_are_relatively_exact_everywhere(name: str) -> None:
     stroke, linkage, exact = case(name)

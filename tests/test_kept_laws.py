@@ -155,7 +155,7 @@ def test_files_without_a_law_are_refused(name: str) -> None:
         kept(name)
 
 
-@pytest.mark.tiers(quick=["designs/baler-66", "designs/pusher"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_no_quick_limit_is_above_a_law(name: str) -> None:
     assert over(kept(name).without_masses(), [("roughly", "all"), ("power", "dents")]) == {}

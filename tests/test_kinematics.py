@@ -63,6 +63,7 @@ def test_the_published_headline_figures() -> None:
     assert found.peak_acceleration_cycle.at > 1.3 * pi
 
 
+@pytest.mark.thorough
 def test_the_same_mechanism_at_its_own_speed() -> None:
     """16 675 W at 52.81 r/min, where its working speed is the 1100 mm/s asked for and its peak about 51 200 mm/s^2."""
     found = check(BALER_LAW, 52.81)

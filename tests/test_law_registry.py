@@ -58,6 +58,7 @@ def knows_a_law(path: Path) -> bool:
     return bool(asked or imported & modules)
 
 
+@pytest.mark.slow
 def test_nothing_else_tells_laws_apart() -> None:
     found = [path.relative_to(SOURCE).as_posix() for path in SOURCE.rglob("*.py") if knows_a_law(path)]
     assert [name for name in found if not name.startswith(BY_LAW)] == []

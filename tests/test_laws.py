@@ -317,7 +317,7 @@ def test_uniform_law_is_a_straight_line(lobes: Lobes) -> None:
 
 
 @pytest.mark.judges("ratio")
-@pytest.mark.tiers(quick=["0.05-*-lobes1"], slow=["*-lobes2", "*-lobes3"], rest="thorough")
+@pytest.mark.tiers(quick=["0.05-*-lobes1"], rest="slow")
 @pytest.mark.parametrize("lobes", [Lobes(), Lobes(1, 2), Lobes(2, 1), Lobes(2, 3)])
 @pytest.mark.parametrize(("eccentricity", "phase"), [(0.05, 0.0), (0.35, 3.49), (0.7, -1.0)])
 def test_elliptical_law_against_quadrature_of_its_radii(eccentricity: float, phase: float, lobes: Lobes) -> None:
@@ -666,7 +666,7 @@ DOUBLE = "2 + 1/(cos(phi) - cos(1.0))**2"
 """Two double poles, which the search for the least slope hits exactly."""
 
 
-@pytest.mark.tiers(thorough=["*tan*", "True-2*"], rest="quick")
+@pytest.mark.tiers(slow=["*tan*", "True-2*"], rest="thorough")
 @pytest.mark.parametrize("text", ["cos(phi)", "tan(phi/2)**2 + 1", "1/(1 + cos(phi))", DOUBLE])
 @pytest.mark.parametrize("scaled", [True, False])
 def test_a_ratio_with_a_pole_or_a_zero_is_no_law(text: str, scaled: bool) -> None:

@@ -45,7 +45,7 @@ def name(entry: Entry) -> str:
     return f"{entry.places[0]} {entry.what}"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
 def test_every_verdict_is_borne_out(paper: Paper) -> None:
     assert len(judgement(paper).entries) == len(paper.entries) > 0
@@ -315,7 +315,7 @@ def test_figures_that_were_computed_independently(title: str, what: str, verdict
     assert Printed(texts(values)).agrees(Computed(found.computed.values))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("title", "counts"),
     [
@@ -364,6 +364,7 @@ def test_no_cell_breaks_the_tables() -> None:
     assert all(line.count("|") == table[0].count("|") for table in tables for line in table)
 
 
+@pytest.mark.slow
 def test_the_page_is_todays() -> None:
     """``make docs`` writes it anew."""
     page = (ROOT / "docs" / PAGE).read_text(encoding="utf-8")

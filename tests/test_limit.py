@@ -47,6 +47,7 @@ def acceleration(rpm: float, power_w: float) -> Bound:
     return least_acceleration(Task(BALER_LINKAGE, PRESS, rpm * RPM), replace(USUAL, power_w=power_w))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("power_w", "at_law_speed", "at_sixty"),
     [
@@ -80,7 +81,7 @@ TABLE = [
 """Power, largest tangent angle in deg; the bound with the driven curve alone, and the best law, both on 720 knots."""
 
 
-@pytest.mark.tiers(quick=["18750.0-*"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(("power_w", "deg", "driven_alone", "law"), TABLE)
 def test_convex_curves_between_the_bound_of_one_and_a_law(
     power_w: float, deg: float, driven_alone: float, law: float
@@ -92,6 +93,7 @@ def test_convex_curves_between_the_bound_of_one_and_a_law(
     assert least * driven_alone <= found <= law
 
 
+@pytest.mark.slow
 def test_nothing_but_acceleration_in_closed_form() -> None:
     """Both strokes evenly faster, then evenly slower: A = 16 H / T^2 in line, and with an offset too."""
     for linkage in (BALER_LINKAGE, OFFSET, CrankSlider(100.0, 120.0), CrankSlider(100.0, 1e6)):
@@ -99,6 +101,7 @@ def test_nothing_but_acceleration_in_closed_form() -> None:
         assert 0.99 * exact < least_acceleration(Task(linkage, NONE, 2.0 * pi), WIDE).value <= exact
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("working", [2.5, 4.0])
 def test_given_working_stroke_in_closed_form(working: float) -> None:
     """Each stroke by itself: A = 4 H / t^2 of the quicker one."""
@@ -109,6 +112,7 @@ def test_given_working_stroke_in_closed_form(working: float) -> None:
     assert 0.99 * exact < found <= exact
 
 
+@pytest.mark.slow
 def test_power_alone_in_closed_form() -> None:
     """A constant force, all power all the time but where the ratio is at an end of its range: the return, dead centres.
 
@@ -128,12 +132,14 @@ def test_power_alone_in_closed_form() -> None:
     assert 0.8 * exact < least_power(task, WIDE).value <= exact * (1.0 + 1e-9)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("power_w", [6300.0, 9000.0])
 def test_power_and_acceleration_are_each_other_s_inverse(power_w: float) -> None:
     found = least_power(AT_SIXTY, replace(USUAL, acceleration_mm_s2=acceleration(60.0, power_w).value))
     assert found.value == pytest.approx(power_w, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_finer_grids_only_rise() -> None:
     """What is known between places is more on a finer grid; each is under the value of the finest but for rounding."""
     asked = replace(USUAL, power_w=6300.0)
@@ -143,6 +149,7 @@ def test_finer_grids_only_rise() -> None:
     assert found[-1] <= 28452.0  # the closed form, by another method
 
 
+@pytest.mark.slow
 def test_scaling_with_speed_and_size() -> None:
     """Half the speed: a quarter of the acceleration at half the power.  Twice the size at equal force: twice both."""
     base = acceleration(60.0, 9000.0).value
@@ -152,6 +159,7 @@ def test_scaling_with_speed_and_size() -> None:
     assert least_acceleration(task, replace(USUAL, power_w=18000.0)).value == pytest.approx(2.0 * base, rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_two_lobes_are_twice_the_speed() -> None:
     """A driving gear of two lobes has half a turn for the cycle: as one at twice the speed, with twice the ratio."""
     two = Task(BALER_LINKAGE, PRESS, 30.0 * RPM, Lobes(2))
@@ -159,7 +167,7 @@ def test_two_lobes_are_twice_the_speed() -> None:
     assert found.value == pytest.approx(acceleration(60.0, 9000.0).value, rel=1e-5)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_more_freedom_never_costs() -> None:
     tight = Demands(0.4, 2.5, power_w=15000.0, steepness=tan(0.5), times=(StretchTime("out", 0.0, pi, 3.0),))
     freer = [{"ratio_min": 0.3}, {"ratio_max": 3.0}, {"power_w": 16000.0}, {"steepness": tan(0.8)}, {"times": ()}]
@@ -168,6 +176,7 @@ def test_more_freedom_never_costs() -> None:
         assert least_acceleration(AT_SIXTY, replace(tight, **more)).value <= value * (1.0 + 1e-4)
 
 
+@pytest.mark.slow
 def test_a_tangent_next_to_a_right_angle_is_none() -> None:
     """exp(t h) is far beyond any float there."""
     for deg in (89.9, 89.999, 89.999999):
@@ -175,6 +184,7 @@ def test_a_tangent_next_to_a_right_angle_is_none() -> None:
         assert found.value == pytest.approx(acceleration(60.0, 9000.0).value, rel=1e-4)
 
 
+@pytest.mark.thorough
 def test_the_uniform_crank_is_within_its_own_limits_and_a_hundredth_less_is_not() -> None:
     check = kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 5.0))
     task = Task(BALER_LINKAGE, PRESS, 5.0)
@@ -189,7 +199,7 @@ def test_no_resistance_needs_no_power() -> None:
     assert least_power(Task(BALER_LINKAGE, NONE, 2.0 * pi), USUAL).value == 0.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_weighted_sum_is_no_more_than_a_scan_of_powers() -> None:
     weights = Weights(1.0 / 20000.0, 1.0 / 9000.0)
     found = least_weighted_sum(AT_SIXTY, USUAL, weights).value
@@ -198,7 +208,7 @@ def test_weighted_sum_is_no_more_than_a_scan_of_powers() -> None:
     assert 0.99 * scan < found <= scan * (1.0 + 1e-4)
 
 
-@pytest.mark.tiers(thorough=["*peak_power_w*"], rest="quick")
+@pytest.mark.tiers(slow=["*peak_power_w*"], rest="quick")
 @pytest.mark.parametrize(
     ("asked", "key", "said"),
     [

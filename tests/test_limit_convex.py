@@ -18,6 +18,7 @@ from published import BALER_LINKAGE, PRESS, RPM
 PLACES = 321
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rpm", "power_w", "ratios", "load"),
     [

@@ -284,6 +284,7 @@ def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> 
     assert broken_with_mass(seed, FIGURES) < SAMPLED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
 def test_figures_under_those_of_the_law_are_broken(name: str) -> None:
     """Negative control: a figure 2 % under the law's, without any room in its range."""
@@ -322,6 +323,7 @@ def dented_law(seed: int) -> tuple[Turning, str]:
     raise AssertionError(seed)
 
 
+@pytest.mark.slow
 def test_a_dented_law_breaks_the_relation_of_its_curve() -> None:
     """Negative control: laws with dents of both curves in turn."""
     seen = set()
@@ -459,6 +461,7 @@ def in_40_digits(of: Proof, cost: Array, multipliers: Array) -> mp.mpf:
         return total
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("programme", [solved, solved_with_driving_curve])
 def test_the_certified_value_is_under_the_dual_in_40_digits(programme: Callable[[], Solved]) -> None:
     """All that is charged for rounding and data is a few millionths."""

@@ -59,7 +59,7 @@ LIMITS = {
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.tiers(quick=["rms_torque_n_m"], rest="thorough")
+@pytest.mark.tiers(quick=["rms_torque_n_m"], rest="slow")
 @pytest.mark.parametrize("name", LIMITS)
 def test_a_limit_is_kept_by_exact_figures_and_pressed_against(name: str) -> None:
     """The search keeps back what is between its places, which is under a thousandth with 96 knots."""
@@ -81,7 +81,7 @@ GOALS = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_each_goal_is_least_at_its_own_law() -> None:
     laws = {goal: judged(limited(goal)) for goal in GOALS}
     uniform = figures(HEAVY, single(uniform_law(Lobes())))
@@ -92,7 +92,7 @@ def test_each_goal_is_least_at_its_own_law() -> None:
         assert own < 0.98 * getattr(uniform, name), goal
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_levels_of_the_search_are_the_exact_figures() -> None:
     """At the judge's places, with parabolas between them, every level is the figure of the rigid level to 1e-4."""
     every = {name: 1e3 * value for name, value in LIMITS.items()}
@@ -109,7 +109,7 @@ def test_the_levels_of_the_search_are_the_exact_figures() -> None:
         assert told == pytest.approx(getattr(exact, name), rel=1e-4), name
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_weighted_sum_weighs_braking() -> None:
     """Dearer braking brakes less and drives more, and each law is best by its own weights."""
     prices = [Prices(peak_power_w=1e-3, braking_power_w=share * 1e-3) for share in (0.0, 0.3, 1.0)]
@@ -121,7 +121,7 @@ def test_a_weighted_sum_weighs_braking() -> None:
         assert all(price.of(own) <= price.of(other) * (1.0 + 1e-5) for other in found)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_law_for_the_slider_alone_is_not_the_law_for_the_machine() -> None:
     """Rod and crank move too: who leaves them out takes more power than needed."""
     alone = replace(HEAVY, masses=replace(WHOLE, rod_kg=0.0, rod_inertia_kg_mm2=0.0, crank_kg=0.0))
@@ -130,7 +130,7 @@ def test_a_law_for_the_slider_alone_is_not_the_law_for_the_machine() -> None:
     assert judged(FEW, massless).peak_power_w > 1.5 * judged(FEW).peak_power_w
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_nearest_force_between_teeth_is_enough() -> None:
     """A refusal names the least that would do; with it a law is found, and with a hundredth less none."""
     little = limited(tooth_force_n=7_000.0)
@@ -200,7 +200,7 @@ def least_size_n(of: str) -> float:
     return float(answer.x[0]) * scale
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("goal", "name"), [(Goal.SHAKING_FORCE, "shaking_force_n"), (Goal.BEARING_FORCE, "bearing_force_n")]
 )
@@ -216,7 +216,7 @@ def test_least_forces_are_those_of_a_conic_programme(goal: Goal, name: str) -> N
     assert least < 0.95 * uniform
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_price_on_loads_is_one_of_the_whole_machine() -> None:
     """The goal of the search is that of the exact figures, in the same units."""
     wishes = replace(FEW, goal=Goal.WEIGHTED, weights=Prices(peak_power_w=1e-3, shaking_force_n=1e-3))

@@ -75,7 +75,7 @@ def moment_n_mm(found: Loading, gear: Gear) -> Array:
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.tiers(quick=["sine-31-20000.0"], rest="thorough")
+@pytest.mark.tiers(quick=["sine-31-20000.0"], rest="slow")
 @pytest.mark.parametrize("torque_n_mm", [2e4, -2e4])
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_forces_at_their_points_balance_the_torques_of_both_gears(name: str, teeth: int, torque_n_mm: float) -> None:
@@ -147,6 +147,7 @@ def test_equal_springs_share_evenly() -> None:
     assert contacts.force_n[~contacts.flanks].max() < 0.5 * 1e5 / BASE
 
 
+@pytest.mark.thorough
 def test_uneven_springs_share_by_their_stiffness() -> None:
     """F_i = k_i T / (r sum of k), with each k from the radii at which the contact is on both flanks."""
     slope = 0.15
@@ -195,7 +196,7 @@ def test_without_torque_nothing_bears() -> None:
 # --- other gears ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("relief", [None, TipRelief(0.03, 1.2, MODULE)], ids=["exact", "relief"])
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 31), ("ring", 24), ("uniform 3:2", 21)])
 def test_speeds_are_those_at_which_contacts_move_along_their_flanks(
@@ -235,7 +236,7 @@ def test_teeth_are_loaded_as_their_turn_comes_and_each_has_its_own_largest_load(
         assert largest.max() > 1.3 * largest.min()
 
 
-@pytest.mark.tiers(thorough=["sine*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_shares_are_those_of_the_search_that_knows_of_friction_and_other_exponents(name: str, teeth: int) -> None:
     phi1 = np.linspace(0.0, 2.0 * pi, 1501)
@@ -279,7 +280,7 @@ def drive_loading(drive: Drive) -> Loading:
     return drive.loading(drive.pair_stiffness.methods, drive.materials)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_published_baler_with_masses_bears_its_94_295_newtons() -> None:
     """All pairs together bear the rigid level's mesh force, largest at 201 deg; at 20 r/min one pair bears 67 kN."""
     drive = drives.drive("baler-dynamics")
@@ -300,7 +301,7 @@ def test_the_published_baler_with_masses_bears_its_94_295_newtons() -> None:
     assert found.cycle_turns == 1
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_without_masses_the_resistance_alone_loads_the_teeth() -> None:
     """The torque by virtual work: the force on the slider times its velocity over the driven gear's speed."""
     drive = drives.drive("baler")
@@ -344,6 +345,7 @@ def test_what_cannot_be_loaded_is_refused_by_key(text: str, key: str, said: str)
     assert told.value.key == key
 
 
+@pytest.mark.thorough
 def test_twice_the_width_is_twice_as_stiff_and_half_the_modulus_half() -> None:
     wide = drives.drive_of_text((PRESS + FORCE).replace("face_width_mm: 10", "face_width_mm: 20"))
     narrow = drives.drive_of_text(PRESS + FORCE)

@@ -84,6 +84,7 @@ def is_refused(data: Data) -> bool:
     return False
 
 
+@pytest.mark.thorough
 def test_what_another_program_makes_is_made_or_mended() -> None:
     """phi - 0.08 sin 2 phi, 12 teeth of module 5; the pressure angle in closed form is that of a tangent and the rack.
 
@@ -107,6 +108,7 @@ def test_a_pressure_angle_of_25_degrees_alone_builds(teeth: int) -> None:
     assert mending(drive) is None
 
 
+@pytest.mark.slow
 def test_8_teeth_are_mended_by_25_degrees_and_the_mate_as_tool() -> None:
     search = searched("8 teeth")
     assert search is not None
@@ -162,7 +164,7 @@ def test_each_way_that_does_not_work_was_tried(name: str) -> None:
         assert not is_refused(with_changes(CASES[name], search.found.way.changes))
 
 
-@pytest.mark.tiers(slow=["strongly*"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["more contact than any rack has", "strongly concave"])
 def test_a_refusal_that_remains_names_all_that_was_tried(name: str) -> None:
     search = searched(name)
@@ -231,7 +233,7 @@ def test_more_teeth_keep_the_centre_distance_and_whole_numbers() -> None:
     assert set(counts) == {15, 18, 27}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_of_equal_ways_the_one_of_most_contact_is_taken() -> None:
     """An addendum and a shift that cost contact at 20 degrees; at 22.5 and at 25 degrees all of it is exact."""
     data = data_of(EVEN, 9, undercut="allow")
@@ -278,6 +280,7 @@ gears:
 """
 
 
+@pytest.mark.slow
 def test_the_refusal_of_a_build_names_the_change(run: Run) -> None:
     Path("d.yaml").write_text(TEXT)
     status, out, err = run("build", "d.yaml")
@@ -290,6 +293,7 @@ def test_the_refusal_of_a_build_names_the_change(run: Run) -> None:
     assert [path.name for path in Path().iterdir()] == ["d.yaml"]
 
 
+@pytest.mark.thorough
 def test_a_root_radius_that_does_not_fit_is_still_wrong_input(run: Run) -> None:
     Path("d.yaml").write_text(TEXT.replace("teeth: 8 ", "teeth: 30").replace("profile: B", "root_radius: 0.6"))
     status, _, err = run("build", "d.yaml")
@@ -298,7 +302,7 @@ def test_a_root_radius_that_does_not_fit_is_still_wrong_input(run: Run) -> None:
     assert "what works: gears.rack.root_radius: 0.47 (contact ratio" in err
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["report", "animate"])
 def test_other_commands_name_the_build_that_mends(command: str, run: Run) -> None:
     Path("d.yaml").write_text(TEXT)
@@ -331,7 +335,7 @@ def test_a_mended_build_says_so_and_keeps_its_design_file(run: Run) -> None:
     assert {"few-mended.yaml", "driving.csv", "driving.stl"} <= set(again)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_check_makes_the_teeth_only_when_asked(run: Run) -> None:
     Path("d.yaml").write_text(TEXT)
     assert run("check", "d.yaml")[0] == 0
@@ -344,7 +348,7 @@ def test_check_makes_the_teeth_only_when_asked(run: Run) -> None:
     assert [path.name for path in Path().iterdir()] == ["d.yaml"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_another_fault_of_a_mended_design_has_its_place_in_the_file(run: Run) -> None:
     """A bore beyond the roots: the mended build fails and writes nothing."""
     Path("d.yaml").write_text(TEXT + "  driving: {bore_mm: 60}\n")
@@ -354,6 +358,7 @@ def test_another_fault_of_a_mended_design_has_its_place_in_the_file(run: Run) ->
     assert [path.name for path in Path().iterdir()] == ["d.yaml"]
 
 
+@pytest.mark.thorough
 def test_nothing_is_mended_that_holds(run: Run) -> None:
     Path("d.yaml").write_text(TEXT.replace("teeth: 8 ", "teeth: 30"))
     status, out, _ = run("check", "d.yaml", "--mend")
@@ -362,6 +367,7 @@ def test_nothing_is_mended_that_holds(run: Run) -> None:
     assert "few-mended" not in out
 
 
+@pytest.mark.slow
 def test_a_mended_file_keeps_comments_and_makes_the_gears_that_were_found() -> None:
     loaded = parsed(TEXT, Path("few.yaml"))
     search = ncgear.mending(Drive(loaded.design))

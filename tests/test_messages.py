@@ -58,7 +58,7 @@ def unknown_keys(text: str) -> list[str]:
     return [word for word in UNITS.findall(text) if word not in names_of_keys()]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_there_are_messages() -> None:
     assert len(messages()) > 150
 

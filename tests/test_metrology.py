@@ -82,7 +82,7 @@ def test_over_pins_of_a_circular_gear_is_the_closed_form(teeth: int, shift: floa
     np.testing.assert_allclose(two.distance_mm, across, rtol=AGREEMENT)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_between_pins_of_a_circular_ring_is_the_closed_form() -> None:
     ring = made("ring 1:2", 30)[1].driven
     found = pins(ring, 3.5)
@@ -103,7 +103,7 @@ def test_balls_of_a_circular_helical_gear_are_the_closed_form() -> None:
     np.testing.assert_allclose(found.over_mm, center + 1.75, rtol=AGREEMENT)
 
 
-@pytest.mark.tiers(thorough=["ellipse-37"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("ellipse", 37), ("baler", 60), ("ring", 32), ("deep sine", 60)])
 def test_a_pin_touches_both_flanks_of_its_space_and_nothing_else(name: str, teeth: int) -> None:
     """The outline, whose flanks stray by less than a tolerance, is as far from the centre as the pin's radius."""
@@ -206,7 +206,7 @@ def caliper(gear: ToothedGear, first: int, last: int, turn_rad: np.ndarray) -> n
     return (other @ direction).max(axis=0) - (one @ direction).min(axis=0)
 
 
-@pytest.mark.tiers(slow=["baler-60"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("ellipse", 37), ("sine", 30), ("baler", 60)])
 def test_a_span_is_where_the_reading_of_a_tilted_caliper_turns(name: str, teeth: int) -> None:
     gear = made(name, teeth)[1].driving
@@ -227,7 +227,7 @@ def test_elsewhere_the_reading_of_a_tilted_caliper_does_not_turn() -> None:
     assert np.all(np.diff(reading) > 0.0) or np.all(np.diff(reading) < 0.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_chords_begin_and_end_where_the_curve_is_convex() -> None:
     pitch = made("deep sine", 60)[0]
     chords = measuring_chords(pitch.driving, ANGLE)

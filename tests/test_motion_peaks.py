@@ -61,6 +61,7 @@ def knocking() -> Course:
     return course(found, started(found, LAWS["sine"](), Start.ON_LAW, SPEED), 0.6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("speed", "inertia"), [(0.4, 3e4), (1.5, 7e3)])
 def test_an_impact_from_rest_has_the_closed_forms_peak(speed: float, inertia: float) -> None:
     """Without damping and load M w^2 / 2 = N k d^(n + 1) / (n + 1); even rows see next to nothing of it."""
@@ -110,6 +111,7 @@ def test_no_time_shows_more_than_the_peaks() -> None:
     assert rows.back_n.max() < 0.999 * peaks.back_n.value
 
 
+@pytest.mark.slow
 def test_a_force_that_ends_at_a_dead_centre_is_met_on_its_own_side() -> None:
     """The resistance is largest where it ends; the wrist bears it and the slider's inertia just before."""
     resistance = PolynomialResistance((0.0, 40.0))
@@ -141,7 +143,7 @@ def test_the_laws_motion_is_the_one_at_the_driving_gears_own_speed() -> None:
     assert peaks.velocity_error.value < 0.02 * np.abs(shown.law.velocity).max()
 
 
-@pytest.mark.tiers(thorough=["0.003"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize("width_mm", [0.01, 0.003])
 def test_a_narrow_peak_of_the_resistance_is_met(width_mm: float) -> None:
     """The wrist bears its part of it: the crank slows down by its moment while speeds and teeth are as they were."""
@@ -164,6 +166,7 @@ def test_a_narrow_peak_of_the_resistance_is_met(width_mm: float) -> None:
     assert np.hypot(rows.x, rows.y).max() < 0.5 * peak.value
 
 
+@pytest.mark.thorough
 def test_a_solver_that_steps_over_a_narrow_peak_is_told_by_the_energy() -> None:
     """Negative control of the stops about it."""
     resistance = TableResistance((0.0, 57.99, 58.0, 58.01, 120.0), (200.0, 200.0, 2e4, 200.0, 200.0))

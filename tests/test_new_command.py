@@ -117,6 +117,7 @@ def test_answers_that_give_no_gears_are_asked_again(tmp_path: Path) -> None:
     assert design.gears.teeth == 60
 
 
+@pytest.mark.slow
 def test_ctrl_c_at_a_question_writes_nothing(tmp_path: Path) -> None:
     status, shown = at_terminal(["new"], ["a\n", "\x03"], tmp_path)
     assert status == 130
@@ -124,6 +125,7 @@ def test_ctrl_c_at_a_question_writes_nothing(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.slow
 def test_yes_asks_nothing(tmp_path: Path) -> None:
     status, shown = at_terminal(["new", "a", "--yes"], [], tmp_path)
     assert (status, shown) == (0, "a.yaml\r\n")
@@ -236,6 +238,7 @@ def test_wishes_stand_in_place_of_those_of_a_machine(run: Run, tmp_path: Path) -
     assert machine_template("a", MachineName.PUSHER).count("#") == text.count("#")
 
 
+@pytest.mark.slow
 def test_commented_rows_of_wishes_and_of_both_strokes_are_right_as_they_stand() -> None:
     rows, group = [], False
     for line in template("a").splitlines():
@@ -254,7 +257,7 @@ def test_commented_rows_of_wishes_and_of_both_strokes_are_right_as_they_stand() 
     assert (drive.check.mean_power_w - before_w) * cycle_s == pytest.approx(0.76 * (50 + 2 * 20), rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("machine", MachineName)
 def test_a_larger_and_faster_machine_keeps_its_proportions(machine: MachineName) -> None:
     """Twice the stroke at half the speed: the same law, forces and power, and half the acceleration."""
@@ -284,7 +287,7 @@ def test_a_larger_and_faster_machine_keeps_its_proportions(machine: MachineName)
         assert limits.peak_acceleration_mm_s2 == pytest.approx(0.5 * limits_before.peak_acceleration_mm_s2)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gears_that_cannot_be_made_are_refused_before_the_file_is_written(run: Run, tmp_path: Path) -> None:
     status, out, err = run("new", "a", "--teeth", "5")
     assert (status, out) == (3, "")
@@ -311,7 +314,7 @@ def test_only_lines_of_other_values_differ_from_the_template(law: LawName) -> No
     assert rewritten(before, {}) == before
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_template_keeps_its_proportions() -> None:
     """Twice the machine: the same law, the same force at each share of the stroke."""
     usual, twice = loads(template("a")), loads(begun("a", LawName.THREE_SEGMENT_STROKE, {"crank_mm": 760}))
@@ -363,7 +366,7 @@ def test_what_is_written_builds_and_the_rest_is_refused_with_a_reason(run: Run, 
         assert not Path("a.yaml").exists()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_no_file_is_touched_that_appears_while_answers_are_given(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("precious")
     done = fresh("new", "a", "--teeth", "50", folder=tmp_path)

@@ -83,7 +83,7 @@ def shown(value: Shown) -> Read:
     return read
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_drive_shows_the_figures_of_its_report_and_the_machine() -> None:
     drive = drives.drive("pusher")
     read = shown(drive)
@@ -96,7 +96,7 @@ def test_a_drive_shows_the_figures_of_its_report_and_the_machine() -> None:
     assert len(drive._repr_html_()) < 300_000
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "words"),
     {
@@ -122,7 +122,7 @@ def test_a_stage_shows_itself(name: str, words: str) -> None:
     assert all(vars(value)[key] is held for key, held in before.items())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_is_searched_for_shows_itself_and_searches_for_nothing() -> None:
     few = ncgear.loads(f"name: few\n{MACHINE}\n{FEW_TEETH}")
     search = ncgear.mending(few)
@@ -151,6 +151,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", REFUSED)
 def test_what_does_not_exist_is_shown_as_its_refusal(part: str) -> None:
     drive = ncgear.loads(f"name: refused\n{REFUSED[part]}", "refused.yaml")
@@ -179,6 +180,7 @@ def test_a_fault_is_told_and_ends_nothing() -> None:
 EVIL = "</style><script>alert(1)</script><img src=x onerror=alert(1)>"
 
 
+@pytest.mark.thorough
 def test_nothing_that_a_design_says_becomes_html() -> None:
     named = {"name": EVIL, "description": f'"{EVIL}'}
     design = ncgear.loads(f"name: even\n{MACHINE}").design.model_copy(update=named)
@@ -210,6 +212,7 @@ def test_the_machine_runs_as_the_scene_says(name: str) -> None:
         assert numbers == pytest.approx([x, y, angle], rel=1e-5, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_equal_charts_have_equal_names_and_others_do_not_share_any() -> None:
     chart = drives.drive("pusher").motion
     other = drives.drive("baler").motion
@@ -218,6 +221,7 @@ def test_equal_charts_have_equal_names_and_others_do_not_share_any() -> None:
     assert not ids[0] & ids[2]
 
 
+@pytest.mark.slow
 def test_a_value_that_nobody_shows_loads_no_drawing() -> None:
     assert "matplotlib" not in modules_after("import ncgear.kinematics.motion, ncgear.shown")
 

@@ -99,6 +99,7 @@ every_law = pytest.mark.parametrize("name", LAWS)
 # --- laws
 
 
+@pytest.mark.slow
 def test_spirals_have_one_pressure_angle_and_roll_on_each_other() -> None:
     """m = ln(r1 end / r1 start) / phi1 everywhere; the driven curve falls as exp(-m phi2); closed-form lengths."""
     found, turned = law("spiral"), radians(200.0)
@@ -172,6 +173,7 @@ def test_spirals_that_are_circles_are_refused() -> None:
 # --- the continuation
 
 
+@pytest.mark.thorough
 @every_law
 def test_curves_go_on_to_whole_turns_and_whole_pitches(name: str) -> None:
     found, known = pitch(name).transmission, law(name)
@@ -191,6 +193,7 @@ def test_curves_go_on_to_whole_turns_and_whole_pitches(name: str) -> None:
     assert pitches == pytest.approx(toothed.around, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_teeth_of_the_range_do_not_depend_on_the_continuation(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two continuations of other turns: flanks that are touched within the range are the same to rounding."""
     own = pitch("spiral")
@@ -283,6 +286,7 @@ def test_the_teeth_that_are_made_suffice(name: str) -> None:
         assert int(touched.max()) // 2 + 1 <= pitch(name).size.driving_teeth
 
 
+@pytest.mark.thorough
 def test_a_tooth_fewer_at_the_end_loses_contact() -> None:
     """A negative control: without the last two teeth nothing touches at the end of the range."""
     fewer = made_otherwise("spiral", -2)
@@ -318,6 +322,7 @@ def test_written_outlines_touch_where_the_exact_teeth_do(name: str) -> None:
         assert 0.2 * module <= min(written.driving_tips_mm, written.driven_tips_mm) <= 0.3 * module
 
 
+@pytest.mark.slow
 def test_any_module_suits_any_centre_distance_and_teeth_count_the_pitches_of_the_range() -> None:
     for module in (0.77, 1.9, 3.3):
         curves = sized_pair(law("spiral"), None, module, 110.0)
@@ -330,6 +335,7 @@ def test_any_module_suits_any_centre_distance_and_teeth_count_the_pitches_of_the
         sized_pair(law("spiral"), 30, 2.0, 100.0)
 
 
+@pytest.mark.slow
 def test_flatter_racks_have_more_teeth_beside_the_range() -> None:
     """At 14.5 deg flanks touch over 1.3 pitches to each side, so a tooth more stands before the range."""
     steep, flat = (sized_pair(law("spiral"), None, 2.0, 110.0, reach_in_pitches=reach) for reach in (1.0, 1.32))
@@ -371,6 +377,7 @@ def test_the_machine_goes_from_end_to_end_and_no_farther() -> None:
     assert found.check.mean_power_w * time_s == pytest.approx(work, rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("range_deg", "holds"), [(12.0, False), (16.0, True)])
 def test_a_range_must_hold_the_whole_arc_of_a_pair_of_flanks(range_deg: float, holds: bool) -> None:
     """Module 2 at 110 mm: 12 deg are 2.6 pitches long, 16 deg 3.0, and a pair of flanks touches over 1.8 pitches."""
@@ -402,6 +409,7 @@ def test_a_range_may_swing_a_rocker() -> None:
     assert swung == pytest.approx([0.0, found.linkage.displacement(end).value[0]], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_solids_are_watertight_and_have_the_area_of_their_outline() -> None:
     case = built("spiral-pair")
     for gear in ("driving", "driven"):
@@ -491,6 +499,7 @@ def test_what_needs_whole_turns_says_so(what: str) -> None:
     assert refusal.value.key == "motion.law"
 
 
+@pytest.mark.slow
 def test_a_formula_may_have_a_range() -> None:
     text = 'motion: {law: ratio_expression, ratio: "1.5 - 0.1*phi", range_deg: 150}'
     found = drive_of_text(OPEN.replace("motion: {law: spiral, range_deg: 200, ratio_start: 1.6, ratio_end: 1.0}", text))
@@ -538,6 +547,7 @@ def judged_or_refused(drawn: tuple[Any, ...], module: float) -> bool:
     return True
 
 
+@pytest.mark.slow
 @settings(max_examples=8, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 @given(drawn=st.one_of(spirals, generators), module=st.floats(1.0, 3.0))
 def test_random_pairs_mesh_or_are_refused(drawn: tuple[Any, ...], module: float) -> None:
@@ -552,7 +562,7 @@ def test_many_random_pairs_mesh_or_are_refused(drawn: tuple[Any, ...], module: f
     judged_or_refused(drawn, module)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_most_random_spirals_that_leave_room_stand() -> None:
     """Refusals are no way out: of moderate spirals nearly all are made."""
     generator_of = np.random.default_rng(7)

@@ -55,7 +55,7 @@ def numbers(value: object) -> Iterator[float]:
         yield float(value)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_is_written(run: Run) -> None:
     """A design that loads and builds its law, comments kept, and a certificate of finite numbers."""
     status, out, err = run(HEAD + FEW)
@@ -147,7 +147,7 @@ def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path
     assert not list(Path(tmp_path, "export").glob("*/*"))
 
 
-@pytest.mark.tiers(slow=["driven_speed_rpm: 61*"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("limits", "status", "said"),
     [
@@ -205,7 +205,7 @@ masses:
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_power_of_limit_law_and_comparison_counts_the_mass_of_the_slider(run: Run) -> None:
     """One mass for every command; the power is the greatest of (F + m a) v over the whole cycle, sampled anew."""
     status, out, _ = run(HEAD + MASSES + "optimize: {goal: least_power, knots: 36}\n")
@@ -222,7 +222,7 @@ def test_the_power_of_limit_law_and_comparison_counts_the_mass_of_the_slider(run
     assert found["law"]["peak_power_w"] == found["goal"]["law"] > found["goal"]["limit"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("motion", "lost"),
     [
@@ -320,6 +320,7 @@ def test_a_limit_at_the_mean_ratio_leaves_no_law_to_search(run: Run, goal: str, 
     assert f"{side} is right" in err
 
 
+@pytest.mark.slow
 def test_limits_that_no_programme_can_keep_are_refused_by_what_was_given(monkeypatch: pytest.MonkeyPatch) -> None:
     """No peak is named that nobody gave."""
     task = Task(BALER_LINKAGE, SliderLoad(PolynomialResistance((50.0,))), 3.0)

@@ -132,7 +132,7 @@ def distances(points: Array, gear: ToothedGear) -> Array:
     return rack_cut.deviation_of_points(flat, Polygon(gear.outline_mm)).reshape(points.shape[:-1])
 
 
-@pytest.mark.tiers(thorough=["sine-25", "baler-25", "spline-25"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -142,7 +142,7 @@ def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str
         assert max(distances(points, gear).max() for points in dense_lands(gear)) <= TOLERANCE
 
 
-@pytest.mark.tiers(quick=["undercut*"], thorough=["baler*", "sine*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_vertices_are_on_the_exact_curves_but_for_hollow_ones(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -164,7 +164,7 @@ def distance_to(lines: list[Array], points: Array) -> Array:
     return distance
 
 
-@pytest.mark.tiers(quick=["3:1-48"], thorough=["baler-25"], rest="slow")
+@pytest.mark.tiers(thorough=["baler-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), [("3:1", 48), ("baler", 25), ("undercut", 12)])
 def test_chords_of_flanks_stay_within_the_material_where_the_mate_comes_near(name: str, teeth: int) -> None:
     """Points of the exact curves are on the outline or outside it; a rack's fillets are hollow and no mate is near."""
@@ -180,7 +180,7 @@ def test_chords_of_flanks_stay_within_the_material_where_the_mate_comes_near(nam
     assert distances(deep, gears("undercut", 12)[0]).max() > TOLERANCE / 3.0
 
 
-@pytest.mark.tiers(quick=["*-undercut-12"], thorough=["0.02-*"], rest="slow")
+@pytest.mark.tiers(thorough=["*-undercut-12"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 @pytest.mark.parametrize("tolerance", [0.02, 0.001])
 def test_flanks_use_the_tolerance(name: str, teeth: int, tolerance: float) -> None:
@@ -220,7 +220,7 @@ def test_outline_never_turns_back(name: str, teeth: int, tolerance: float) -> No
         assert np.abs(turns(gear.outline_mm)).max() < pi / 2.0 + atan(0.25)
 
 
-@pytest.mark.tiers(thorough=["0.02"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.02, 0.001, 0.0001])
 def test_the_tolerance_holds_across_jumps_of_the_curvature(tolerance: float) -> None:
     for gear in gears("baler", 25, 3.0, tolerance):
@@ -243,7 +243,7 @@ def test_circular_gear_has_its_tip_and_root_circles() -> None:
         assert (radius.max(), radius.min()) == pytest.approx((20.0, 15.5), rel=1e-13)
 
 
-@pytest.mark.tiers(thorough=["uniform-18"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 18), ("sine", 25), ("baler", 25)])
 def test_area_converges_linearly_with_the_tolerance(name: str, teeth: int) -> None:
     """Second order in the chord's length, which is the tolerance's square root; the reference is 31 times finer."""
@@ -258,7 +258,7 @@ def test_area_converges_linearly_with_the_tolerance(name: str, teeth: int) -> No
 # --- symmetry ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(quick=["uniform-18"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("uniform", 18), ("3:1", 48)])
 def test_even_law_gives_outlines_that_are_their_own_mirror_image(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -269,13 +269,14 @@ def test_even_law_gives_outlines_that_are_their_own_mirror_image(name: str, teet
         assert rack_cut.outline_distance(polygon, mirrored) < 1e-9
 
 
+@pytest.mark.thorough
 def test_uneven_law_does_not() -> None:
     """Negative control."""
     polygon = Polygon(gears("baler", 25)[0].outline_mm)
     assert rack_cut.outline_distance(polygon, affinity.scale(polygon, 1.0, -1.0, origin=(0.0, 0.0))) > 1.0
 
 
-@pytest.mark.tiers(slow=["sine-24-repeats2"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth", "repeats"), [("3:1", 48, (3, 1)), ("1:2", 24, (1, 2)), ("sine", 24, (2, 2))])
 def test_lobed_gear_comes_back_to_itself_when_turned(name: str, teeth: int, repeats: tuple[int, int]) -> None:
     for gear, number in zip(gears(name, teeth), repeats, strict=True):
@@ -301,7 +302,7 @@ def turned(polygon: Polygon, angle: float) -> Polygon:
     return affinity.rotate(polygon, angle, origin=(0.0, 0.0), use_radians=True)
 
 
-@pytest.mark.tiers(slow=["baler-25"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("baler", 25), ("1:2", 24)])
 def test_teeth_advanced_by_a_pitch_make_the_same_gears(name: str, teeth: int) -> None:
     """Tooth i has then gone where tooth i + 1 stood; by half a pitch, teeth stand where spaces were."""
@@ -329,6 +330,7 @@ def test_a_circular_gear_is_the_same_wherever_its_teeth_begin(share: float) -> N
         assert rack_cut.outline_distance(outlines[0], turned(outlines[1], sense * angle)) < 1e-9
 
 
+@pytest.mark.slow
 def test_an_ellipse_begun_half_a_cycle_later_is_the_same_gear_turned() -> None:
     """A law that starts elsewhere in its cycle puts the seam elsewhere: the same gears, turned, and no trace of it."""
     wanted = ToothForm(rack(), limits=TipLimits(0.4))

@@ -45,7 +45,7 @@ def test_centre_distance_is_that_of_the_pitch_curves() -> None:
     assert sine_law(DEPTH).center_distance_mm(TEETH, MODULE) == pytest.approx(pitch.center_distance_mm, rel=1e-13)
 
 
-@pytest.mark.tiers(quick=["0.005"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.005, 0.0005, 0.00005])
 def test_chords_inside_convex_flanks_leave_up_to_two_tolerances(tolerance: float) -> None:
     found = judged(*outlines(tolerance))
@@ -53,7 +53,7 @@ def test_chords_inside_convex_flanks_leave_up_to_two_tolerances(tolerance: float
     assert 1.4 * tolerance < found.gap * MODULE <= 2.0 * tolerance
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.0005, 0.00001])
 def test_chords_that_straddle_flanks_overlap_as_much_as_they_gape(tolerance: float) -> None:
     """With fewer points by the square root of 2; fillets and lands are the same."""
@@ -71,12 +71,14 @@ def test_chords_that_straddle_flanks_overlap_as_much_as_they_gape(tolerance: flo
     assert 0.97 * points[0] < np.sqrt(2.0) * (points[1] - 2 * 2 * TEETH) < 1.1 * points[0]
 
 
+@pytest.mark.slow
 def test_every_pair_in_mesh_is_looked_at() -> None:
     # Front and back, 40 positions a tooth, and more than one pair at most of them.
     found = judged(*outlines(0.005))
     assert 1.2 * 2 * 40 * TEETH < found.pairs < 2.0 * 2 * 40 * TEETH
 
 
+@pytest.mark.slow
 def test_backlash_is_gap_along_the_normal() -> None:
     """All of it on the idle side, and most where the driven gear's flanks have the longest arm."""
     tolerance = 0.0005
@@ -87,7 +89,7 @@ def test_backlash_is_gap_along_the_normal() -> None:
     assert found.gap * MODULE == pytest.approx(most, abs=3.0 * tolerance)
 
 
-@pytest.mark.tiers(quick=["-0.0001"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [1e-4, -1e-4])
 def test_a_driven_gear_turned_too_far_overlaps_on_one_side_and_gapes_on_the_other(angle: float) -> None:
     tolerance = 0.00005
@@ -98,10 +100,12 @@ def test_a_driven_gear_turned_too_far_overlaps_on_one_side_and_gapes_on_the_othe
     assert 0.7 * lever < found.gap < 1.1 * lever
 
 
+@pytest.mark.slow
 def test_another_law_does_not_pass() -> None:
     assert judged(*outlines(0.0005), depth=0.081).overlap > 10.0 * 0.0005
 
 
+@pytest.mark.slow
 def test_flanks_that_never_meet_are_no_pairs() -> None:
     driving, driven = outlines(0.005)
     assert judged(driving, turned(driven, pi / TEETH)).gap == np.inf

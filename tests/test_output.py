@@ -306,7 +306,7 @@ optimize: {knots: 12}
 """
 
 
-@pytest.mark.tiers(quick=["sweep"], thorough=["balance"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command", long_but([command for command in EVERY_COMMAND if command != "optimize"], EVERY_COMMAND)
 )
@@ -515,7 +515,7 @@ def near(pixels: np.ndarray, color: str) -> int:
     return int(np.sum(np.abs(pixels - np.array(ImageColor.getrgb(color))).max(axis=2) < 25))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_pitch_curves_show_both_gears_and_concave_stretches_only_where_there_are_any() -> None:
     driving, driven = wavy(50.0, 0.0), wavy(50.0, pi)
     pair = gears.Assembled(driving, driven, 100.0)
@@ -526,6 +526,7 @@ def test_pitch_curves_show_both_gears_and_concave_stretches_only_where_there_are
     assert near(shades(gears.pitch_curves_png(pair, (some, none), "pitch curves")), HIGHLIGHT) > 500
 
 
+@pytest.mark.slow
 def test_tooth_pair_shows_every_position() -> None:
     positions = [gears.Position(angle, angle, 50.0) for angle in (0.0, 1.0, 2.0)]
     pixels = shades(gears.teeth_png(gears.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), 2.5, positions, "teeth"))
@@ -561,17 +562,19 @@ def test_curves_are_drawn(draw: Any, joints: np.ndarray) -> None:
     assert pixels.shape[0] > 500
 
 
+@pytest.mark.slow
 def test_power_without_resistance_and_a_name_with_dollar_signs_can_be_drawn() -> None:
     idle = motion()
     idle = OutputMotion(**{**vars(idle), "load": 0.0 * idle.load, "power_w": 0.0 * idle.power_w})
     assert near(shades(power_png(idle, idle, "a $ and $\\frac")), DRIVING) > 500
 
 
+@pytest.mark.slow
 def test_pictures_are_the_same_bytes_each_time() -> None:
     assert motion_png(motion(), motion(), "a") == motion_png(motion(), motion(), "a")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_no_global_plotting_state_is_touched(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "matplotlib.pyplot", raising=False)
     motion_png(motion(), motion(), "a")

@@ -34,7 +34,7 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
-@pytest.mark.tiers(quick=["uniform-8"], thorough=["uniform*", "ellipse-37", "sine-25", "baler-25"], rest="slow")
+@pytest.mark.tiers(thorough=["uniform-8", "uniform*", "sine-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8), ("deep sine", 72), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
@@ -49,7 +49,7 @@ def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int)
     assert contact.penetration_mm == found.overlap_mm.max()
 
 
-@pytest.mark.tiers(slow=["uniform 1:2-24", "uniform 3:2-30"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("uniform 1:2", 24), ("uniform 3:2", 30)])
 def test_transmission_error_of_circular_outlines_vanishes_with_the_tolerance(name: str, teeth: int) -> None:
     tolerances = 2e-2 * 10.0 ** -np.array([0.0, 0.5, 1.0, 1.5, 2.0])
@@ -64,7 +64,7 @@ def test_transmission_error_of_circular_outlines_vanishes_with_the_tolerance(nam
     assert errors[-1] < errors[0] / 25.0
 
 
-@pytest.mark.tiers(slow=["sine", "baler"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ellipse", "sine", "baler"])
 def test_transmission_error_of_other_outlines_vanishes_too(name: str) -> None:
     """Within three tolerances over the driven pitch radius at every position, and in proportion."""
@@ -87,7 +87,7 @@ def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
 # --- negative controls -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(thorough=["ellipse"], slow=["baler"], rest="quick")
+@pytest.mark.tiers(thorough=["ellipse"], slow=["baler"], rest="thorough")
 @pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
 def test_straight_sided_teeth_do_not_pass_for_conjugate_ones(name: str) -> None:
     """A tolerance so coarse that every curve is one chord; the bound that sampled exact flanks keep is missed."""

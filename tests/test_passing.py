@@ -69,7 +69,7 @@ def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | Point]:
 KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20.0), ("lever", -100.0), ("yoke", 180.0)]
 
 
-@pytest.mark.tiers(quick=["in front-30.0", "lever--100.0"], rest="thorough")
+@pytest.mark.tiers(thorough=["in front-30.0", "lever--100.0"], rest="thorough")
 @pytest.mark.parametrize(("kind", "axis"), KINDS)
 def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> None:
     found = made(kind, axis)
@@ -83,6 +83,7 @@ def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> Non
         assert there.distance(axis_mm(found)) == pytest.approx(one.distance_mm, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_a_pin_passes_the_driving_axis_at_the_difference_of_both_lengths() -> None:
     for kind, axis in KINDS:
         found = made(kind, axis)
@@ -90,6 +91,7 @@ def test_a_pin_passes_the_driving_axis_at_the_difference_of_both_lengths() -> No
         assert pin.distance_mm == pytest.approx(abs(found.pitch.center_distance_mm - found.linkage.crank_mm), abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_shaft_as_wide_as_told_is_just_passed() -> None:
     """A circle and a rod as polygons: they touch with the width that is told, and overlap with a tenth more."""
     found = made("offset", -25.0)
@@ -102,6 +104,7 @@ def test_a_shaft_as_wide_as_told_is_just_passed() -> None:
         assert any(line.buffer(width / 2.0, quad_segs=64).intersects(shaft) for line in lines) == meets
 
 
+@pytest.mark.slow
 def test_a_narrow_passage_between_two_samples_is_not_missed() -> None:
     """A rod hardly longer than its crank swings round within a tenth of a degree, near a point in its way."""
     found = drive_of_text(TEXT.format(linkage="{crank_mm: 40, rod_mm: 40.0004}", axis=180.0, more=""))
@@ -129,6 +132,7 @@ def meeting(more: str, axis: float = 0.0) -> list[str]:
     return [advice.what for advice in rods(made("in front", axis, more))]
 
 
+@pytest.mark.thorough
 def test_a_rod_that_meets_the_shaft_is_told_where_the_file_says_what_stands_there() -> None:
     assert meeting("") == []
     assert meeting("fit: {driving_shaft: ends}") == []
@@ -166,6 +170,7 @@ def test_a_pin_beside_a_hub_is_remarked() -> None:
     assert pin_beside_hub(drive_of_text(text)) is None
 
 
+@pytest.mark.slow
 def test_summary_and_data_sheet_tell_the_same() -> None:
     found = made("in front", 180.0, "fit: {rod_width_mm: 18}")
     section = passed_summary(found)["fit"]

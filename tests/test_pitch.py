@@ -415,7 +415,7 @@ def exact_curvatures(gear: Gear) -> list[tuple[float, float]]:
     return found
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @every_gear
 def test_baler_curvature_range_against_the_exact_law(gear: Gear) -> None:
     low, high = pair("stroke, e = 0").curvature_range[gear]

@@ -127,7 +127,7 @@ def test_several_lobes_of_elliptical_gears_are_the_law_of_their_name() -> None:
     assert law.driven_angle(phi1, 3).coefficients == pytest.approx(theirs, abs=1e-11)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_rounded_square_has_the_module_that_was_checked() -> None:
     """I. Zarebski and T. Salacinski, table 4: 32 teeth of module 4.91 close at 149.620 mm, not at 150 mm."""
     assert built_drive("rounded-square").pitch.size.module_mm == pytest.approx(4.9231, abs=5e-5)
@@ -190,7 +190,7 @@ MOTIONS: dict[str, tuple[dict[str, Any], tuple[int, int]]] = {
 }
 
 
-@pytest.mark.tiers(thorough=["ellipse", "expression", "modified"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     long_but(
@@ -293,6 +293,7 @@ def test_a_drawn_curve_turns_as_its_gear_does(gear: str) -> None:
         assert abs(found - wrong) > 0.05
 
 
+@pytest.mark.thorough
 def test_a_phase_turns_the_curve_in_its_gear() -> None:
     plain, turned = (
         made(
@@ -384,6 +385,7 @@ def test_points_of_several_lobes_make_equal_lobes() -> None:
         smoothed_points(angle, 30.0 + np.cos(3.0 * angle), 0.01, 2, KEY)
 
 
+@pytest.mark.thorough
 def test_drawn_points_and_points_in_polar_form_are_one_curve() -> None:
     """A drawn point at the polar angle theta faces the mate when the driving gear has turned back by it."""
     angle = np.arange(60) * tau / 60
@@ -460,6 +462,7 @@ def test_a_drawn_square_is_the_rounded_polygon(tmp_path: Path, way: str) -> None
     assert ours.transmission.driven_angle(phi1, 3).coefficients == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_a_drawn_ellipse_and_spline_are_those_of_their_keys(tmp_path: Path) -> None:
     drawn = drawing(tmp_path, lambda space: space.add_ellipse((-4.0, 3.0), (23.0, 0.0), 17.0 / 23.0))
     _, distance = closed(ellipse(23.0, 17.0, (4.0, -3.0), KEY))
@@ -608,7 +611,7 @@ OFFSET = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_centre_distance_follows_from_the_law_and_may_be_given_too() -> None:
     plain, agreeing = made(OFFSET), made(OFFSET, center_distance_mm=40.00000001)
     assert plain.pitch.center_distance_mm == agreeing.pitch.center_distance_mm == pytest.approx(40.0, rel=1e-14)
@@ -618,7 +621,7 @@ def test_the_centre_distance_follows_from_the_law_and_may_be_given_too() -> None
         made(OFFSET, center_distance_mm=41.0).pitch  # noqa: B018
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_and_module_must_fit_the_curve() -> None:
     module = made(OFFSET).pitch.size.module_mm
     assert made(OFFSET, module_mm=float(f"{module:.9g}")).pitch.size.driving_teeth == 40
@@ -630,6 +633,7 @@ def test_teeth_and_module_must_fit_the_curve() -> None:
         made(OFFSET, mesh="internal")
 
 
+@pytest.mark.thorough
 def test_a_form_alone_takes_the_size_of_its_gears() -> None:
     form = {"ellipse": {**OFFSET["ellipse"], "semi_minor_mm": 16.43973028269717}, "solve_for": "scale"}  # type: ignore[dict-item]
     found = made(form, module_mm=2.0)
@@ -638,7 +642,7 @@ def test_a_form_alone_takes_the_size_of_its_gears() -> None:
     assert kept_size(found.design) == (40, 2.0, None)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_another_law_keeps_the_size_of_the_gears() -> None:
     assert kept_size(made(OFFSET).design) == (40, None, pytest.approx(40.0, rel=1e-14))
     module = made(OFFSET).pitch.size.module_mm
@@ -692,13 +696,14 @@ def one_polygon(values: tuple[int, float, float, float, float]) -> None:
         assert "pitch curve" in str(error) or "mate does not close" in str(error)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=5, deadline=None)
 @given(polygons)
 def test_random_polygons_close(values: tuple[int, float, float, float, float]) -> None:
     one_polygon(values)
 
 
+@pytest.mark.thorough
 def test_a_part_too_narrow_to_be_followed_is_refused_with_its_place() -> None:
     """A side of 1e-5 of its polygon between two arcs: a limit that the page tells, not one of the curve."""
     with pytest.raises(
@@ -744,7 +749,7 @@ def one_spline(polar: list[tuple[float, float]], degree: int) -> None:
         assert found == pytest.approx(crossing_mm(around, 0.0, phi), rel=1e-4)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=5, deadline=None)
 @given(splines, st.integers(2, 5))
 def test_random_splines_close_or_say_where_they_do_not(polar: list[tuple[float, float]], degree: int) -> None:

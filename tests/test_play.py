@@ -75,7 +75,7 @@ def plain_freedom(points: Array, outline: Array, *, ring: bool) -> tuple[float, 
     return min(up), min(down)
 
 
-@pytest.mark.tiers(quick=["*-ellipse-25-10.0-*"], thorough=["*-uniform-*", "*-sine-*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "teeth", "tolerance", "backlash"),
     [("uniform", 8, 0.005, 0.0), ("sine", 25, 0.02, 0.0), ("baler", 24, 0.005, 0.1), ("baler", 86, 0.02, 0.0),
@@ -95,7 +95,7 @@ def test_play_is_what_a_plain_search_finds(
         assert (found.up_rad[row], found.down_rad[row]) == pytest.approx(expected, abs=1e-12)
 
 
-@pytest.mark.tiers(quick=["1"], thorough=["0", "2"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_play_of_rough_outlines_is_what_a_plain_search_finds(seed: int) -> None:
     """Teeth that no tool would leave: every vertex moved at random."""
@@ -115,7 +115,7 @@ def test_play_of_rough_outlines_is_what_a_plain_search_finds(seed: int) -> None:
 
 
 @pytest.mark.judges("contact")
-@pytest.mark.tiers(quick=["0.0005-sine"], thorough=["0.0005-*"], rest="slow")
+@pytest.mark.tiers(quick=["0.0005-sine"], rest="slow")
 @pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
 @pytest.mark.parametrize("ahead_rad", [0.0, 0.0005])
 def test_play_is_what_shapely_finds(name: str, ahead_rad: float) -> None:
@@ -163,7 +163,7 @@ def test_centre_distance_too_small_overlaps(name: str) -> None:
     assert (near.up_rad + near.down_rad).max() < 0.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_play_of_a_nearer_circular_pair_is_the_closed_form() -> None:
     """2 (r1 + r2) (inv(work) - inv(alpha)) / r2 at the working pressure angle of the other centre distance."""
     for apart in (-0.05, 0.05, 0.2):
@@ -174,7 +174,7 @@ def test_play_of_a_nearer_circular_pair_is_the_closed_form() -> None:
         assert np.abs(found.up_rad + found.down_rad - expected).max() < 4 * 2e-4 / (25.0 * cos(ALPHA))
 
 
-@pytest.mark.tiers(quick=["0.02"], rest="thorough")
+@pytest.mark.tiers(quick=["0.02"], rest="slow")
 @pytest.mark.parametrize("backlash", [0.02, 0.1, 0.2])
 def test_play_of_a_circular_pair_is_its_backlash_angle(backlash: float) -> None:
     """jn / (r2 cos(alpha)), all of it on the idle flanks: the driven gear can turn on, not back."""

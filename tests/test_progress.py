@@ -25,7 +25,7 @@ output: {chord_tolerance_mm: 0.05}
 MOTIONS = ["{law: uniform_crank}", "{law: harmonic_ratio, cosine: [0.2], second_stage: {cosine: [0.1]}}"]
 
 
-@pytest.mark.tiers(slow=["two pairs"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", MOTIONS, ids=["one pair", "two pairs"])
 def test_a_build_tells_as_many_stages_as_it_says_it_has(tmp_path: Path, motion: str) -> None:
     drive, told = loads(GEARS.replace("MOTION", motion)), list[str]()
@@ -33,6 +33,7 @@ def test_a_build_tells_as_many_stages_as_it_says_it_has(tmp_path: Path, motion: 
     assert len(told) == len(set(told)) == step_count(drive, report=False)
 
 
+@pytest.mark.slow
 def test_a_report_tells_as_many_as_it_says() -> None:
     told = list[str]()
     contacts_as_written(loads(GEARS.replace("MOTION", MOTIONS[0])), told.append)

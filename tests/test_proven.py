@@ -98,6 +98,7 @@ def resolved(text: str) -> PiecewiseChebyshev:
     return proven(composed(text, "k", "x"), 0.0, EACH_TURN)
 
 
+@pytest.mark.slow
 def test_narrow_features_are_integrated() -> None:
     # Closed forms lose digits as a whole turn over the width does, and the argument (x - at)/width as well.
     assert worst_integral(resolved, widths(10, 1)) <= 1e-12
@@ -124,6 +125,7 @@ def test_a_smooth_formula_gets_no_more_panels_than_its_samples_ask_for() -> None
         assert resolved(text).breaks.size <= sampled.breaks.size
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("text", "near"),
     [
@@ -181,6 +183,7 @@ def dented(at: float, width: float) -> str:
     return f"1 - 0.4*exp(-((phi - {at})/{width})**2)"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("at", "width"), DENTS)
 def test_a_ratio_with_a_dent_is_integrated(at: float, width: float) -> None:
     """The driven angle by quadrature with its break points at the dent."""
@@ -323,6 +326,7 @@ def test_a_driven_angle_with_a_kink_of_its_slope_has_no_gears() -> None:
         refuse_corners(law)
 
 
+@pytest.mark.thorough
 def test_a_steep_step_gives_finite_numbers_everywhere() -> None:
     """exp(2u) of 800 overflows, its quotient does not."""
     for step in ("tanh((phi - {})/0.002)", "1/(1 + exp(-(phi - {})/0.001))", "-1/cosh((phi - {})/0.003)**2"):

@@ -50,6 +50,7 @@ def test_a_turn_displaces_the_spaces_between_gears_and_housing(share: float, lob
     assert found.per_turn_mm3 == pytest.approx(WIDTH * spaces, rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_the_flow_is_what_pressure_on_the_gears_does() -> None:
     """Unit pressure turns each gear from its pitch point to its tip at the housing; power is pressure times flow."""
     pitch = pair(0.2, 2)
@@ -87,7 +88,7 @@ def test_circular_gears_have_the_formula_of_gear_pumps() -> None:
     assert found.pulsation == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_flow_meter_is_what_its_written_outlines_make_it() -> None:
     """The circles about the outlines of driving.csv and driven.csv, and the spaces beside the pitch curves."""
     summary, made = built("oval-flow-meter").summary["displacement"], drive("oval-flow-meter")

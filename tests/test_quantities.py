@@ -209,6 +209,7 @@ def exact_peaks(seed: int) -> Array:
     return np.array([found.peak_acceleration_mm_s2, np.log(found.ratio_max), steep, *curves])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", SEEDS)
 def test_peaks_between_the_places_are_found(seed: int) -> None:
     exact = exact_peaks(seed)
@@ -236,6 +237,7 @@ def test_peaks_are_missed_by_the_third_power_and_at_places_alone_by_the_second()
         assert parabolas < 0.82 * 8.0 * (2.0 * pi / (KNOTS * steps)) * places_alone
 
 
+@pytest.mark.slow
 def test_places_alone_never_exceed_the_peak() -> None:
     for seed in SEEDS:
         assert np.all(peaks(seed, 4)[1] <= exact_peaks(seed) * (1.0 + 1e-12))

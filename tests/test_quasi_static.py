@@ -19,6 +19,7 @@ ANGLES = np.linspace(0.0, 2.0 * pi, 1501)
 PAIRS = [("uniform", 24), ("sine", 31), ("baler", 25)]
 
 
+@pytest.mark.slow
 def test_circular_gears_give_way_by_the_closed_form() -> None:
     """N pairs share T: the depth is (T / (N k r))^(1/n) and the angle that over the base radius r."""
     found = frictionless(meshing("uniform", 24))
@@ -64,7 +65,7 @@ def test_without_friction_the_drive_puts_in_what_the_load_takes(name: str, teeth
     assert given == pytest.approx(taken, rel=2e-5)
 
 
-@pytest.mark.tiers(thorough=["uniform*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_pairs_that_get_stiffer_and_softer_on_their_way_take_and_give_no_work(name: str, teeth: int) -> None:
     """The work of both torques is the same over a turn; without what the change of stiffness does it would not be."""
@@ -84,7 +85,7 @@ def test_pairs_that_get_stiffer_and_softer_on_their_way_take_and_give_no_work(na
     assert given - worked(stiffening, angles) != pytest.approx(taken, rel=1e-5)
 
 
-@pytest.mark.tiers(thorough=["uniform*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth", "torque_n_mm"), [("uniform", 24, 300.0), ("sine", 31, 2e4)])
 def test_most_pairs_are_found_between_angles_that_all_see_fewer(name: str, teeth: int, torque_n_mm: float) -> None:
     found = frictionless(meshing(name, teeth))
@@ -99,6 +100,7 @@ def test_most_pairs_are_found_between_angles_that_all_see_fewer(name: str, teeth
     assert loaded_peaks(loaded_at, fewer, sampled).most_pairs == loaded_at(np.linspace(0.0, 2.0 * pi, 6007)).pairs.max()
 
 
+@pytest.mark.slow
 def test_friction_costs_work() -> None:
     torque = np.full_like(ANGLES, 2e4)
     smooth, rough = (
@@ -110,7 +112,7 @@ def test_friction_costs_work() -> None:
     assert 1.0 - efficiency == pytest.approx(pi * 0.05 * (2.0 / 24.0) * 0.7, rel=0.25)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_rigid_limit_is_reached_as_the_stiffness_to_the_power_of_minus_one_over_the_exponent() -> None:
     torque = np.full_like(ANGLES, 100.0)
     errors = [
@@ -121,6 +123,7 @@ def test_the_rigid_limit_is_reached_as_the_stiffness_to_the_power_of_minus_one_o
     np.testing.assert_allclose(rates, -1.0 / 2.2, rtol=0.02)
 
 
+@pytest.mark.thorough
 def test_without_torque_the_teeth_just_touch() -> None:
     found = meshing("sine", 31, backlash_mm=0.1)
     loaded = loaded_contact(found, ANGLES, np.zeros_like(ANGLES), 2.0)
@@ -138,7 +141,7 @@ def test_torques_next_to_nothing_are_borne(torque_n_mm: float) -> None:
     np.testing.assert_allclose(loaded.error_rad, touching, atol=2.0 * deepest / BASE)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_reversed_torque_takes_the_play_up() -> None:
     found = meshing("uniform", 24, backlash_mm=0.1)
     ahead, behind = (
@@ -164,12 +167,14 @@ def test_a_stiffer_law_of_impact_gives_way_less(exponent: float) -> None:
     assert log2(np.median(soft / hard)) == pytest.approx(log2(10.0) / exponent, rel=0.3)
 
 
+@pytest.mark.thorough
 def test_teeth_pressed_too_deep_are_refused() -> None:
     with pytest.raises(NoSuchMechanism, match="deeper than their teeth can be followed") as caught:
         loaded_contact(meshing("uniform", 24), ANGLES, np.full_like(ANGLES, 1e9), 0.0)
     assert caught.value.key == "simulation"
 
 
+@pytest.mark.thorough
 def test_friction_that_locks_the_teeth_is_refused() -> None:
     locked = replace(meshing("baler", 25), friction=Friction(9.0, 9.0, 1.0, 10.0))
     with pytest.raises(NoSuchMechanism, match="friction holds them"):

@@ -162,7 +162,7 @@ def judge_checks(folder: Path, count: int, number: int) -> Counter[str]:
     return each(count, number, spoiled_designs(), lambda data: verdict(folder, data, checked))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
     found = judge_checks(tmp_path, 36, 10**6)
     assert min(found["made"], found["refused 2"]) >= 3, found
@@ -263,7 +263,7 @@ SPOILERS: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
-@pytest.mark.tiers(quick=["driven.stl"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", SPOILERS)
 def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:

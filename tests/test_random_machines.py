@@ -78,13 +78,13 @@ def judge(seed: int, *, whole: bool) -> None:
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.tiers(quick=["1"], rest="thorough")
+@pytest.mark.tiers(quick=["1"], rest="slow")
 @pytest.mark.parametrize("seed", QUICK)
 def test_a_few_machines(seed: int) -> None:
     judge(seed, whole=False)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", FEW_KINDS)
 def test_a_machine_of_each_other_mechanism(seed: int) -> None:
     judge(seed, whole=False)

@@ -42,7 +42,7 @@ def table_rows() -> dict[str, tuple[float, float]]:
     return {name: (float(power), float(acceleration)) for name, power, acceleration in rows}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("row", "name"),
     [
@@ -84,7 +84,7 @@ def cells_of(first: str) -> list[str]:
     return [cell.strip().replace(" ", "") for cell in line.strip("|").split("|")][1:]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["baler-66", "baler-66-two-stage", "baler-half", pytest.param("baler-smooth", marks=pytest.mark.slow)]
 )

@@ -83,7 +83,7 @@ def test_the_page_asks_for_nothing() -> None:
     assert re.findall(r"https?:|//[a-z]+\.", page) == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "added",
     ['<img src="//example.org/a.png">', "<style>@import 'a.css'</style>", '<p style="background: url(a.png)"></p>'],
@@ -99,6 +99,7 @@ def foreign_elements(page: str) -> list[str]:
     return [*map(str, scripts[2:]), *map(str, tree.xpath("//img")), *tree.xpath("//@*[starts-with(name(), 'on')]")]
 
 
+@pytest.mark.slow
 def test_the_text_of_a_design_is_text(hostile: str) -> None:
     assert foreign_elements(hostile) == []
     tree = parsed(hostile)
@@ -125,6 +126,7 @@ def test_names_within_the_page_are_its_own() -> None:
 # --- bytes
 
 
+@pytest.mark.slow
 def test_the_same_design_gives_the_same_bytes(hostile: str, tmp_path: Path) -> None:
     path = tmp_path / "hostile.yaml"
     path.write_text(DESIGN)
@@ -186,6 +188,7 @@ def test_a_build_makes_the_report_of_an_earlier_design_anew(run: Run, tmp_path: 
     assert parsed(page.read_text()).xpath("//h1")[0].text == "first"
 
 
+@pytest.mark.slow
 def test_a_design_without_gears_has_a_report_of_its_motion(run: Run, tmp_path: Path) -> None:
     (tmp_path / "hostile.yaml").write_text(DESIGN)
     status, out, _ = run("report", "hostile.yaml", "--out", "made")

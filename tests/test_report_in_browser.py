@@ -18,7 +18,7 @@ from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page.page_charts import PageChart, gear_charts
 from scenes import in_a_browser
 
-pytestmark = [pytest.mark.thorough, in_a_browser]
+pytestmark = [pytest.mark.slow, in_a_browser]
 
 WIDE, MIDDLE, NARROW = (1440, 900), (1024, 768), (390, 844)
 

@@ -129,7 +129,7 @@ def test_a_straight_table_is_the_straight_line() -> None:
     assert table.fitted_n(CURVE).coefficients == pytest.approx(line.fitted_n(CURVE).coefficients)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["table", "waves", "table with gaps"])
 def test_peak_of_power_against_dense_samples(name: str) -> None:
     machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, SliderLoad(FORMS[name]), 2.0 * pi)
@@ -171,6 +171,7 @@ def test_narrow_peaks_of_an_expression_are_found(at_mm: float, width_mm: float) 
     assert check.mean_power_w == pytest.approx((150.0 * STROKE + bell) / 1000.0, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_turns_of_narrow_waves_are_all_there() -> None:
     """Half a wave apart; the wave packet is 0.2 mm wide."""
     resistance = FormulaResistance("80 + 30*sin(900*x)*exp(-((x - 222.2)/0.1)**2)")
@@ -180,6 +181,7 @@ def test_the_turns_of_narrow_waves_are_all_there() -> None:
     assert apart == pytest.approx(pi / 900.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_peak_too_narrow_for_sixteen_digits_is_refused_with_its_place() -> None:
     with pytest.raises(WrongInput, match=r"near x = 611\.07"):
         FormulaResistance("150 + 4e3*exp(-((x - 611.07)/1e-7)**2)").work_n_mm(np.array([STROKE]), STROKE)
@@ -279,6 +281,7 @@ def test_points_as_near_as_they_may_be_have_finite_forces_and_slopes(start: floa
     assert np.isfinite(table.work_from_retracted_n_mm(at, 80.0)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "work", "corner"),
     [
@@ -304,6 +307,7 @@ def test_powers_over_one_begin_anywhere(text: str, work: Callable[[float], float
         FormulaResistance("x**0.95").turns_mm(stroke)
 
 
+@pytest.mark.slow
 def test_turns_between_powers_over_one_are_found() -> None:
     resistance = FormulaResistance("abs(sin(0.2*x))**1.5")
     turns = resistance.turns_mm(80.0)

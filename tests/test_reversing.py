@@ -187,7 +187,7 @@ def test_formulas_give_the_law() -> None:
         assert driven.derivative(2) == pytest.approx(case.at.bend, rel=1e-8, abs=1e-8)
 
 
-@pytest.mark.tiers(quick=["sine"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_written_gears_follow_the_law_both_ways(name: str) -> None:
     case = case_of(name)
@@ -195,7 +195,7 @@ def test_written_gears_follow_the_law_both_ways(name: str) -> None:
     assert strayed(case, case.outlines(0.01), 0.01, step).within_chords
 
 
-@pytest.mark.tiers(slow=["*ring*", "internal-1-2*", "baler-0*", "deep sine-0.003"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.003, 0.001])
 @pytest.mark.parametrize("name", [name for name in CASES if name != "deep sine, 0.1 mm"])
 def test_finer_chords_leave_a_more_even_play(name: str, tolerance: float) -> None:
@@ -204,7 +204,7 @@ def test_finer_chords_leave_a_more_even_play(name: str, tolerance: float) -> Non
     assert strayed(case, case.outlines(tolerance), tolerance, 13).within_chords
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_written_gears_follow_the_law_whoever_takes_off_the_play(share: float) -> None:
     case = case_of("deep sine")
@@ -234,7 +234,7 @@ def other_flanks(*, turned: bool) -> Callable[..., Flanks]:
     return made
 
 
-@pytest.mark.tiers(thorough=["False*"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("turned", "least", "largest"), [(False, 0.95e-3, 2.68e-3), (True, 3.1e-3, 3.94e-3)])
 def test_flanks_set_back_along_the_curve_leave_an_uneven_play(
     monkeypatch: pytest.MonkeyPatch, *, turned: bool, least: float, largest: float

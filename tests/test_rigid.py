@@ -188,6 +188,7 @@ def weight_work(x_mm: Array, y_mm: Array, mass_kg: float) -> Array:
     return mass_kg * (HEAVY.gravity_m_s2[0] * x_mm + HEAVY.gravity_m_s2[1] * y_mm)
 
 
+@pytest.mark.slow
 @given(
     rod_mm=st.floats(500.0, 5000.0),
     offset_mm=st.floats(-100.0, 100.0),
@@ -304,7 +305,7 @@ def test_no_mass_and_no_resistance_ask_for_nothing() -> None:
 # --- peaks and flywheel --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(quick=["uniform"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["uniform", "stroke, e = 0", "ratio table", "ellipse 1:2"])
 def test_peaks_are_those_of_dense_samples(name: str) -> None:
     rigid = RigidMachine(machine(name, 60.0), HEAVY, OUTSIDE)
@@ -324,7 +325,7 @@ def test_peaks_are_those_of_dense_samples(name: str) -> None:
         assert sampled.max() >= peak * (1.0 - 2e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_narrow_peak_of_a_table_is_neither_passed_over_nor_missed_in_the_work() -> None:
     """Half a millimetre of a stroke of 760 mm: 5000 N over a plain 100 N, on a slider alone."""
     spike = TableResistance((0.0, 400.0, 400.25, 400.5, 760.0), (100.0, 100.0, 5000.0, 100.0, 100.0))
@@ -358,6 +359,7 @@ def test_flanks_never_change_under_a_load_without_inertia() -> None:
     assert fluctuation(even(RodMasses(), SliderLoad(PolynomialResistance((400.0,))))).flank_changes_rad.size == 0
 
 
+@pytest.mark.thorough
 def test_flywheel_keeps_the_speed_as_even_as_asked() -> None:
     """The shaft with that flywheel, driven by the mean torque: w^2 = w0^2 + 2 E / J, E summed from samples."""
     level = swing("stroke, e = 0")
@@ -372,11 +374,13 @@ def test_flywheel_keeps_the_speed_as_even_as_asked() -> None:
     assert np.ptp(speed) / w == pytest.approx(0.04, rel=0.04**2 / 7.0)
 
 
+@pytest.mark.thorough
 def test_flanks_beyond_90_degrees_are_refused() -> None:
     with pytest.raises(NoSuchMechanism, match=r"cannot push the driven gear at phi1 = .* pressure angle is 9\d"):
         rigid_level(RigidMachine(machine("stroke, law speed", 20.0), HEAVY, OUTSIDE))
 
 
+@pytest.mark.thorough
 def test_without_gears_the_bearing_holds_the_linkage_alone() -> None:
     alone = RigidMachine(machine("uniform", 20.0), HEAVY)
     loads, geared = alone.at(np.array([1.0])), replace(alone, place=OUTSIDE).at(np.array([1.0]))

@@ -46,7 +46,7 @@ def test_the_pressure_of_circular_gears_is_that_of_iso_6336_2() -> None:
     assert found.stress_mpa == pytest.approx(nominal / contact_ratio_factor(pair) * 1.3**0.5, rel=1e-4)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize("text", [TEXT, ELLIPSE], ids=["circles", "ellipses"])
 def test_beside_the_estimate_with_teeth(text: str) -> None:
@@ -87,6 +87,7 @@ def test_nothing_is_said_where_no_load_is_known(name: str) -> None:
     assert rough_strength(drive(name)) == []
 
 
+@pytest.mark.thorough
 def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
     check = on_text(run, "check", "--verbose")
     _, weak, _ = check(TEXT)
@@ -97,6 +98,7 @@ def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
     assert "hold" not in strong
 
 
+@pytest.mark.thorough
 def test_a_check_of_gears_too_fast_for_the_dynamic_factor_says_nothing_of_strength(run: Run) -> None:
     fast = TEXT.replace("speed_rpm: 60", "speed_rpm: 10000").replace("dynamic_factor: 1.0", "life_h: 1000")
     status, out, _ = on_text(run, "check", "--verbose")(fast)
@@ -104,6 +106,7 @@ def test_a_check_of_gears_too_fast_for_the_dynamic_factor_says_nothing_of_streng
     assert "hold" not in out
 
 
+@pytest.mark.thorough
 def test_a_load_that_no_gears_bear_is_to_be_lessened(run: Run) -> None:
     _, weak, _ = on_text(run, "check", "--verbose")(TEXT.replace("1500", "1e9"))
     assert "To change it: lessen the load" in " ".join(weak.split())

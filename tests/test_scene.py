@@ -177,6 +177,7 @@ def test_contours_go_round_the_right_way(name: str) -> None:
         assert all(hole < 0.0 for hole in holes)
 
 
+@pytest.mark.slow
 def test_pockets_hub_and_holes_are_seen() -> None:
     body = scene("webbed").pairs[0].driving.body
     # A bore and four holes; a hub, and a pocket around it with its own inner edge.
@@ -289,7 +290,7 @@ WALLED = [
 ]
 
 
-@pytest.mark.tiers(quick=["uniform-crank", "both ways", "scotch-yoke-pump"], rest="thorough")
+@pytest.mark.tiers(quick=["uniform-crank", "both ways"], thorough=["scotch-yoke-pump"], rest="thorough")
 @pytest.mark.parametrize("name", WALLED)
 def test_no_link_passes_through_a_wall(name: str) -> None:
     assert not passes_through(scene(name), walls_mm(scene(name)), 500)

@@ -145,6 +145,7 @@ def test_svg_and_data_name_the_same_bodies(name: str) -> None:
     assert json.loads(json.dumps(data, allow_nan=False)) == data
 
 
+@pytest.mark.thorough
 def test_every_class_that_is_drawn_has_a_colour() -> None:
     classes = {word for text in map(scene_svg, map(scene, SCENES)) for word in re.findall(r'class="([^"]*)"', text)}
     style = scene_style()

@@ -109,7 +109,7 @@ def difference(name: str, values: Array, figures: list[dict[str, float]]) -> flo
 
 
 @pytest.mark.judges("screening")
-@pytest.mark.tiers(quick=["baler-drivetrain"], rest="thorough")
+@pytest.mark.tiers(quick=["baler-drivetrain"], rest="slow")
 @pytest.mark.parametrize("name", ["baler", "baler-drivetrain"])
 def test_shipped_designs_are_screened_together(name: str) -> None:
     designs = [loaded(name).design] * 2
@@ -119,7 +119,7 @@ def test_shipped_designs_are_screened_together(name: str) -> None:
     assert tuple(found.figures) == CHECK_FIGURES + PITCH_FIGURES
 
 
-@pytest.mark.tiers(thorough=["0.02*"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize(("width_mm", "batch"), [(90.0, True), (0.02, False)])
 def test_a_narrow_peak_of_the_resistance_is_not_left_to_a_batch(width_mm: float, batch: bool) -> None:
     """The samples of a batch see nothing of it, and their series is resolved all the same."""
@@ -132,7 +132,7 @@ def test_a_narrow_peak_of_the_resistance_is_not_left_to_a_batch(width_mm: float,
     assert found.figures["check.peak_power_w"][0] > 1000.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_no_design_is_made_whose_flanks_push_beyond_a_right_angle() -> None:
     """Of ratios that swing ever more; the angle counts the rack's own, and a rack of less pushes further."""
     texts = [
@@ -189,7 +189,7 @@ def random_harmonics(seed: int, count: int) -> list[Design]:
     return [harmonic_design(random) for _ in range(count)]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_random_harmonics_agree_with_single_designs() -> None:
     designs = random_harmonics(1, 15)
     found = screened(designs)
@@ -217,6 +217,7 @@ def test_too_few_points_send_every_design_the_single_way() -> None:
     assert not together(designs, counts=(9,)).any()
 
 
+@pytest.mark.slow
 def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the look at the last coefficients, figures would be wrong: the comparison above can fail."""
     monkeypatch.setattr(figures_module, "RESOLVED", np.inf)
@@ -236,13 +237,14 @@ def test_the_order_of_designs_and_their_neighbours_do_not_matter() -> None:
         assert half.figures[name][::-1] == pytest.approx(whole.figures[name][mirrored], rel=1e-12, abs=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_figures_hold_no_gap() -> None:
     found = screened([*random_strokes(9, 10), *random_harmonics(9, 10)])
     assert all(np.isfinite(values).all() for values in found.figures.values())
     assert all(len(values) == found.made.sum() for values in found.figures.values())
 
 
+@pytest.mark.slow
 def test_teeth_that_do_not_fit_are_refused_as_a_build_refuses_them() -> None:
     data = data_of("baler")
     data["gears"] = {**data["gears"], "center_distance_mm": 80.0}
@@ -261,13 +263,14 @@ RESISTANCES: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("resistance", RESISTANCES.values(), ids=RESISTANCES)
 def test_resistances_of_other_forms(resistance: dict[str, Any]) -> None:
     designs = [Design.model_validate({**data_of("baler"), "resistance": resistance})]
     assert disagreement(screened(designs), designs) <= AGREEMENT
 
 
+@pytest.mark.thorough
 def test_no_part_at_constant_speed() -> None:
     data = data_of("baler")
     data["motion"] |= {"theta2_pi": 0.9, "theta3_pi": 0.9}
@@ -277,6 +280,7 @@ def test_no_part_at_constant_speed() -> None:
     assert together(designs).all()
 
 
+@pytest.mark.slow
 def test_several_lobes_of_the_driving_gear() -> None:
     data = data_of("baler")
     data["gears"] |= {"lobes": {"driving": 2, "driven": 1}, "teeth": 50}
@@ -286,7 +290,7 @@ def test_several_lobes_of_the_driving_gear() -> None:
     assert disagreement(screened(designs), designs) <= AGREEMENT
 
 
-@pytest.mark.tiers(thorough=["internal-1-2"], rest="quick")
+@pytest.mark.tiers(thorough=["internal-1-2"], rest="thorough")
 @pytest.mark.parametrize(
     "name", ["ellipse", "feeder-table", "internal-1-2", "baler-66", "baler-66-two-stage", "uniform-crank"]
 )
@@ -298,6 +302,7 @@ def test_laws_without_a_batch_are_computed_by_themselves(name: str) -> None:
     assert disagreement(found, designs) == 0.0
 
 
+@pytest.mark.thorough
 def test_designs_without_gears_have_the_figures_of_a_check() -> None:
     data = data_of("baler")
     del data["gears"]

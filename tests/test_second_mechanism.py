@@ -135,6 +135,7 @@ def test_every_law_closes_and_moves_the_yoke_as_its_crank_turns(law: str) -> Non
     assert motion.acceleration == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.thorough
 def test_a_stroke_turns_the_crank_as_its_displacement_asks() -> None:
     """x is the law's, whatever mechanism makes it, so that cos q = 1 - x/r; the segment of pressing is straight."""
     made, slider = drive("three_segment_stroke"), drive("three_segment_stroke", linkage="{crank_mm: 380, rod_mm: 960}")
@@ -166,6 +167,7 @@ def test_many_yokes_are_as_each_by_itself() -> None:
 # --- the design file
 
 
+@pytest.mark.thorough
 def test_every_kind_is_in_the_schema() -> None:
     assert set(MECHANISMS) <= set(json.dumps(json_schema()).replace('"', " ").split())
 
@@ -201,6 +203,7 @@ def test_a_design_can_be_sent_to_another_process(law: str) -> None:
     assert pickle.loads(pickle.dumps(made)) == made
 
 
+@pytest.mark.slow
 def test_keys_of_both_mechanisms_are_explained(run: Run) -> None:
     for key in ("linkage.crank_mm", "linkage.rod_mm", "linkage.kind", "masses.rod"):
         assert run("explain", key)[0] == 0
@@ -292,6 +295,7 @@ def test_the_scene_puts_every_link_where_the_crank_has_it(law: str) -> None:
     assert np.abs(slot[:, 1]).max() >= 1.2 * RADIUS
 
 
+@pytest.mark.slow
 def test_the_page_is_told_the_places_as_tables() -> None:
     data = scene_data(scene_of(drive("ellipse")))["linkage"]
     q = np.random.default_rng(3).uniform(-7.0, 13.0, 5000)
@@ -312,7 +316,7 @@ document.body.innerHTML = ""; document.body.textContent = JSON.stringify(found);
 
 
 @in_a_browser
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_page_moves_the_yoke() -> None:
     scene = scene_of(drive("ellipse"))
     page = SCRIPT.format(
@@ -331,7 +335,7 @@ def test_the_page_moves_the_yoke() -> None:
 # --- commands
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_check_simulate_and_report_run(run: Run) -> None:
     Path("d.yaml").write_text(text("three_segment_stroke", GEARS, MASSES), encoding="utf-8")
     status, out, err = run("check", "d.yaml", "--verbose")
@@ -352,7 +356,7 @@ def test_check_simulate_and_report_run(run: Run) -> None:
     assert 'id="scene-rod"' not in page
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["three_segment_stroke", "harmonic_ratio"])
 def test_a_sweep_is_as_each_design_by_itself(run: Run, law: str) -> None:
     Path("d.yaml").write_text(text(law), encoding="utf-8")
@@ -367,7 +371,7 @@ def test_a_sweep_is_as_each_design_by_itself(run: Run, law: str) -> None:
         assert {name: float(row[name]) for name in figures} == pytest.approx(figures, rel=1e-7, abs=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_optimum_is_bounded_by_full_push_and_full_pull(run: Run) -> None:
     """Half the way at +a, the other half at -a: H = a (T/2)^2 / 4, so that no law has less than 16 H / T^2."""
     pytest.importorskip("casadi")

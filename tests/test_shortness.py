@@ -45,7 +45,7 @@ def test_a_pair_that_loses_contact_is_refused_with_its_teeth_and_limits(teeth: i
     assert caught.value.key == "gears.least_contact_ratio"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "teeth"),
     [
@@ -65,7 +65,7 @@ def test_hard_pairs_that_are_made_keep_the_law_on_both_sides(name: str, teeth: i
     assert contact.overlap_mm.max() == 0.0
 
 
-@pytest.mark.tiers(thorough=["24"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_flanks_that_are_refused_do_stand_apart(teeth: int) -> None:
     """By shapely on fine outlines, where the refusal says that no flanks touch: corners hold the gears, off the law."""
@@ -92,6 +92,7 @@ def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
         refuse("baler", 25, float(shortest) + 0.1)
 
 
+@pytest.mark.thorough
 def test_flanks_that_a_relief_holds_apart_do_not_count_unless_a_load_closes_it() -> None:
     relief = TipRelief(0.05, 0.4, 2.0)
     contact, (_, pair) = designed("ellipse", 25, relief=relief), made("ellipse", 25, relief=relief)
@@ -113,7 +114,7 @@ def test_the_published_baler_touches_over_as_many_pitches_as_the_method_says(und
     assert min(side.simultaneous.min() for side in (contact.pushing, contact.back)) == (0 if undercut else 1)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_below_one_nothing_is_asked(teeth: int) -> None:
     refuse("deep sine", teeth, 0.99)

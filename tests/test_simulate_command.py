@@ -74,6 +74,7 @@ def test_the_baler_with_masses_has_the_gears_of_the_one_that_is_built() -> None:
         assert ours[key] == built[key], key
 
 
+@pytest.mark.slow
 def test_the_templates_masses_hold_what_they_say() -> None:
     text = template("mine").replace("\n# masses:", "\nmasses:")
     for mark in ("slider", "rod", "crank", "flywheel", "gravity"):
@@ -85,7 +86,7 @@ def test_the_templates_masses_hold_what_they_say() -> None:
     assert found.gravity_m_s2 == pytest.approx((0.0, -9.80665), abs=1e-15)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("gears", [GEARS, ""], ids=["gears", "no gears"])
 def test_what_is_written(run: Run, gears: str) -> None:
     status, out, _ = run(HEAD + gears + MASSES, "--out", "here", "--level", "rigid")
@@ -119,7 +120,7 @@ def test_gears_that_say_nothing_of_their_inertia_have_that_of_their_bodies() -> 
         assert found == pytest.approx(about_axis, rel=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_rings_inertia_is_that_of_its_body() -> None:
     motion = "motion: {law: ratio_expression, ratio: 2 + 0.4*cos(phi), scale_to_close: true}"
     gears = "gears: {mesh: internal, lobes: {driven: 2}, teeth: 24, module_mm: 1.5, face_width_mm: 5}\n"
@@ -214,6 +215,7 @@ def test_the_rigid_level_makes_no_tooth_and_loads_no_solver_and_no_mesh() -> Non
     assert after_simulating(unmade) & {"trimesh", "casadi", "sympy"} == set()
 
 
+@pytest.mark.slow
 def test_a_tooth_that_was_made_would_be_seen() -> None:
     """Negative control: it is made where the inertia is left out."""
     drive = drive_of_text(HEAD + GEARS + MASSES)

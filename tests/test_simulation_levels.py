@@ -95,7 +95,7 @@ def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
     assert "energy error" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_impact_between_the_rows_is_told(run: Run) -> None:
     """Driven from rest, the driven gear is struck within the first row; text, figures and rows tell which pair's force
     is meant, and how long no flank touches."""
@@ -126,6 +126,7 @@ def test_a_motor_on_the_law_starts_at_the_operating_speed(run: Run) -> None:
     assert found["slider"]["largest_velocity_error_mm_s"] < 0.05 * rows["velocity_mm_s"].max()
 
 
+@pytest.mark.slow
 def test_a_stiffness_that_is_given_is_that_of_all_pairs() -> None:
     """With any exponent; where none is given, pairs differ, and a narrower gear is softer by its width."""
     wide, narrow, given = (
@@ -145,7 +146,7 @@ def test_a_stiffness_that_is_given_is_that_of_all_pairs() -> None:
     assert np.all((ratio > 0.5) & (ratio < 0.53))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_damping_is_the_ratio_of_the_critical_one() -> None:
     """A pair between a shaft whose speed nothing changes and the crank's mean inertia at the base circle."""
     drive = drive_of_text(ROUND + "simulation: {turns: 0.001}\n")
@@ -187,7 +188,7 @@ def test_wrong_parameters_are_refused_by_key(run: Run, block: str, key: str, sai
     assert not Path("here").exists()
 
 
-@pytest.mark.tiers(thorough=["helix*"], rest="quick")
+@pytest.mark.tiers(slow=["helix*"], rest="thorough")
 @pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
 @pytest.mark.parametrize(
     ("text", "key"),
@@ -207,6 +208,7 @@ def test_what_a_level_needs_is_asked_for(run: Run, level: str, text: str, key: s
     assert f": {key}: " in err
 
 
+@pytest.mark.thorough
 def test_a_motor_whose_shaft_has_no_inertia_is_refused(run: Run) -> None:
     motor = "simulation: {motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
     status, _, err = run(HEAD.replace("driving_gear_kg_mm2: 50", "driving_gear_kg_mm2: 0") + motor, "dynamic")
@@ -214,7 +216,7 @@ def test_a_motor_whose_shaft_has_no_inertia_is_refused(run: Run) -> None:
     assert "masses.driving_gear_kg_mm2: 0 given" in err
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_load_too_heavy_for_the_teeth_is_refused(run: Run) -> None:
     status, _, err = run(
         HEAD + "simulation: {stiffness_n_mm: 100, friction: {static: 0, dynamic: 0}}\n", "quasi_static"

@@ -74,6 +74,7 @@ def least_width(teeth: int, module_mm: float) -> float:
     return ceil(max(width, 5.0 * module_mm) - 1e-9)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("space_mm", [inf, 120.0, 70.0])
 def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float) -> None:
     """No number of teeth from 20 to 240 and no module of the series give 5 % less volume than the first answer."""
@@ -95,6 +96,7 @@ def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float)
     assert [one.volume_mm3 for one in found] == sorted(one.volume_mm3 for one in found)
 
 
+@pytest.mark.thorough
 def test_teeth_that_are_refused_are_asked_for_once(pretend: list[int]) -> None:
     smallest_gears(drive_of_text(TEXT), Space())
     few = [teeth for teeth in pretend if teeth < 20]
@@ -102,6 +104,7 @@ def test_teeth_that_are_refused_are_asked_for_once(pretend: list[int]) -> None:
     assert len(few) == len(set(few))
 
 
+@pytest.mark.thorough
 def test_a_diameter_holds_for_both_gears(pretend: list[int]) -> None:
     """Circular gears reach one module beyond their pitch circles."""
     for one in smallest_gears(drive_of_text(TEXT), Space(diameter_mm=90.0)):
@@ -147,6 +150,7 @@ def run(run: Run) -> Run:
     return on_text(run, "size", "--verbose")
 
 
+@pytest.mark.thorough
 def test_what_is_written_builds_what_was_found(run: Run, pretend: list[int]) -> None:
     status, out, err = run(TEXT, "--space", "100", "--out", "found/right.yaml", "--material", "C45")
     assert (status, err) == (0, "")
@@ -169,6 +173,7 @@ def test_what_is_written_builds_what_was_found(run: Run, pretend: list[int]) -> 
     assert verdict_of(Drive(design), "estimate").holds
 
 
+@pytest.mark.slow
 def test_more_safety_makes_larger_gears(run: Run, pretend: list[int]) -> None:
     def volume(*options: str) -> float:
         assert run(TEXT, "--out", "d2.yaml", *options)[0] == 0
@@ -194,6 +199,7 @@ def test_wrong_options(run: Run, options: list[str], said: str) -> None:
     assert (status, out, err) == (2, "", said + "\n")
 
 
+@pytest.mark.thorough
 def test_gears_without_a_load_are_refused(run: Run) -> None:
     status, _, err = run(TEXT.replace("resistance: {polynomial_n: [2000]}\n", ""))
     assert status == 2
@@ -217,7 +223,7 @@ def test_with_the_real_estimate() -> None:
     assert [one.safety for one in again.weakest] == [one.safety for one in first.verdict.weakest]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_baler_that_holds() -> None:
     """At 60 r/min, with law and masses of designs/baler-half-dynamics.yaml, whose teeth do not hold."""
     holds, weak = (drive(name) for name in ("baler-holds", "baler-half-dynamics"))

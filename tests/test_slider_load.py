@@ -160,6 +160,7 @@ def machine(load: str, name: str = "stroke, e = 0", linkage: str = "baler") -> M
     return Machine(law(name), LINKAGES[linkage], LOADS[load], 5.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", LOADS)
 def test_peak_and_mean_power_are_those_of_dense_samples(name: str, linkage: str) -> None:
@@ -273,6 +274,7 @@ def test_torque_is_that_of_virtual_work(name: str) -> None:
     np.testing.assert_allclose(torque, expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_peaks_of_the_torque_are_those_of_samples() -> None:
     rigid = RigidMachine(machine("table and formula"), HEAVY, OUTSIDE)
     peaks = load_peaks(rigid)
@@ -328,6 +330,7 @@ def mirrored_task(returning: bool) -> Task:
     return Task(BALER_LINKAGE, load, 60.0 * RPM)
 
 
+@pytest.mark.slow
 def test_the_limit_of_a_mirrored_load_is_the_same() -> None:
     """Without offset, time reversed swaps the strokes; places lie alike but for those where the force turns."""
     asked = Demands(0.2, 5.0, power_w=9000.0)
@@ -337,6 +340,7 @@ def test_the_limit_of_a_mirrored_load_is_the_same() -> None:
     assert back > 1.05 * unloaded.value  # control: the load of the way back is felt
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOADS)
 def test_no_law_is_below_the_limit_of_its_load(name: str) -> None:
     made = machine(name)

@@ -31,6 +31,7 @@ def unpacked(name: str) -> str:
     return gzip.decompress(b64decode(solid_view(drive(name), "").packed)).decode()
 
 
+@pytest.mark.slow
 def test_the_packed_page_holds_both_gears_and_one_script() -> None:
     html = unpacked("pump-1-2")
     (script,) = re.findall(r"<script>(.*?)</script>", html, re.DOTALL)
@@ -43,16 +44,18 @@ def test_the_packed_page_holds_both_gears_and_one_script() -> None:
         assert scene.geometry[name].volume == pytest.approx(mesh.volume, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_same_gears_give_the_same_bytes() -> None:
     assert solid_view(drive("pump-1-2"), "a") == solid_view(drive("pump-1-2"), "a")
 
 
+@pytest.mark.thorough
 def test_a_view_that_is_too_large_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_BYTES", 1000)
     assert solid_view(drive("pump-1-2"), "").packed == ""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_page_names_the_hashes_of_what_it_may_run_and_asks_for_nothing_else() -> None:
     page = reports.page("pump-1-2")
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)
@@ -65,6 +68,7 @@ def test_the_page_names_the_hashes_of_what_it_may_run_and_asks_for_nothing_else(
     assert len(packed) < 400_000
 
 
+@pytest.mark.slow
 def test_a_design_without_gears_has_no_view(tmp_path: Path) -> None:
     path = tmp_path / "gearless.yaml"
     path.write_text(GEARLESS, encoding="utf-8")
@@ -121,7 +125,7 @@ def test_a_browser_shows_both_gears(playwright: Any, tmp_path: Path) -> None:
     page.context.browser.close()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @in_a_browser
 def test_a_browser_without_webgl_says_so(playwright: Any, tmp_path: Path) -> None:
     page, said = shown(playwright, WITHOUT, tmp_path)

@@ -52,7 +52,7 @@ BORES = [None, Bore(30.0), Bore(30.0, Keyway(8.0, 3.3)), Bore(6.0, Keyway(5.9, 1
 
 
 @pytest.mark.judges("solids")
-@pytest.mark.tiers(quick=["None"], slow=["bore1"], rest="thorough")
+@pytest.mark.tiers(quick=["None"], rest="slow")
 @pytest.mark.parametrize("bore", BORES)
 def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
     mesh = extruded(wavy(), 20.0, bore, 1e-4)
@@ -64,6 +64,7 @@ def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
     np.testing.assert_allclose(mesh.bounds[:, 2], [0.0, 20.0], rtol=0.0, atol=0.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("bore", BORES)
 def test_stl_reads_back_as_the_same_solid(bore: Bore | None) -> None:
     mesh = extruded(wavy(4000), 20.0, bore, TOLERANCE)
@@ -124,6 +125,7 @@ def test_keyway_as_wide_as_the_bore_is_refused() -> None:
         Bore(8.0, Keyway(8.0, 1.0))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("bore", "largest"),
     [
@@ -206,6 +208,7 @@ def test_keyway_takes_the_room_of_the_index_hole_on_its_own_side_only() -> None:
     assert index_hole(disc, bore, pi, MODULE) is not None
 
 
+@pytest.mark.thorough
 def test_index_holes_face_each_other_on_the_line_of_centres() -> None:
     blank = Blank(20.0, Bore(30.0), index_hole=True)
     driving = gear_solid(Gear.DRIVING, wavy(4000), blank, MODULE, TOLERANCE)

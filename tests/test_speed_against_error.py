@@ -74,9 +74,7 @@ def test_a_study_is_known_by_its_own_key(key: str) -> None:
     assert STUDIES[key]().key == key
 
 
-@pytest.mark.tiers(
-    slow=["curvature-baler", "closure"], thorough=["pitch-length-baler", "driven-angle-ellipse"], rest="quick"
-)
+@pytest.mark.tiers(slow=["pitch-length-baler", "driven-angle-ellipse", "curvature-baler", "closure"], rest="quick")
 @pytest.mark.parametrize(
     "key",
     [pytest.param(key, marks=pytest.mark.slow if key == "driven-angle-return" else ()) for key in BOUNDS],
@@ -114,6 +112,7 @@ def test_a_planted_error_of_phi2_is_told() -> None:
     assert driven_angle_error_rad(stretch, planted) >= 5e-11
 
 
+@pytest.mark.thorough
 def test_a_planted_error_of_closure_is_told() -> None:
     law = closed_by_ncgear()
     assert closure_error_rad(replace(law, local=law.local * (1.0 + 1e-10))) >= 5e-11
@@ -258,7 +257,7 @@ def test_the_page_says_whether_the_choice_is_the_knee(chosen: Point, said: str) 
 # --- run and page ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_run_writes_page_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(["--out", str(tmp_path), "--only", "return-basis", "--only", "inversion"], timed_s=0.0)
     keys = ["inversion", "return-basis"]

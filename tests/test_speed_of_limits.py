@@ -42,6 +42,7 @@ def limit(places: int) -> Bound:
 # --- the certified limit -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("power_w", [6300.0, 18750.0])
 def test_the_closed_form_is_the_convex_programmes_optimum(power_w: float) -> None:
     """Its grid of 320 has chords where motions peak, which is of second order."""
@@ -53,6 +54,7 @@ def test_the_closed_form_is_the_convex_programmes_optimum(power_w: float) -> Non
     assert exact == pytest.approx(convex, rel=3e-3)
 
 
+@pytest.mark.slow
 def test_the_closed_form_is_the_time_that_its_motion_takes() -> None:
     """The ceilings laid on top of each other by hand, and the time by adaptive quadrature of 1 / v."""
     most = exact_mm_s2()
@@ -79,13 +81,14 @@ def test_a_resistance_of_another_kind_is_refused() -> None:
         least_acceleration_mm_s2((100.0, 0.0), 760.0, 6300.0, 1.0, (1e4, 5e4))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("places", GRIDS)
 def test_limits_are_below_the_closed_form_on_any_grid(places: int) -> None:
     """On the finest as well, where the multipliers are so rough that they prove little."""
     assert limit(places).value < exact_mm_s2()
 
 
+@pytest.mark.slow
 def test_what_limits_miss_falls_with_the_places() -> None:
     """Nothing is known of how a motion bends between two places, so the rate is one."""
     measured = found("limit", BY_ANGLE, *GRIDS[:4])

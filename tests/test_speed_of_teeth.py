@@ -81,6 +81,7 @@ def test_the_closed_form_of_the_circular_gear_meets_itself_where_its_curves_join
     assert abs(corner - CIRCLE.joints_mm[0]) < 1e-13
 
 
+@pytest.mark.thorough
 def test_distances_from_the_circular_gear_are_those_from_many_of_its_points() -> None:
     """Along each normal of a fine outline, so far as no other part of the tooth is nearer."""
     dense = toothed_pair(circular_pair(), form(), 1e-5).driving.outline_mm
@@ -93,6 +94,7 @@ def test_distances_from_the_circular_gear_are_those_from_many_of_its_points() ->
         assert np.quantile(away, [0.002, 0.998]) == pytest.approx([0.01, 0.01], abs=2e-5)
 
 
+@pytest.mark.thorough
 def test_the_area_of_the_circular_gear_is_that_of_a_fine_polygon_but_for_its_chords() -> None:
     """Richardson's extrapolation of two even outlines, whose areas are of second order, to the fourth."""
     outlines = (even_outlines(circular_pair(), form(), count)[0] for count in (64, 128))
@@ -171,6 +173,7 @@ def study_pair(key: str):
 # --- contact -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_ends_of_contact_are_exact_once_every_contact_has_a_position() -> None:
     assert all(point.error < 1e-12 for point in found("contact-ratio", contact.ENDS, 6, PER_TOOTH))
     assert found("contact-ratio", contact.ENDS, 4)[0].error > 1e-2
@@ -185,6 +188,7 @@ def test_exact_curves_have_no_transmission_error_and_the_backlash_of_involutes()
     assert all(point.error < 1e-13 for point in found("contact-angle", contact.CURVES, 6, PER_TOOTH))
 
 
+@pytest.mark.slow
 def test_outlines_touch_where_involutes_do_but_for_both_gears_chords() -> None:
     """Two chords astray by t turn the driven gear by 2 t / rb at most, and somewhere by more than half of that."""
     measured = found("contact-angle", contact.CHORDS, TOLERANCE_MM, 0.0016, 5e-4)
@@ -194,10 +198,12 @@ def test_outlines_touch_where_involutes_do_but_for_both_gears_chords() -> None:
     assert order(measured, 0.0) == pytest.approx(-1.0, abs=0.05)
 
 
+@pytest.mark.thorough
 def test_even_parameters_turn_the_driven_gear_at_second_order() -> None:
     assert order(found("contact-angle", contact.EVEN, 4, 8, 16), 0.0) == pytest.approx(2.0, abs=0.25)
 
 
+@pytest.mark.thorough
 def test_the_default_positions_find_what_outlines_do_and_half_of_them_do_not() -> None:
     half, default, more = (
         contact.play_error_rad(contact.play_to_tolerance(TOLERANCE_MM, n)) for n in (10, PER_TOOTH, 60)
@@ -221,6 +227,7 @@ def test_a_pair_whose_driven_gear_stands_elsewhere_is_told(turn: float) -> None:
 # --- solids ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_volumes_are_wrong_by_the_tolerance_with_triangles_that_grow_by_its_square_root() -> None:
     measured = found("solid-volume", solids.STRAIGHT, 0.05, TOLERANCE_MM, 5e-4, 5e-5)
     assert order(measured, 0.0) == pytest.approx(-0.95, abs=0.06)
@@ -228,6 +235,7 @@ def test_volumes_are_wrong_by_the_tolerance_with_triangles_that_grow_by_its_squa
     assert measured[1].error < 2e-4
 
 
+@pytest.mark.thorough
 def test_volumes_of_even_parameters_are_of_second_order() -> None:
     assert order(found("solid-volume", solids.EVEN, 8, 16, 32), 0.0) == pytest.approx(2.0, abs=0.06)
 
@@ -258,7 +266,7 @@ def test_a_solid_without_one_of_its_teeth_is_told() -> None:
     assert solids.surface_error_mm(without) > 0.1 * MODULE_MM
 
 
-@pytest.mark.tiers(quick=["0.001"], rest="thorough")
+@pytest.mark.tiers(slow=["0.001"], rest="thorough")
 @pytest.mark.parametrize("share", [1e-3, -1e-3])
 def test_a_solid_of_another_size_or_another_helix_is_told(share: float) -> None:
     solid = study("solid-volume").method(solids.STRAIGHT).run(TOLERANCE_MM)

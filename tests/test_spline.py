@@ -99,7 +99,7 @@ class Exact:
 
 
 @pytest.mark.judges("ratio")
-@pytest.mark.tiers(quick=["lobes*"], rest="thorough")
+@pytest.mark.tiers(quick=["lobes*"], rest="slow")
 @pytest.mark.parametrize("name", CASES)
 def test_against_thirty_digits(name: str) -> None:
     transmission = law(name)
@@ -116,6 +116,7 @@ def test_against_thirty_digits(name: str) -> None:
                 assert abs(found.derivative(k)[0] - derivatives[k - 1]) <= bound * scale, (cell, k)
 
 
+@pytest.mark.slow
 def test_the_reference_sees_a_point_that_is_moved_by_a_millionth() -> None:
     """Negative control."""
     angles, values, lobes = CASES["lobes 2:3"]
@@ -175,6 +176,7 @@ STEEP = [(1.0, 0.0), (0.87, 0.5), (0.25, 0.15), (0.5, 0.75), (0.07, -1.4), (0.03
 """Points whose spline goes over 1:40 000, with most of the driven angle in a hundredth of a turn before its end."""
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     st.lists(st.tuples(st.floats(0.02, 1.0), st.floats(-1.5, 1.5)), min_size=4, max_size=30),
@@ -227,6 +229,7 @@ def test_knots_that_do_not_rise_within_a_turn_are_a_fault(knots: list[float]) ->
         periodic_cubic(np.array(knots), np.zeros(len(knots)))
 
 
+@pytest.mark.thorough
 def test_the_integral_of_a_steep_exponential_is_that_of_thirty_digits() -> None:
     """Between two points the function changes ten thousandfold, so cells are halved there."""
     spline = periodic_cubic(even_steps(4), np.array([4.5, 0.0, -4.5, 0.5]))
@@ -443,6 +446,7 @@ def test_a_law_of_many_knots_is_made_and_evaluated_fast() -> None:
     assert evaluated <= 2e-3
 
 
+@pytest.mark.thorough
 def test_cusps_of_many_knots_are_sought_between_the_knots(monkeypatch: pytest.MonkeyPatch) -> None:
     """The curvature has a corner at each knot, and a form that knew of none would close in on all of them.
 

@@ -94,7 +94,7 @@ def test_the_shaft_between_turns_back_to_the_driving_shaft() -> None:
     np.testing.assert_allclose(second.pair.speed(between.value), between.derivative(1), rtol=1e-11)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize(("text", "stage"), [(FIRST_EVEN, 2), (SECOND_EVEN, 1)], ids=["first even", "second even"])
 def test_beside_a_pair_that_turns_evenly_the_other_is_a_single_one(text: str, stage: int) -> None:
@@ -112,7 +112,7 @@ def test_beside_a_pair_that_turns_evenly_the_other_is_a_single_one(text: str, st
     assert abs(even.weakest[0].safety / alone.weakest[0].safety - 1.0) > 0.01
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_flanks_slide_as_fast_as_their_shafts_turn() -> None:
     """At a place of contact both gears' points differ in speed by the sliding; the speeds are found by time."""
     first, second = made(SHARED).by_stage

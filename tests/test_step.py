@@ -241,7 +241,7 @@ def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPa
         step_files(drive("ellipse"))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_file_of_another_solid_is_a_fault() -> None:
     contour = contour_of(drive("ellipse").teeth.driving, 5e-4)
     own, wider = (gear_shape(contour, plate(width)) for width in (12.0, 12.001))

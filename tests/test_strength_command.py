@@ -71,6 +71,7 @@ def rows(folder: str = "export/press-strength") -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_teeth_that_hold(run: Run, pretend: Callable[..., None]) -> None:
     pretend(2.0, 1.5)
     status, out, err = run(HEAD + GEARS + LOAD)
@@ -90,6 +91,7 @@ def test_teeth_that_hold(run: Run, pretend: Callable[..., None]) -> None:
     assert strength["driven"]["bending_safety_min"] == pytest.approx(2.2, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_for_each_tooth_and_leaves_out_what_has_no_end(
     run: Run, pretend: Callable[..., None]
 ) -> None:
@@ -106,6 +108,7 @@ def test_the_table_has_a_row_for_each_tooth_and_leaves_out_what_has_no_end(
     assert (unloaded["bending_safety"], unloaded["contact_life_h"]) == ("", "")
 
 
+@pytest.mark.slow
 def test_teeth_that_do_not_hold_are_named_with_what_would_do(run: Run, pretend: Callable[..., None]) -> None:
     """A width of 14 mm gives 1.4 against breakage by the made-up scaling, and 1.04 against pitting.
 
@@ -122,6 +125,7 @@ def test_teeth_that_do_not_hold_are_named_with_what_would_do(run: Run, pretend: 
     assert found["driven"]["contact_too_weak_teeth"] == [1, 2, 3]
 
 
+@pytest.mark.slow
 def test_a_material_without_figures_for_pitting(run: Run, pretend: Callable[..., None]) -> None:
     """Plastics also want more against breakage."""
     pretend(1.9, None)
@@ -133,6 +137,7 @@ def test_a_material_without_figures_for_pitting(run: Run, pretend: Callable[...,
     assert rows()[0]["contact_safety"] == ""
 
 
+@pytest.mark.slow
 def test_as_json(run: Run, pretend: Callable[..., None]) -> None:
     pretend(2.0, 1.5)
     status, out, err = run(HEAD + GEARS + LOAD, "--json", "--method", "estimate", "--out", "here")
@@ -140,6 +145,7 @@ def test_as_json(run: Run, pretend: Callable[..., None]) -> None:
     assert json.loads(out) == figures("here")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "place"),
     [
@@ -155,7 +161,7 @@ def test_what_is_missing_is_told(run: Run, text: str, place: str) -> None:
     assert place in err
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_half_the_width_shows(run: Run) -> None:
     """With real strengths: root stresses go as one over the width, pressures as its root, load factors apart.
@@ -196,11 +202,12 @@ def test_a_build_tells_the_same_in_its_summary_and_warns() -> None:
     assert f"tooth {strength['driving']['contact_tooth']} of the driving gear" in warning
 
 
+@pytest.mark.slow
 def test_a_build_without_load_tells_no_strength() -> None:
     assert "strength" not in built("ellipse").summary
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_simulation_warns_too(pretend: Callable[..., None]) -> None:
     rod = "rod: {mass_kg: 0.3, center_mm: 40, inertia_kg_mm2: 300}"
     crank = "crank: {mass_kg: 0.4, center_mm: 10, inertia_kg_mm2: 200}"
@@ -214,6 +221,7 @@ def test_a_simulation_warns_too(pretend: Callable[..., None]) -> None:
 # What is drawn.
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["external", "ring"])
 def test_every_tooth_has_its_own_part_of_the_outline(name: str) -> None:
     """The parts cover the outline once, and each holds the places at which its own two flanks cross the pitch curve."""

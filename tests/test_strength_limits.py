@@ -28,7 +28,7 @@ strength: {{dynamic_factor: 1.0}}
     )
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize("method", ["estimate", pytest.param("elements", marks=pytest.mark.slow)])
 def test_ellipses_of_no_eccentricity_are_circles(method: str) -> None:
@@ -45,7 +45,7 @@ def test_ellipses_of_no_eccentricity_are_circles(method: str) -> None:
     assert far > 0.03
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_all_lengths_grown_alike_and_loads_by_their_square_leave_stresses_as_they_are() -> None:
     law = "law: ellipse, eccentricity: 0.3"

@@ -215,6 +215,7 @@ def test_v2_just_too_small_against_v1() -> None:
     assert backwards.min() - 0.05 <= stated_angle(fault) <= backwards.max() + 0.05
 
 
+@pytest.mark.slow
 @settings(max_examples=80, deadline=None)
 @given(st.floats(0.05, 0.9), st.floats(0.5, 3.0), st.floats(0.02, 3.0))
 def test_refused_exactly_where_the_velocity_turns_negative(share: float, t2: float, against: float) -> None:
@@ -356,6 +357,7 @@ def test_a1_that_accelerates_leaves_no_law_speed_in_the_other_reading() -> None:
     assert refusal(replace(AT_LAW_SPEED, a1_mm_s2=1e5)).key == "motion.solve_for"
 
 
+@pytest.mark.thorough
 @settings(max_examples=50, deadline=None)
 @given(st.floats(-1e6, -1e-3), st.floats(1.0, 5000.0), st.floats(0.05, 3.0))
 def test_braking_alone_never_reverses_the_slider(a1: float, v2: float, delta: float) -> None:

@@ -97,6 +97,7 @@ def test_numbers_that_are_dragged_have_no_more_digits_than_a_screen() -> None:
 TEXTS = st.lists(st.one_of(st.sampled_from(["undo", "redo"]), st.text("ab", max_size=3)), max_size=30)
 
 
+@pytest.mark.thorough
 @given(TEXTS)
 @settings(max_examples=60, deadline=None)
 def test_history_goes_back_and_forth_as_a_list_with_a_place(steps: list[str]) -> None:
@@ -204,6 +205,7 @@ def test_rows_say_what_the_models_say() -> None:
     assert (teeth["kind"], teeth["least"], teeth["most"], teeth["step"]) == ("integer", 3, 10000, 1)
 
 
+@pytest.mark.slow
 def test_a_group_that_is_left_out_begins_with_values_that_are_right() -> None:
     text = text_of("baler")
     for row in rows_of(form(data_of(text))):
@@ -277,7 +279,7 @@ def test_what_cannot_be_read_has_its_line_and_key() -> None:
         assert (content["key"], content["line"], content["wrong_input"]) == ("gears.teeth", line, True)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_that_cannot_be_made_leave_the_motion() -> None:
     name = "baler-a1-at-law-speed"
     text, path = text_of(name), DESIGNS / f"{name}.yaml"
@@ -287,14 +289,14 @@ def test_teeth_that_cannot_be_made_leave_the_motion() -> None:
     assert found["refused"]["problem"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_body_that_cannot_be_made_leaves_its_teeth() -> None:
     text = text_of("baler").replace("bore_mm: 16,", "bore_mm: 60,")
     found = [kind for kind, _ in gear_answers(text, DESIGNS / "baler.yaml")]
     assert found == ["scene", "teeth", "refused"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ellipse", "uniform-crank", "spiral-pair", "baler-66-two-stage"])
 def test_all_parts_come_for_every_kind_of_design(name: str) -> None:
     text = text_of(name)

@@ -22,7 +22,7 @@ from drives import DESIGNS
 from ncgear.studio import chains
 from studios import Studio, children, is_running, running
 
-pytestmark = pytest.mark.thorough
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ def table() -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_sweep_writes_a_row_for_every_combination(run: Run) -> None:
     status, out, err = run(SPEEDS, "operation.speed_rpm=20:40:2")
     assert (status, err) == (0, "")
@@ -69,6 +69,7 @@ def test_of_designs_that_need_the_same_power_the_gentlest_is_named_first(run: Ru
     assert float(first[0]) == float(gentlest["motion.return.e"]) != 0.5
 
 
+@pytest.mark.slow
 def test_designs_that_cannot_be_made_have_a_verdict_and_no_figures(run: Run) -> None:
     status, out, _ = run("motion.v1_mm_s=1600:6000:2")
     assert status == 0
@@ -79,7 +80,7 @@ def test_designs_that_cannot_be_made_have_a_verdict_and_no_figures(run: Run) -> 
     assert f" 1 at motion.v1_mm_s = 6000: {refused['verdict']}" in " ".join(out.split())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_refusals_are_told_to_their_end_with_the_design_and_the_keys_of_the_file(run: Run) -> None:
     """Many designs share one refusal; the first of them is named, with every word of its own."""
     _, out, _ = run("motion.theta1_pi=0.3:0.68:3", "motion.v1_mm_s=1700:9000:3")
@@ -95,7 +96,7 @@ def test_refusals_are_told_to_their_end_with_the_design_and_the_keys_of_the_file
         assert f"at {values}: {verdict}" in said
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_values_that_the_schema_refuses_are_verdicts_too(run: Run) -> None:
     """Teeth are whole, and angles rise."""
     run("gears.teeth=25:26:3", "motion.theta2_pi=0.7:1.1:2")

@@ -102,7 +102,7 @@ def test_the_check_is_that_of_the_whole_machine() -> None:
     assert check["peak_acceleration_cycle_mm_s2"] == pytest.approx(30_137.0, abs=2.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @every_stage
 def test_the_summary_of_a_stage_has_the_check_of_the_whole_machine(stage: int) -> None:
     assert built().summaries[stage - 1]["check"] == check_summary(drive(NAME))["check"]
@@ -147,7 +147,7 @@ def test_sliding_is_at_the_speed_of_the_shaft_between() -> None:
         assert found["sliding_velocity_max_mm_s"] == pytest.approx(largest[0], rel=1e-4)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_check_shows_both_stages_and_makes_no_tooth() -> None:
     fresh = Drive(loaded(NAME).design)
     text, stages = check_text(fresh), check_summary(fresh)["stages"]
@@ -177,7 +177,7 @@ gears: {teeth: 12, module_mm: 3, face_width_mm: 5}
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_stage_that_cannot_be_made_leaves_both_folders_as_they_were(tmp_path: Path) -> None:
     design = tmp_path / "bad.yaml"
     design.write_text(STEEP)
@@ -227,6 +227,7 @@ def coefficients(*logarithms: np.ndarray) -> np.ndarray:
     return np.concatenate([even_knots(KNOTS).coefficients(one) for one in logarithms])
 
 
+@pytest.mark.thorough
 def test_levels_of_stages_are_those_of_the_built_pairs() -> None:
     """Pressure angle, ratio, convexity and curvature on the optimiser's grid against the pitch curves' exact ones."""
     best = BestLaw(loaded(NAME).design)
@@ -283,7 +284,7 @@ def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[fl
     return max(top for wish, top in tops if wish == "pressure_angle_deg"), max(t for w, t in tops if w == "convex")
 
 
-@pytest.mark.tiers(slow=["True"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", [True, False])
 def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
     """No small change of the second stage's share lowers it and keeps all curves convex."""

@@ -86,6 +86,7 @@ def test_the_amount_of_an_avoided_undercut_is_what_the_rack_goes_below_the_cusp(
         assert (loss.tooth, loss.contact_pitches) == (1, 0.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("deeper_mm", [0.05, 0.2])
 def test_the_amount_of_an_allowed_undercut_is_the_height_that_the_notch_takes(deeper_mm: float) -> None:
     """The path of the sharp corner crosses the involute above its base circle; both in polar coordinates."""
@@ -174,7 +175,7 @@ def test_chosen_shift_is_limited_and_halves_what_cannot_be_freed() -> None:
     assert shift_against_undercut(pitch_pair(uniform_law(Lobes()), 30), rack()) == 0.0
 
 
-@pytest.mark.tiers(thorough=["18*", "33*"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize(("teeth", "expected"), [(11, 1.0 - 5.5 * sin(radians(20.0)) ** 2), (18, 0.0), (33, 0.0)])
 def test_a_ring_sets_no_bound_to_the_chosen_shift(teeth: int, expected: float) -> None:
     """No tool undercuts a ring's teeth, so the driving gear takes what it needs and no more."""
@@ -225,6 +226,7 @@ def unfitted(curve: PitchCurve, basic: BasicRack, teeth: int) -> Flanks:
     return flanks_of(curve, basic, teeth, RackLine(), start)
 
 
+@pytest.mark.thorough
 def test_free_of_undercut_does_not_depend_on_the_teeth_at_hand() -> None:
     found = {teeth_free_of_undercut(pitch_pair(baler_law(), teeth), rack(), rack()) for teeth in (12, 25, 86, 200)}
     assert found == {86}

@@ -281,7 +281,7 @@ def cutters_of(gear: ToothedGear, basic: BasicRack, shifts: Array) -> tuple[list
 
 
 @pytest.mark.judges("teeth")
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("asked", "gear"), [("angles", Gear.DRIVING), ("full depth", Gear.DRIVING), ("full depth", Gear.DRIVEN)]
 )
@@ -297,7 +297,7 @@ def test_a_standard_cutter_tooth_in_each_space_leaves_the_same_gear(asked: str, 
     assert apart(own, cut) < 5e-4
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_another_cutter_leaves_another_gear() -> None:
     """With the shifts of the teeth the other way round, or flanks the other way round, the gears are far apart."""
     own = made("circle", "both").driving
@@ -327,6 +327,7 @@ def test_whole_outlines_never_overlap_and_always_touch(name: str, asked: str) ->
     assert report.gap.max() < 4.0 * TOLERANCE
 
 
+@pytest.mark.thorough
 def test_teeth_of_a_mate_with_the_same_instead_of_the_opposite_shift_do_not_mesh() -> None:
     """Nor do gears with the flanks the other way round."""
     pitch, pair = pitch_of("ellipse"), made("ellipse", "both")
@@ -337,7 +338,7 @@ def test_teeth_of_a_mate_with_the_same_instead_of_the_opposite_shift_do_not_mesh
         assert report.overlap_depth.max() > 0.05
 
 
-@pytest.mark.tiers(quick=["ellipse"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse"], rest="slow")
 @pytest.mark.parametrize("name", ["ellipse", "ring", "concave"])
 def test_the_law_is_held_exactly_and_the_play_is_even(name: str) -> None:
     pitch, pair = pitch_of(name), made(name, "both with play", 0.005)
@@ -360,7 +361,7 @@ def test_sections_of_helical_teeth_hold_the_law_too(advance: float) -> None:
     assert np.abs(contact.backlash_rad).max() < 1e-11
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_written_gears_turn_by_the_play_and_no_farther() -> None:
     pitch, pair = pitch_of("ellipse"), made("ellipse", "both with play")
     asked = play_of(pitch, uneven(), Backlash(0.1)).driven_rad
@@ -371,6 +372,7 @@ def test_written_gears_turn_by_the_play_and_no_farther() -> None:
         assert on == pytest.approx(asked, abs=4.0 * TOLERANCE / 25.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", [CutterKind.MATE, CutterKind.PINION])
 def test_other_tools_leave_the_same_flanks(kind: CutterKind) -> None:
     pitch = pitch_of("ellipse")
@@ -397,6 +399,7 @@ ENDS = (0.1, 0.1, 0.1, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
 """Shifts in modules of nine of 18 teeth: those about a sharp end have some."""
 
 
+@pytest.mark.thorough
 def test_a_larger_angle_and_shifts_at_the_sharp_ends_remove_undercut() -> None:
     """18 teeth on an ellipse of eccentricity 0.35, on an oval of 36: undercut ends where k (f - x) < sin^2(alpha)."""
     pitch = sized_pair(elliptical_law(0.35, pi, Lobes(1, 2)), 18, MODULE, None)
@@ -516,6 +519,7 @@ def test_shifts_and_angles_that_leave_no_teeth_are_refused(teeth: int, more: str
     assert words in caught.value.problem
 
 
+@pytest.mark.thorough
 def test_gears_that_turn_less_than_once_have_no_shifts_for_each_tooth() -> None:
     spiral = drive_of_text(
         "name: s\noperation: {speed_rpm: 60}\nmotion: {law: spiral, range_deg: 160, ratio_start: 1.3, ratio_end: 0.8}\n"
@@ -560,6 +564,7 @@ def test_a_flank_that_could_not_turn_its_mate_is_refused_though_it_is_idle() -> 
 # --- what is told ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_summary_and_data_sheet_tell_angles_shifts_and_thicknesses() -> None:
     one = drive("asymmetric-ellipse")
     told = teeth_summary(one)

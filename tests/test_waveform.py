@@ -32,7 +32,7 @@ def exact_harmonic(k: int) -> complex:
         return complex(total / (2 * mpmath.pi))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_harmonics_of_a_function_with_jumps() -> None:
     found = waveform(parabolas, BREAKS).harmonics(40)
     for k in (0, 1, 2, 7, 40):

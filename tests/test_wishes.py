@@ -118,6 +118,7 @@ def test_the_even_stretch_of_laws_at_random(seed: int, stroke: Stroke) -> None:
     assert found.most_mm_s <= found.least_mm_s * spread(EVEN) * (1.0 + 3e-9)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["baler", "feeder-table", "pusher", "internal-1-2"])
 def test_the_even_stretch_of_designs(name: str) -> None:
     machine = drive(name).machine
@@ -212,6 +213,7 @@ def test_the_nearest_dwell(linkage: Mechanism, end: End) -> None:
         assert found == pytest.approx(RADIUS * (1.0 - cos(crank / 2.0)), rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_no_law_stays_nearer_for_longer() -> None:
     """Laws at random within ratios of 5 stay near the end for less; a law at that ratio about the end attains it."""
     wish = Dwell(end=End.EXTENDED, within_mm=nearest_dwell_mm(OFFSET, End.EXTENDED, 1.0, 5.0), for_rad=1.0)
@@ -284,6 +286,7 @@ def wishes_at_random(seed: int) -> list[Wish]:
     ]
 
 
+@pytest.mark.slow
 def test_a_wish_is_kept_where_its_requirements_hold() -> None:
     """Judged by quadrature and dense samples, on laws and wishes at random; both answers are met for every kind."""
     answers: dict[int, set[bool]] = {}
@@ -299,6 +302,7 @@ def test_a_wish_is_kept_where_its_requirements_hold() -> None:
     assert all(found == {True, False} for found in list(answers.values())[:9])
 
 
+@pytest.mark.slow
 def test_the_rest_of_a_turn_takes_the_rest_of_the_cycle() -> None:
     """A lower bound of a stretch's time is an upper bound of the rest's."""
     machine, stretch = at_random(1), CrankStretch(-0.4, 0.7)

@@ -47,14 +47,14 @@ def test_one_process_is_this_one() -> None:
     assert list(finished(os.path.abspath, ["a"], processes=1)) == [("a", str(Path("a").absolute()))]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_two_processes_give_every_result_once() -> None:
     found = list(finished(squared, range(40), processes=2))
     assert len(found) == 40
     assert dict(found) == SQUARES
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_process_that_dies_is_made_up_for(tmp_path: Path) -> None:
     found = list(finished(partial(dying_once, str(tmp_path)), range(40), processes=2))
     assert len(found) == 40
@@ -74,13 +74,13 @@ def test_processes_that_die_while_nothing_is_asked_are_made_up_for() -> None:
     assert dict(results) == SQUARES
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_tasks_that_kill_every_process_end_the_run() -> None:
     with pytest.raises(RuntimeError, match="3 processes in a row died"):
         list(finished(dying, range(4), processes=2))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_a_task_raises_is_raised_with_its_key() -> None:
     with pytest.raises(NoSuchMechanism, match="no such thing") as refusal:
         list(finished(refusing, range(40), processes=2))

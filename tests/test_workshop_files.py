@@ -98,7 +98,7 @@ def cut_area(data: bytes, prefix: str = "") -> Polygon:
 
 
 @pytest.mark.judges("files")
-@pytest.mark.tiers(quick=["ellipse-*"], thorough=["baler-*DRIVING", "internal-1-2-*DRIVEN"], rest="slow")
+@pytest.mark.tiers(quick=["ellipse-*"], rest="slow")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name: str, gear: Gear) -> None:
@@ -115,7 +115,7 @@ def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name:
     assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
 
 
-@pytest.mark.tiers(thorough=["ellipse"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> None:
     """Contact of the written arcs, sampled off their ends: their errors are a third of those of chords, or less."""
@@ -134,7 +134,7 @@ def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> N
     assert arcs.overlap_mm.max() <= 2.0 * 0.1 * 0.005
 
 
-@pytest.mark.tiers(thorough=["ellipse"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_the_told_errors_of_files_are_those_found_here(name: str) -> None:
     table = Outlines("csv", outline(name, Gear.DRIVING), outline(name, Gear.DRIVEN))
@@ -150,6 +150,7 @@ def test_the_told_errors_of_files_are_those_found_here(name: str) -> None:
         assert told[kind] == pytest.approx(found, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_gear_a_thousandth_larger_is_seen() -> None:
     (teeth,) = drawn(files("ellipse")["driving.dxf"], "OUTLINE")
     assert strayed_mm(1.001 * np.array(teeth.points(step_rad=0.001)), "ellipse", Gear.DRIVING) > 0.01
@@ -193,7 +194,7 @@ def test_the_axis_is_marked_across() -> None:
     assert np.allclose(np.diff(ends, axis=1)[:, 0], [[6.0, 0.0], [0.0, 6.0]])
 
 
-@pytest.mark.tiers(quick=["ellipse"], thorough=["internal-1-2"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*DESIGNS, "printed-pump", "helical-ellipse"])
 def test_the_pair_is_drawn_as_assembled(name: str) -> None:
     """Clear of each other but for the chord tolerance of each; not so where one is turned by half a tooth."""
@@ -213,7 +214,7 @@ def cut_layers(data: bytes) -> dict[str, int]:
     return {layer: sum(one.layer == layer for one in found) for layer in sorted({one.layer for one in found})}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_all_of_a_body_is_drawn() -> None:
     """Everything that printing asks for; what is not cut through is on layers of its own."""
     driving, driven = (files("printed-pump")[f"{gear.value}.dxf"] for gear in Gear)
@@ -282,7 +283,7 @@ def points_of(path: SvgPath) -> Array:
     return np.array([(point[0], point[1]) for row in rows for point in row])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_an_image_has_the_outline_at_its_size(name: str, gear: Gear) -> None:
@@ -290,7 +291,7 @@ def test_an_image_has_the_outline_at_its_size(name: str, gear: Gear) -> None:
     assert strayed_mm(rings[0], name, gear) <= 0.1 * 0.005
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_image_has_bore_and_holes() -> None:
     data = files("baler")["driven.svg"]
     rings = [svg_rings(data, layer)[0] for layer in ("BORE", "INDEX_HOLE")]
@@ -310,6 +311,7 @@ def test_an_image_says_what_each_layer_is_for() -> None:
     assert strokes["OUTLINE"] == strokes["BORE"]
 
 
+@pytest.mark.slow
 def test_an_image_with_y_down_is_seen() -> None:
     (ring,) = svg_rings(files("baler")["driving.svg"], "OUTLINE")
     assert strayed_mm(ring * (1.0, -1.0), "baler", Gear.DRIVING) > 1.0
@@ -353,7 +355,7 @@ def test_prints_are_the_solids_side_by_side(name: str) -> None:
     assert parts["driven"].bounds[0][0] - parts["driving"].bounds[1][0] == pytest.approx(5.0, abs=1e-4)
 
 
-@pytest.mark.tiers(quick=["ellipse"], thorough=["internal-1-2"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DESIGNS)
 def test_assembled_prints_are_sections_of_the_drawings_times_the_face_width(name: str) -> None:
     """To the tolerance along teeth and circles, chords in the solid; a gear a thousandth larger is far off."""
@@ -388,7 +390,7 @@ def shown(data: bytes) -> dict[str, Array]:
     return found
 
 
-@pytest.mark.tiers(thorough=["helical-ellipse"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
 def test_the_scene_is_the_pair_in_metres_with_y_up(name: str) -> None:
     nodes, one = shown(files(name)["pair.glb"]), drive(name)
@@ -421,7 +423,7 @@ def test_the_gears_have_the_colours_of_the_pictures() -> None:
 # --- command ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_same_design_gives_the_same_bytes() -> None:
     again = workshop_files(Drive(drive("ellipse").design), USUAL)
     assert again == files("ellipse")
@@ -506,7 +508,7 @@ gears: {teeth: 12, module_mm: 2, face_width_mm: 5, driving: {bore_mm: 5}}
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_build_writes_the_kinds_asked_for_and_clears_the_others(run: Run) -> None:
     Path("wheel.yaml").write_text(WHEEL)
     assert run("build", "wheel.yaml")[0] == 0

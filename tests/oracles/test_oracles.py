@@ -51,7 +51,7 @@ def test_baler_at_one_speed_for_everything_closes_at_51_rpm() -> None:
     assert float(stroke.Stroke(parameters).omega * 30 / mp.pi) == pytest.approx(51.31, abs=5e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_segments_meet_every_condition(baler: stroke.Cycle) -> None:
     omega, s = baler.working.omega, baler.working.displacement
     with mp.workdps(60):
@@ -62,7 +62,7 @@ def test_segments_meet_every_condition(baler: stroke.Cycle) -> None:
             assert abs(s(angle, order) - value) < mp.mpf(10) ** -50
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_ratio_range_over_the_turn(
     baler: stroke.Cycle, working_angles: list[stroke.Real], return_angles: list[stroke.Real]
 ) -> None:
@@ -102,6 +102,7 @@ def test_ratio_near_dead_centres_follows_the_limit_and_its_slope(baler: stroke.C
             assert abs(baler.working.ratio(end + direction * step) - linear) < mp.mpf(10) ** -16
 
 
+@pytest.mark.slow
 def test_ratio_is_the_derivative_of_the_driven_angle(baler: stroke.Cycle) -> None:
     for angle in ("1e-6", "1.7", "3.3", "4.5", "6"):
         with mp.workdps(60):
@@ -110,6 +111,7 @@ def test_ratio_is_the_derivative_of_the_driven_angle(baler: stroke.Cycle) -> Non
             assert abs(slope * baler.ratio(at) - 1) < mp.mpf(10) ** -20
 
 
+@pytest.mark.slow
 def test_return_meets_its_conditions(baler: stroke.Cycle) -> None:
     with mp.workdps(60):
         back, work = baler.returning, baler.working
@@ -130,6 +132,7 @@ def test_offset_linkage_pose_and_working_angle() -> None:
         assert abs(mp.diff(linkage.displacement, mp.mpf(1)) - linkage.slope(mp.mpf(1))) < mp.mpf(10) ** -40
 
 
+@pytest.mark.thorough
 def test_offset_stroke_near_a_dead_centre() -> None:
     """No symmetry helps here: the ratio's slope at the dead centre has a part from the linkage."""
     work = stroke.Stroke(replace(stroke.BALER, offset="100"))
@@ -194,21 +197,21 @@ def test_rack_on_a_circle_leaves_the_involute(
     assert (tip, root) == pytest.approx((27.0, 22.5), abs=2e-5)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_scallops_shrink_with_the_square_of_the_step() -> None:
     gears = [rack_cut.cut(circle_curve(25.0), TOOTH, 25, True, positions_per_pitch=n) for n in (13, 52)]
     coarse, fine = (rack_cut.deviation_of_points(flank_points(25), gear).max() for gear in gears)
     assert 10 < coarse / fine < 22
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_thinning_is_taken_at_the_pitch_line() -> None:
     thin = rack_cut.Proportions(MODULE, ALPHA, MODULE, 1.25 * MODULE, 0.38 * MODULE, thinning=0.1)
     gear = rack_cut.cut(circle_curve(25.0), thin, 25, True)
     assert rack_cut.deviation_of_points(flank_points(25, thinning=0.1), gear).max() < 2e-5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_pinion_cutter_leaves_the_same_flanks() -> None:
     gear = rack_cut.cut(circle_curve(25.0), TOOTH, 25, True, rack_cut.Pinion(20), 40)
     assert rack_cut.deviation_of_points(flank_points(25), gear).max() < 5e-4
@@ -260,12 +263,13 @@ def test_on_a_concave_curve_the_pinion_is_right_and_the_rack_gouges() -> None:
     assert rack_cut.deviation_of_points(flanks, rack).max() > 0.3
 
 
+@pytest.mark.slow
 def test_wrong_phase_is_seen() -> None:
     gear = rack_cut.cut(circle_curve(25.0), TOOTH, 25, False, positions_per_pitch=25)
     assert rack_cut.deviation_of_points(flank_points(25, True), gear).max() > 0.5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_outline_distance_of_known_shapes() -> None:
     one = shapely.Point(0, 0).buffer(10, quad_segs=200)
     assert rack_cut.outline_distance(one, affinity.translate(one, 0.3)) == pytest.approx(0.3, abs=1e-3)
@@ -298,7 +302,7 @@ def involute_pair(distance: float = 55.0, turned: float = 0.0, samples: int = 60
     return meshing.Pair(involute_gear(25, 0.0, samples), driven, PHI1, PHI1 * 25 / 30, distance)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_exact_involutes_neither_overlap_nor_leave_a_gap() -> None:
     coarse, fine = (involute_pair(samples=samples).report() for samples in (30, 60))
     assert len(fine.phi1) == 401
@@ -307,13 +311,14 @@ def test_exact_involutes_neither_overlap_nor_leave_a_gap() -> None:
     assert 3 < coarse.gap.max() / fine.gap.max() < 6
 
 
+@pytest.mark.slow
 def test_a_turned_gear_overlaps_by_its_base_radius_times_the_angle() -> None:
     for turned in (0.01, -0.01):
         report = involute_pair(turned=turned).report(97)
         assert report.overlap_depth == pytest.approx(0.01 * 30 * np.cos(ALPHA), rel=5e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_too_near_overlaps_and_too_far_leaves_a_gap() -> None:
     near, far = involute_pair(54.9).report(97), involute_pair(55.5).report(97)
     assert near.overlap_depth == pytest.approx(0.1 * np.sin(ALPHA), rel=0.02)
@@ -322,6 +327,7 @@ def test_too_near_overlaps_and_too_far_leaves_a_gap() -> None:
     assert far.gap == pytest.approx(55 * np.cos(ALPHA) * (involute(at_work) - involute(ALPHA)), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_driven_play_of_a_spread_pair() -> None:
     pair = involute_pair(55.1)
     at_work = np.arccos(55 * np.cos(ALPHA) / 55.1)
@@ -332,6 +338,7 @@ def test_driven_play_of_a_spread_pair() -> None:
         assert minus == pytest.approx(plus, rel=0.01)
 
 
+@pytest.mark.slow
 def test_driven_play_is_negative_beyond_a_side() -> None:
     pair = involute_pair(55.1, turned=-0.003)  # clockwise: the driven gear is 3 mrad ahead
     minus, plus = pair.driven_play(7, tolerance=1e-6)
@@ -349,7 +356,7 @@ def test_width_of_known_regions() -> None:
     assert meshing.width(shapely.Point(0, 0).buffer(2)) == pytest.approx(4, rel=0.02)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_written_files_are_read_back(tmp_path: Path) -> None:
     gears = involute_gear(25), involute_gear(30, np.pi + np.pi / 30)
     paths = tmp_path / "driving.stl", tmp_path / "driven.stl"
