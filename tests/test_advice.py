@@ -166,6 +166,7 @@ def test_every_kind_is_seen_in_a_test() -> None:
     assert {advice.kind for name in names for advice in advices(name)} == set(Kind)
 
 
+@pytest.mark.thorough
 def test_a_sound_design_has_no_advice() -> None:
     assert advices("ellipse") == ()
 
@@ -199,7 +200,7 @@ def test_every_advised_key_is_one_of_the_schema() -> None:
     assert not schema_at("gears.rack.height")
 
 
-@pytest.mark.tiers(slow=["wide expression"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_following_an_advice_removes_it(name: str) -> None:
     for kind, remedy in remedies(name, command=False):
@@ -240,6 +241,7 @@ def undercut_by(deeper_mm: float, undercut: str) -> Data:
     return merged(SMALL, {"gears": {"teeth": 24, "undercut": undercut, "rack": rack, "cutter": {"kind": "rack"}}})
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("undercut", ["avoid", "allow"])
 @pytest.mark.parametrize(("deeper_mm", "matters"), [(0.0005, False), (0.05, True)])
 def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: float, matters: bool) -> None:

@@ -80,7 +80,7 @@ def test_the_pins_are_drawn_where_the_law_has_them() -> None:
         assert np.abs(marked_mm(made, frame, (480.0, np.inf)) - expected).max() < pixel_mm(made) / 3.0
 
 
-@pytest.mark.tiers(thorough=["pump-1-2-1.0"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "sense"), [("pump-1-2", 1.0), ("internal-1-2", -1.0)])
 def test_a_point_of_the_driving_gear_turns_with_it(name: str, sense: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """A gear that is a square aside of its axis; as the crank turns clockwise, a ring's pinion does so, too."""
@@ -116,7 +116,7 @@ def test_the_words_tell_the_pose() -> None:
     assert words == ["displacement 302 mm", "velocity 2388 mm/s", "phi1  90.0\u00b0  phi2  90.0\u00b0"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["baler", "pump-1-2"])
 def test_the_loop_closes(name: str) -> None:
     """After the last frame comes the first: all that moves is where it was, to the pixel."""

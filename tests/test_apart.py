@@ -69,7 +69,7 @@ def test_outlines_that_are_known_to_stand_apart_do(
         assert overlap > 0.0 or found.known[row] or np.isinf(found.up_rad[row])
 
 
-@pytest.mark.tiers(quick=["sine-*"], rest="thorough")
+@pytest.mark.tiers(quick=["sine-*"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth", "tolerance"), KINDS)
 def test_play_of_outlines_apart_is_where_shapely_sees_them_touch(name: str, teeth: int, tolerance: float) -> None:
     found, driving, driven, at = apart(name, teeth, tolerance, 0.0)

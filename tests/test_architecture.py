@@ -83,7 +83,7 @@ def package_imports() -> dict[str, set[str]]:
     return found
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_imports_go_down_only() -> None:
     assert upward_imports(package_imports()) == []
 
@@ -126,7 +126,7 @@ def modules() -> dict[str, set[str]]:
     return {".".join(path.relative_to(SOURCE.parent).with_suffix("").parts): imports_of(path) for path in paths}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_no_modules_import_each_other_in_a_circle() -> None:
     assert circles(modules()) == []
 

@@ -189,6 +189,7 @@ def test_some_pairs_have_two_teeth_in_contact_always() -> None:
     assert floor(transverse_contact_ratio(100, 100, radians(14.5))) == 2
 
 
+@pytest.mark.thorough
 def test_undercut_shortens_contact() -> None:
     """12 teeth: the flank ends above its base circle, where the cusp was; contact then ends there, not at the tip."""
     _, pair = made("uniform", 12, undercut=True)
@@ -349,7 +350,7 @@ def test_edges_carry_where_contact_is_shorter_than_a_pitch() -> None:
     assert list(by_tooth.values()) == pytest.approx([contact.pushing.transmission_error_rad] * 8, rel=1e-6)
 
 
-@pytest.mark.tiers(quick=["uniform-8-None"], rest="thorough")
+@pytest.mark.tiers(quick=["uniform-8-None"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "teeth", "relief"),
     [("uniform", 8, None), ("long ellipse", 18, None), ("baler", 25, TipRelief(0.05, 0.4, MODULE)), ("ring", 40, None)],
@@ -368,7 +369,7 @@ def test_no_corner_that_touches_first_is_left_out(name: str, teeth: int, relief:
         assert few <= side.touching.position.size <= many
 
 
-@pytest.mark.tiers(quick=["uniform-8-0.0"], rest="slow")
+@pytest.mark.tiers(thorough=["uniform-8-0.0"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "teeth", "backlash_mm"), [("baler", 25, 0.1), ("baler", 25, 0.0), ("uniform", 8, 0.0)]
 )
@@ -445,7 +446,7 @@ def test_the_contact_ratio_is_that_of_the_worse_side() -> None:
     assert designed("baler", 25).least_arc == pytest.approx(min(pitches.values()), abs=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), COUNTED)
 def test_arcs_of_contact_are_those_of_the_heights_that_are_left(name: str, teeth: int) -> None:
     pairs, _ = flank_pairs(name, teeth)

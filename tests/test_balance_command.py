@@ -117,7 +117,7 @@ def test_files_and_text(name: str) -> None:
         assert isfinite(float(numbers))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_a_written_gear_balances(gear: str) -> None:
     """The STL as written, read by trimesh alone: its centroid is on the axis to single precision."""

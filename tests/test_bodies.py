@@ -164,6 +164,7 @@ def test_pockets_follow_the_outline_and_keep_the_rim(name: str, gear: str) -> No
     assert all((pockets & side).distance(outline & side) <= 3.0 + 3.0 * TOLERANCE for side in sides)
 
 
+@pytest.mark.thorough
 def test_few_holes_fill_the_way_from_bore_to_outline() -> None:
     holes = made(Blank(WIDTH, Bore(10.0), holes=HoleSet(3, 4.0))).plan.lightening_holes
     assert [hole.diameter_mm for hole in holes] == pytest.approx([RADIUS - 5.0 - 2.0 * 4.0] * 3, abs=0.011)
@@ -353,6 +354,7 @@ def test_a_cutter_that_follows_the_lines_leaves_the_gears_at_size(name: str) -> 
         assert cut_along(other, kerf).boundary.hausdorff_distance(finished.boundary) > 0.9 * kerf
 
 
+@pytest.mark.thorough
 def test_bore_and_keyway_are_drawn_narrower_by_the_kerf() -> None:
     bores = [
         asked(
@@ -365,7 +367,7 @@ def test_bore_and_keyway_are_drawn_narrower_by_the_kerf() -> None:
     assert bores[1].reach_mm == pytest.approx(5.0 + 1.4 - 0.1)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_contact_as_written_is_that_of_the_gears_after_the_cut() -> None:
     drive = asked(KERFED["web"].format(-0.15))
     solid, outline = drive.solids.driving, drive.teeth.driving.outline_mm
@@ -419,7 +421,7 @@ def test_what_moves_in_comes_back() -> None:
 # --- masses ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("blank", ASKED)
 def test_moments_of_inertia_count_all_that_is_cut(blank: Blank) -> None:
     """Slab by slab, against the mesh's own volume integrals."""
@@ -427,7 +429,7 @@ def test_moments_of_inertia_count_all_that_is_cut(blank: Blank) -> None:
     assert body_kg_mm2(solid.plan, 7850.0) == pytest.approx(mesh_body(solid.mesh, 7850.0).inertia_kg_mm2, rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_chamfer_and_set_screw_that_are_not_counted_are_small() -> None:
     solid = drive("printed-pump").solids.driving
     counted, whole = body_kg_mm2(solid.plan, 7850.0), mesh_body(solid.mesh, 7850.0).inertia_kg_mm2
@@ -474,7 +476,7 @@ NO_ROOM = [
 ]
 
 
-@pytest.mark.tiers(quick=["driving: {{hub*"], rest="slow")
+@pytest.mark.tiers(thorough=["driving: {{hub*"], rest="slow")
 @pytest.mark.parametrize(("text", "given", "key", "problem"), NO_ROOM)
 def test_what_does_not_fit_is_refused_with_the_largest_that_does(
     text: str, given: float, key: str, problem: str

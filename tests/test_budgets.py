@@ -86,6 +86,7 @@ def test_reading_costs_in_proportion_to_the_size(name: str) -> None:
     assert calls_of(lambda: read(text)) < CALLS_A_CHARACTER * len(text)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", GROWING)
 def test_reading_takes_memory_in_proportion_to_the_size(name: str) -> None:
     text = GROWING[name](4000)
@@ -100,6 +101,7 @@ def test_limits_apply_while_a_file_is_read(monkeypatch: pytest.MonkeyPatch, text
     assert calls_of(lambda: read(text)) < CALLS_A_CHARACTER * 1000
 
 
+@pytest.mark.thorough
 def test_the_judges_see_what_grows_faster_than_the_size() -> None:
     def square(size: int) -> list[list[int]]:
         return [[sum(one for one in range(size))] * size for _ in range(size)]

@@ -105,7 +105,7 @@ def test_a_figure_off_by_more_than_its_condition_is_seen() -> None:
     assert max(in_roundings(made, conditions(case.data)).values()) > 1e3 * FACTOR
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_stroke_within_rounding_of_the_linkages_is_the_linkages() -> None:
     """stroke_mm off by 1e-9: every figure is that of the file without it, to the last bit."""
     written, plain = reported(ALL["stroke-off-by-1e-9"].drive()), reported(ALL["baler"].drive())

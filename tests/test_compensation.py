@@ -266,6 +266,7 @@ LEVEL = ReturnEnds(4.0, 6.0, 3.0, 5.0, 1.0, 0.0, 1.0, 0.0)
 """A return that is a straight line: 2 rad of both gears, ratio 1."""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("inverse", [False, True])
 def test_level_ends_give_the_level_return(inverse: bool) -> None:
     linkage = CrankSlider(100.0, 400.0)
@@ -287,14 +288,14 @@ def test_inverse_basis_refuses_a_return_that_would_turn_back() -> None:
     assert 4.0 < stated_angle(caught.value) < 6.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_same_ends_are_fine_in_the_ratio_basis() -> None:
     law = return_of_least_acceleration(replace(LEVEL, end_driven_rad=3.4), CrankSlider(100.0, 400.0), inverse=False)
     assert law.polynomial(np.linspace(0.0, 1.0, 101)).min() > 0.0
     assert abs(law.closure_error_rad) <= 1e-12
 
 
-@pytest.mark.tiers(thorough=["20.0-5.0", "20.0-0.1", "0.0-15.0", "20.0-15.0"], rest="quick")
+@pytest.mark.tiers(thorough=["20.0-5.0", "20.0-0.1", "0.0-15.0", "20.0-15.0"], rest="thorough")
 @pytest.mark.parametrize("covered", [0.1, 0.5, 5.0, 15.0])
 @pytest.mark.parametrize("constant", [0.0, 20.0])
 def test_closure_holds_however_far_the_driven_gear_must_turn(covered: float, constant: float) -> None:

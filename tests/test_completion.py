@@ -23,7 +23,7 @@ def offered(typed: str, folder: Path = ROOT) -> list[str]:
     return done.stdout.split()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_all_commands() -> None:
     assert offered("ncgear ") == [command.__name__ for command in COMMANDS]
 

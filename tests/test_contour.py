@@ -197,6 +197,7 @@ def test_splines_come_closer_with_the_fourth_power_of_their_spans(monkeypatch: p
     assert np.log2(found[1] / found[2]) == pytest.approx(4.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_at_a_joint_of_the_law_splines_lose_nothing() -> None:
     """The slope there may be that of the other side: it would cost three orders of convergence."""
     gear = pair("baler").driving

@@ -92,7 +92,7 @@ def socp_peak(unit: np.ndarray, force: np.ndarray) -> float:
     return float(solver.solve().x[2]) * scale
 
 
-@pytest.mark.tiers(thorough=["baler"], rest="thorough")
+@pytest.mark.tiers(slow=["baler"], rest="thorough")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_the_least_peak_is_that_of_a_cone_programme(name: str) -> None:
     mechanism = MECHANISMS[name]
@@ -117,7 +117,7 @@ def test_evenly_driven_with_a_long_rod_half_the_slider_is_best() -> None:
     assert found.bound_n == pytest.approx(4.0 * 0.010 * long.speed_rad_s**2, rel=1e-3)
 
 
-@pytest.mark.tiers(slow=["baler", "uneven"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_no_neighbour_is_better(name: str) -> None:
     mechanism = MECHANISMS[name]
@@ -300,6 +300,7 @@ def test_the_best_phase_of_uneven_drives(mirrored: bool) -> None:
     assert found.value < 0.9 * max(scanned)
 
 
+@pytest.mark.thorough
 def test_opposed_mechanisms_cancel() -> None:
     """A boxer's forces vanish, its moment does not; a mirrored pair leaves nothing across."""
     boxer = frame_shaking([Mounted(BALER), Mounted(BALER, direction_rad=pi)])

@@ -73,7 +73,7 @@ def test_the_hole_is_where_the_crank_pin_is(kind: str, axis: float) -> None:
     assert np.abs(carried(places["driven"], np.array([-hole.y_mm, hole.x_mm])) - pin).max() > 10.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_axis_elsewhere_turns_the_hole_in_the_gear() -> None:
     straight, aside = (pinned(axis=axis).solids.driven.plan.crank_pin for axis in (180.0, 140.0))
     between = np.angle(complex(aside.x_mm, aside.y_mm) / complex(straight.x_mm, straight.y_mm))
@@ -175,6 +175,7 @@ def test_a_gear_without_a_crank_or_a_ring_refuses_it(linkage: str | None, mesh: 
     assert str(told.value.key).startswith("gears.driven.crank_pin")
 
 
+@pytest.mark.thorough
 def test_designs_without_a_hole_are_as_before() -> None:
     made = pinned()
     plain = drive_of_text(

@@ -129,7 +129,7 @@ def test_one_of_several_may_miss() -> None:
     assert at1[0] == pytest.approx(pi / 6.0, abs=2 * TIGHT)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.floats(0.1, 2.9), st.floats(-1.2, 1.2))
 def test_a_line_through_a_circle(direction: float, turned: float) -> None:

@@ -103,6 +103,7 @@ def test_a_hob_cuts_what_it_is_the_tool_of_and_nothing_hollow() -> None:
         assert why in found.reason
 
 
+@pytest.mark.thorough
 def test_idle_flanks_that_stand_turned_take_the_hob_a_second_pass() -> None:
     """0.1 mm over the base radius where the arm is least; the driving gear stands as it is."""
     form = ToothForm(rack(), limits=TipLimits(avoid_undercut=False), backlash=Backlash(0.1))
@@ -137,6 +138,7 @@ def test_the_shaper_of_the_design_cuts_it_and_others_leave_their_own_fillets() -
     assert shapely.distance(deep, Polygon(cut.outline_mm).exterior).max() > 4.0 * LEFT
 
 
+@pytest.mark.thorough
 def test_a_shaper_that_is_too_shallow_for_the_mate_is_told_so() -> None:
     """A pinion's rounded tip begins higher up than a rack's: its flanks are 1.341 mm deep where 1.394 mm are met."""
     found = next(one for one in cut_gears(drive("pusher"))[0].by if one.tool is Tool.SHAPER)

@@ -271,6 +271,7 @@ def test_a_straight_rack_would_gouge_the_hollow_flanks() -> None:
     assert apart(own, brute(own, 25), 0.05) > 0.05
 
 
+@pytest.mark.thorough
 def test_a_pinion_larger_than_a_concave_stretch_is_refused_and_a_smaller_one_is_not() -> None:
     pitch = pitch_pair("concave")
     radius = pitch.least_concave_radius_mm(Gear.DRIVING)
@@ -330,7 +331,7 @@ def test_short_hollows_let_even_large_pinions_out() -> None:
     assert apart(own, brute(own, 25, 5.0, rack_cut.Pinion(65)), 0.05) < 0.001 + CUTTER_FACETS + 16.0 * SCALLOPS
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_chosen_pinion_goes_into_the_hollows_with_room_to_leave() -> None:
     for name, most in (("sine", 40), ("concave", 40), ("hardly concave", 40)):
         pitch = pitch_pair(name)
@@ -352,7 +353,7 @@ def test_pinions_of_few_teeth_are_pointed_and_refused_as_such(teeth: int) -> Non
     assert caught.value.key == "gears.cutter.teeth"
 
 
-@pytest.mark.tiers(thorough=["20-ellipse", "1000-*", "40-sine"], rest="slow")
+@pytest.mark.tiers(thorough=["1000-*"], rest="slow")
 @pytest.mark.parametrize("name", ["ellipse", "sine", "concave"])
 @pytest.mark.parametrize("teeth", [20, 40, 1000])
 def test_pairs_that_pinions_cut_mesh(name: str, teeth: int) -> None:
@@ -370,7 +371,7 @@ def test_pairs_that_pinions_cut_mesh(name: str, teeth: int) -> None:
     assert report.gap.max() <= 2.0 * tolerance
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_pinion_of_very_many_teeth_is_a_rack() -> None:
     """Its rolling circle is straight to 1 / R: the fillets of 10 000 teeth lie within a ten-thousandth of a rack's."""
     pairs = [made("sine", form(kind, teeth)) for kind, teeth in ((CutterKind.RACK, None), (CutterKind.PINION, 10_000))]
@@ -408,6 +409,7 @@ def test_mated_spaces_contain_what_the_mates_tip_sweeps(gear: Gear) -> None:
         assert 0.15 * MODULE < away.min() < 0.3 * MODULE
 
 
+@pytest.mark.thorough
 def test_a_mates_rounding_alone_leaves_the_clearance() -> None:
     """c = rho (1 - sin(alpha)) with a straight flank, whatever root radius is asked for below that."""
     pairs = [made("sine", form(CutterKind.MATE, basic=rack(root_radius=asked)), 0.01) for asked in (0.0, 0.2, 0.38)]

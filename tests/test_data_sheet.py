@@ -67,7 +67,7 @@ def test_flanks_at_the_limits_of_thickness_are_measured_once(monkeypatch: pytest
     assert asked == [3.5] * 3
 
 
-@pytest.mark.tiers(quick=["uniform-crank", "ellipse"], rest="slow")
+@pytest.mark.tiers(thorough=["uniform-crank"], rest="slow")
 @pytest.mark.parametrize("name", NAMES)
 def test_rows_fit_their_headings_and_every_number_is_finite(name: str) -> None:
     found = sheet(name)
@@ -128,7 +128,7 @@ def test_the_sheet_says_what_the_design_gives() -> None:
     assert row(found, "least normal backlash").pair == pytest.approx(0.06, rel=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_ring_has_pins_and_says_that_it_has_no_span() -> None:
     found = sheet("internal-1-2")
     assert "not defined" in str(row(found, "places of a span").driven)
@@ -150,7 +150,7 @@ def test_helical_gears_are_measured_with_balls_half_way_up() -> None:
     assert row(found, "diameter of measuring balls").driving == 2.75
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_limits_of_the_tooth_thickness_are_limits_of_spans_and_pins() -> None:
     span = np.array([cells[4:5] + cells[6:] for cells in table(toleranced(), "Span of the driving").rows], dtype=float)
     np.testing.assert_allclose(span[:, 1:] - span[:, :1], [[-0.1 * cos(radians(20.0)), -0.05 * cos(radians(20.0))]] * 4)
@@ -225,6 +225,7 @@ FIGURES = [
 ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("figure", "label", "title"), FIGURES)
 def test_a_figure_that_cannot_be_computed_says_why_and_ends_nothing(
     figure: str, label: str, title: str, monkeypatch: pytest.MonkeyPatch

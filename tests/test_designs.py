@@ -307,7 +307,7 @@ def test_written_solids_mesh(name: str) -> None:
     assert report.gap.max() <= chords + summary["teeth"]["backlash_mm"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_wrong_law_or_distance_is_seen() -> None:
     """Negative controls of the judge, on the ellipses, whose backlash of 0.06 mm must be used up first."""
     case = built("ellipse")
@@ -376,7 +376,7 @@ def test_baler_at_25_teeth_names_its_undercut_and_what_frees_it() -> None:
     assert built("baler-86").summary["teeth"]["undercut_driving"] == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_ring_is_warned_of_and_an_external_gear_is_not() -> None:
     warnings = {name: " ".join(built(name).summary["warnings"]) for name in ("internal-1-2", "ellipse")}
     assert "driven gear is internal: no hob can cut it" in warnings["internal-1-2"]

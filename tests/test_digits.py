@@ -108,7 +108,7 @@ def test_the_terminal_has_no_rounding_errors(name: str) -> None:
     assert "\u00b5rad" in text
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @both
 def test_a_data_sheet_has_the_decimals_of_a_drawing(name: str) -> None:
     text = sheet_text(data_sheet(drive(name)))

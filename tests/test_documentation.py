@@ -65,7 +65,7 @@ def test_every_command_is_shown_at_work(name: str) -> None:
     assert re.search(rf"^\$ ncgear {name}\b", by_hand, flags=re.MULTILINE)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", key_pages.PAGES)
 def test_pages_of_keys_are_todays(name: str) -> None:
     assert key_pages.key_page(name) == TEXTS[f"docs/{name}"], "run `make docs`"
@@ -114,7 +114,7 @@ def test_the_words_that_people_search_for_lead_to_what_exists() -> None:
         assert any(word in row.split("|")[1] for row in rows), word
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pusher", "oval-flow-meter", "baler-a1-at-law-speed"])
 def test_a_picture_of_the_gallery_is_drawn_as_it_is_kept(name: str) -> None:
     """Of a machine, of gears by themselves, of a machine whose gears are refused; a few pixels may differ by fonts."""

@@ -287,7 +287,7 @@ def test_a_dxf_file_is_sound_and_shows_its_sheet_on_paper(name: str, sheet: str)
     assert (found.header["$LTSCALE"] * scale, found.header["$PSLTSCALE"]) == (pytest.approx(1.0), 0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_dimensions_of_the_balers_gears_are_those_of_its_design_and_data_sheet() -> None:
     sheet = sheet_text(data_sheet(drive("baler")))
     place = assembly_of(drive("baler"))

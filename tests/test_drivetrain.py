@@ -219,7 +219,7 @@ def test_means_over_the_cycle_against_simpsons_rule() -> None:
     assert found.integral((size / 1e4) ** 3) == pytest.approx(summed, rel=1e-7)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_forces_on_the_crank_shaft_are_in_balance() -> None:
     """Gear, crank pin and bearings, anew from Newton's law for the crank's mass."""
     found, machine = cycle().loads, drive(DESIGN).rigid.machine
@@ -411,7 +411,7 @@ def between(asked: Demand, one: Excursion, held_n_mm: float) -> Array:
     return followed(asked, (one.start_rad, one.end_rad), asked.speed_rad_s, lambda speed: held_n_mm)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_machine_that_runs_ahead_against_the_equation_of_motion() -> None:
     asked = demand()
     found = running_ahead(asked)
@@ -481,7 +481,7 @@ def test_the_shipped_design_pinned() -> None:
     assert found.motor.course.rms_n_mm < 36e3 < found.motor.load.rms_n_mm
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_half_the_positions_apart_twice_the_life_by_the_cube() -> None:
     """A bearing of twice the rating lasts eight times as long; one with the needed rating just as long as wanted."""
     found = whole().driving_shaft

@@ -121,7 +121,7 @@ def test_the_motion_converges_with_the_accuracy() -> None:
 # Closed forms on circular gears
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_constant_torque_settles_at_the_closed_forms_depth() -> None:
     """One shaft of constant inertia against a constant torque: depth (T / (N k r))^(1/n), N pairs sharing."""
     found = mechanism(frictionless(meshing("uniform", 24)), even_load(HEAVY, 2e3), EvenDrive(0.1))
@@ -287,6 +287,7 @@ def test_a_motor_without_load_has_the_closed_forms_run_up() -> None:
     assert out.states[1, -1] == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("no_load", [1.3 * SPEED, 4.0 * SPEED])
 def test_on_the_law_a_motor_starts_at_the_operating_speed(no_load: float) -> None:
     """Whatever its speed without load is: both shafts have the law's speeds, and the teeth bear the law's torque."""

@@ -71,7 +71,7 @@ def test_a_folder_gets_schemas_and_settings_once(tmp_path: Path) -> None:
     assert before == {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in (tmp_path / ".vscode").iterdir()}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_each_file_has_the_schema_of_its_kind_and_others_have_none(tmp_path: Path) -> None:
     mine = {"a/x.yaml": DESIGN, "a/c.yaml": "services: {}\n", "b/y.yaml": DESIGN, "b/in/z.yaml": DESIGN}
     put(tmp_path, {**mine, "c/1.yaml": BALANCE, "c/d/2.yaml": DESIGN, ".hidden/3.yaml": DESIGN})
@@ -84,7 +84,7 @@ def test_each_file_has_the_schema_of_its_kind_and_others_have_none(tmp_path: Pat
     assert "b/*.yaml" in found["ncgear.schema.json"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_every_setting_and_comment_stays(tmp_path: Path) -> None:
     put(tmp_path, {"x.yaml": DESIGN, ".vscode/settings.json": SETTINGS})
     assert told(tmp_path)[0] == 0

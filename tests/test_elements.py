@@ -300,7 +300,7 @@ def single_stiffness(gears: tuple[tuple[int, float], tuple[int, float]], load: f
     return 1e-3 / given
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize("teeth", [20, pytest.param(40, marks=pytest.mark.slow)])
 def test_single_stiffness_is_that_of_iso_6336(teeth: int) -> None:
@@ -381,7 +381,7 @@ def test_compliance_does_not_depend_on_where_the_middle_is_taken_to_be(place: in
     np.testing.assert_allclose(totals, totals[2], rtol=0.02)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_a_crack_shows() -> None:
     """A slit from the back side's corner across a quarter of the root, as nodes that are no longer shared.

@@ -108,6 +108,7 @@ def test_solid_and_drawing_lack_the_slot() -> None:
     assert flat.area == pytest.approx(exact_area(plan.slot), rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", list(Gear))
 def test_the_pitch_curve_that_is_drawn_is_the_sector_of_the_range(gear: Gear) -> None:
     curve = stopped().pitch.of(gear)
@@ -145,7 +146,7 @@ def test_a_slot_without_room_is_refused_with_a_radius_that_fits(radius: float) -
     assert drive_of_text(TEXT.replace("radius_mm: 16", f"radius_mm: {right}")).solids.driving.mesh.is_watertight
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_slot_that_would_meet_itself_has_no_radius() -> None:
     text = TEXT.replace("range_deg: 200, ratio_start: 1.6", "range_deg: 330, ratio_start: 1.05").replace("0.7", "0.95")
     with pytest.raises(WrongInput, match="no radius fits; a thinner pin"):

@@ -107,7 +107,7 @@ def test_a_pair_of_nearby_extrema(low_at: float, high_at: float) -> None:
     assert points[1:-1] == pytest.approx([low_at, high_at], abs=1e-11)  # slope of x' is 0.011: 100 rounding errors
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(deadline=None, max_examples=40)
 @given(st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=7))
 def test_no_sample_lies_outside_the_extremes(coefficients: list[float]) -> None:

@@ -150,7 +150,7 @@ def test_nothing_moves_and_nothing_resists() -> None:
     assert set(vars(idle).values()) == {0.0}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_force_between_teeth_is_torque_over_lever() -> None:
     """On circles the lever is the base circle's radius; the peak torque is that of the power."""
     even = Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 60.0 * RPM)
@@ -179,7 +179,7 @@ def test_the_force_between_teeth_of_a_design_is_that_of_its_simulation() -> None
     assert figures(larger, made.law.train).tooth_force_n == pytest.approx(peak.force_n.value / 2.0, rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_figures_have_loads_where_masses_are() -> None:
     """Without masses power is the check's, and no load is told; with them it is the motor's."""
     alone = Task(BALER_LINKAGE, PRESS, 60.0 * RPM)

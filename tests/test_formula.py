@@ -424,7 +424,7 @@ def refusal(text: str) -> WrongInput | None:
     return None
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.text(alphabet="phisncotael0123456789.+-*/()[]{}_ ,:='\"\\\n\t@", max_size=25))
 def test_random_text_gives_a_series_or_a_refusal(text: str) -> None:

@@ -103,6 +103,7 @@ def test_on_circular_gears_the_lever_of_flanks_is_the_base_radius() -> None:
     np.testing.assert_allclose(near.lever_mm[touching], BASE, rtol=1e-9)
 
 
+@pytest.mark.thorough
 def test_backlash_parts_the_backs_by_its_angle() -> None:
     """Backlash is measured along the normal: on a base circle of radius r it leaves j / r of play."""
     pushing, back = gaps("uniform", 24, backlash_mm=0.1).play_rad(np.linspace(0.0, 6.0, 501))

@@ -379,6 +379,7 @@ def test_pairs_neither_overlap_nor_stand_apart(law: str) -> None:
     assert report.gap.max() <= 2.0 * TOLERANCE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ahead_rad", [0.002, -0.002])
 def test_a_slight_turn_makes_them_overlap(ahead_rad: float) -> None:
     judge = judge_of(made("variable", 60), turns(11))
@@ -412,7 +413,7 @@ def test_play_is_what_shapely_finds(law: str) -> None:
         assert (-found.pushing_rad[row], found.back_rad[row]) == pytest.approx(expected, abs=1e-8)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_transmission_error_is_that_of_the_chords() -> None:
     found, _ = contact_of(made("1:2", 60))
     # Both outlines within the tolerance of the exact flank, as an arc about the ring's base circle

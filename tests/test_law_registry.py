@@ -74,6 +74,7 @@ class Pressing(UniformCrank):
         return Law(linkage, single(self.transmission(linkage, lobes)), PrescribedStroke(10.0, -1e-13, facts))
 
 
+@pytest.mark.thorough
 def test_a_law_of_the_stroke_tells_its_own_facts() -> None:
     data = read_yaml(template("a", LawName.UNIFORM_CRANK), "template").data
     design = Design.model_validate(data).model_copy(update={"motion": Pressing(law="uniform_crank")})

@@ -132,7 +132,7 @@ def test_power_alone_in_closed_form() -> None:
     assert 0.8 * exact < least_power(task, WIDE).value <= exact * (1.0 + 1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("power_w", [6300.0, 9000.0])
 def test_power_and_acceleration_are_each_other_s_inverse(power_w: float) -> None:
     found = least_power(AT_SIXTY, replace(USUAL, acceleration_mm_s2=acceleration(60.0, power_w).value))

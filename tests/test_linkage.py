@@ -240,6 +240,7 @@ turning = st.tuples(st.floats(10.0, 500.0), st.floats(0.05, 3.0), st.floats(-0.9
 """Linkages whose crank turns: the rod exceeds the crank, the offset stays below the difference."""
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None)
 @given(turning, st.floats(1e-3, 1e3), st.floats(0.0, 2.0 * pi))
 def test_a_scaled_linkage_moves_alike(lengths: Lengths, scale: float, angle: float) -> None:
@@ -253,6 +254,7 @@ def test_a_scaled_linkage_moves_alike(lengths: Lengths, scale: float, angle: flo
     assert np.allclose(first, second, rtol=0.0, atol=1e-12 * float(np.abs(second).max() + scale * lengths[0]))
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None)
 @given(turning, st.floats(0.0, 2.0 * pi))
 def test_the_slider_stays_between_its_ends(lengths: Lengths, angle: float) -> None:
@@ -285,6 +287,7 @@ def test_linkages_that_cannot_turn_are_refused(lengths: Lengths, key: str, said:
     assert said in caught.value.problem
 
 
+@pytest.mark.slow
 @given(rod=st.floats(10.0, 1e4), share=st.floats(0.01, 0.95), offset=st.floats(-0.9, 0.9))
 def test_the_crank_follows_from_the_stroke(rod: float, share: float, offset: float) -> None:
     """In closed form, back from the stroke that the dead centres give."""

@@ -112,7 +112,7 @@ def outline_distance_mm(name: str, teeth: int, found: LoadedContacts, gear: Gear
     return np.abs(point - start - share * step).min(axis=1)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 31), ("ring", 24)])
 def test_places_of_contact_are_on_both_outlines_and_on_the_tooth_that_is_named(
@@ -147,7 +147,7 @@ def test_equal_springs_share_evenly() -> None:
     assert contacts.force_n[~contacts.flanks].max() < 0.5 * 1e5 / BASE
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_uneven_springs_share_by_their_stiffness() -> None:
     """F_i = k_i T / (r sum of k), with each k from the radii at which the contact is on both flanks."""
     slope = 0.15

@@ -120,6 +120,7 @@ def test_8_teeth_are_mended_by_25_degrees_and_the_mate_as_tool() -> None:
     assert search.found.pressure_angle_deg == pytest.approx(25.0)
 
 
+@pytest.mark.slow
 def test_8_teeth_at_20_degrees_cannot_hold_contact_whatever_cuts_them() -> None:
     """From base circle to base circle there is less than a base pitch: z tan(alpha) / pi = 0.927."""
     assert 8.0 * tan(radians(20.0)) / pi < 1.0

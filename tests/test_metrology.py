@@ -181,6 +181,7 @@ def ellipse_span(length: float, eccentricity: float, *, at_major: bool, crossing
         return float(2 * across * mpmath.sin(t) + mpmath.cos(alpha) * (crossings_mm - arc))
 
 
+@pytest.mark.thorough
 def test_spans_of_an_ellipse_lie_across_its_axes() -> None:
     gear = made("ellipse", 37)[1].driving
     found = spans(working_flanks(gear))
@@ -221,6 +222,7 @@ def test_a_span_is_where_the_reading_of_a_tilted_caliper_turns(name: str, teeth:
         assert (reading[at] < reading[at - 1]) == bool(least)
 
 
+@pytest.mark.thorough
 def test_elsewhere_the_reading_of_a_tilted_caliper_does_not_turn() -> None:
     """So the test above can be failed: five teeth of the ellipse between two of its axes."""
     reading = caliper(made("ellipse", 37)[1].driving, 4, 8, np.linspace(-0.03, 0.03, 201))

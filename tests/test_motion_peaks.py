@@ -166,7 +166,7 @@ def test_a_narrow_peak_of_the_resistance_is_met(width_mm: float) -> None:
     assert np.hypot(rows.x, rows.y).max() < 0.5 * peak.value
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_solver_that_steps_over_a_narrow_peak_is_told_by_the_energy() -> None:
     """Negative control of the stops about it."""
     resistance = TableResistance((0.0, 57.99, 58.0, 58.01, 120.0), (200.0, 200.0, 2e4, 200.0, 200.0))

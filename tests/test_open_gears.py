@@ -173,7 +173,7 @@ def test_spirals_that_are_circles_are_refused() -> None:
 # --- the continuation
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @every_law
 def test_curves_go_on_to_whole_turns_and_whole_pitches(name: str) -> None:
     found, known = pitch(name).transmission, law(name)
@@ -423,6 +423,7 @@ def test_solids_are_watertight_and_have_the_area_of_their_outline() -> None:
         assert mesh.volume == pytest.approx(15.0 * area, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_files_tell_the_end_stops() -> None:
     found = drive("spiral-pair")
     driven = float(found.transmission.driven_angle(np.array([radians(230.0)])).value[0])

@@ -164,7 +164,7 @@ def distance_to(lines: list[Array], points: Array) -> Array:
     return distance
 
 
-@pytest.mark.tiers(thorough=["baler-25"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("3:1", 48), ("baler", 25), ("undercut", 12)])
 def test_chords_of_flanks_stay_within_the_material_where_the_mate_comes_near(name: str, teeth: int) -> None:
     """Points of the exact curves are on the outline or outside it; a rack's fillets are hollow and no mate is near."""

@@ -99,7 +99,7 @@ def test_straight_sided_teeth_do_not_pass_for_conjugate_ones(name: str) -> None:
         refuse_bad_outlines(contact, TOLERANCE)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["uniform", "baler"])
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_an_outline_grown_by_a_fiftieth_of_a_millimetre_is_refused(name: str, gear: str) -> None:

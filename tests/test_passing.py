@@ -69,7 +69,7 @@ def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | Point]:
 KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20.0), ("lever", -100.0), ("yoke", 180.0)]
 
 
-@pytest.mark.tiers(thorough=["in front-30.0", "lever--100.0"], rest="thorough")
+@pytest.mark.tiers(thorough=["in front-30.0"], slow=["lever--100.0"], rest="thorough")
 @pytest.mark.parametrize(("kind", "axis"), KINDS)
 def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> None:
     found = made(kind, axis)
@@ -91,7 +91,7 @@ def test_a_pin_passes_the_driving_axis_at_the_difference_of_both_lengths() -> No
         assert pin.distance_mm == pytest.approx(abs(found.pitch.center_distance_mm - found.linkage.crank_mm), abs=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_shaft_as_wide_as_told_is_just_passed() -> None:
     """A circle and a rod as polygons: they touch with the width that is told, and overlap with a tenth more."""
     found = made("offset", -25.0)

@@ -434,6 +434,7 @@ def test_baler_figures_at_200_mm() -> None:
     assert found.least_radius_mm(Gear.DRIVEN) == pytest.approx(20.0, abs=0.5)
 
 
+@pytest.mark.slow
 def test_baler_curvature_jumps_at_its_inner_joints() -> None:
     """Acceleration is continuous at theta2 and theta3 but its derivative is not, so the curvature jumps there."""
     jumps = pair("stroke, e = 0").curvature_jumps()

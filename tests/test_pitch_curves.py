@@ -92,6 +92,7 @@ def test_the_four_published_ellipses_close_with_the_published_semi_axis(
     assert abs(law.transmission.closure_error_rad) <= CLOSED
 
 
+@pytest.mark.thorough
 def test_the_ratios_of_the_last_ellipse_are_those_that_were_checked() -> None:
     low, high = built_drive("offset-ellipse").transmission.ratio_range
     assert (low.value, high.value) == pytest.approx((0.4535, 2.3244), abs=5e-5)
@@ -462,7 +463,7 @@ def test_a_drawn_square_is_the_rounded_polygon(tmp_path: Path, way: str) -> None
     assert ours.transmission.driven_angle(phi1, 3).coefficients == pytest.approx(expected, abs=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_drawn_ellipse_and_spline_are_those_of_their_keys(tmp_path: Path) -> None:
     drawn = drawing(tmp_path, lambda space: space.add_ellipse((-4.0, 3.0), (23.0, 0.0), 17.0 / 23.0))
     _, distance = closed(ellipse(23.0, 17.0, (4.0, -3.0), KEY))

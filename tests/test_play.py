@@ -174,7 +174,7 @@ def test_play_of_a_nearer_circular_pair_is_the_closed_form() -> None:
         assert np.abs(found.up_rad + found.down_rad - expected).max() < 4 * 2e-4 / (25.0 * cos(ALPHA))
 
 
-@pytest.mark.tiers(quick=["0.02"], rest="slow")
+@pytest.mark.tiers(thorough=["0.02"], rest="slow")
 @pytest.mark.parametrize("backlash", [0.02, 0.1, 0.2])
 def test_play_of_a_circular_pair_is_its_backlash_angle(backlash: float) -> None:
     """jn / (r2 cos(alpha)), all of it on the idle flanks: the driven gear can turn on, not back."""

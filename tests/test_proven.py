@@ -326,7 +326,7 @@ def test_a_driven_angle_with_a_kink_of_its_slope_has_no_gears() -> None:
         refuse_corners(law)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_steep_step_gives_finite_numbers_everywhere() -> None:
     """exp(2u) of 800 overflows, its quotient does not."""
     for step in ("tanh((phi - {})/0.002)", "1/(1 + exp(-(phi - {})/0.001))", "-1/cosh((phi - {})/0.003)**2"):
@@ -337,6 +337,7 @@ def test_a_steep_step_gives_finite_numbers_everywhere() -> None:
 # --- resistances -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("at", "width"), [(22.2, 0.02), (51.5, 0.003), (12.34, 0.4)])
 def test_a_narrow_peak_of_resistance_counts(at: float, width: float) -> None:
     """Work by its closed form, the peak of power by samples in the peak."""

@@ -119,6 +119,7 @@ def test_curves_against_the_pitch_curves(seed: int) -> None:
     assert lengths(finer, [there])[0] == pytest.approx(arc_length(law, Mesh.EXTERNAL).period, rel=1e-10)
 
 
+@pytest.mark.thorough
 def test_the_random_laws_are_no_easy_ones() -> None:
     """Some curves among them are dented and some are not, or the signs above would prove nothing."""
     dented = [bool(np.any(quantities.driving_bulge(on_places(seed)[1]) < 0.0)) for seed in range(12)]
@@ -126,6 +127,7 @@ def test_the_random_laws_are_no_easy_ones() -> None:
     assert not all(dented)
 
 
+@pytest.mark.thorough
 def test_thirty_digits_from_the_radii() -> None:
     """r1 = a/(1 + i) and r2 = a i/(1 + i) in polar coordinates, and time as the driving angle, by mpmath alone."""
     cosine, sine = (0.3, -0.05), (0.1, 0.02)

@@ -131,6 +131,7 @@ def test_without_torque_the_teeth_just_touch() -> None:
     np.testing.assert_array_equal(loaded.error_rad, found.gaps.play_rad(ANGLES)[0])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("torque_n_mm", [1e-3, 1e-7, 1e-11])
 def test_torques_next_to_nothing_are_borne(torque_n_mm: float) -> None:
     """Depth and force are then below the rounding errors of the driven angle, whose shares of the torque are large."""

@@ -85,7 +85,7 @@ def test_profile_a_s_flank_is_as_long_as_the_mates_addendum() -> None:
     assert rack(module=1.0).flank_depth_mm == pytest.approx(0.9999676543, abs=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @given(
     st.floats(0.1, 50.0),
     st.floats(14.0, 26.0),

@@ -58,6 +58,7 @@ def test_the_comparison_is_todays(row: str, name: str) -> None:
     assert round(found["peak_acceleration_cycle_mm_s2"]) == acceleration
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "words"), [("uniform crank", "27.3 %"), ("Lei et al. 2012", "1.0 %")])
 def test_the_savings_are_todays(name: str, words: str) -> None:
     row = next(r for r in checked("baler")["comparison"] if r["name"] == name and r["same_speed"])

@@ -49,7 +49,7 @@ def test_the_flank_bends_as_the_replacement_gears_involute(name: str, which: Gea
     assert found == pytest.approx(measured_curvature(gear, places.flank, height), rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_places_are_found_where_the_pitch_curve_bends_within_a_module() -> None:
     gear = load(CASES / "harmonics-1-100.yaml").teeth.driving
     places, height = random_places(gear, 1000)

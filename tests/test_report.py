@@ -107,11 +107,12 @@ def test_the_text_of_a_design_is_text(hostile: str) -> None:
     assert tree.xpath("//p[@class='description']")[0].text_content() == HOSTILE + "\n"
 
 
+@pytest.mark.slow
 def test_text_that_is_not_escaped_is_seen(hostile: str) -> None:
     assert len(foreign_elements(hostile.replace("</main>", f"<p>{HOSTILE}</p></main>"))) == 3
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_no_key_of_the_data_ends_the_script() -> None:
     block = re.search(r'<script type="application/json" id="data">(.*?)</script>', reports.page("baler"), re.DOTALL)
     assert block

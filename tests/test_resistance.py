@@ -147,6 +147,7 @@ def test_narrow_peaks_between_the_samples_are_found() -> None:
     assert kinematic_check(machine).peak_power_w.value == pytest.approx(exact, rel=1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width_mm", [40.0, 1.0, 0.05, 3e-3])
 @pytest.mark.parametrize("at_mm", [123.456, 611.07])
 def test_narrow_peaks_of_an_expression_are_found(at_mm: float, width_mm: float) -> None:
@@ -318,6 +319,7 @@ def test_turns_between_powers_over_one_are_found() -> None:
     assert resistance.work_n_mm(np.array([80.0]), 80.0) == pytest.approx([float(work)], rel=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("text", ["2*x**1.5", "max(0, x - 130.5)**1.5", "(760 - x)**1.2"])
 def test_peak_of_power_of_powers_over_one(text: str) -> None:
     machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, SliderLoad(FormulaResistance(text)), 2.0 * pi)

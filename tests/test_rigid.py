@@ -380,7 +380,7 @@ def test_flanks_beyond_90_degrees_are_refused() -> None:
         rigid_level(RigidMachine(machine("stroke, law speed", 20.0), HEAVY, OUTSIDE))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_without_gears_the_bearing_holds_the_linkage_alone() -> None:
     alone = RigidMachine(machine("uniform", 20.0), HEAVY)
     loads, geared = alone.at(np.array([1.0])), replace(alone, place=OUTSIDE).at(np.array([1.0]))

@@ -87,7 +87,7 @@ def test_nothing_is_said_where_no_load_is_known(name: str) -> None:
     assert rough_strength(drive(name)) == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
     check = on_text(run, "check", "--verbose")
     _, weak, _ = check(TEXT)

@@ -78,7 +78,7 @@ def drawn_rings(group: ElementTree.Element) -> list[LinearRing]:
     return [LinearRing([(grid * step.end.x, grid * step.end.y) for step in part]) for part in parts]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["baler", "internal-1-2"])
 def test_drawn_gears_stray_by_no_more_than_they_may(name: str) -> None:
     found = scene(name)
@@ -123,6 +123,7 @@ def test_four_hundred_teeth_stay_small(module: float) -> None:
     assert len(scene_svg(found)) + len(json.dumps(scene_data(found))) < LARGEST_BYTES
 
 
+@pytest.mark.slow
 def test_pockets_and_hubs_are_drawn() -> None:
     made = groups(scene_svg(scene("webbed")))
     edges = [path for path in made["scene-driving"].iter("path") if path.attrib["class"] == "edge"]

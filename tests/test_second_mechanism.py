@@ -135,7 +135,7 @@ def test_every_law_closes_and_moves_the_yoke_as_its_crank_turns(law: str) -> Non
     assert motion.acceleration == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_stroke_turns_the_crank_as_its_displacement_asks() -> None:
     """x is the law's, whatever mechanism makes it, so that cos q = 1 - x/r; the segment of pressing is straight."""
     made, slider = drive("three_segment_stroke"), drive("three_segment_stroke", linkage="{crank_mm: 380, rod_mm: 960}")
@@ -219,6 +219,7 @@ def test_another_stroke_than_the_yokes_is_refused_by_its_own_key() -> None:
 # --- forces
 
 
+@pytest.mark.thorough
 @every_law
 def test_torque_is_lagranges(law: str) -> None:
     """(J + m x'^2) q.. + m x' x'' q.^2 + F x' less the weights' moment, all by the crank's angle."""

@@ -120,7 +120,7 @@ def test_below_one_nothing_is_asked(teeth: int) -> None:
     refuse("deep sine", teeth, 0.99)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("teeth", [24, 37])
 def test_what_idle_flanks_lack_is_refused_only_where_they_are_to_hold(teeth: int) -> None:
     short = short_contacts(designed("deep sine", teeth), made("deep sine", teeth)[1], 1.0)

@@ -104,7 +104,7 @@ def test_teeth_that_are_refused_are_asked_for_once(pretend: list[int]) -> None:
     assert len(few) == len(set(few))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_diameter_holds_for_both_gears(pretend: list[int]) -> None:
     """Circular gears reach one module beyond their pitch circles."""
     for one in smallest_gears(drive_of_text(TEXT), Space(diameter_mm=90.0)):
@@ -150,7 +150,7 @@ def run(run: Run) -> Run:
     return on_text(run, "size", "--verbose")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_is_written_builds_what_was_found(run: Run, pretend: list[int]) -> None:
     status, out, err = run(TEXT, "--space", "100", "--out", "found/right.yaml", "--material", "C45")
     assert (status, err) == (0, "")
@@ -250,6 +250,7 @@ def curve_text(*parts: str) -> str:
     return text.replace("{law: uniform_crank}", curve % parts).replace("teeth: 24", "teeth: 47")
 
 
+@pytest.mark.thorough
 def test_a_curve_in_mm_has_no_smaller_size() -> None:
     text = curve_text("", "semi_minor", ", center_distance_mm: 40").replace(", module_mm: 2", "")
     with pytest.raises(WrongInput, match="motion: a curve in mm that gives gears of 40 mm centre distance"):

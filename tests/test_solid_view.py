@@ -107,7 +107,7 @@ def colored(page: Any) -> tuple[float, float]:
     return float(np.mean(blue - red > 60)), float(np.mean(red - blue > 60))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @in_a_browser
 def test_a_browser_shows_both_gears(playwright: Any, tmp_path: Path) -> None:
     page, said = shown(playwright, WITH_WEBGL, tmp_path)

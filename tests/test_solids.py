@@ -125,7 +125,7 @@ def test_keyway_as_wide_as_the_bore_is_refused() -> None:
         Bore(8.0, Keyway(8.0, 1.0))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bore", "largest"),
     [

@@ -74,7 +74,7 @@ def test_a_study_is_known_by_its_own_key(key: str) -> None:
     assert STUDIES[key]().key == key
 
 
-@pytest.mark.tiers(slow=["pitch-length-baler", "driven-angle-ellipse", "curvature-baler", "closure"], rest="quick")
+@pytest.mark.tiers(slow=["pitch-length-baler", "driven-angle-ellipse", "curvature-baler", "closure"], rest="thorough")
 @pytest.mark.parametrize(
     "key",
     [pytest.param(key, marks=pytest.mark.slow if key == "driven-angle-return" else ()) for key in BOUNDS],
@@ -112,7 +112,7 @@ def test_a_planted_error_of_phi2_is_told() -> None:
     assert driven_angle_error_rad(stretch, planted) >= 5e-11
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_planted_error_of_closure_is_told() -> None:
     law = closed_by_ncgear()
     assert closure_error_rad(replace(law, local=law.local * (1.0 + 1e-10))) >= 5e-11
@@ -123,7 +123,7 @@ def test_a_return_in_powers_of_phi1_loses_half_its_digits() -> None:
     assert basis_error(by_linear_system(global_powers)) >= 1e-9
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("curve", [ellipse_curve(), baler_curve()], ids=lambda curve: curve.name)
 def test_planted_errors_of_pitch_curves_are_told(curve: Curve) -> None:
     length, bent = length_by_panels(curve, 24), curvature_by_derivatives(curve)
@@ -136,6 +136,7 @@ def test_the_exact_length_is_the_published_one() -> None:
     assert 200.0 * float(baler_curve().exact_length()) == pytest.approx(629.2813, abs=5e-5)
 
 
+@pytest.mark.slow
 def test_trapezoids_are_spectral_on_a_smooth_closed_curve() -> None:
     """Halving the gaps squares the error; with the baler's joints it only quarters it."""
     ellipse, jointed = of("pitch-length-ellipse"), of("pitch-length-baler")

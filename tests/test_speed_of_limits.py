@@ -97,12 +97,13 @@ def test_what_limits_miss_falls_with_the_places() -> None:
     assert measured[3].error < certified_limit.ENOUGH < measured[2].error
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.xfail(strict=True, reason="on 3840 places the multipliers are rough: the limit is 28 % low")
 def test_the_finest_grid_is_the_best() -> None:
     assert limit(GRIDS[-1]).value > limit(GRIDS[-2]).value
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("share", [1e-2, -1e-2])
 def test_a_limit_that_is_a_hundredth_off_is_told(share: float) -> None:
     """The limit itself misses less than half of that."""

@@ -72,6 +72,7 @@ def passed_on(pair: Drive, angle: Array) -> tuple[Array, Array]:
 ANGLES = np.linspace(0.0, 4.0 * np.pi, 801)[:-1] + 1e-3
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("text", [SHARED, SHARED + SLIDER + DRIVEN], ids=["resistance", "masses"])
 def test_every_shaft_passes_on_the_power_of_the_slider(text: str) -> None:
     one = made(text)

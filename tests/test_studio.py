@@ -235,6 +235,7 @@ def test_angles_are_dragged_along_the_angle(number: int) -> None:
     assert before["moves"]["x"]["base"] * 360.0 / FULL_TURN[key.rpartition("_")[2]] == pytest.approx(before["x"])
 
 
+@pytest.mark.thorough
 def test_a_wish_is_dragged_along_its_axis() -> None:
     for number, before in enumerate(handles(drive("feeder-wishes"))):
         _, after = moved("feeder-wishes", number, "y", 0.5)

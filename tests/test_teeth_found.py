@@ -170,7 +170,7 @@ def test_a_tooth_is_turned_to_the_mesh_and_marked(opened: Any, request: pytest.F
             assert opened.is_checked('input[name="view"][value="mesh"]')
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @in_a_browser
 @pytest.mark.parametrize("opened", ["pump-1-2"], indirect=True)
 def test_a_named_tooth_is_found_by_keyboard(opened: Any) -> None:

@@ -51,6 +51,7 @@ def test_a_rocker_keeps_the_stroke_that_is_asked_of_it() -> None:
     assert made.machine.displacement(phi1, 0).value == pytest.approx(place_rad(turned), abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_table_of_places_in_deg_is_met() -> None:
     stroke = float(np.degrees(rocker().linkage.stroke_mm))
     places = [0.0, 0.3 * stroke, 0.8 * stroke, stroke, 0.6 * stroke, 0.2 * stroke]

@@ -95,6 +95,7 @@ def test_each_stage_is_within_its_pressure_angle_and_free_of_undercut(stage: int
     assert summary["contact"]["contact_ratio_min"] >= 1.6
 
 
+@pytest.mark.slow
 def test_the_check_is_that_of_the_whole_machine() -> None:
     """Pinned beside the one pair of baler-66: 33 434 mm/s2 and 72 deg."""
     check = check_summary(drive(NAME))["check"]
@@ -108,7 +109,7 @@ def test_the_summary_of_a_stage_has_the_check_of_the_whole_machine(stage: int) -
     assert built().summaries[stage - 1]["check"] == check_summary(drive(NAME))["check"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @every_stage
 def test_the_written_solids_mesh(stage: int) -> None:
     summary, folder = built().summaries[stage - 1], built().folder / f"stage-{stage}"
@@ -227,7 +228,7 @@ def coefficients(*logarithms: np.ndarray) -> np.ndarray:
     return np.concatenate([even_knots(KNOTS).coefficients(one) for one in logarithms])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_levels_of_stages_are_those_of_the_built_pairs() -> None:
     """Pressure angle, ratio, convexity and curvature on the optimiser's grid against the pitch curves' exact ones."""
     best = BestLaw(loaded(NAME).design)

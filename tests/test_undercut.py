@@ -123,6 +123,7 @@ def test_the_amount_of_an_allowed_undercut_is_the_height_that_the_notch_takes(de
         assert loss.contact_pitches == pytest.approx(loss.amount_mm / (sin(angle) * cos(angle)) / (pi * MODULE))
 
 
+@pytest.mark.thorough
 def test_the_amount_of_pointed_tips_is_that_of_the_involute_of_their_land() -> None:
     """30 tall teeth of 25 deg: the land's chord at a radius follows from the involute function."""
     basic, angle, radius = rack(25.0, addendum=1.5, dedendum=1.6, root_radius=0.05), radians(25.0), 30.0
@@ -200,6 +201,7 @@ def test_chosen_shift_stands_between_both_curves_limits(depth: float) -> None:
     assert abs(less) <= abs(shift)
 
 
+@pytest.mark.thorough
 def test_chosen_shift_lets_more_contact_stand_than_none() -> None:
     for teeth in (9, 11):
         pitch = pitch_pair(uniform_law(Lobes(1, 5)), teeth)
@@ -226,7 +228,7 @@ def unfitted(curve: PitchCurve, basic: BasicRack, teeth: int) -> Flanks:
     return flanks_of(curve, basic, teeth, RackLine(), start)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_free_of_undercut_does_not_depend_on_the_teeth_at_hand() -> None:
     found = {teeth_free_of_undercut(pitch_pair(baler_law(), teeth), rack(), rack()) for teeth in (12, 25, 86, 200)}
     assert found == {86}

@@ -519,7 +519,7 @@ def test_shifts_and_angles_that_leave_no_teeth_are_refused(teeth: int, more: str
     assert words in caught.value.problem
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gears_that_turn_less_than_once_have_no_shifts_for_each_tooth() -> None:
     spiral = drive_of_text(
         "name: s\noperation: {speed_rpm: 60}\nmotion: {law: spiral, range_deg: 160, ratio_start: 1.3, ratio_end: 0.8}\n"
@@ -564,7 +564,7 @@ def test_a_flank_that_could_not_turn_its_mate_is_refused_though_it_is_idle() -> 
 # --- what is told ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_summary_and_data_sheet_tell_angles_shifts_and_thicknesses() -> None:
     one = drive("asymmetric-ellipse")
     told = teeth_summary(one)

@@ -107,6 +107,7 @@ def test_the_even_stretch_of_an_even_yoke(tolerance: float) -> None:
         assert sorted([found.start_mm, found.end_mm]) == pytest.approx(ends, rel=1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("stroke", Stroke, ids=lambda stroke: stroke.value)
 @pytest.mark.parametrize("seed", range(6))
 def test_the_even_stretch_of_laws_at_random(seed: int, stroke: Stroke) -> None:
@@ -133,6 +134,7 @@ def test_the_even_stretch_of_designs(name: str) -> None:
     assert best - 1e-6 * machine.linkage.stroke_mm <= found <= best + 2.0 * step
 
 
+@pytest.mark.slow
 def test_a_stretch_of_constant_speed_is_found_whole() -> None:
     """The published baler presses from theta2 to theta3 at v2: 1100 mm/s at the law's speed, 416.6 mm/s at 20 r/min."""
     machine, law_speed = drive("baler").machine, drive("baler").law_speed_rpm
@@ -213,7 +215,7 @@ def test_the_nearest_dwell(linkage: Mechanism, end: End) -> None:
         assert found == pytest.approx(RADIUS * (1.0 - cos(crank / 2.0)), rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_no_law_stays_nearer_for_longer() -> None:
     """Laws at random within ratios of 5 stay near the end for less; a law at that ratio about the end attains it."""
     wish = Dwell(end=End.EXTENDED, within_mm=nearest_dwell_mm(OFFSET, End.EXTENDED, 1.0, 5.0), for_rad=1.0)
@@ -411,6 +413,7 @@ def check(run: Run, wishes: str) -> tuple[int, str, str]:
     return run("check", "d.yaml", "--verbose")
 
 
+@pytest.mark.thorough
 def test_an_exact_dwell_is_refused_with_the_nearest(run: Run) -> None:
     got, out, err = check(run, "dwell: [{at: extended, within_mm: 0, for_deg: 41}]")
     assert (got, out) == (3, "")
@@ -420,6 +423,7 @@ def test_an_exact_dwell_is_refused_with_the_nearest(run: Run) -> None:
     assert exact <= nearest < 1.01 * exact
 
 
+@pytest.mark.thorough
 def test_a_check_says_what_is_achieved_and_what_is_missed(run: Run) -> None:
     got, out, err = check(run, "time_ratio: {at_least: 1.5}, dwell: [{at: extended, within_mm: 50, for_deg: 41}]")
     assert (got, err) == (0, "")

@@ -62,7 +62,7 @@ def test_a_process_that_dies_is_made_up_for(tmp_path: Path) -> None:
     assert (tmp_path / "died").exists()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_processes_that_die_while_nothing_is_asked_are_made_up_for() -> None:
     found = finished(squared, range(40), processes=2)
     results = [next(found)]

@@ -158,6 +158,7 @@ def test_a_gear_a_thousandth_larger_is_seen() -> None:
     assert not larger.symmetric_difference(section("ellipse", Gear.DRIVING)).buffer(-0.003).is_empty
 
 
+@pytest.mark.slow
 def test_the_keyway_is_exact() -> None:
     """An arc by its bulge: the reader's arc runs on the bore's circle, and its sides are the keyway's."""
     (bore,) = drawn(files("baler")["driving.dxf"], "BORE")
@@ -170,7 +171,7 @@ def test_the_keyway_is_exact() -> None:
     assert Polygon(points).area == pytest.approx(Polygon(section("baler", Gear.DRIVING).interiors[0]).area, abs=0.2)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DESIGNS)
 def test_drawings_are_in_mm_with_every_layer_declared(name: str) -> None:
     for file in WRITERS[Format.DXF].names:
@@ -230,7 +231,7 @@ def test_all_of_a_body_is_drawn() -> None:
     )
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
     """As much off as the clearance times the length, and nowhere less than the clearance."""

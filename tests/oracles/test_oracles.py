@@ -85,6 +85,7 @@ def test_peak_power_and_acceleration(
     assert float(max(abs(s(a, 2)) for a in return_angles[::2]) * speed**2) == pytest.approx(7340, rel=3e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", ["1e-9", "0.001", "1", "2.5", "4"])
 def test_inversion_agrees_with_the_in_line_closed_form(baler: stroke.Cycle, angle: str) -> None:
     with mp.workdps(120):
@@ -93,6 +94,7 @@ def test_inversion_agrees_with_the_in_line_closed_form(baler: stroke.Cycle, angl
         assert abs(baler.driven_angle(angle) / phi2 - 1) < mp.mpf(10) ** -40
 
 
+@pytest.mark.thorough
 def test_ratio_near_dead_centres_follows_the_limit_and_its_slope(baler: stroke.Cycle) -> None:
     with mp.workdps(60):
         step = mp.mpf("1e-9")
@@ -132,7 +134,7 @@ def test_offset_linkage_pose_and_working_angle() -> None:
         assert abs(mp.diff(linkage.displacement, mp.mpf(1)) - linkage.slope(mp.mpf(1))) < mp.mpf(10) ** -40
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_offset_stroke_near_a_dead_centre() -> None:
     """No symmetry helps here: the ratio's slope at the dead centre has a part from the linkage."""
     work = stroke.Stroke(replace(stroke.BALER, offset="100"))
@@ -346,6 +348,7 @@ def test_driven_play_is_negative_beyond_a_side() -> None:
     assert plus == pytest.approx(0.00245 / 2 - 0.003, abs=2e-5)
 
 
+@pytest.mark.thorough
 def test_width_of_known_regions() -> None:
     assert meshing.width(shapely.box(0, 0, 5, 1e-3)) == pytest.approx(1e-3, rel=0.02)
     low, high = np.linspace(0, 3, 50), np.linspace(3, 0, 50)
