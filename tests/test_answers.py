@@ -61,7 +61,7 @@ def checked(name: str) -> str:
     return answer_text(check_answer(made, (*check_advice(made), *rough_advice(made)), f"designs/{name}.yaml"))
 
 
-@pytest.mark.tiers(quick=QUICK, rest="thorough")
+@pytest.mark.tiers(quick=QUICK, rest="slow")
 @pytest.mark.parametrize("name", NAMED)
 def test_a_check_is_a_screen(name: str) -> None:
     text = checked(name)

@@ -45,7 +45,7 @@ def data_of(text: str) -> Any:
 
 @pytest.mark.judges("studio")
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.tiers(quick=SOME, rest="thorough")
+@pytest.mark.tiers(quick=SOME, rest="slow")
 def test_a_changed_key_changes_its_own_line_alone(name: str) -> None:
     text = text_of(name)
     after = edited(text, {"operation.speed_rpm": 33.25})
@@ -55,7 +55,7 @@ def test_a_changed_key_changes_its_own_line_alone(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.tiers(quick=SOME, rest="thorough")
+@pytest.mark.tiers(quick=SOME, rest="slow")
 def test_a_change_and_its_opposite_leave_the_text_as_it_was(name: str) -> None:
     text = text_of(name)
     speed = data_of(text)["operation"]["speed_rpm"]
@@ -186,7 +186,7 @@ def rows_of(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.tiers(quick=SOME, rest="thorough")
+@pytest.mark.tiers(quick=SOME, rest="slow")
 def test_every_value_of_a_file_has_a_row_and_no_other_row_is_given(name: str) -> None:
     data = data_of(text_of(name))
     rows = list(rows_of(form(data)))
