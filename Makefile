@@ -5,7 +5,7 @@ PYTHON := .venv/bin/python
 	python3 -m venv .venv && .venv/bin/pip install -q -e '.[dev]'
 	touch .venv
 
-quick: .venv  ## a judge for every room, four minutes on two cores
+quick: .venv  ## a judge for every room, a minute or two on two cores
 	$(PYTHON) -m pytest -m "not thorough and not slow"
 
 test: .venv  ## quick and thorough tests, nine minutes on two cores

@@ -32,13 +32,14 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
-    """Mark each parameter of a test that has ``tiers`` by its id, unless it is slow already."""
+    """Mark each parameter of a test that has ``tiers`` by its id; one that is slow already can only become long."""
     item.config.stash[Collected].append(item)
     tiers, callspec = item.get_closest_marker("tiers"), getattr(item, "callspec", None)
-    if tiers and callspec and not item.get_closest_marker("slow"):
+    if tiers and callspec:
         tier = tier_of(callspec.id, **tiers.kwargs)
-        for mark in {"quick": [], "long": ["slow", "long"]}.get(tier, [tier]):
-            item.add_marker(mark)
+        if tier == "long" or not item.get_closest_marker("slow"):
+            for mark in {"quick": [], "long": ["slow", "long"]}.get(tier, [tier]):
+                item.add_marker(mark)
 
 
 def pytest_collection_finish() -> None:
