@@ -78,6 +78,10 @@ class Deviations:
     profile: Array
     output_rad: Array
 
+    def one(self, number: int) -> Deviations:
+        """Those of a single assembly, as of N = 1."""
+        return Deviations(*(values[..., number : number + 1] for values in vars(self).values()))
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
