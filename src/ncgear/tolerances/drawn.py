@@ -57,12 +57,13 @@ class Limits:
         """Number of flanks of both gears."""
         return self.pitch_mm.size
 
-    @property
-    def largest_mm(self) -> float:
-        """About how far flanks may be displaced along their normals, against each other, in mm."""
-        warm = max(abs(one - MADE_C) + self.warmer_k for one in self.temperature_c) if any(self.expansions) else 0.0
+    def displaced_mm(self, size_mm: float) -> float:
+        """About how far flanks are displaced against each other at most; ``size_mm`` is the centre distance."""
+        driving, driven, housing = self.expansions
+        warm = max(abs(one - MADE_C) for one in self.temperature_c)
+        growth = size_mm * (max(driving, driven, housing) * warm + max(driving, driven) * self.warmer_k)
         tooth = sum(float(np.max(one, initial=0.0)) for one in (self.pitch_mm, self.profile_mm))
-        return 2.0 * tooth + self.center_distance_mm + sum(self.eccentricity_mm) + 0.1 * max(self.expansions) * warm
+        return 2.0 * tooth + self.center_distance_mm + sum(self.eccentricity_mm) + growth
 
 
 SOURCES = {

@@ -8,6 +8,7 @@ looked at.  What chords cost is taken off: the same is done with the outlines wi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos
 
@@ -188,12 +189,16 @@ class LinearError:
     displaced_mm: float
 
 
-def linear_error(exact: Exact, of: Deviations) -> LinearError:
-    """The error of the linear mesh for one assembly, along the normal, on either side of the teeth.
+def linear_errors(exact: Exact, assemblies: Sequence[Deviations]) -> list[LinearError]:
+    """The error of the linear mesh for assemblies, of one each, along the normal, on either side of the teeth.
 
     What chords cost is taken off: the outlines without deviations have it, too.
     """
-    nothing = Deviations(*(np.zeros_like(values) for values in vars(of).values()))
-    linear = (exact.mesh.leads(of) - exact.mesh.leads(nothing))[:, exact.rows, 0]
-    found, arm = exact.leads(of) - exact.leads(nothing), exact.mesh.arm_mm[exact.rows]
-    return LinearError(float(np.max(np.abs(linear - found) * arm)), float(np.max(np.abs(found) * arm)))
+    mesh, arm = exact.mesh, exact.mesh.arm_mm[exact.rows]
+    nothing = Deviations(*(np.zeros_like(values) for values in vars(assemblies[0]).values()))
+    bare = exact.leads(nothing), mesh.leads(nothing)
+    errors = []
+    for one in assemblies:
+        found, linear = exact.leads(one) - bare[0], (mesh.leads(one) - bare[1])[:, exact.rows, 0]
+        errors.append(LinearError(float(np.max(np.abs(linear - found) * arm)), float(np.max(np.abs(found) * arm))))
+    return errors
