@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, degrees, radians
 
@@ -120,10 +119,9 @@ def tolerated(
     samples: int,
     seed: int,
     workers: Workers,
-    on_step: Callable[[str], None],
     on_done: OnDone,
 ) -> Tolerated:
-    """What ``samples`` assemblies do, a power of two; calls ``on_step`` with the name of each step.
+    """What ``samples`` assemblies do, a power of two; calls ``on_done`` with the numbers done and in all.
 
     Raises WrongInput for designs of two pairs, helical teeth and gears that turn less than once, and as the drive does.
     """
@@ -134,18 +132,13 @@ def tolerated(
     if drive.helix is not None:
         raise WrongInput("helical teeth are not followed with tolerances; leave it out", key="gears.helix")
     given = design.tolerances or ASSUMED
-    on_step("contact of every tooth")
     lot = lot_of(drive, given)
     tasks = drawn_evenly(samples, seed)
     nominal = lot.assembled(drawn(nothing(lot.limits), tasks[0].chances(lot.limits.flanks)).one(0))
-    on_step("assemblies")
     found = assemblies_of(lot, tasks, workers, on_done)
-    on_step("which tolerance matters")
     index_samples = max(samples // 8, 64)
     indices = sobol_indices_of(lot, assemblies_of(lot, sobol_tasks(lot, index_samples, seed), workers, on_done))
-    on_step("backlash that is needed")
     needed = _needed(drive, given, lot, found, samples, seed, workers, on_done)
-    on_step("check by outlines")
     worst = int(np.argmin(found.least_play_rad))
     chosen = [worst, *range(CHECKED)]
     one_each = [
