@@ -22,16 +22,16 @@ from ncgear.tolerances.study import Share
 
 SOURCES = {
     "center_distance": "centre distance",
-    "eccentricity_driving": "eccentricity, driving bore",
-    "eccentricity_driven": "eccentricity, driven bore",
-    "tilt_driving": "tilt, driving bore",
-    "tilt_driven": "tilt, driven bore",
-    "index_driving": "keyway, driving gear",
-    "index_driven": "keyway, driven gear",
+    "eccentricity_driving": "driving bore off",
+    "eccentricity_driven": "driven bore off",
+    "tilt_driving": "driving bore tilted",
+    "tilt_driven": "driven bore tilted",
+    "index_driving": "driving keyway",
+    "index_driven": "driven keyway",
     "temperature": "temperature",
     "wear": "wear",
-    "pitch": "pitch of teeth",
-    "profile": "profile of teeth",
+    "pitch": "pitch",
+    "profile": "profile",
 }
 """What may deviate, in words."""
 
@@ -81,7 +81,7 @@ def percentiles(tolerated: Tolerated) -> dict[str, dict[str, float]]:
 
 def share_words(share: Share) -> str:
     """``1.2 % (0.9 to 1.6 %)``: the share, and where that of all assemblies lies with 95 % confidence."""
-    value, least, largest = (to_digits(100.0 * one, 2) for one in (share.value, share.least, share.largest))
+    value, least, largest = (to_digits(100.0 * one, 3) for one in (share.value, share.least, share.largest))
     return f"{value} % ({least} to {largest} % of all)"
 
 
@@ -159,11 +159,20 @@ def assemblies_csv(tolerated: Tolerated) -> str:
     return csv_text(list(told), list(told.values()))
 
 
+BRIEF = {
+    "least_play_mm": "least play",
+    "transmission_error_mm": "transm. error",
+    "motion_error": "motion error",
+    "peak_acceleration": "acceleration",
+}
+"""What varies, in front of a line."""
+
+
 def index_rows(tolerated: Tolerated) -> list[tuple[str, str]]:
     """What each figure's variance comes from, the greatest first: the figure's name and a line."""
     return [
         (
-            name_of(_key(name, tolerated)),
+            BRIEF[name],
             ", ".join(f"{SOURCES[one.source]} {100.0 * one.total:.0f} %" for one in found if one.total >= SMALL),
         )
         for name, found in tolerated.indices.items()
@@ -228,7 +237,7 @@ def knock_words(tolerated: Tolerated) -> str:
     """The share that knocks, or why none does."""
     if tolerated.knock is None:
         return "none, since the torque never turns round"
-    where = "where the torque turns round" if tolerated.loaded else "anywhere, no load being known"
+    where = "where the torque turns round" if tolerated.loaded else "anywhere"
     return f"{share_words(tolerated.knock)}: play over {to_digits(tolerated.knocking_mm, 3)} mm {where}"
 
 
@@ -237,10 +246,10 @@ def needed_words(tolerated: Tolerated) -> str:
     needed = tolerated.needed
     if needed is None:
         return f"not told of so few; --samples {_power_of_two(tolerated.too_few)} or more is right"
-    words = f"{100.0 * TURNING:g} % turn with {needed.key}: {needed.value:g} (given: {needed.given:g})"
+    words = f"99.9 % turn with {needed.value:g} ({needed.given:g} given)"
     if needed.jammed is None:
         return f"{words}, but such gears cannot be made"
-    return f"{words}; of as many fresh ones {share_words(needed.jammed)} jam"
+    return f"{words}; of fresh ones then {share_words(needed.jammed)} jam"
 
 
 def _power_of_two(count: int) -> int:

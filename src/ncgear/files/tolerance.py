@@ -6,7 +6,6 @@ import numpy as np
 
 from ncgear.drawings.plots.tolerance_plots import Spread, sources, spreads
 from ncgear.figures.numbers import json_text
-from ncgear.figures.quantities import name_of
 from ncgear.figures.toleranced import SOURCES, assemblies_csv, tolerance_json
 from ncgear.project.tolerance import Tolerated
 
@@ -43,14 +42,14 @@ def _spreads(tolerated: Tolerated) -> bytes:
         Spread("least play in mm", found.least_play_mm, float(nominal.least_play_mm[0]), 0.0, True, "jams"),
         Spread("transmission error in mm", found.transmission_error_mm, float(nominal.transmission_error_mm[0])),
         Spread(
-            f"{name_of('motion_error_mm')} of the {output.name} in {place.text}",
+            f"motion error of the {output.name} in {place.text}",
             place.factor * found.motion_error,
             place.factor * float(nominal.motion_error[0]),
         ),
     ]
     if knocking is not None:
         play = Spread(
-            "largest play at reversal in mm" if tolerated.loaded else "largest play in mm",
+            "play where the torque turns round in mm" if tolerated.loaded else "largest play in mm",
             found.reversal_play_mm,
             float(np.max(nominal.reversal_play_mm)),
             knocking,

@@ -190,7 +190,8 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
     both = drive.gears.drives == "both_ways"
     mesh = mesh_of(drive.teeth, placement, drive.gears.face_width_mm, within, both_ways=both)
-    follower = follower_of(drive.machine, mesh, drive.teeth.driving.teeth)
+    peak = drive.check.peak_acceleration_cycle.value
+    follower = follower_of(drive.machine, mesh, drive.teeth.driving.teeth, abs(peak))
     return Lot(mesh, limits, follower, _reversals(drive, placement))
 
 

@@ -9,6 +9,7 @@ needs masses and stiffness: that is what ``ncgear simulate`` computes.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -31,31 +32,38 @@ class Follower:
     ``slope`` (shape (p,)) is the output's way per driven angle, in mm/rad or rad/rad.  ``driven`` (shape (2, g)) are
     the first and second derivative of the driven angle by the driving angle, ``output`` (shape (3, g)) the first three
     of the output by the driven angle.  ``waves`` is the number of waves per cycle up to which errors are slow.
+    ``designed_peak`` is the largest acceleration of the output without deviations, in mm/s2 or rad/s2.
     """
 
     slope: Array
     speed_rad_s: float
+    designed_peak: float
     even_rad: Array
     driven: Array
     output: Array
     waves: int
 
-    @property
-    def designed_peak(self) -> float:
-        """Largest acceleration of the output without deviations, in mm/s2 or rad/s2, at the even angles."""
-        return float(self.peaks(np.zeros((3, self.even_rad.size, 1)))[0])
+    @cached_property
+    def _even_peak(self) -> float:
+        """The largest second derivative of the output by the driving angle at the even angles, without deviations."""
+        return float(np.abs(self._seconds(np.zeros((3, self.even_rad.size, 1)))).max())
 
     def peaks(self, error: Array) -> Array:
         """Largest acceleration with an error of the driven angle and its two derivatives, shape (3, g, N); shape (N,).
 
-        The output's derivatives are followed to first order in the error.
+        The output's derivatives are followed to first order in the error.  What the even angles miss of the peak
+        without deviations, they are taken to miss of the others.
         """
+        missed = self.designed_peak - self.speed_rad_s**2 * self._even_peak
+        return np.asarray(self.speed_rad_s**2 * np.abs(self._seconds(error)).max(axis=0) + missed)
+
+    def _seconds(self, error: Array) -> Array:
+        """Second derivatives of the output by the driving angle, shape (g, N)."""
         value, rate, change = error
         first, second, third = self.output[:, :, None]
         speed, acceleration = self.driven[0][:, None] + rate, self.driven[1][:, None] + change
-        result = (second + third * value) * speed**2 + (first + second * value) * acceleration
-        peaks: Array = self.speed_rad_s**2 * np.abs(result).max(axis=0)
-        return peaks
+        seconds: Array = (second + third * value) * speed**2 + (first + second * value) * acceleration
+        return seconds
 
     def slow(self, phi1_rad: Array, cycle_rad: float, error_rad: Array) -> Array:
         """The slow part of errors at rising driving angles (shape (p, N)) and its two derivatives, shape (3, g, N)."""
@@ -70,8 +78,8 @@ class Follower:
         return np.stack([np.fft.irfft(found * rate**order, count, axis=0) for order in range(3)])
 
 
-def follower_of(machine: Machine, mesh: Mesh, driving_teeth: int) -> Follower:
-    """The output of a machine with a single pair of gears."""
+def follower_of(machine: Machine, mesh: Mesh, driving_teeth: int, designed_peak: float) -> Follower:
+    """The output of a machine with a single pair of gears, whose largest acceleration is ``designed_peak``."""
     count = mesh.phi1_rad.size
     even = np.arange(count) * (mesh.cycle_rad / count)
     law = machine.transmission.driven_angle(even, 2)
@@ -81,6 +89,7 @@ def follower_of(machine: Machine, mesh: Mesh, driving_teeth: int) -> Follower:
     return Follower(
         slope=slope,
         speed_rad_s=machine.speed_rad_s,
+        designed_peak=designed_peak,
         even_rad=even,
         driven=np.stack([law.derivative(order) for order in (1, 2)]),
         output=np.stack([output.derivative(order) for order in (1, 2, 3)]),

@@ -45,12 +45,13 @@ class Spread:
 
 
 def spreads(of: Sequence[Spread], title: str) -> bytes:
-    """PNG of histograms beside each other, with limits."""
-    width, height = 4.3 * len(of), 4.2
+    """PNG of histograms, two in a row, with limits."""
+    rows = -(-len(of) // 2)
+    width, height = 8.6, 0.6 + 3.3 * rows
     made = figure(width, height, title)
-    made.subplots_adjust(**Margins(top=0.95).shares(width, height), wspace=0.28)
+    made.subplots_adjust(**Margins(top=0.95).shares(width, height), wspace=0.24, hspace=0.45)
     for place, one in enumerate(of):
-        _histogram(made.add_subplot(1, len(of), place + 1), one)
+        _histogram(made.add_subplot(rows, 2, place + 1), one)
     return png(made)
 
 

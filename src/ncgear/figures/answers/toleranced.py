@@ -34,13 +34,13 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
     worst = max(tolerated.errors, key=lambda one: one.error_mm)
     checked = (
         f"linear model off the outlines of {len(tolerated.errors)} assemblies by "
-        f"{to_digits(1e3 * worst.error_mm, 2)} of {to_digits(1e3 * worst.displaced_mm, 3)} \u00b5m"
+        f"{to_digits(1e3 * worst.error_mm, 3)} of {to_digits(1e3 * worst.displaced_mm, 3)} \u00b5m"
     )
     rows = [
         Row("jam", (share_words(tolerated.jam),)),
         Row("knock", (knock_words(tolerated),)),
         Row("backlash", (needed_words(tolerated),)),
-        *(Row(f"{name}:", (words,)) for name, words in index_rows(tolerated)[:3]),
+        *(Row(name, (f"varies with {words}",)) for name, words in index_rows(tolerated)[:3] if words),
         Row("checked", (checked,)),
     ]
     limits = ", ".join(limit_words(tolerated))
@@ -60,9 +60,9 @@ def _faults(tolerated: Tolerated) -> tuple[Fault, ...]:
     needed, faults = tolerated.needed, []
     if tolerated.jam.value > 1.0 - TURNING:
         cures = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
-        faults.append(Fault(f"{to_digits(100.0 * tolerated.jam.value, 2)} % of the assemblies jam", cures))
+        faults.append(Fault(f"{to_digits(100.0 * tolerated.jam.value, 3)} % of the assemblies jam", cures))
     if tolerated.knock is not None and tolerated.knock.value > 0.0:
-        share = to_digits(100.0 * tolerated.knock.value, 2)
+        share = to_digits(100.0 * tolerated.knock.value, 3)
         faults.append(Fault(f"{share} % of the assemblies knock", ("less backlash, or finer tolerances",)))
     off = max(one.error_mm / max(one.displaced_mm, 1e-12) for one in tolerated.errors)
     if off > MOST_OFF:
