@@ -22,6 +22,10 @@ growths g1, g2 and gh of gears and housing, the index error eps1 of the driving 
 driven gear turns.  A tilted bore makes a section at height z run out by z tau.  As n . u is linear in z, the flanks
 touch first at one end of the face width b, by b/2 |n . (tau2 exp(i s phi2) - tau1 exp(i phi1))| earlier.
 
+A flank whose pitch deviates by x stands turned about its gear's axis, as an indexing error of the machine leaves it: by
+x cos(alpha) / L0, where L0 is the arm of its normal where it crosses the pitch curve.  Deviations of the profile and
+wear move a flank along its own normal; where a corner touches, their part along n counts.
+
 Left out: the second order in the deviations, the load, and the crowning and lead of flanks.
 """
 
@@ -39,7 +43,7 @@ from ncgear.contact.designed.flanks import flank_contacts
 from ncgear.contact.placement import BACK, PUSHING, Placement, meetings
 from ncgear.dynamics.pair_places import fixed_tangents
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
-from ncgear.numerics.plane import along
+from ncgear.numerics.plane import across, along, as_complex
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 RIGID = (
@@ -144,8 +148,7 @@ def mesh_of(
 
     With ``both_ways`` backs carry and wear as pushing flanks do.
     """
-    sides = contacts_within(teeth, placement, within_mm)
-    found = Contacts.joined(sides)
+    found = Contacts.joined(contacts_within(teeth, placement, within_mm))
     found = found.kept(np.argsort(found.place(placement), kind="stable"))
     place, tangent = fixed_tangents(found, placement)
     normal = 1j * placement.mesh.sense * found.urge * tangent
@@ -153,7 +156,12 @@ def mesh_of(
     turned = np.exp(1j * placement.phi1_rad), np.exp(1j * placement.mesh.sense * placement.phi2_rad)
     first_turn, second_turn = (turn[found.position] for turn in turned)
     distance, from_driven = placement.center_distance_mm, place - placement.center_distance_mm
-    worn = -np.where((found.side == PUSHING) | both_ways, 1.0, 0.0)
+    arms = found.urge * along(normal, 1j * place), lever
+    sides = (
+        _side(teeth.driving, found.driving, found, placement, normal / first_turn, arms[0]),
+        _side(teeth.driven, found.driven, found, placement, -normal / second_turn, arms[1]),
+    )
+    worn = [np.where((found.side == PUSHING) | both_ways, -side.along, 0.0) for side in sides]
     rigid = np.column_stack(
         [
             -normal.real,
@@ -165,11 +173,9 @@ def mesh_of(
             -along(normal, from_driven),
             -normal.real * distance,
             along(normal, 1j * place),
-            worn,
-            worn,
+            *worn,
         ]
     )
-    flanks = _shares(teeth.driving, found.driving, found, placement), _shares(teeth.driven, found.driven, found, placement)
     arcs, rates = arc_rates(teeth, placement, both_ways=both_ways)
     mesh = Mesh(
         phi1_rad=placement.phi1_rad,
@@ -182,28 +188,57 @@ def mesh_of(
         rigid=rigid / lever[:, None],
         tilt=face_width_mm / 2.0 * rigid[:, 1:5] / lever[:, None],
         flank=np.stack([found.driving, found.driven + teeth.driving.flanks.count]),
-        pitch_share=np.stack([share[0] for share in flanks]) / lever,
-        profile_share=np.stack([share[1] for share in flanks]) / lever,
+        pitch_share=np.stack([side.pitch for side in sides]) / lever,
+        profile_share=np.stack([side.share * side.along for side in sides]) / lever,
         arcs=arcs,
         arc_rates=rates,
     )
     return replace(mesh, arm_mm=lever[mesh.foremost[BACK]])
 
 
-def _shares(gear: ToothedGear, flank: IndexArray, found: Contacts, placement: Placement) -> tuple[Array, Array]:
-    """What a flank's deviations along the pitch curve and of its slope add along the normal, shape (r,) each.
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """How the deviations of one gear's flanks act along the common normal, shape (r,) each.
 
-    A place counts by its height, which is that of the closed form; beyond the ends of a flank its end counts.
+    ``pitch`` is what a deviation along the pitch curve adds, ``share`` the place on the flank, from -1/2 at its root to
+    1/2 at its tip, and ``along`` the part of the flank's own normal.
+    """
+
+    pitch: Array
+    share: Array
+    along: Array
+
+
+def _side(
+    gear: ToothedGear,
+    flank: IndexArray,
+    found: Contacts,
+    placement: Placement,
+    outwards: ComplexArray,
+    arm_mm: Array,
+) -> _Side:
+    """Of each place; ``outwards`` is the normal that leads out of the gear, in its own frame, with its ``arm_mm``.
+
+    The height of a place is that of the closed form; beyond the ends of a flank its end counts.
     """
     flanks = gear.flanks
     length = flanks.curve.length_mm
     ahead = flanks.crossing_mm[flank] - placement.rolled_mm[found.position] % length
     ahead = (ahead + length / 2.0) % length - length / 2.0
     slant = flanks.slant.of(flank)
-    height = flanks.side[flank] * slant.height_per_rolled * ahead
     top, bottom = (ends[flank] for ends in gear.sides.flank_range())
+    height = np.clip(flanks.side[flank] * slant.height_per_rolled * ahead, bottom, top)
+    slope = as_complex(flanks.flank(flank, height)[1])
+    part = np.abs(across(slope, outwards)) / np.abs(slope)
     share = (height - (top + bottom) / 2.0) / (top - bottom)
-    return np.broadcast_to(slant.cosine, flank.shape), np.clip(share, -0.5, 0.5)
+    return _Side(slant.cosine * arm_mm / crossing_arms_mm(gear)[flank], share, part)
+
+
+def crossing_arms_mm(gear: ToothedGear) -> Array:
+    """Arm about the gear's axis of each flank's normal where it crosses the pitch curve, shape (flanks,)."""
+    every = np.arange(gear.flanks.count)
+    point, slope = (as_complex(one) for one in gear.flanks.flank(every, np.zeros(every.size)))
+    return np.asarray(np.abs(along(slope, point)) / np.abs(slope))
 
 
 STEP_IN_MODULES = 1e-4

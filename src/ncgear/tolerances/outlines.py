@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import cos
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh as MeshKind
 from ncgear.teeth.flank import FILLET, FLANK
 from ncgear.teeth.gear import ToothedGear, ToothedPair
-from ncgear.tolerances.mesh import Deviations, Mesh
+from ncgear.tolerances.mesh import Deviations, Mesh, crossing_arms_mm
 
 ALONG = 64
 """Points along each run of a side among which that of each vertex is looked for."""
@@ -47,11 +46,17 @@ class OnSides:
     share: Array
     normal: ComplexArray
 
-    def deviating(self, added_mm: Array, profile_mm: Array) -> ComplexArray:
-        """The outline with material added to each side, and with deviations of its slope, shape (flanks,) each."""
+    def deviating(self, turned_rad: Array, added_mm: Array, profile_mm: Array) -> ComplexArray:
+        """The outline with deviations of each side, shape (flanks,) each.
+
+        Sides are turned about the axis out of the material, and have material added along their normals, alike all over
+        and by their slope.
+        """
+        point = self.outline[self.vertex]
+        outwards = np.sign(np.bincount(self.flank, along(self.normal, 1j * point), minlength=turned_rad.size))
         moved = added_mm[self.flank] + self.share * profile_mm[self.flank]
         outline = self.outline.copy()
-        outline[self.vertex] += moved * self.normal
+        outline[self.vertex] = (point + moved * self.normal) * np.exp(1j * (outwards * turned_rad)[self.flank])
         return outline
 
 
@@ -92,7 +97,7 @@ ROOM_IN_MODULES = 0.02
 class Exact:
     """Assemblies of a pair by their outlines at some of the positions of its ``mesh``, which ``rows`` tells.
 
-    ``leads`` begins where the linear mesh says that flanks nearly touch.  Flanks on the other side of the teeth are
+    ``turns`` is how far a flank is turned, in rad per mm of its deviation along the pitch curve.  ``leads`` begins where the linear mesh says that flanks nearly touch.  Flanks on the other side of the teeth are
     moved out of the way there, so that a pair without play is turned together like any other.
     """
 
@@ -101,7 +106,7 @@ class Exact:
     placement: Placement
     rows: IndexArray
     reach_mm: float
-    cosines: tuple[Array, Array]
+    turns: tuple[Array, Array]
     idle: tuple[Array, Array]
     module_mm: float
     face_width_mm: float
@@ -134,7 +139,7 @@ class Exact:
                 start = flanks.stop
                 worn = np.where(self.both_ways | ~idle, (first_wear, second_wear)[place], 0.0)
                 worn = worn + np.where(idle == (side == PUSHING), lacking, 0.0)
-                outline = gear.deviating(of.pitch[flanks, 0] * self.cosines[place] - worn, of.profile[flanks, 0])
+                outline = gear.deviating(of.pitch[flanks, 0] * self.turns[place], -worn, of.profile[flanks, 0])
                 outlines.append(outline * (1.0 + grown[place]) + offsets[place] + height_mm * leaning[place])
             start_rad = urge * (linear[side] + gap / arm)
             placement = replace(
@@ -166,14 +171,16 @@ def exact_of(
     """The outlines of a pair at about so many of the positions of a mesh at most, evenly chosen."""
     rows = np.arange(0, placement.count, -(-placement.count // positions))
     every = teeth.driving.flanks, teeth.driven.flanks
-    angles = every[0].rack.angles_rad
     return Exact(
         gears=(on_sides(teeth.driving, ring=False), on_sides(teeth.driven, ring=pitch.mesh is MeshKind.INTERNAL)),
         mesh=mesh,
         placement=placed_at(pitch, placement, placement.rolled_mm[rows]),
         rows=rows,
         reach_mm=reach_mm(pitch, teeth),
-        cosines=tuple(np.where(flanks.idle, cos(angles[1]), cos(angles[0])) for flanks in every),
+        turns=tuple(
+            np.asarray(gear.flanks.slant.of(np.arange(gear.flanks.count)).cosine / crossing_arms_mm(gear))
+            for gear in (teeth.driving, teeth.driven)
+        ),
         idle=tuple(np.asarray(flanks.idle) for flanks in every),
         module_mm=every[0].rack.module_mm,
         face_width_mm=face_width_mm,
