@@ -32,7 +32,7 @@ def tolerance(
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
     verbose: Verbose = False,
 ) -> None:
-    """Say what tolerances do: play, transmission error, how many assemblies jam or knock, and which tolerance matters."""
+    """Say what tolerances do: play, transmission error, the assemblies that jam or knock, which tolerance matters."""
     from ncgear.files.publish import prepare
 
     if not FEWEST <= samples <= MOST or samples & (samples - 1):

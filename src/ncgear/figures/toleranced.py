@@ -139,9 +139,7 @@ def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
             "jam_with_it": None if needed.jammed is None else vars(needed.jammed),
             "refused": needed.refused,
         },
-        "indices": {
-            name: [vars(one) for one in found] for name, found in tolerated.indices.items()
-        },
+        "indices": {name: [vars(one) for one in found] for name, found in tolerated.indices.items()},
         "index_samples": tolerated.index_samples,
         "first_order": {
             "play_deviation_mm": float(first.linear_mm.max()),

@@ -153,9 +153,7 @@ def tolerated(
     width, both = drive.gears.face_width_mm, drive.gears.drives == "both_ways"
     exact = exact_of(drive.pitch, teeth, placement_of(drive), lot.mesh, width, CHECKED_POSITIONS, both_ways=both)
     errors = linear_errors(exact, one_each)
-    knocking_mm = given.largest_play_mm or max(
-        KNOCKING[0] * float(nominal.largest_play_mm[0]), KNOCKING[1] * module
-    )
+    knocking_mm = given.largest_play_mm or max(KNOCKING[0] * float(nominal.largest_play_mm[0]), KNOCKING[1] * module)
     return Tolerated(
         drive=drive,
         tolerances=given,
@@ -304,4 +302,5 @@ def _needed(
 
 
 def _rounded_up(value: float, decimals: int) -> float:
-    return ceil(round(value * 10**decimals, 6)) / 10**decimals
+    unit = 10.0**-decimals
+    return round(unit * ceil(round(value / unit, 6)), decimals)

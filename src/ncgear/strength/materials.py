@@ -127,7 +127,9 @@ ROWS: tuple[Entry, ...] = (
         Elastic(7200.0, 0.4, 1370.0, 50e-6),
         f"root as unfilled polyamide by {VDI}, which glass fibre surpasses; no figures for pitting",
     ),
-    Plastic("PLA-print", "polylactide, printed", False, "PLA-print", 50.0, 0.4, Elastic(2800.0, 0.36, 1240.0, 68e-6), ROUGH),
+    Plastic(
+        "PLA-print", "polylactide, printed", False, "PLA-print", 50.0, 0.4, Elastic(2800.0, 0.36, 1240.0, 68e-6), ROUGH
+    ),
     Plastic("PETG-print", "PETG, printed", False, "PETG-print", 65.0, 0.4, Elastic(1800.0, 0.4, 1270.0, 60e-6), ROUGH),
 )
 

@@ -81,7 +81,7 @@ class Follower:
 def follower_of(machine: Machine, mesh: Mesh, driving_teeth: int, designed_peak: float) -> Follower:
     """The output of a machine with a single pair of gears, whose largest acceleration is ``designed_peak``."""
     count = mesh.phi1_rad.size
-    even = np.arange(count) * (mesh.cycle_rad / count)
+    even = np.linspace(0.0, mesh.cycle_rad, count, endpoint=False)
     law = machine.transmission.driven_angle(even, 2)
     output = machine.linkage.displacement(Jet.variable(law.value, 3))
     slope = machine.linkage.displacement(Jet.variable(mesh.phi2_rad, 1)).derivative(1)

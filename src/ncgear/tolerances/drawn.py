@@ -89,9 +89,9 @@ COUNT = sum(SOURCES.values())
 
 @dataclass(frozen=True, eq=False)
 class Chances:
-    """Numbers between 0 and 1 that N assemblies are drawn from: ``pair`` has shape (COUNT, N), ``teeth`` (2, flanks, N).
+    """Numbers between 0 and 1 that N assemblies are drawn from.
 
-    The second are those of TOOTH_SOURCES.
+    ``pair`` has shape (COUNT, N), ``teeth`` (2, flanks, N): the second are those of TOOTH_SOURCES.
     """
 
     pair: Array

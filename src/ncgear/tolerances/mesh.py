@@ -125,12 +125,12 @@ class Mesh:
         for flank, pitch, profile in zip(self.flank, self.pitch_share, self.profile_share, strict=True):
             lead += pitch[:, None] * of.pitch[flank]
             lead += profile[:, None] * of.profile[flank]
-        return np.maximum.reduceat(lead, self.first, axis=0).reshape(2, self.phi1_rad.size, -1)
+        return np.asarray(np.maximum.reduceat(lead, self.first, axis=0).reshape(2, self.phi1_rad.size, -1))
 
     def least_arcs(self, of: Deviations) -> Array:
         """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,)."""
         arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
-        return np.maximum(arcs.min(axis=0), 0.0)
+        return np.asarray(np.maximum(arcs.min(axis=0), 0.0))
 
     @cached_property
     def foremost(self) -> IndexArray:
@@ -138,7 +138,8 @@ class Mesh:
         side = np.repeat(np.arange(self.first.size), np.diff(self.first, append=self.lead.size))
         # The last of each group by rising lead.
         order = np.lexsort((self.lead, side))
-        return order[np.append(self.first[1:], self.lead.size) - 1].reshape(2, -1)
+        foremost: IndexArray = order[np.append(self.first[1:], self.lead.size) - 1].reshape(2, -1)
+        return foremost
 
 
 def mesh_of(
@@ -247,7 +248,7 @@ STEP_IN_MODULES = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Displaced(Placement):
-    """Positions with the driven gear moved by ``moved_mm`` in the fixed frame and the driving gear ``scale`` as large."""
+    """Positions with the driven gear moved by ``moved_mm`` in the fixed frame and the driving one ``scale`` as large."""
 
     moved_mm: complex = 0.0j
     scale: float = 1.0

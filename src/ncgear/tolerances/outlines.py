@@ -17,7 +17,7 @@ from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
 from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.play import outline_play
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, square
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh as MeshKind
@@ -97,8 +97,9 @@ ROOM_IN_MODULES = 0.02
 class Exact:
     """Assemblies of a pair by their outlines at some of the positions of its ``mesh``, which ``rows`` tells.
 
-    ``turns`` is how far a flank is turned, in rad per mm of its deviation along the pitch curve.  ``leads`` begins where the linear mesh says that flanks nearly touch.  Flanks on the other side of the teeth are
-    moved out of the way there, so that a pair without play is turned together like any other.
+    ``turns`` is how far a flank is turned, in rad per mm of its deviation along the pitch curve.  ``leads`` begins
+    where the linear mesh says that flanks nearly touch.  Flanks on the other side of the teeth are moved out of the way
+    there, so that a pair without play is turned together like any other.
     """
 
     gears: tuple[OnSides, OnSides]
@@ -107,7 +108,7 @@ class Exact:
     rows: IndexArray
     reach_mm: float
     turns: tuple[Array, Array]
-    idle: tuple[Array, Array]
+    idle: tuple[Mask, Mask]
     module_mm: float
     face_width_mm: float
     both_ways: bool
@@ -120,7 +121,7 @@ class Exact:
         linear = self.mesh.leads(of)[:, self.rows, 0]
         ends = (-1.0, 1.0) if of.tilt.any() else (0.0,)
         found = [self._section(of, linear, end * self.face_width_mm / 2.0) for end in ends]
-        return np.maximum.reduce(found)
+        return np.asarray(np.maximum.reduce(found))
 
     def _section(self, of: Deviations, linear: Array, height_mm: float) -> Array:
         distance, *moved = of.rigid[:, 0]
@@ -177,15 +178,17 @@ def exact_of(
         placement=placed_at(pitch, placement, placement.rolled_mm[rows]),
         rows=rows,
         reach_mm=reach_mm(pitch, teeth),
-        turns=tuple(
-            np.asarray(gear.flanks.slant.of(np.arange(gear.flanks.count)).cosine / crossing_arms_mm(gear))
-            for gear in (teeth.driving, teeth.driven)
-        ),
-        idle=tuple(np.asarray(flanks.idle) for flanks in every),
+        turns=(_turns(teeth.driving), _turns(teeth.driven)),
+        idle=(every[0].idle, every[1].idle),
         module_mm=every[0].rack.module_mm,
         face_width_mm=face_width_mm,
         both_ways=both_ways,
     )
+
+
+def _turns(gear: ToothedGear) -> Array:
+    """How far each flank is turned by a deviation along the pitch curve, in rad/mm, shape (flanks,)."""
+    return np.asarray(gear.flanks.slant.of(np.arange(gear.flanks.count)).cosine / crossing_arms_mm(gear))
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,9 @@ class Workers:
     processes: int | None = None
 
 
-def assemblies_of(lot: Lot, tasks: list[Task], workers: Workers, on_done: OnDone = lambda done, total: None) -> Assemblies:
+def assemblies_of(
+    lot: Lot, tasks: list[Task], workers: Workers, on_done: OnDone = lambda done, total: None
+) -> Assemblies:
     """The assemblies of tasks, in the order of tasks; the same whatever the workers."""
     total = sum(task.pair.shape[1] for task in tasks)
     alone = workers.scheduler is None and lot.mesh.lead.size * total < ALONE
@@ -136,7 +138,9 @@ def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
         for source in active(lot.limits)
         for task, other in zip(own, others, strict=True)
     ]
-    return [Task(number, one.pair, one.seeds, one.source, one.other) for number, one in enumerate(own + others + swapped)]
+    return [
+        Task(number, one.pair, one.seeds, one.source, one.other) for number, one in enumerate(own + others + swapped)
+    ]
 
 
 def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
@@ -198,7 +202,9 @@ def first_order(lot: Lot, tasks: Iterable[Task]) -> FirstOrder:
         ("pitch", mesh.pitch_share, known.pitch_mm),
         ("profile", mesh.profile_share, known.profile_mm),
     ):
-        variance[source] = sum((shares[gear][row] * sizes[mesh.flank[gear][row]]) ** 2 for gear in (0, 1) for row in rows)
+        variance[source] = sum(
+            (shares[gear][row] * sizes[mesh.flank[gear][row]]) ** 2 for gear in (0, 1) for row in rows
+        )
     plays = np.concatenate(
         [-mesh.leads(drawn(lot.limits, task.chances(lot.limits.flanks))).sum(axis=0) for task in tasks], axis=1
     )
