@@ -41,7 +41,7 @@ PERCENT_HIGH, PERCENT_LOW = 99.0, 1.0
 def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
     """The figures of assemblies by keys that end in their units, shape (N,) each.
 
-    ``reversal_play_mm`` is left out where the torque never turns round.
+    ``reversal_play_mm`` is left out where the torque never turns round, and where no load is known.
     """
     output = tolerated.drive.linkage.OUTPUT
     told = {
@@ -54,7 +54,7 @@ def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
         f"motion_error_{output.place.ending}": output.place.factor * found.motion_error,
         f"peak_acceleration_{output.acceleration.ending}": found.peak_acceleration,
     }
-    if tolerated.knock is None:
+    if tolerated.knock is None or not tolerated.loaded:
         del told["reversal_play_mm"]
     return told
 
