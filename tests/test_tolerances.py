@@ -389,6 +389,7 @@ def ellipse_lot() -> Lot:
     return lot_of(drive("ellipse"), ASSUMED)
 
 
+@pytest.mark.thorough
 def test_assemblies_are_the_same_however_they_are_drawn() -> None:
     """Scrambled points of Sobol and plain random numbers: means agree within what chance explains."""
     one, lot = drive("ellipse"), ellipse_lot()
@@ -401,7 +402,7 @@ def test_assemblies_are_the_same_however_they_are_drawn() -> None:
     assert one.play.least_normal_mm.value > evenly.least_play_mm.mean()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_indices_are_those_of_another_program() -> None:
     """SALib 1.5 on the same assemblies; and the total of a source that does nothing is 0."""
     other = pytest.importorskip("SALib.analyze.sobol")
@@ -421,6 +422,7 @@ def test_indices_are_those_of_another_program() -> None:
     assert own["index_driven"].total == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_indices_of_two_causes_are_their_shares_of_the_variance() -> None:
     """Of circular gears, the play is 2 a inv-like in the centre distance and even in the growth: both shares known."""
     _, _, placement, mesh = circular()
@@ -478,7 +480,20 @@ def test_results_are_the_same_whatever_the_workers() -> None:
         assert np.array_equal(values, getattr(two, name))
 
 
-@pytest.mark.thorough
+def test_places_that_no_assembly_reaches_may_be_left_out() -> None:
+    """Even where everything is at its limit; and most of the others are reached by some."""
+    one, lot = drive("ellipse"), ellipse_lot()
+    whole = mesh_of(one.teeth, placed(one.pitch, PER_TOOTH), one.gears.face_width_mm, 0.25)
+    random = np.random.default_rng(4)
+    chances = Chances(
+        random.choice([1e-9, 1.0 - 1e-9], (COUNT, 64)), random.choice([1e-9, 1.0 - 1e-9], (2, lot.limits.flanks, 64))
+    )
+    of = drawn(lot.limits, chances)
+    assert np.array_equal(whole.leads(of), lot.mesh.leads(of))
+    assert lot.mesh.lead.size < 0.8 * whole.lead.size
+
+
+@pytest.mark.slow
 def test_twice_as_many_positions_change_little() -> None:
     one = drive("ellipse")
     coarse = ellipse_lot()
@@ -534,7 +549,7 @@ def test_what_is_not_computed_is_refused(name: str, words: str) -> None:
         tolerated(drive(name), 64, 1, Workers(), lambda done, total: None)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_command_writes_its_files(run: Run, tmp_path: Path) -> None:
     status, said, _ = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", "64", "--out", "made")
     assert status == 0

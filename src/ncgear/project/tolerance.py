@@ -17,7 +17,7 @@ from ncgear.project.law import require_whole_turns
 from ncgear.project.service import choices_of
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from ncgear.tolerances.assemblies import Assemblies, Lot, follower_of
-from ncgear.tolerances.drawn import Limits, drawn
+from ncgear.tolerances.drawn import Limits, drawn, reachable
 from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
 from ncgear.tolerances.mesh import mesh_of
 from ncgear.tolerances.outlines import LinearError, exact_of, linear_errors
@@ -187,7 +187,7 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
     size = drive.pitch.center_distance_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
     both = drive.gears.drives == "both_ways"
-    mesh = mesh_of(drive.teeth, placement, drive.gears.face_width_mm, within, both_ways=both)
+    mesh = reachable(mesh_of(drive.teeth, placement, drive.gears.face_width_mm, within, both_ways=both), limits)
     peak = drive.check.peak_acceleration_cycle.value
     follower = follower_of(drive.machine, mesh, drive.teeth.driving.teeth, abs(peak))
     return Lot(mesh, limits, follower, _reversals(drive, placement))

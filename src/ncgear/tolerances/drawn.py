@@ -20,7 +20,7 @@ from math import sqrt
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.tolerances.mesh import RIGID, Deviations
+from ncgear.tolerances.mesh import RIGID, Deviations, Mesh
 
 SIGMAS = 3.0
 """Standard deviations in a limit."""
@@ -64,6 +64,16 @@ class Limits:
         growth = size_mm * (max(driving, driven, housing) * warm + max(driving, driven) * self.warmer_k)
         tooth = sum(float(np.max(one, initial=0.0)) for one in (self.pitch_mm, self.profile_mm))
         return 2.0 * tooth + self.center_distance_mm + sum(self.eccentricity_mm) + growth
+
+    @property
+    def rigid(self) -> Array:
+        """The largest sizes of RIGID, shape (11,)."""
+        driving, driven, housing = self.expansions
+        warm = max(abs(one - MADE_C) for one in self.temperature_c)
+        gears = max(abs(one + self.warmer_k - MADE_C) for one in self.temperature_c)
+        off = np.repeat(self.eccentricity_mm, 2)
+        growth = driving * gears, driven * gears, housing * warm
+        return np.concatenate([[self.center_distance_mm], off, growth, [self.index_rad[0]], self.wear_mm])
 
 
 SOURCES = {
@@ -135,6 +145,30 @@ def active(limits: Limits) -> tuple[str, ...]:
         "profile": float(np.max(limits.profile_mm, initial=0.0)),
     }
     return tuple(name for name in EVERY if sizes[name] > 0.0)
+
+
+def reachable(mesh: Mesh, limits: Limits) -> Mesh:
+    """The mesh without the places of contact that no assembly within the limits has first.
+
+    Such a place comes so much after the first one of the pair without deviations that both together cannot lose that.
+    """
+    counts = np.diff(mesh.first, append=mesh.lead.size)
+    leader = np.repeat(mesh.foremost.ravel(), counts)
+    tooth = sum(
+        share * size[flank]
+        for share, size in (
+            (mesh.pitch_share, limits.pitch_mm / sqrt(2.0)),
+            (np.abs(mesh.profile_share), limits.profile_mm),
+        )
+        for share, flank in zip(share, mesh.flank, strict=True)
+    )
+    gained = (
+        np.abs(mesh.rigid - mesh.rigid[leader]) @ limits.rigid
+        + np.abs(mesh.tilt - mesh.tilt[leader]) @ np.repeat(limits.tilt_rad, 2)
+        + tooth
+        + tooth[leader]
+    )
+    return mesh.kept(mesh.lead + gained >= mesh.lead[leader])
 
 
 def drawn(limits: Limits, chances: Chances) -> Deviations:

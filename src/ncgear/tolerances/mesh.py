@@ -42,7 +42,7 @@ from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.designed.flanks import flank_contacts
 from ncgear.contact.placement import BACK, PUSHING, Placement, meetings
 from ncgear.dynamics.pair_places import fixed_tangents
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, as_complex
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
@@ -131,6 +131,20 @@ class Mesh:
         """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,)."""
         arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
         return np.asarray(np.maximum(arcs.min(axis=0), 0.0))
+
+    def kept(self, rows: Mask) -> Mesh:
+        """The same with some of the places of contact, at least one on each side at each position."""
+        counts = np.add.reduceat(rows.astype(int), self.first)
+        return replace(
+            self,
+            first=np.cumsum(counts) - counts,
+            lead=self.lead[rows],
+            rigid=self.rigid[rows],
+            tilt=self.tilt[rows],
+            flank=self.flank[:, rows],
+            pitch_share=self.pitch_share[:, rows],
+            profile_share=self.profile_share[:, rows],
+        )
 
     @cached_property
     def foremost(self) -> IndexArray:
