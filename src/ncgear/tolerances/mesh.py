@@ -262,7 +262,7 @@ STEP_IN_MODULES = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Displaced(Placement):
-    """Positions with the driven gear moved by ``moved_mm`` in the fixed frame and the driving one ``scale`` as large."""
+    """Positions with the driven gear moved by ``moved_mm`` in the fixed frame, and the driving one scaled."""
 
     moved_mm: complex = 0.0j
     scale: float = 1.0
