@@ -287,11 +287,11 @@ def test_non_circular_gears_touch_where_their_polygons_do() -> None:
     apart = replace(placement, center_distance_mm=distance)
     for position in range(0, placement.count, placement.count // 6):
         found = turned_until_touching(made[0], made[1], apart, position, leads[:, position])
-        off_mm = np.abs(found - leads[:, position]) * mesh.arm_mm[position]
+        off_mm = np.abs(found - leads[:, position]) * mesh.arm_mm[:, position]
         # Chords and the second order, of some 0.07 mm by which the flanks are displaced.
         assert off_mm.max() < 2e-3
         bare = mesh.leads(deviations(of.pitch.shape[0], 1))[:, position, 0]
-        assert np.abs(found - bare).max() * mesh.arm_mm[position] > 0.015
+        assert (np.abs(found - bare) * mesh.arm_mm[:, position]).max() > 0.015
 
 
 @pytest.mark.thorough

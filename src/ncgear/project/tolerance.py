@@ -7,7 +7,7 @@ from math import ceil, degrees, radians
 
 import numpy as np
 
-from ncgear.contact.placement import Placement, placed
+from ncgear.contact.placement import BACK, Placement, placed
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, IndexArray
@@ -16,7 +16,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.law import require_whole_turns
 from ncgear.project.service import choices_of
 from ncgear.teeth.gear import ToothedGear, toothed_pair
-from ncgear.tolerances.assemblies import Assemblies, Lot, follower_of
+from ncgear.tolerances.assemblies import TOGETHER, Assemblies, Lot, Task, follower_of
 from ncgear.tolerances.drawn import Limits, drawn, reachable
 from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
 from ncgear.tolerances.mesh import mesh_of
@@ -139,21 +139,9 @@ def tolerated(
     index_samples = max(samples // 8, 64)
     indices = sobol_indices_of(lot, assemblies_of(lot, sobol_tasks(lot, index_samples, seed), workers, on_done))
     needed = _needed(drive, given, lot, found, samples, seed, workers, on_done)
-    worst = int(np.argmin(found.least_play_rad))
-    chosen = [worst, *range(CHECKED)]
-    one_each = [
-        drawn(lot.limits, tasks[number // tasks[0].pair.shape[1]].chances(lot.limits.flanks)).one(
-            number % tasks[0].pair.shape[1]
-        )
-        for number in chosen
-    ]
-    module = drive.pitch.size.module_mm
-    coarse, fine = (share * module for share in FINE_IN_MODULES)
-    teeth = toothed_pair(drive.pitch, drive.tooth_form, coarse, flank_tolerance_mm=fine)
-    width, both = drive.gears.face_width_mm, drive.gears.drives == "both_ways"
-    exact = exact_of(drive.pitch, teeth, placement_of(drive), lot.mesh, width, CHECKED_POSITIONS, both_ways=both)
-    errors = linear_errors(exact, one_each)
-    knocking_mm = given.largest_play_mm or max(KNOCKING[0] * float(nominal.largest_play_mm[0]), KNOCKING[1] * module)
+    knocking_mm = given.largest_play_mm or max(
+        KNOCKING[0] * float(nominal.largest_play_mm[0]), KNOCKING[1] * drive.pitch.size.module_mm
+    )
     return Tolerated(
         drive=drive,
         tolerances=given,
@@ -170,8 +158,21 @@ def tolerated(
         index_samples=index_samples,
         needed=needed,
         first_order=first_order(lot, tasks[: max(len(tasks) // 4, 1)]),
-        errors=tuple(errors),
+        errors=_checked(drive, lot, found, tasks),
     )
+
+
+def _checked(drive: Drive, lot: Lot, found: Assemblies, tasks: list[Task]) -> tuple[LinearError, ...]:
+    """The errors of the linear mesh by the outlines of the assembly with the least play, and of the first ones."""
+    assemblies = []
+    for number in (int(np.argmin(found.least_play_rad)), *range(CHECKED)):
+        task, place = divmod(number, TOGETHER)
+        assemblies.append(drawn(lot.limits, tasks[task].chances(lot.limits.flanks)).one(place))
+    coarse, fine = (share * drive.pitch.size.module_mm for share in FINE_IN_MODULES)
+    teeth = toothed_pair(drive.pitch, drive.tooth_form, coarse, flank_tolerance_mm=fine)
+    width, both = drive.gears.face_width_mm, drive.gears.drives == "both_ways"
+    exact = exact_of(drive.pitch, teeth, placement_of(drive), lot.mesh, width, CHECKED_POSITIONS, both_ways=both)
+    return tuple(linear_errors(exact, assemblies))
 
 
 def placement_of(drive: Drive) -> Placement:
@@ -288,7 +289,7 @@ def _needed(
     gears, play = drive.gears, drive.play
     angle = max(play.driven_rad - least, 0.0)
     in_degrees = gears.backlash_deg is not None
-    arm = float(lot.mesh.arm_mm.min())
+    arm = float(lot.mesh.arm_mm[BACK].min())
     value = _rounded_up(degrees(angle) if in_degrees else angle * arm, 4 if in_degrees else 3)
     key = "backlash_deg" if in_degrees else "backlash_mm"
     changed = gears.model_copy(update={key: value})

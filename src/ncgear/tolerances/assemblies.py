@@ -146,7 +146,7 @@ class Lot:
         mesh = self.mesh
         lead = mesh.leads(of)
         error, play = lead[PUSHING], -lead[PUSHING] - lead[BACK]
-        play_mm = play * mesh.arm_mm[:, None]
+        play_mm = play * mesh.arm_mm[BACK][:, None]
         placed = self.follower.slope[:, None] * (error + of.output_rad)
         slow = self.follower.slow(mesh.phi1_rad, mesh.cycle_rad, error)
         slow[0] += of.output_rad

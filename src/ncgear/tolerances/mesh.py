@@ -40,7 +40,7 @@ import numpy as np
 from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.designed.flanks import flank_contacts
-from ncgear.contact.placement import BACK, PUSHING, Placement, meetings
+from ncgear.contact.placement import PUSHING, Placement, meetings
 from ncgear.dynamics.pair_places import fixed_tangents
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, as_complex
@@ -96,9 +96,9 @@ class Mesh:
     the driving and the driven flank (shape (2, r) each) its ``flank``, numbered as in ``Deviations.pitch``, its
     ``pitch_share`` and its ``profile_share``: what their deviations change the lead by, in rad per mm.
 
-    ``radius_mm`` (shape (p,)) is the driven pitch radius, ``arm_mm`` the arm of the idle flanks' normal.  ``arcs``
-    (shape (k,)) are the arcs of contact in pitches of all pairs of flanks that carry, ``arc_rates`` (shape (k, 8)) how
-    they change with the first of RIGID.
+    ``radius_mm`` (shape (p,)) is the driven pitch radius, ``arm_mm`` (shape (2, p)) the arm of each side's normal.
+    ``arcs`` (shape (k,)) are the arcs of contact in pitches of all pairs of flanks that carry, ``arc_rates`` (shape
+    (k, 8)) how they change with the first of RIGID.
     """
 
     phi1_rad: Array
@@ -197,7 +197,7 @@ def mesh_of(
         phi2_rad=placement.phi2_rad,
         cycle_rad=placement.cycle_rad,
         radius_mm=placement.driven_radius_mm,
-        arm_mm=np.zeros(placement.count),
+        arm_mm=np.zeros((2, placement.count)),
         first=np.searchsorted(found.place(placement), np.arange(2 * placement.count)),
         lead=found.lead_rad,
         rigid=rigid / lever[:, None],
@@ -208,7 +208,7 @@ def mesh_of(
         arcs=arcs,
         arc_rates=rates,
     )
-    return replace(mesh, arm_mm=lever[mesh.foremost[BACK]])
+    return replace(mesh, arm_mm=lever[mesh.foremost])
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,9 @@ class OnSides:
         and by their slope.
         """
         point = self.outline[self.vertex]
-        outwards = np.sign(np.bincount(self.flank, along(self.normal, 1j * point), minlength=turned_rad.size))
+        # Normals of fillets lead anywhere.
+        on_flank = np.where(self.share > -0.5, along(self.normal, 1j * point), 0.0)
+        outwards = np.sign(np.bincount(self.flank, on_flank, minlength=turned_rad.size))
         moved = added_mm[self.flank] + self.share * profile_mm[self.flank]
         outline = self.outline.copy()
         outline[self.vertex] = (point + moved * self.normal) * np.exp(1j * (outwards * turned_rad)[self.flank])
@@ -128,7 +130,7 @@ class Exact:
         first_x, first_y, second_x, second_y, *grown, housing, index, first_wear, second_wear = moved
         offsets = complex(first_x, first_y), complex(second_x, second_y)
         leaning = complex(*of.tilt[:2, 0]), complex(*of.tilt[2:, 0])
-        arm = self.mesh.arm_mm[self.rows]
+        arm = self.mesh.arm_mm[:, self.rows]
         gap = ROOM_IN_MODULES * self.module_mm
         lacking = max(float(np.max(linear.sum(axis=0) * arm)), 0.0) + 2.0 * gap
         leads = np.empty_like(linear)
@@ -142,7 +144,7 @@ class Exact:
                 worn = worn + np.where(idle == (side == PUSHING), lacking, 0.0)
                 outline = gear.deviating(of.pitch[flanks, 0] * self.turns[place], -worn, of.profile[flanks, 0])
                 outlines.append(outline * (1.0 + grown[place]) + offsets[place] + height_mm * leaning[place])
-            start_rad = urge * (linear[side] + gap / arm)
+            start_rad = urge * (linear[side] + gap / arm[side])
             placement = replace(
                 self.placement,
                 center_distance_mm=self.placement.center_distance_mm * (1.0 + housing) + distance,
@@ -204,7 +206,7 @@ def linear_errors(exact: Exact, assemblies: Sequence[Deviations]) -> list[Linear
 
     What chords cost is taken off: the outlines without deviations have it, too.
     """
-    mesh, arm = exact.mesh, exact.mesh.arm_mm[exact.rows]
+    mesh, arm = exact.mesh, exact.mesh.arm_mm[:, exact.rows]
     nothing = Deviations(*(np.zeros_like(values) for values in vars(assemblies[0]).values()))
     bare = exact.leads(nothing), mesh.leads(nothing)
     errors = []

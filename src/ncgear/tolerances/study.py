@@ -193,6 +193,7 @@ def first_order(lot: Lot, tasks: Iterable[Task]) -> FirstOrder:
     from ncgear.tolerances.drawn import drawn
 
     mesh, known = lot.mesh, spread(lot.limits)
+    arm = mesh.arm_mm[BACK]
     rows = mesh.foremost
     variance: dict[str, Array] = {}
     rates = (mesh.rigid[rows[PUSHING]] + mesh.rigid[rows[BACK]]) @ known.rigid
@@ -208,5 +209,5 @@ def first_order(lot: Lot, tasks: Iterable[Task]) -> FirstOrder:
     plays = np.concatenate(
         [-mesh.leads(drawn(lot.limits, task.chances(lot.limits.flanks))).sum(axis=0) for task in tasks], axis=1
     )
-    by_source = {source: np.sqrt(one) * mesh.arm_mm for source, one in variance.items()}
-    return FirstOrder(np.sqrt(sum(variance.values())) * mesh.arm_mm, plays.std(axis=1) * mesh.arm_mm, by_source)
+    by_source = {source: np.sqrt(one) * arm for source, one in variance.items()}
+    return FirstOrder(np.sqrt(sum(variance.values())) * arm, plays.std(axis=1) * arm, by_source)
