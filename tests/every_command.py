@@ -17,8 +17,8 @@ BALANCES = {path.stem: path for path in sorted((ROOT / "designs" / "balance").gl
 CASES = {path.stem: path for path in sorted((ROOT / "tests" / "cases").glob("*.yaml"))}
 
 COMMANDS = (
-    "build report animate check simulate strength size optimize frontier sweep bench balance new explain reproduce "
-    "schema"
+    "build report animate check simulate strength tolerance size optimize frontier sweep bench balance new explain "
+    "reproduce schema"
 )
 LAWS = (
     "three_segment_stroke", "ratio_expression", "harmonic_ratio", "spline_ratio", "ellipse", "table", "pitch_curve",
@@ -32,6 +32,7 @@ QUICK_BUILDS = "baler", "printed-pump", "internal-1-2"
 ANIMATED = "ellipse", "internal-1-2", "baler-frontier"
 SIZED = "pusher", "baler-half-dynamics"
 FRONTIERS = "baler-frontier", "printed-pump"
+TOLERATED = "ellipse", "internal-1-2", "desk-toy", "baler-drivetrain"
 SWEPT = "baler", "ellipse", "feeder-table", "internal-1-2", "baler-66-two-stage", "pusher"
 VARIED = "baler-dynamics", "printed-pump", "internal-1-2", "feeder-table", "helical-ellipse", "baler-half"
 VARIED_GEARS = "printed-pump", "helical-ellipse"
@@ -98,6 +99,12 @@ def _designs() -> Iterator[Run]:
         yield Run(f"check/{name}", ("check", place), together="check", quick=True)
         yield Run(f"check/{name}/verbose", ("check", place, "--verbose"), together="check", quick=True)
         yield Run(f"check/{name}/json", ("check", place, "--json"), together="check", quick=True)
+    for name in TOLERATED:
+        few = "--samples", "256"
+        yield Run(f"tolerance/{name}", ("tolerance", _place(DESIGNS[name]), *few), together="tolerance")
+        yield Run(
+            f"tolerance/{name}/verbose", ("tolerance", _place(DESIGNS[name]), *few, "--verbose"), together="tolerance"
+        )
     yield Run("check/alone", ("check", "designs/baler.yaml", "--timing"), quick=True)
     for name in SIZED:
         yield Run(f"size/{name}", ("size", _place(DESIGNS[name]), "--out", "sized.yaml"))

@@ -29,7 +29,7 @@ LAYERS = [
     {"solids"},
     {"dynamics"},
     {"optimum"},
-    {"balance", "strength", "drivetrain"},
+    {"balance", "strength", "drivetrain", "tolerances"},
     {"papers"},
     {"design"},
     {"project"},

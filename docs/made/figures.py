@@ -77,6 +77,10 @@ COMMANDS: dict[str, dict[str, str]] = {
         "strength.png": "baler-half-strength.png",
         "strength-cycle.png": "baler-half-strength-cycle.png",
     },
+    "tolerance designs/oval-flow-meter.yaml --out {folder}": {
+        "spread.png": "oval-flow-meter-tolerance.png",
+        "sources.png": "oval-flow-meter-tolerance-sources.png",
+    },
 }
 """Commands, and what of their output in a folder goes into docs/images under which name."""
 

@@ -12,6 +12,7 @@ from ncgear.cli.machine import animate, balance, build, check, report, simulate,
 from ncgear.cli.new import new
 from ncgear.cli.search import frontier, optimize, size, sweep
 from ncgear.cli.studio import studio
+from ncgear.cli.tolerance import tolerance
 
 app = typer.Typer(
     name="ncgear",
@@ -30,6 +31,7 @@ COMMANDS = (
     check,
     simulate,
     strength,
+    tolerance,
     size,
     optimize,
     frontier,

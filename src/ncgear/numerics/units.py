@@ -60,6 +60,7 @@ UNITS = {
     "rpm": "r/min",
     "s": "s",
     "um": "\u00b5m",
+    "um_m_k": "\u00b5m/(m K)",
     "w": "W",
 }
 """Units by the last words of a key; the longest ending that is known here counts."""

@@ -29,6 +29,7 @@ def _choice_of(given: GearMaterial) -> Choice:
         youngs_modulus_mpa=elastic.youngs_modulus_mpa if modulus_gpa is None else 1000.0 * modulus_gpa,
         poisson=elastic.poisson if given.poisson is None else given.poisson,
         density_kg_m3=elastic.density_kg_m3 if given.density_kg_m3 is None else given.density_kg_m3,
+        expansion_per_k=elastic.expansion_per_k if given.expansion_um_m_k is None else 1e-6 * given.expansion_um_m_k,
     )
     if isinstance(entry, Ferrous):
         hardness = entry.hardness if given.hardness is None else given.hardness

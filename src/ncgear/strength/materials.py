@@ -26,11 +26,16 @@ from ncgear.strength.classes import (
 
 @dataclass(frozen=True)
 class Elastic:
-    """Young's modulus in MPa, Poisson's ratio and density in kg/m3 at 20 degrees C."""
+    """Young's modulus in MPa, Poisson's ratio and density in kg/m3 at 20 degrees C, linear expansion per K from there.
+
+    Expansions are rounded ones: of steel by EN 1993-1-1 and EN 10088-1, of iron by EN 1561 and EN 1563, of bronzes and
+    plastics by the data sheets of their makers, which differ by a tenth or more.
+    """
 
     youngs_modulus_mpa: float
     poisson: float
     density_kg_m3: float
+    expansion_per_k: float
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,7 @@ class Plastic:
 
 Entry = Ferrous | Bronze | Plastic
 
-STEEL = Elastic(206_000.0, 0.3, 7850.0)
+STEEL = Elastic(206_000.0, 0.3, 7850.0, 11.5e-6)
 VDI = "VDI 2736-2:2014 (secondary source)"
 ROUGH = "rough: a cautious guess from the strength of printed bars, not from tests of gears; no figures for pitting"
 
@@ -105,13 +110,13 @@ ROWS: tuple[Entry, ...] = (
     Ferrous("42CrMo4-induction", "alloy steel, flanks and roots induction-hardened", INDUCTION, 560.0, STEEL),
     Ferrous("42CrMo4-nitrided", "alloy steel, quenched, tempered and gas-nitrided", NITRIDED, 550.0, STEEL),
     Ferrous("31CrMoV9", "nitriding steel, gas-nitrided", NITRIDING, 700.0, STEEL),
-    Ferrous("GJS-600-3", "nodular cast iron", NODULAR, 230.0, Elastic(174_000.0, 0.275, 7200.0)),
-    Ferrous("GJL-250", "grey cast iron", GREY, 200.0, Elastic(110_000.0, 0.26, 7200.0)),
-    Bronze("CuSn12", "tin bronze, sand-cast", 207.0, 39.0, Elastic(95_000.0, 0.34, 8700.0)),
-    Bronze("CuAl10Fe", "aluminium bronze, heat-treated", 448.0, 163.0, Elastic(115_000.0, 0.33, 7600.0)),
-    Plastic("POM", "polyacetal", True, "POM", 120.0, 0.2, Elastic(2800.0, 0.35, 1410.0), VDI),
-    Plastic("PA66", "polyamide 66, moist", True, "PA66", 120.0, 0.2, Elastic(1600.0, 0.4, 1140.0), VDI),
-    Plastic("PA66-dry", "polyamide 66, as moulded", True, "PA66", 120.0, 0.2, Elastic(3100.0, 0.4, 1140.0), VDI),
+    Ferrous("GJS-600-3", "nodular cast iron", NODULAR, 230.0, Elastic(174_000.0, 0.275, 7200.0, 12.5e-6)),
+    Ferrous("GJL-250", "grey cast iron", GREY, 200.0, Elastic(110_000.0, 0.26, 7200.0, 11.7e-6)),
+    Bronze("CuSn12", "tin bronze, sand-cast", 207.0, 39.0, Elastic(95_000.0, 0.34, 8700.0, 18.5e-6)),
+    Bronze("CuAl10Fe", "aluminium bronze, heat-treated", 448.0, 163.0, Elastic(115_000.0, 0.33, 7600.0, 17e-6)),
+    Plastic("POM", "polyacetal", True, "POM", 120.0, 0.2, Elastic(2800.0, 0.35, 1410.0, 110e-6), VDI),
+    Plastic("PA66", "polyamide 66, moist", True, "PA66", 120.0, 0.2, Elastic(1600.0, 0.4, 1140.0, 80e-6), VDI),
+    Plastic("PA66-dry", "polyamide 66, as moulded", True, "PA66", 120.0, 0.2, Elastic(3100.0, 0.4, 1140.0, 80e-6), VDI),
     Plastic(
         "PA66-GF30",
         "polyamide 66 with 30 % glass fibre, moist",
@@ -119,11 +124,13 @@ ROWS: tuple[Entry, ...] = (
         "PA66",
         120.0,
         0.3,
-        Elastic(7200.0, 0.4, 1370.0),
+        Elastic(7200.0, 0.4, 1370.0, 50e-6),
         f"root as unfilled polyamide by {VDI}, which glass fibre surpasses; no figures for pitting",
     ),
-    Plastic("PLA-print", "polylactide, printed", False, "PLA-print", 50.0, 0.4, Elastic(2800.0, 0.36, 1240.0), ROUGH),
-    Plastic("PETG-print", "PETG, printed", False, "PETG-print", 65.0, 0.4, Elastic(1800.0, 0.4, 1270.0), ROUGH),
+    Plastic(
+        "PLA-print", "polylactide, printed", False, "PLA-print", 50.0, 0.4, Elastic(2800.0, 0.36, 1240.0, 68e-6), ROUGH
+    ),
+    Plastic("PETG-print", "PETG, printed", False, "PETG-print", 65.0, 0.4, Elastic(1800.0, 0.4, 1270.0, 60e-6), ROUGH),
 )
 
 TABLE: dict[str, Entry] = {entry.name: entry for entry in ROWS}

@@ -187,6 +187,18 @@ class FlankContacts:
         return whole
 
     @property
+    def reach_ends(self) -> Array:
+        """Where the flanks of each meeting begin and cease to reach each other, shape (2, m).
+
+        They are counted in positions from the first of the meeting's row; infinite where flanks never reach.
+        """
+        enters, leaves = self._reaching
+        lasting, before = leaves > enters, np.arange(enters.shape[2])
+        first = np.min(before + enters, axis=(0, 2), where=lasting, initial=np.inf)
+        last = np.max(before + leaves, axis=(0, 2), where=lasting, initial=-np.inf)
+        return np.stack([first, last])
+
+    @property
     def _steps_there(self) -> Mask:
         """Which steps between two positions of a meeting there are, shape (m, k - 1)."""
         return self.meetings.there[:, :-1] & self.meetings.there[:, 1:]

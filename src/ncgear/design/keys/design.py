@@ -17,6 +17,7 @@ from ncgear.design.keys.machine import Comparison, Linkage, NoLinkage, Operation
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.keys.strength import StrengthKeys
+from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
@@ -69,6 +70,11 @@ class Design(Model, Shown):
     strength: StrengthKeys = Field(
         default_factory=StrengthKeys,
         description="what the teeth run under and how safe they shall be; left out: 20 000 h in oil",
+    )
+    tolerances: AssemblyTolerances | None = Field(
+        default=None,
+        description="what gears and assembly may deviate by, for ncgear tolerance; left out: grade 8 and more, which "
+        "its answer tells",
     )
     drivetrain: Drivetrain | None = Field(
         default=None,

@@ -68,6 +68,12 @@ class GearMaterial(Model):
     density_kg_m3: float | None = Field(
         default=None, gt=0.0, le=30000.0, description="own density in kg/m3; left out: the table's"
     )
+    expansion_um_m_k: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=500.0,
+        description="own linear thermal expansion in um per m and K, for ncgear tolerance; left out: the table's",
+    )
 
     @model_validator(mode="after")
     def _hardness_is_of_the_class(self) -> Self:

@@ -1,0 +1,101 @@
+"""The keys of the section ``tolerances``: what the gears and their assembly may deviate by, for ncgear tolerance."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import Model, fault
+
+GRADE = "flank tolerance class of ISO 1328-1:2013, 1 (finest) to 11"
+
+
+class GearTolerances(Model):
+    """What one gear may deviate by."""
+
+    grade: int | None = Field(default=None, ge=1, le=11, description=f"{GRADE}; left out: that of both gears")
+    single_pitch_mm: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=10.0,
+        description="own largest deviation in mm of one pitch, either way, in place of the grade's: printed gears are "
+        "coarser than any grade",
+    )
+    profile_mm: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=10.0,
+        description="own largest total deviation in mm of a flank's profile in place of the grade's",
+    )
+    eccentricity_mm: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=10.0,
+        description="largest distance in mm of the bore's centre from the teeth's, in any direction: half the runout "
+        "that a dial shows",
+    )
+    tilt_deg: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=5.0,
+        description="largest angle in degrees between the bore and the axis of the teeth, in any direction",
+    )
+    index_deg: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=10.0,
+        description="largest angle in degrees, either way, by which the keyway sets the teeth off from the shaft",
+    )
+    wear_mm: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=10.0,
+        description="depth in mm to which flanks that push are worn at the end of life, all alike; both sides of the "
+        "teeth with gears.drives: both_ways",
+    )
+
+
+class Temperatures(Model):
+    """How cold and how warm the gears run."""
+
+    least_c: float = Field(ge=-100.0, le=300.0, description="least temperature of gears and housing in \u00b0C")
+    largest_c: float = Field(ge=-100.0, le=300.0, description="largest temperature of gears and housing in \u00b0C")
+    warmer_k: float = Field(
+        default=0.0, ge=0.0, le=200.0, description="how much warmer than their housing the gears run, in K"
+    )
+
+    @model_validator(mode="after")
+    def _rising(self) -> Self:
+        if self.largest_c < self.least_c:
+            raise fault("largest_c", f"{self.largest_c:g} is below least_c; {self.least_c:g} or more is right")
+        return self
+
+
+class AssemblyTolerances(Model):
+    """What a pair of gears and its housing may deviate by."""
+
+    grade: int | None = Field(
+        default=None, ge=1, le=11, description=f"{GRADE}, of both gears; left out: teeth without deviations"
+    )
+    center_distance_mm: float = Field(
+        default=0.0, ge=0.0, le=10.0, description="largest deviation in mm of the centre distance, either way"
+    )
+    driving: GearTolerances = Field(default_factory=GearTolerances, description="what the driving gear deviates by")
+    driven: GearTolerances = Field(default_factory=GearTolerances, description="what the driven gear deviates by")
+    temperature: Temperatures | None = Field(
+        default=None, description="temperatures that gears and housing run at; left out: 20 \u00b0C, as they are made"
+    )
+    housing_expansion_um_m_k: float = Field(
+        default=11.5,
+        ge=0.0,
+        le=500.0,
+        description="linear thermal expansion of the housing in um per m and K: steel 11.5, aluminium 23.5",
+    )
+    largest_play_mm: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=100.0,
+        description="play in mm along the normal above which teeth knock where the torque turns round; left out: twice "
+        "the largest play as designed, and a twentieth of the module at least",
+    )

@@ -1,0 +1,72 @@
+"""The answer about tolerances: what assemblies do, how many jam, what matters, and which backlash is enough."""
+
+from __future__ import annotations
+
+from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.numbers import to_digits
+from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.toleranced import (
+    index_rows,
+    knock_words,
+    limit_words,
+    needed_words,
+    percentiles,
+    share_words,
+)
+from ncgear.project.tolerance import TURNING, Tolerated
+
+HEADS = "as designed", "median", "99 % keep"
+
+MOST_OFF = 0.1
+"""Error of the linear model, as a share of what flanks are displaced by, from which it is a warning."""
+
+ASSUMED = "Assumed, as the file has no section tolerances: "
+
+
+def tolerance_answer(tolerated: Tolerated) -> Answer:
+    """What assemblies of a design do."""
+    told = percentiles(tolerated)
+    columns = [
+        Row(name_of(key), tuple(figure(key, values[name]) for name in ("as_designed", "median", "of_99_percent")))
+        for key, values in told.items()
+        if key not in ("reversal_play_mm", "transmission_error_rad")
+    ]
+    worst = max(tolerated.errors, key=lambda one: one.error_mm)
+    checked = (
+        f"linear model off the outlines of {len(tolerated.errors)} assemblies by "
+        f"{to_digits(1e3 * worst.error_mm, 3)} of {to_digits(1e3 * worst.displaced_mm, 3)} \u00b5m"
+    )
+    rows = [
+        Row("jam", (share_words(tolerated.jam),)),
+        Row("knock", (knock_words(tolerated),)),
+        Row("backlash", (needed_words(tolerated),)),
+        *(Row(name, (f"varies with {words}",)) for name, words in index_rows(tolerated)[:3] if words),
+        Row("checked", (checked,)),
+    ]
+    limits = ", ".join(limit_words(tolerated))
+    return Answer(
+        f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies within their tolerances",
+        (*columns, *rows),
+        _faults(tolerated),
+        about="" if tolerated.assumed else f"Tolerances: {limits}",
+        notes=(f"{ASSUMED}{limits}",) if tolerated.assumed else (),
+        heads=HEADS,
+        good=f"No warnings: {100.0 * TURNING:g} % of the assemblies turn, and none knocks.",
+        then="tolerance.json has every figure, assemblies.csv every assembly",
+    )
+
+
+def _faults(tolerated: Tolerated) -> tuple[Fault, ...]:
+    needed, faults = tolerated.needed, []
+    if tolerated.jam.value > 1.0 - TURNING:
+        cures = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
+        faults.append(Fault(f"{to_digits(100.0 * tolerated.jam.value, 3)} % of the assemblies jam", cures))
+    if tolerated.knock is not None and tolerated.knock.value > 0.0:
+        share = to_digits(100.0 * tolerated.knock.value, 3)
+        faults.append(Fault(f"{share} % of the assemblies knock", ("less backlash, or finer tolerances",)))
+    off = max(one.error_mm / max(one.displaced_mm, 1e-12) for one in tolerated.errors)
+    if off > MOST_OFF:
+        faults.append(
+            Fault(f"the linear model is off by up to {100.0 * off:.0f} %: these tolerances are large for such teeth")
+        )
+    return tuple(faults)

@@ -1,0 +1,307 @@
+"""From keys to values: the assemblies of a design within its tolerances, and what they say of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, degrees, radians
+
+import numpy as np
+
+from ncgear.contact.placement import BACK, Placement, placed
+from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.project.law import require_whole_turns
+from ncgear.project.service import choices_of
+from ncgear.teeth.gear import ToothedGear, toothed_pair
+from ncgear.tolerances.assemblies import TOGETHER, Assemblies, Lot, Task, follower_of
+from ncgear.tolerances.drawn import Limits, drawn, reachable
+from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
+from ncgear.tolerances.mesh import mesh_of
+from ncgear.tolerances.outlines import LinearError, exact_of, linear_errors
+from ncgear.tolerances.study import (
+    FirstOrder,
+    Index,
+    OnDone,
+    Share,
+    Workers,
+    assemblies_of,
+    drawn_at_random,
+    drawn_evenly,
+    enough_samples,
+    first_order,
+    jammed,
+    knocking,
+    sobol_indices_of,
+    sobol_tasks,
+    surpassed,
+)
+
+PER_TOOTH = 10
+"""Positions per tooth pitch: with twice as many, errors and plays of single assemblies differ by a few per cent of
+their size at most, since teeth take over from each other between positions (tests/test_tolerances.py)."""
+
+ASSUMED = AssemblyTolerances(
+    grade=8,
+    center_distance_mm=0.03,
+    driving=GearTolerances(eccentricity_mm=0.02, tilt_deg=0.02, index_deg=0.1),
+    driven=GearTolerances(eccentricity_mm=0.02, tilt_deg=0.02, index_deg=0.1),
+)
+"""What is taken where a design says nothing: gears that are hobbed, bored and keyed with ordinary care."""
+
+TURNING = 0.999
+"""Share of the assemblies that shall turn."""
+
+LEAST_WITHIN, MOST_WITHIN, SPARE = 0.03, 0.5, 1.5
+"""Places of contact are followed to this depth at least and at most, in modules; and this many times as deep as flanks
+may be displaced."""
+
+CHECKED, CHECKED_POSITIONS = 2, 60
+"""How many assemblies are checked by their outlines besides the one with the least play, and at how many positions."""
+
+FINE_IN_MODULES = 1e-3, 1e-4
+"""Chord tolerances of the outlines of the check, and of their flanks."""
+
+KNOCKING = 2.0, 0.05
+"""Play above which teeth knock: times the largest as designed, and in modules at least."""
+
+
+@dataclass(frozen=True)
+class Needed:
+    """The backlash with which 99.9 % of all assemblies turn, with 95 % confidence, by its key in the design file.
+
+    ``jammed`` is the share of fresh assemblies of the gears with that backlash that jam.  It is None where these gears
+    cannot be made, for the reason ``refused``.
+    """
+
+    key: str
+    value: float
+    given: float
+    jammed: Share | None
+    refused: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Tolerated:
+    """What the assemblies of a design within its tolerances do.
+
+    ``needed`` is None where fewer assemblies are drawn than tell it.  ``knock`` is None where the torque of the driven
+    gear never turns round; ``loaded`` tells whether any load is known: if not, every angle counts as one where it does.
+    """
+
+    drive: Drive
+    tolerances: AssemblyTolerances
+    assumed: bool
+    lot: Lot
+    seed: int
+    assemblies: Assemblies
+    nominal: Assemblies
+    jam: Share
+    knock: Share | None
+    knocking_mm: float
+    loaded: bool
+    indices: dict[str, tuple[Index, ...]]
+    index_samples: int
+    needed: Needed | None
+    first_order: FirstOrder
+    errors: tuple[LinearError, ...]
+
+    @property
+    def too_few(self) -> int:
+        """The least number of samples that tells the needed backlash."""
+        return enough_samples(TURNING)
+
+
+def tolerated(
+    drive: Drive,
+    samples: int,
+    seed: int,
+    workers: Workers,
+    on_done: OnDone,
+) -> Tolerated:
+    """What ``samples`` assemblies do, a power of two; calls ``on_done`` with the numbers done and in all.
+
+    Raises WrongInput for designs of two pairs, helical teeth and gears that turn less than once, and as the drive does.
+    """
+    design = drive.design
+    if design.stages > 1:
+        raise WrongInput("two pairs of gears; tolerances are computed of one", key="motion.second_stage")
+    require_whole_turns(design, "the computation of tolerances")
+    if drive.helix is not None:
+        raise WrongInput("helical teeth are not followed with tolerances; leave it out", key="gears.helix")
+    given = design.tolerances or ASSUMED
+    lot = lot_of(drive, given)
+    tasks = drawn_evenly(samples, seed)
+    nominal = lot.assembled(drawn(nothing(lot.limits), tasks[0].chances(lot.limits.flanks)).one(0))
+    found = assemblies_of(lot, tasks, workers, on_done)
+    index_samples = max(samples // 8, 64)
+    indices = sobol_indices_of(lot, assemblies_of(lot, sobol_tasks(lot, index_samples, seed), workers, on_done))
+    needed = _needed(drive, given, lot, found, samples, seed, workers, on_done)
+    knocking_mm = given.largest_play_mm or max(
+        KNOCKING[0] * float(nominal.largest_play_mm[0]), KNOCKING[1] * drive.pitch.size.module_mm
+    )
+    return Tolerated(
+        drive=drive,
+        tolerances=given,
+        assumed=design.tolerances is None,
+        lot=lot,
+        seed=seed,
+        assemblies=found,
+        nominal=nominal,
+        jam=jammed(found),
+        knock=knocking(found, knocking_mm) if lot.reversals.size else None,
+        knocking_mm=knocking_mm,
+        loaded=_is_loaded(drive),
+        indices=indices,
+        index_samples=index_samples,
+        needed=needed,
+        first_order=first_order(lot, tasks[: max(len(tasks) // 4, 1)]),
+        errors=_checked(drive, lot, found, tasks),
+    )
+
+
+def _checked(drive: Drive, lot: Lot, found: Assemblies, tasks: list[Task]) -> tuple[LinearError, ...]:
+    """The errors of the linear mesh by the outlines of the assembly with the least play, and of the first ones."""
+    assemblies = []
+    for number in (int(np.argmin(found.least_play_rad)), *range(CHECKED)):
+        task, place = divmod(number, TOGETHER)
+        assemblies.append(drawn(lot.limits, tasks[task].chances(lot.limits.flanks)).one(place))
+    coarse, fine = (share * drive.pitch.size.module_mm for share in FINE_IN_MODULES)
+    teeth = toothed_pair(drive.pitch, drive.tooth_form, coarse, flank_tolerance_mm=fine)
+    width, both = drive.gears.face_width_mm, drive.gears.drives == "both_ways"
+    exact = exact_of(drive.pitch, teeth, placement_of(drive), lot.mesh, width, CHECKED_POSITIONS, both_ways=both)
+    return tuple(linear_errors(exact, assemblies))
+
+
+def placement_of(drive: Drive) -> Placement:
+    """The positions at which assemblies are looked at."""
+    return placed(drive.pitch, PER_TOOTH)
+
+
+def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
+    """What assemblies of a design are computed from; raises as ``Drive.designed_contact`` where teeth are not sound."""
+    _ = drive.designed_contact
+    limits, module = limits_of(drive, given), drive.pitch.size.module_mm
+    placement = placement_of(drive)
+    size = drive.pitch.center_distance_mm
+    within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
+    both = drive.gears.drives == "both_ways"
+    mesh = reachable(mesh_of(drive.teeth, placement, drive.gears.face_width_mm, within, both_ways=both), limits)
+    peak = drive.check.peak_acceleration_cycle.value
+    follower = follower_of(drive.machine, mesh, drive.teeth.driving.teeth, abs(peak))
+    return Lot(mesh, limits, follower, _reversals(drive, placement))
+
+
+def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
+    """The limits in mm and rad; raises WrongInput where a grade does not hold for the gears."""
+    module, each = drive.pitch.size.module_mm, (given.driving, given.driven)
+    pitch, profile = [], []
+    for gear, own in zip(Gear, each, strict=True):
+        one, other = _of_teeth(drive.teeth.of(gear), own, given.grade, module, f"tolerances.{gear.name.lower()}")
+        pitch.append(one)
+        profile.append(other)
+    warm = given.temperature
+    range_c = (warm.least_c, warm.largest_c) if warm else (20.0, 20.0)
+    driving, driven = (one.entry.elastic.expansion_per_k for one in choices_of(drive.gears))
+    return Limits(
+        center_distance_mm=given.center_distance_mm,
+        eccentricity_mm=(given.driving.eccentricity_mm, given.driven.eccentricity_mm),
+        tilt_rad=(radians(given.driving.tilt_deg), radians(given.driven.tilt_deg)),
+        index_rad=(radians(given.driving.index_deg), radians(given.driven.index_deg)),
+        pitch_mm=np.concatenate(pitch),
+        profile_mm=np.concatenate(profile),
+        temperature_c=range_c,
+        warmer_k=warm.warmer_k if warm else 0.0,
+        expansions=(driving, driven, 1e-6 * given.housing_expansion_um_m_k),
+        wear_mm=(given.driving.wear_mm, given.driven.wear_mm),
+    )
+
+
+def nothing(limits: Limits) -> Limits:
+    """The limits of a pair that deviates by nothing."""
+    none = np.zeros(limits.flanks)
+    pair = 0.0, 0.0
+    return Limits(0.0, pair, pair, pair, none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), pair)
+
+
+def _of_teeth(
+    gear: ToothedGear, own: GearTolerances, grade: int | None, module_mm: float, key: str
+) -> tuple[Array, Array]:
+    """Single pitch and total profile deviation of each flank of a gear, from its grade or as given."""
+    grade = own.grade or grade
+    told = own.single_pitch_mm is not None and own.profile_mm is not None
+    pitch = profile = np.zeros(gear.flanks.count)
+    if grade is not None and not told:
+        _require_graded(gear, module_mm, key)
+        limits = flank_tolerances(grade, tooth_diameters_mm(gear), module_mm)
+        pitch, profile = limits.single_pitch_mm, limits.total_profile_mm
+    if own.single_pitch_mm is not None:
+        pitch = np.full(gear.flanks.count, own.single_pitch_mm)
+    if own.profile_mm is not None:
+        profile = np.full(gear.flanks.count, own.profile_mm)
+    return pitch, profile
+
+
+def _require_graded(gear: ToothedGear, module_mm: float, key: str) -> None:
+    largest = 2.0 * float(np.linalg.norm(gear.outline_mm, axis=1).max())
+    for name, value, (least, most) in (
+        ("the module in mm is", module_mm, MODULES_MM),
+        ("the teeth are", gear.teeth, TEETH),
+        ("the diameter in mm is", largest, DIAMETERS_MM),
+    ):
+        if not least <= value <= most:
+            raise WrongInput(
+                f"{name} {value:g}, but ISO 1328-1 has grades from {least:g} to {most:g} only; give single_pitch_mm "
+                "and profile_mm of both gears in place of grade",
+                key=key,
+            )
+
+
+def _is_loaded(drive: Drive) -> bool:
+    return drive.design.masses is not None or drive.design.resistance is not None
+
+
+def _reversals(drive: Drive, placement: Placement) -> IndexArray:
+    """The positions beside which the torque of the driven gear turns round; all of them where no load is known."""
+    if not _is_loaded(drive):
+        return np.arange(placement.count)
+    sign = np.sign(drive.tooth_load.torque_n_mm(placement.phi1_rad))
+    turning = np.flatnonzero(sign * np.roll(sign, -1) < 0.0)
+    return np.unique(np.concatenate([turning, (turning + 1) % placement.count]))
+
+
+def _needed(
+    drive: Drive,
+    given: AssemblyTolerances,
+    lot: Lot,
+    found: Assemblies,
+    samples: int,
+    seed: int,
+    workers: Workers,
+    on_done: OnDone,
+) -> Needed | None:
+    """The backlash that is needed; play by turning adds the same angle everywhere, so that the quantile tells it."""
+    least = surpassed(found.least_play_rad, TURNING)
+    if least is None:
+        return None
+    gears, play = drive.gears, drive.play
+    angle = max(play.driven_rad - least, 0.0)
+    in_degrees = gears.backlash_deg is not None
+    arm = float(lot.mesh.arm_mm[BACK].min())
+    value = _rounded_up(degrees(angle) if in_degrees else angle * arm, 4 if in_degrees else 3)
+    key = "backlash_deg" if in_degrees else "backlash_mm"
+    changed = gears.model_copy(update={key: value})
+    told = key, value, float(getattr(gears, key))
+    try:
+        other = Drive(drive.design.model_copy(update={"gears": changed}))
+        fresh = assemblies_of(lot_of(other, given), drawn_at_random(samples, seed), workers, on_done)
+    except (NoSuchMechanism, WrongInput) as error:
+        return Needed(*told, None, str(error))
+    return Needed(*told, jammed(fresh))
+
+
+def _rounded_up(value: float, decimals: int) -> float:
+    unit = 10.0**-decimals
+    return round(unit * ceil(round(value / unit, 6)), decimals)

@@ -1,0 +1,253 @@
+"""What assemblies may deviate by, and the chance with which they do.
+
+Each tolerance has a distribution, which is drawn by its percent point function from numbers between 0 and 1:
+
+- centre distance, index errors, pitch and profile of each flank: normal, with the limit at three standard deviations
+  and nothing beyond it;
+- eccentricity and tilt of a bore: normal along both axes alike, which makes the size a Rayleigh distribution, with the
+  limit where 0.27 % would lie beyond and nothing beyond it; every direction is as likely;
+- temperature: uniform between its two ends, the same for gears and housing;
+- wear: uniform from none to the limit, at the same share of it on both gears.
+
+All are independent of each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array
+from ncgear.tolerances.mesh import RIGID, Deviations, Mesh
+
+SIGMAS = 3.0
+"""Standard deviations in a limit."""
+
+BEYOND = 0.0027
+"""Share of a normal distribution beyond three standard deviations."""
+
+MADE_C = 20.0
+"""Temperature in degrees Celsius at which lengths are as the design says (ISO 1)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """The limits of a pair's deviations; of two, that of the driving gear comes first.
+
+    ``pitch_mm`` and ``profile_mm`` (shape (flanks,), first those of the driving gear) are the tolerances of each
+    flank: the single pitch deviation, between two neighbouring flanks, and the total profile deviation.  Expansions are
+    shares per K, of the gears and the housing.  ``warmer_k`` is how much warmer gears run than their housing.
+    """
+
+    center_distance_mm: float
+    eccentricity_mm: tuple[float, float]
+    tilt_rad: tuple[float, float]
+    index_rad: tuple[float, float]
+    pitch_mm: Array
+    profile_mm: Array
+    temperature_c: tuple[float, float]
+    warmer_k: float
+    expansions: tuple[float, float, float]
+    wear_mm: tuple[float, float]
+
+    @property
+    def flanks(self) -> int:
+        """Number of flanks of both gears."""
+        return self.pitch_mm.size
+
+    def displaced_mm(self, size_mm: float) -> float:
+        """About how far flanks are displaced against each other at most; ``size_mm`` is the centre distance."""
+        driving, driven, housing = self.expansions
+        warm = max(abs(one - MADE_C) for one in self.temperature_c)
+        growth = size_mm * (max(driving, driven, housing) * warm + max(driving, driven) * self.warmer_k)
+        tooth = sum(float(np.max(one, initial=0.0)) for one in (self.pitch_mm, self.profile_mm))
+        return 2.0 * tooth + self.center_distance_mm + sum(self.eccentricity_mm) + growth
+
+    @property
+    def rigid(self) -> Array:
+        """The largest sizes of RIGID, shape (11,)."""
+        driving, driven, housing = self.expansions
+        warm = max(abs(one - MADE_C) for one in self.temperature_c)
+        gears = max(abs(one + self.warmer_k - MADE_C) for one in self.temperature_c)
+        off = np.repeat(self.eccentricity_mm, 2)
+        growth = driving * gears, driven * gears, housing * warm
+        return np.concatenate([[self.center_distance_mm], off, growth, [self.index_rad[0]], self.wear_mm])
+
+
+SOURCES = {
+    "center_distance": 1,
+    "eccentricity_driving": 2,
+    "eccentricity_driven": 2,
+    "tilt_driving": 2,
+    "tilt_driven": 2,
+    "index_driving": 1,
+    "index_driven": 1,
+    "temperature": 1,
+    "wear": 1,
+}
+"""What may deviate for the whole pair, and how many numbers between 0 and 1 it is drawn from, in their order."""
+
+TOOTH_SOURCES = "pitch", "profile"
+"""What may deviate at each flank, drawn from a number for each."""
+
+EVERY = (*SOURCES, *TOOTH_SOURCES)
+COUNT = sum(SOURCES.values())
+"""How many numbers the whole pair is drawn from."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chances:
+    """Numbers between 0 and 1 that N assemblies are drawn from.
+
+    ``pair`` has shape (COUNT, N), ``teeth`` (2, flanks, N): the second are those of TOOTH_SOURCES.
+    """
+
+    pair: Array
+    teeth: Array
+
+    def with_source(self, source: str, other: Chances) -> Chances:
+        """The same with the numbers of one source taken from others."""
+        pair, teeth = self.pair.copy(), self.teeth
+        if source in TOOTH_SOURCES:
+            chosen = np.array([name == source for name in TOOTH_SOURCES])
+            teeth = np.where(chosen[:, None, None], other.teeth, teeth)
+        else:
+            pair[rows_of(source)] = other.pair[rows_of(source)]
+        return Chances(pair, teeth)
+
+
+def rows_of(source: str) -> slice:
+    """The rows of ``Chances.pair`` that a source is drawn from."""
+    start = 0
+    for name, count in SOURCES.items():
+        if name == source:
+            return slice(start, start + count)
+        start += count
+    raise KeyError(source)
+
+
+def active(limits: Limits) -> tuple[str, ...]:
+    """The sources that deviate at all."""
+    low, high = limits.temperature_c
+    sizes = {
+        "center_distance": limits.center_distance_mm,
+        "eccentricity_driving": limits.eccentricity_mm[0],
+        "eccentricity_driven": limits.eccentricity_mm[1],
+        "tilt_driving": limits.tilt_rad[0],
+        "tilt_driven": limits.tilt_rad[1],
+        "index_driving": limits.index_rad[0],
+        "index_driven": limits.index_rad[1],
+        "temperature": high - low,
+        "wear": max(limits.wear_mm),
+        "pitch": float(np.max(limits.pitch_mm, initial=0.0)),
+        "profile": float(np.max(limits.profile_mm, initial=0.0)),
+    }
+    return tuple(name for name in EVERY if sizes[name] > 0.0)
+
+
+def reachable(mesh: Mesh, limits: Limits) -> Mesh:
+    """The mesh without the places of contact that no assembly within the limits has first.
+
+    Such a place comes so much after the first one of the pair without deviations that both together cannot lose that.
+    """
+    counts = np.diff(mesh.first, append=mesh.lead.size)
+    leader = np.repeat(mesh.foremost.ravel(), counts)
+    tooth = sum(
+        share * size[flank]
+        for share, size in (
+            (mesh.pitch_share, limits.pitch_mm / sqrt(2.0)),
+            (np.abs(mesh.profile_share), limits.profile_mm),
+        )
+        for share, flank in zip(share, mesh.flank, strict=True)
+    )
+    gained = (
+        np.abs(mesh.rigid - mesh.rigid[leader]) @ limits.rigid
+        + np.abs(mesh.tilt - mesh.tilt[leader]) @ np.repeat(limits.tilt_rad, 2)
+        + tooth
+        + tooth[leader]
+    )
+    return mesh.kept(mesh.lead + gained >= mesh.lead[leader])
+
+
+def drawn(limits: Limits, chances: Chances) -> Deviations:
+    """The deviations of assemblies."""
+    from scipy.stats import norm, rayleigh, uniform
+
+    def within_limit(share: Array) -> Array:
+        low = norm.cdf(-SIGMAS)
+        return np.asarray(norm.ppf(low + share * (1.0 - 2.0 * low)) / SIGMAS)
+
+    def planar(source: str, limit: float) -> Array:
+        size, direction = chances.pair[rows_of(source)]
+        length = limit * rayleigh.ppf(size * (1.0 - BEYOND)) / rayleigh.ppf(1.0 - BEYOND)
+        angle = uniform.ppf(direction, scale=2.0 * np.pi)
+        return np.stack([length * np.cos(angle), length * np.sin(angle)])
+
+    def single(source: str) -> Array:
+        numbers: Array = chances.pair[rows_of(source)][0]
+        return numbers
+
+    low, high = limits.temperature_c
+    temperature = uniform.ppf(single("temperature"), loc=low, scale=high - low) if high > low else np.full(1, low)
+    housing = np.broadcast_to(temperature - MADE_C, single("temperature").shape)
+    gears = housing + limits.warmer_k
+    age = single("wear")
+    first, second = limits.eccentricity_mm
+    rigid = np.empty((len(RIGID), age.size))
+    rigid[0] = limits.center_distance_mm * within_limit(single("center_distance"))
+    rigid[1:3], rigid[3:5] = planar("eccentricity_driving", first), planar("eccentricity_driven", second)
+    driving, driven, about = limits.expansions
+    rigid[5], rigid[6], rigid[7] = driving * gears, driven * gears, about * housing
+    rigid[8] = limits.index_rad[0] * within_limit(single("index_driving"))
+    rigid[9], rigid[10] = (limit * age for limit in limits.wear_mm)
+    tilts = zip(("tilt_driving", "tilt_driven"), limits.tilt_rad, strict=True)
+    # Two neighbours that each stand off by f / sqrt(2) are a pitch apart that is off by f.
+    pitch = limits.pitch_mm[:, None] / sqrt(2.0) * within_limit(chances.teeth[0])
+    return Deviations(
+        rigid=rigid,
+        tilt=np.concatenate([planar(source, limit) for source, limit in tilts]),
+        pitch=pitch,
+        profile=limits.profile_mm[:, None] * within_limit(chances.teeth[1]),
+        output_rad=limits.index_rad[1] * within_limit(single("index_driven")),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Independent causes of ``Deviations`` with their standard deviations; tilt, which has no slope at 0, is left out.
+
+    ``rigid`` (shape (11, k)) is what one standard deviation of each of k causes makes of RIGID, and ``sources`` names
+    the source of each.  ``pitch_mm`` and ``profile_mm`` (shape (flanks,)) are the standard deviations of the flanks.
+    """
+
+    sources: tuple[str, ...]
+    rigid: Array
+    pitch_mm: Array
+    profile_mm: Array
+
+
+def spread(limits: Limits) -> Spread:
+    """The standard deviations of what ``drawn`` gives, in closed form."""
+    from scipy.stats import rayleigh, truncnorm
+
+    normal = float(truncnorm.std(-SIGMAS, SIGMAS)) / SIGMAS
+    # Half the mean square of a Rayleigh distribution that is cut off where BEYOND is left, which falls to each axis.
+    axis = sqrt(1.0 + np.log(BEYOND) * BEYOND / (1.0 - BEYOND)) / float(rayleigh.ppf(1.0 - BEYOND))
+    even = 1.0 / sqrt(12.0)
+    low, high = limits.temperature_c
+    causes = [
+        ("center_distance", {0: limits.center_distance_mm * normal}),
+        *(("eccentricity_driving", {row: limits.eccentricity_mm[0] * axis}) for row in (1, 2)),
+        *(("eccentricity_driven", {row: limits.eccentricity_mm[1] * axis}) for row in (3, 4)),
+        ("temperature", {5 + row: (high - low) * even * one for row, one in enumerate(limits.expansions)}),
+        ("index_driving", {8: limits.index_rad[0] * normal}),
+        ("wear", {9 + row: even * one for row, one in enumerate(limits.wear_mm)}),
+    ]
+    rigid = np.zeros((len(RIGID), len(causes)))
+    for column, (_, moved) in enumerate(causes):
+        for row, size in moved.items():
+            rigid[row, column] = size
+    sources = tuple(source for source, _ in causes)
+    return Spread(sources, rigid, limits.pitch_mm / sqrt(2.0) * normal, limits.profile_mm * normal)

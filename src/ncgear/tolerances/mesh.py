@@ -1,0 +1,323 @@
+"""The mesh of a pair with small deviations, linear in each place of contact, over all positions and many assemblies.
+
+At a position, a pair of teeth touches at the driven angle e beyond the law's.  Let n be the unit normal at the place of
+contact, which leads into the driven tooth, L the arm of n about the driven axis, and ``urge`` +1 on pushing flanks and
+-1 on their backs.  Where both gears are displaced there by small u1 and u2, and m1 and m2 is material that their flanks
+have too much along n, the pair touches by the principle of virtual work, to first order, at
+
+    urge e = urge e0 + (m1 + m2 - n . (u2 - u1)) / L.
+
+The pair that has the greatest value of all pairs on its side of the teeth is the one that touches: this maximum is
+exact, so that what changes from pair to pair is kept.  Between the sides is the play,
+
+    play = - max over pushing (urge e) - max over backs (urge e),
+
+and a pair without play somewhere jams.  Displacements are
+
+    driving gear  c1 exp(i phi1) + P g1 + i P eps1,
+    driven gear   da + c2 exp(i s phi2) + (P - a) g2 + a gh,
+
+with the eccentricities c1 and c2 of the bores in each gear's frame, the deviation da of the centre distance a, the
+growths g1, g2 and gh of gears and housing, the index error eps1 of the driving gear, and s the sense in which the
+driven gear turns.  A tilted bore makes a section at height z run out by z tau.  As n . u is linear in z, the flanks
+touch first at one end of the face width b, by b/2 |n . (tau2 exp(i s phi2) - tau1 exp(i phi1))| earlier.
+
+A flank whose pitch deviates by x stands turned about its gear's axis, as an indexing error of the machine leaves it: by
+x cos(alpha) / L0, where L0 is the arm of its normal where it crosses the pitch curve.  Deviations of the profile and
+wear move a flank along its own normal; where a corner touches, their part along n counts.
+
+Left out: the second order in the deviations, the load, and the crowning and lead of flanks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ncgear.contact.designed.as_designed import contacts_within
+from ncgear.contact.designed.curves import Contacts
+from ncgear.contact.designed.flanks import flank_contacts
+from ncgear.contact.placement import PUSHING, Placement, meetings
+from ncgear.dynamics.pair_places import fixed_tangents
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.plane import across, along, as_complex
+from ncgear.teeth.gear import ToothedGear, ToothedPair
+
+RIGID = (
+    "center_distance",
+    "driving_x",
+    "driving_y",
+    "driven_x",
+    "driven_y",
+    "driving_growth",
+    "driven_growth",
+    "housing_growth",
+    "driving_index",
+    "driving_wear",
+    "driven_wear",
+)
+"""What moves whole gears or all their flanks alike, in mm, rad or as a share: the rows of ``Deviations.rigid``."""
+
+DISPLACING = 8
+"""So many of these, the first, move one gear against the other; the contact ratio follows from them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Deviations:
+    """What N assemblies deviate by.
+
+    ``rigid`` (shape (11, N)) has the quantities of RIGID.  ``tilt`` (shape (4, N)) is the tilt of the driving bore
+    about both axes in its gear's frame, then that of the driven bore, in rad.  ``pitch`` and ``profile`` (shape
+    (flanks, N), first those of the driving gear) are each flank's deviations in mm: where it stands along the pitch
+    curve, material added being positive, and its slope, as the material at the tip less that at the root.
+    ``output_rad`` (shape (N,)) is the index error of the driven gear on its shaft.
+    """
+
+    rigid: Array
+    tilt: Array
+    pitch: Array
+    profile: Array
+    output_rad: Array
+
+    def one(self, number: int) -> Deviations:
+        """Those of a single assembly, as of N = 1."""
+        return Deviations(*(values[..., number : number + 1] for values in vars(self).values()))
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """The linear mesh of a pair at p positions, with r places of contact.
+
+    ``first`` (shape (2 p,)) is the first row of each side and position, pushing flanks before backs.  ``lead`` is urge
+    times e0.  The other arrays have a row for each place: ``rigid`` (shape (r, 11)), ``tilt`` (shape (r, 4)), and for
+    the driving and the driven flank (shape (2, r) each) its ``flank``, numbered as in ``Deviations.pitch``, its
+    ``pitch_share`` and its ``profile_share``: what their deviations change the lead by, in rad per mm.
+
+    ``radius_mm`` (shape (p,)) is the driven pitch radius, ``arm_mm`` (shape (2, p)) the arm of each side's normal.
+    ``arcs`` (shape (k,)) are the arcs of contact in pitches of all pairs of flanks that carry, ``arc_rates`` (shape
+    (k, 8)) how they change with the first of RIGID.
+    """
+
+    phi1_rad: Array
+    phi2_rad: Array
+    cycle_rad: float
+    radius_mm: Array
+    arm_mm: Array
+    first: IndexArray
+    lead: Array
+    rigid: Array
+    tilt: Array
+    flank: IndexArray
+    pitch_share: Array
+    profile_share: Array
+    arcs: Array
+    arc_rates: Array
+
+    def leads(self, of: Deviations) -> Array:
+        """The lead of the first contact on both sides at each position, in rad, shape (2, p, N)."""
+        lead = self.rigid @ of.rigid
+        lead += self.lead[:, None]
+        if of.tilt.any():
+            lead += np.abs(self.tilt @ of.tilt)
+        for flank, pitch, profile in zip(self.flank, self.pitch_share, self.profile_share, strict=True):
+            lead += pitch[:, None] * of.pitch[flank]
+            lead += profile[:, None] * of.profile[flank]
+        return np.asarray(np.maximum.reduceat(lead, self.first, axis=0).reshape(2, self.phi1_rad.size, -1))
+
+    def least_arcs(self, of: Deviations) -> Array:
+        """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,)."""
+        arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
+        return np.asarray(np.maximum(arcs.min(axis=0), 0.0))
+
+    def kept(self, rows: Mask) -> Mesh:
+        """The same with some of the places of contact, at least one on each side at each position."""
+        counts = np.add.reduceat(rows.astype(int), self.first)
+        return replace(
+            self,
+            first=np.cumsum(counts) - counts,
+            lead=self.lead[rows],
+            rigid=self.rigid[rows],
+            tilt=self.tilt[rows],
+            flank=self.flank[:, rows],
+            pitch_share=self.pitch_share[:, rows],
+            profile_share=self.profile_share[:, rows],
+        )
+
+    @cached_property
+    def foremost(self) -> IndexArray:
+        """The row of the first contact of the pair without deviations, shape (2, p)."""
+        side = np.repeat(np.arange(self.first.size), np.diff(self.first, append=self.lead.size))
+        # The last of each group by rising lead.
+        order = np.lexsort((self.lead, side))
+        foremost: IndexArray = order[np.append(self.first[1:], self.lead.size) - 1].reshape(2, -1)
+        return foremost
+
+
+def mesh_of(
+    teeth: ToothedPair, placement: Placement, face_width_mm: float, within_mm: float, *, both_ways: bool = False
+) -> Mesh:
+    """The linear mesh of a pair, with all places that touch once the first ones are pressed in by ``within_mm``.
+
+    With ``both_ways`` backs carry and wear as pushing flanks do.
+    """
+    found = Contacts.joined(contacts_within(teeth, placement, within_mm))
+    found = found.kept(np.argsort(found.place(placement), kind="stable"))
+    place, tangent = fixed_tangents(found, placement)
+    normal = 1j * placement.mesh.sense * found.urge * tangent
+    lever = found.lever_mm
+    turned = np.exp(1j * placement.phi1_rad), np.exp(1j * placement.mesh.sense * placement.phi2_rad)
+    first_turn, second_turn = (turn[found.position] for turn in turned)
+    distance, from_driven = placement.center_distance_mm, place - placement.center_distance_mm
+    arms = found.urge * along(normal, 1j * place), lever
+    sides = (
+        _side(teeth.driving, found.driving, found, placement, normal / first_turn, arms[0]),
+        _side(teeth.driven, found.driven, found, placement, -normal / second_turn, arms[1]),
+    )
+    worn = [np.where((found.side == PUSHING) | both_ways, -side.along, 0.0) for side in sides]
+    rigid = np.column_stack(
+        [
+            -normal.real,
+            along(normal, first_turn),
+            along(normal, 1j * first_turn),
+            -along(normal, second_turn),
+            -along(normal, 1j * second_turn),
+            along(normal, place),
+            -along(normal, from_driven),
+            -normal.real * distance,
+            along(normal, 1j * place),
+            *worn,
+        ]
+    )
+    arcs, rates = arc_rates(teeth, placement, both_ways=both_ways)
+    mesh = Mesh(
+        phi1_rad=placement.phi1_rad,
+        phi2_rad=placement.phi2_rad,
+        cycle_rad=placement.cycle_rad,
+        radius_mm=placement.driven_radius_mm,
+        arm_mm=np.zeros((2, placement.count)),
+        first=np.searchsorted(found.place(placement), np.arange(2 * placement.count)),
+        lead=found.lead_rad,
+        rigid=rigid / lever[:, None],
+        tilt=face_width_mm / 2.0 * rigid[:, 1:5] / lever[:, None],
+        flank=np.stack([found.driving, found.driven + teeth.driving.flanks.count]),
+        pitch_share=np.stack([side.pitch for side in sides]) / lever,
+        profile_share=np.stack([side.share * side.along for side in sides]) / lever,
+        arcs=arcs,
+        arc_rates=rates,
+    )
+    return replace(mesh, arm_mm=lever[mesh.foremost])
+
+
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """How the deviations of one gear's flanks act along the common normal, shape (r,) each.
+
+    ``pitch`` is what a deviation along the pitch curve adds, ``share`` the place on the flank, from -1/2 at its root to
+    1/2 at its tip, and ``along`` the part of the flank's own normal.
+    """
+
+    pitch: Array
+    share: Array
+    along: Array
+
+
+def _side(
+    gear: ToothedGear,
+    flank: IndexArray,
+    found: Contacts,
+    placement: Placement,
+    outwards: ComplexArray,
+    arm_mm: Array,
+) -> _Side:
+    """Of each place; ``outwards`` is the normal that leads out of the gear, in its own frame, with its ``arm_mm``.
+
+    The height of a place is that of the closed form; beyond the ends of a flank its end counts.
+    """
+    flanks = gear.flanks
+    length = flanks.curve.length_mm
+    ahead = flanks.crossing_mm[flank] - placement.rolled_mm[found.position] % length
+    ahead = (ahead + length / 2.0) % length - length / 2.0
+    slant = flanks.slant.of(flank)
+    top, bottom = (ends[flank] for ends in gear.sides.flank_range())
+    height = np.clip(flanks.side[flank] * slant.height_per_rolled * ahead, bottom, top)
+    slope = as_complex(flanks.flank(flank, height)[1])
+    part = np.abs(across(slope, outwards)) / np.abs(slope)
+    share = (height - (top + bottom) / 2.0) / (top - bottom)
+    return _Side(slant.cosine * arm_mm / crossing_arms_mm(gear)[flank], share, part)
+
+
+def crossing_arms_mm(gear: ToothedGear) -> Array:
+    """Arm about the gear's axis of each flank's normal where it crosses the pitch curve, shape (flanks,)."""
+    every = np.arange(gear.flanks.count)
+    point, slope = (as_complex(one) for one in gear.flanks.flank(every, np.zeros(every.size)))
+    return np.asarray(np.abs(along(slope, point)) / np.abs(slope))
+
+
+STEP_IN_MODULES = 1e-4
+"""Displacement over which the change of an arc of contact is measured, both ways; it is smooth."""
+
+
+@dataclass(frozen=True, eq=False)
+class Displaced(Placement):
+    """Positions with the driven gear moved by ``moved_mm`` in the fixed frame, and the driving one scaled."""
+
+    moved_mm: complex = 0.0j
+    scale: float = 1.0
+
+    def driving_points(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
+        """As those of a placement."""
+        shifted: ComplexArray = self.moved_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad[row])
+        return super().driving_points(self.scale * points, row) - shifted
+
+
+def arc_rates(teeth: ToothedPair, placement: Placement, *, both_ways: bool) -> tuple[Array, Array]:
+    """The arcs of contact of pairs of flanks that carry, in pitches (shape (k,)), and their rates (shape (k, 8)).
+
+    How far both flanks reach counts, whatever else holds them apart.  The rates are differences of the exact contact
+    of displaced gears: where an arc begins and where it ends each moves by the displacement at that position.
+    """
+    met = meetings(teeth, placement)
+    carrying = np.flatnonzero((met.side == PUSHING) | both_ways)
+    step = STEP_IN_MODULES * teeth.driving.flanks.rack.module_mm
+    distance = placement.center_distance_mm
+
+    def ends(moved_mm: complex, scale: float) -> Array:
+        given: dict[str, Any] = {field.name: getattr(placement, field.name) for field in fields(placement)}
+        made = Displaced(**given, moved_mm=moved_mm, scale=scale)
+        return flank_contacts(teeth, made, met).reach_ends[:, carrying]
+
+    nominal = ends(0.0j, 1.0)
+    lasting = np.isfinite(nominal).all(axis=0)
+    carrying, nominal = carrying[lasting], nominal[:, lasting]
+    changes = (step, 0.0), (1j * step, 0.0), (0.0, step / distance)
+    rates = []
+    for moved, grown in changes:
+        after, before = (ends(sign * moved, 1.0 + sign * grown)[:, lasting] for sign in (1.0, -1.0))
+        change = (after - before) / (2.0 * (abs(moved) or grown))
+        rates.append(np.where(np.isfinite(change), change, 0.0))
+    x_rate, y_rate, growth_rate = rates
+    position = (met.position[carrying, 0] + np.rint(nominal).astype(int)) % placement.count
+    first = np.exp(1j * placement.phi1_rad)[position]
+    second = np.exp(1j * placement.mesh.sense * placement.phi2_rad)[position]
+
+    def moved_by(direction: ComplexArray) -> Array:
+        return x_rate * direction.real + y_rate * direction.imag
+
+    columns = np.stack(
+        [
+            x_rate,
+            -moved_by(first),
+            -moved_by(1j * first),
+            moved_by(second),
+            moved_by(1j * second),
+            growth_rate,
+            -growth_rate - distance * x_rate,
+            distance * x_rate,
+        ],
+        axis=-1,
+    )
+    pitches = np.array([-1.0, 1.0]) / placement.per_tooth
+    return pitches @ nominal, np.einsum("e,ekc->kc", pitches, columns)

@@ -1,0 +1,213 @@
+"""Many assemblies of a pair: what they do, with what chance, which tolerance matters, and what play is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from math import sqrt
+
+import numpy as np
+
+from ncgear.contact.placement import BACK, PUSHING
+from ncgear.numerics.arrays import Array
+from ncgear.tolerances.assemblies import Assemblies, Lot, Task, computed, sobol_points, tasks_of
+from ncgear.tolerances.drawn import COUNT, active, spread
+from ncgear.workers import finished
+
+JAMMED_RAD = 1e-9
+"""Overlap of the driven gear's angle from which teeth jam: rounding errors are less."""
+
+ALONE = 3e9
+"""Places of contact times assemblies up to which this process computes alone, unless processes are asked for: some
+ten seconds, in which other processes would hardly have begun."""
+
+OnDone = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Where tasks run, as ``ncgear.workers.finished`` takes it."""
+
+    scheduler: str | None = None
+    processes: int | None = None
+
+
+def assemblies_of(
+    lot: Lot, tasks: list[Task], workers: Workers, on_done: OnDone = lambda done, total: None
+) -> Assemblies:
+    """The assemblies of tasks, in the order of tasks; the same whatever the workers."""
+    total = sum(task.pair.shape[1] for task in tasks)
+    alone = workers.scheduler is None and lot.mesh.lead.size * total < ALONE
+    processes = workers.processes or (1 if alone else None)
+    found: dict[int, Assemblies] = {}
+    done = 0
+    for task, made in finished(partial(computed, lot), tasks, workers.scheduler, processes):
+        found[task.number] = made
+        done += made.count
+        on_done(done, total)
+    return Assemblies.joined([found[task.number] for task in tasks])
+
+
+def drawn_evenly(count: int, seed: int) -> list[Task]:
+    """Tasks of assemblies whose pair is drawn from scrambled points of Sobol; ``count`` is a power of two."""
+    return tasks_of(sobol_points(count, seed), seed, 0)
+
+
+def drawn_at_random(count: int, seed: int) -> list[Task]:
+    """Tasks of assemblies that are drawn at random altogether."""
+    return tasks_of(np.random.default_rng([seed, 1]).random((COUNT, count)), seed, 1)
+
+
+@dataclass(frozen=True)
+class Share:
+    """A share of the assemblies, and the range in which that of all assemblies lies with 95 % confidence (Wilson)."""
+
+    value: float
+    least: float
+    largest: float
+
+
+def share_of(count: int, total: int) -> Share:
+    """The share that some of all drawn assemblies are."""
+    from scipy.stats import binomtest
+
+    interval = binomtest(count, total).proportion_ci(0.95, method="wilson")
+    return Share(count / total, float(interval.low), float(interval.high))
+
+
+def jammed(found: Assemblies) -> Share:
+    """The share that jams: somewhere in the cycle both flanks of a tooth touch and are pressed."""
+    return share_of(int(np.count_nonzero(found.least_play_rad < -JAMMED_RAD)), found.count)
+
+
+def knocking(found: Assemblies, largest_mm: float) -> Share:
+    """The share that knocks: the play is larger than ``largest_mm`` where the torque turns round."""
+    return share_of(int(np.count_nonzero(found.reversal_play_mm > largest_mm)), found.count)
+
+
+CONFIDENCE = 0.95
+NORMAL_95 = 1.96
+"""Standard deviations of a normal distribution to either side within which 95 % of it lies."""
+
+
+def surpassed(values: Array, share: float) -> float | None:
+    """A value that ``share`` of all assemblies surpass, with 95 % confidence; None where too few are drawn to tell.
+
+    It is the k-th smallest of n drawn values, k the greatest number for which more than k - 1 of n values lie below the
+    true quantile with that confidence (Wilks 1941).
+    """
+    from scipy.stats import binom
+
+    numbers = np.arange(1, values.size + 1)
+    sure = binom.sf(numbers - 1, values.size, 1.0 - share) >= CONFIDENCE
+    return float(np.sort(values)[np.count_nonzero(sure) - 1]) if sure[0] else None
+
+
+def enough_samples(share: float) -> int:
+    """The least number of drawn assemblies from which ``surpassed`` tells a value."""
+    return int(np.ceil(np.log(1.0 - CONFIDENCE) / np.log(share)))
+
+
+INDEXED = "least_play_mm", "transmission_error_mm", "motion_error", "peak_acceleration"
+"""What the indices of Sobol are computed of."""
+
+
+@dataclass(frozen=True)
+class Index:
+    """Indices of Sobol of one source: the share of the variance that it causes by itself, and together with others.
+
+    ``error`` is half the width of the 95 % range of the second, whose estimator is a mean (Jansen 1999).
+    """
+
+    source: str
+    first: float
+    total: float
+    error: float
+
+
+def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
+    """The tasks of Saltelli's scheme with all numbers of a source exchanged at once: of A, of B, then one set for each.
+
+    ``count`` is a power of two, a multiple of the number of assemblies in a task or less.
+    """
+    points = sobol_points(count, seed, 2 * COUNT)
+    own, others = tasks_of(points[:COUNT], seed, 2), tasks_of(points[COUNT:], seed, 3)
+    swapped = [
+        Task(0, task.pair, task.seeds, source, other)
+        for source in active(lot.limits)
+        for task, other in zip(own, others, strict=True)
+    ]
+    return [
+        Task(number, one.pair, one.seeds, one.source, one.other) for number, one in enumerate(own + others + swapped)
+    ]
+
+
+def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
+    """The indices of each of INDEXED from the assemblies of ``sobol_tasks``, the greatest first.
+
+    What does not vary has none.
+    """
+    from scipy.stats import sobol_indices
+
+    sources = active(lot.limits)
+    count = found.count // (len(sources) + 2)
+    indices = {}
+    for name in INDEXED:
+        values = getattr(found, name).reshape(len(sources) + 2, 1, count)
+        size = float(np.abs(values).max())
+        if np.ptp(values) <= 1e-9 * max(size, 1e-9):
+            continue
+        result = sobol_indices(func={"f_A": values[0], "f_B": values[1], "f_AB": values[2:]}, n=count)
+        squared = (values[0] - values[2:])[:, 0] ** 2 / (2.0 * values[:2].var())
+        error = NORMAL_95 * squared.std(axis=1) / sqrt(count)
+        rows = zip(sources, np.ravel(result.first_order), np.ravel(result.total_order), error, strict=True)
+        own = [Index(source, *map(float, numbers)) for source, *numbers in rows]
+        indices[name] = tuple(sorted(own, key=lambda one: -one.total))
+    return indices
+
+
+@dataclass(frozen=True, eq=False)
+class FirstOrder:
+    """Standard deviations by the first order, and those of drawn assemblies, in mm along the normal, shape (p,) each.
+
+    They are of the play at each position.  ``by_source`` is each source's part of the first one.
+    """
+
+    linear_mm: Array
+    drawn_mm: Array
+    by_source: dict[str, Array]
+
+    @property
+    def difference(self) -> float:
+        """Largest difference of both, as a share of the largest of those drawn."""
+        return float(np.abs(self.linear_mm - self.drawn_mm).max() / self.drawn_mm.max())
+
+
+def first_order(lot: Lot, tasks: Iterable[Task]) -> FirstOrder:
+    """The spread of the play by the root of the sum of squares, beside that of drawn assemblies.
+
+    The first order knows one place of contact at each position and side, that of the pair without deviations, and no
+    tilt.
+    """
+    from ncgear.tolerances.drawn import drawn
+
+    mesh, known = lot.mesh, spread(lot.limits)
+    arm = mesh.arm_mm[BACK]
+    rows = mesh.foremost
+    variance: dict[str, Array] = {}
+    rates = (mesh.rigid[rows[PUSHING]] + mesh.rigid[rows[BACK]]) @ known.rigid
+    for source, rate in zip(known.sources, rates.T, strict=True):
+        variance[source] = variance.get(source, 0.0) + rate**2
+    for source, shares, sizes in (
+        ("pitch", mesh.pitch_share, known.pitch_mm),
+        ("profile", mesh.profile_share, known.profile_mm),
+    ):
+        variance[source] = sum(
+            (shares[gear][row] * sizes[mesh.flank[gear][row]]) ** 2 for gear in (0, 1) for row in rows
+        )
+    plays = np.concatenate(
+        [-mesh.leads(drawn(lot.limits, task.chances(lot.limits.flanks))).sum(axis=0) for task in tasks], axis=1
+    )
+    by_source = {source: np.sqrt(one) * arm for source, one in variance.items()}
+    return FirstOrder(np.sqrt(sum(variance.values())) * arm, plays.std(axis=1) * arm, by_source)

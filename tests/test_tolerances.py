@@ -1,0 +1,579 @@
+"""Tolerances: eccentric circular gears in closed form, polygons that turn until they touch, another program."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from math import acos, cos, pi, radians, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapely import Polygon, affinity
+
+from commands import Run
+from drives import DESIGNS, design_of, drive, loaded
+from ncgear.contact.placement import BACK, PUSHING, Placement, placed
+from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances, Temperatures
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.project.drive import Drive
+from ncgear.project.tolerance import ASSUMED, PER_TOOTH, limits_of, lot_of, tolerated
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes
+from ncgear.teeth.form import Backlash, ToothForm
+from ncgear.teeth.gear import ToothedPair, toothed_pair
+from ncgear.tolerances.assemblies import Assemblies, Lot, Task, computed
+from ncgear.tolerances.drawn import COUNT, SOURCES, Chances, Limits, active, drawn, spread
+from ncgear.tolerances.iso1328 import flank_tolerances, rounded_um
+from ncgear.tolerances.mesh import RIGID, Deviations, Mesh, mesh_of
+from ncgear.tolerances.outlines import exact_of, linear_errors
+from ncgear.tolerances.study import (
+    Workers,
+    assemblies_of,
+    drawn_at_random,
+    drawn_evenly,
+    enough_samples,
+    jammed,
+    sobol_indices_of,
+    sobol_tasks,
+    surpassed,
+)
+from pairs import rack
+
+ALPHA = radians(20.0)
+
+# --- grades ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.judges("tolerances")
+def test_grades_are_those_of_iso_1328() -> None:
+    """The worked example of another program after ISO 1328-1:2013: class 6, 40 teeth of module 3."""
+    found = flank_tolerances(6, np.array(120.0), 3.0)
+    assert 1e3 * found.single_pitch_mm == pytest.approx((0.12 + 1.2 + 5.0) * sqrt(2.0), rel=1e-12)
+    figures = found.single_pitch_mm, found.cumulative_pitch_mm, found.total_profile_mm
+    assert [rounded_um(float(one)) for one in figures] == [9.0, 29.0, 12.0]
+
+
+@pytest.mark.parametrize(("value_um", "told"), [(4.94, 4.9), (4.96, 5.0), (7.3, 7.5), (10.4, 10.0), (28.8, 29.0)])
+def test_grades_are_rounded_as_on_drawings(value_um: float, told: float) -> None:
+    assert rounded_um(1e-3 * value_um) == told
+
+
+def test_two_grades_are_a_factor_of_two_apart() -> None:
+    coarse, fine = (flank_tolerances(grade, np.array([20.0, 400.0]), 2.0) for grade in (9, 7))
+    assert coarse.total_profile_mm == pytest.approx(2.0 * fine.total_profile_mm, rel=1e-14)
+
+
+# --- eccentric circular gears, in closed form --------------------------------------------------------------------
+
+TEETH, DRIVEN_TEETH, MODULE, PLAY_MM, WIDTH_MM = 30, 60, 2.0, 0.4, 20.0
+BASES_MM = TEETH * MODULE / 2.0 * cos(ALPHA), DRIVEN_TEETH * MODULE / 2.0 * cos(ALPHA)
+DISTANCE_MM = (TEETH + DRIVEN_TEETH) * MODULE / 2.0
+
+
+@cache
+def circular() -> tuple[PitchPair, ToothedPair, Placement, Mesh]:
+    """A pair of circular gears, 1:2."""
+    pitch = sized_pair(uniform_law(Lobes(1, 2)), TEETH, MODULE, None)
+    teeth = toothed_pair(pitch, ToothForm(rack(), backlash=Backlash(PLAY_MM)), 0.005)
+    placement = placed(pitch, 8)
+    return pitch, teeth, placement, mesh_of(teeth, placement, WIDTH_MM, 0.3)
+
+
+def deviations(flanks: int, count: int, **moved: Array | float) -> Deviations:
+    """Assemblies that deviate only as a whole, by the names of RIGID."""
+    rigid = np.zeros((len(RIGID), count))
+    for name, size in moved.items():
+        rigid[RIGID.index(name)] = size
+    return Deviations(
+        rigid, np.zeros((4, count)), np.zeros((flanks, count)), np.zeros((flanks, count)), np.zeros(count)
+    )
+
+
+def of_circular(**moved: Array | float) -> Deviations:
+    return deviations(2 * (TEETH + DRIVEN_TEETH), 1, **moved)
+
+
+def involute(angle: Array | float) -> Array:
+    return np.asarray(np.tan(angle) - angle)
+
+
+def closed_form(of: Deviations, placement: Placement) -> Array:
+    """Leads of both sides from the common tangents of the base circles about the true centres, shape (2, p).
+
+    With base radii r1, r2, the distance A and direction b of the centres and cos(w) = (r1 + r2) / A, unwinding both
+    involutes along the tangent gives r2 phi2 = r1 phi1 - (r1 + r2) (b + inv w) + constant for one side of the teeth and
+    the same with -inv w for the other.
+    """
+    moved = dict(zip(RIGID, of.rigid[:, 0], strict=True))
+    turn = np.exp(1j * placement.phi1_rad), np.exp(-1j * placement.phi2_rad)
+    first = (moved["driving_x"] + 1j * moved["driving_y"]) * turn[0]
+    second = (moved["driven_x"] + 1j * moved["driven_y"]) * turn[1]
+    between = DISTANCE_MM * (1.0 + moved["housing_growth"]) + moved["center_distance"] + second - first
+    bases = BASES_MM[0] * (1.0 + moved["driving_growth"]), BASES_MM[1] * (1.0 + moved["driven_growth"])
+    working = np.arccos(sum(bases) / np.abs(between))
+    share = sum(bases) / bases[1]
+    ratio = bases[0] / bases[1]
+    turned = (ratio - 0.5) * placement.phi1_rad + ratio * moved["driving_index"]
+    ahead = turned - share * np.angle(between)
+    play = PLAY_MM / BASES_MM[1]
+    opened = share * (involute(working) - involute(ALPHA))
+    return np.stack([ahead - opened, -(ahead + opened + play)])
+
+
+CASES: dict[str, dict[str, float]] = {
+    "centre distance": {"center_distance": 0.04},
+    "closer": {"center_distance": -0.04},
+    "driving bore": {"driving_x": 0.03, "driving_y": -0.02},
+    "driven bore": {"driven_x": -0.02, "driven_y": 0.035},
+    "index": {"driving_index": 0.002},
+    "housing": {"housing_growth": 4e-4},
+    "everything": {"center_distance": 0.02, "driving_x": 0.02, "driven_y": 0.02, "driving_index": 0.001},
+}
+
+
+def error_of(moved: dict[str, float]) -> tuple[float, float]:
+    """Largest difference of the mesh from the closed form, and the largest displacement, as driven angles."""
+    _, _, placement, mesh = circular()
+    of = of_circular(**moved)
+    found, nominal = mesh.leads(of)[:, :, 0], mesh.leads(of_circular())[:, :, 0]
+    exact = closed_form(of, placement)
+    assert nominal[0] == pytest.approx(0.0, abs=1e-11)
+    return float(np.abs(found - exact).max()), float(np.abs(exact - closed_form(of_circular(), placement)).max())
+
+
+@pytest.mark.judges("tolerances")
+@pytest.mark.parametrize("name", CASES)
+def test_displaced_circular_gears_touch_as_in_closed_form(name: str) -> None:
+    """What is left is of second order: a quarter of the deviation leaves a sixteenth of it, and it is some per cent."""
+    error, size = error_of(CASES[name])
+    assert error < 0.05 * size
+    quarter, _ = error_of({key: value / 4.0 for key, value in CASES[name].items()})
+    assert quarter < error / 12.0 + 1e-11
+
+
+def test_an_eccentricity_of_the_wrong_sign_fails() -> None:
+    """Negative control."""
+    _, _, placement, mesh = circular()
+    found = mesh.leads(of_circular(driving_x=-0.03, driving_y=0.02))[:, :, 0]
+    exact = closed_form(of_circular(driving_x=0.03, driving_y=-0.02), placement)
+    assert np.abs(found - exact).max() > 1.5 * np.abs(exact[PUSHING]).max()
+
+
+def test_an_eccentric_gear_errs_by_twice_its_eccentricity_over_the_base_radius() -> None:
+    _, _, _, mesh = circular()
+    error = mesh.leads(of_circular(driving_x=0.03))[PUSHING, :, 0]
+    assert np.ptp(error) == pytest.approx(2.0 * 0.03 / BASES_MM[1], rel=1e-3)
+
+
+def test_growth_of_gears_is_that_of_their_base_circles() -> None:
+    """Both gears and the housing alike change no angle; the gears alone act as a centre distance that is too small."""
+    _, _, _, mesh = circular()
+    alike = mesh.leads(of_circular(driving_growth=5e-4, driven_growth=5e-4, housing_growth=5e-4))
+    assert alike == pytest.approx(mesh.leads(of_circular()), abs=1e-9)
+    error, size = error_of({"driving_growth": 4e-4, "driven_growth": 4e-4})
+    assert error < 0.05 * size
+
+
+def test_worn_pushing_flanks_let_the_driven_gear_fall_back() -> None:
+    _, _, _, mesh = circular()
+    lead = mesh.leads(of_circular(driving_wear=0.03, driven_wear=0.02)) - mesh.leads(of_circular())
+    assert lead[PUSHING] == pytest.approx(-0.05 / BASES_MM[1], rel=1e-9)
+    assert lead[BACK] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_one_tooth_that_stands_out_carries_alone() -> None:
+    """By x along the pitch circle it pushes the driven gear on by x cos(alpha) over the base radius, and one does."""
+    _, _, _, mesh = circular()
+    of = of_circular()
+    flank = 4
+    # The driving gear pushes with its back flanks, which have even numbers.
+    of.pitch[flank] = 0.02
+    gained = (mesh.leads(of) - mesh.leads(of_circular()))[PUSHING, :, 0]
+    assert gained.max() == pytest.approx(0.02 * cos(ALPHA) / BASES_MM[1], rel=1e-9)
+    pitches = np.count_nonzero(gained > 0.5 * gained.max()) / 8.0
+    arc = mesh.arcs.min()
+    # Each of the meetings of two driving turns, over its own arc and a little by its corners.
+    assert 2.0 * arc < pitches < 2.0 * (arc + 0.5)
+
+
+def test_tilted_bores_touch_first_at_one_end() -> None:
+    """A tilt t of the driving bore runs the end sections out by t b/2: the normal's part of it, never less than 0."""
+    _, _, _, mesh = circular()
+    of = of_circular()
+    of.tilt[0] = 1e-3
+    gained = (mesh.leads(of) - mesh.leads(of_circular()))[PUSHING, :, 0]
+    peak = 1e-3 * WIDTH_MM / 2.0 / BASES_MM[1]
+    assert gained.min() >= 0.0
+    assert gained.max() == pytest.approx(peak, rel=2e-3)
+    # |cos| has the mean 2 / pi.
+    assert gained.mean() == pytest.approx(2.0 / pi * peak, rel=2e-2)
+
+
+@pytest.mark.parametrize("moved_mm", [0.08, -0.08])
+def test_the_arc_of_contact_changes_with_the_centre_distance_as_in_closed_form(moved_mm: float) -> None:
+    _, _, _, mesh = circular()
+
+    def ratio(distance: float) -> float:
+        working = acos(sum(BASES_MM) / distance)
+        tips = (teeth * MODULE / 2.0 + MODULE for teeth in (TEETH, DRIVEN_TEETH))
+        reach = sum(sqrt(tip**2 - base**2) for tip, base in zip(tips, BASES_MM, strict=True))
+        return (reach - distance * sin(working)) / (pi * MODULE * cos(ALPHA))
+
+    found = float(mesh.least_arcs(of_circular(center_distance=moved_mm))[0])
+    change = ratio(DISTANCE_MM + moved_mm) - ratio(DISTANCE_MM)
+    assert float(mesh.arcs.min()) == pytest.approx(ratio(DISTANCE_MM), rel=1e-6)
+    assert found - mesh.arcs.min() == pytest.approx(change, rel=2e-2)
+
+
+# --- polygons of non-circular gears ------------------------------------------------------------------------------
+
+FINE_MM = 2e-4
+
+
+@cache
+def fine_pair(name: str) -> tuple[PitchPair, ToothedPair]:
+    one = drive(name)
+    return one.pitch, toothed_pair(one.pitch, one.tooth_form, 2e-3, flank_tolerance_mm=FINE_MM)
+
+
+def turned_until_touching(driving: Polygon, driven: Polygon, at: Placement, position: int, lead: Array) -> Array:
+    """Leads by bisection: how far the driven polygon turns either way before it overlaps the driving one, shape (2,).
+
+    It begins in the middle of the play that ``lead`` (shape (2,)) expects.
+    """
+    first = affinity.rotate(driving, float(at.phi1_rad[position]), (0, 0), use_radians=True)
+    sense, middle = at.mesh.sense, (lead[PUSHING] - lead[BACK]) / 2.0
+
+    def overlaps(ahead: float) -> bool:
+        angle = sense * (float(at.phi2_rad[position]) + ahead)
+        second = affinity.rotate(driven, angle, (0, 0), use_radians=True)
+        return bool(first.intersects(affinity.translate(second, at.center_distance_mm)))
+
+    assert not overlaps(middle)
+    found = []
+    for urge in (1.0, -1.0):
+        free, held = 0.0, 0.02
+        while held - free > 1e-7:
+            way = (free + held) / 2.0
+            free, held = (free, way) if overlaps(middle - urge * way) else (way, held)
+        found.append(urge * (middle - urge * free))
+    return np.array(found)
+
+
+@pytest.mark.judges("tolerances")
+def test_non_circular_gears_touch_where_their_polygons_do() -> None:
+    """Eccentric bores, another centre distance, growth and wear of both flanks, laid over each other by shapely."""
+    pitch, teeth = fine_pair("ellipse")
+    placement = placed(pitch, 4)
+    mesh = mesh_of(teeth, placement, 12.0, 0.15, both_ways=True)
+    moved = {
+        "center_distance": 0.05, "driving_x": 0.012, "driving_y": -0.02, "driven_x": 0.01, "driven_y": 0.015,
+        "driving_growth": -4e-4, "driven_growth": 3e-4, "housing_growth": 2e-4, "driving_wear": 0.02,
+        "driven_wear": 0.01,
+    }  # fmt: skip
+    of = deviations(teeth.driving.flanks.count + teeth.driven.flanks.count, 1, **moved)
+    leads = mesh.leads(of)[:, :, 0]
+    polygons = [Polygon(gear.outline_mm) for gear in (teeth.driving, teeth.driven)]
+    made = []
+    for gear, polygon in zip(("driving", "driven"), polygons, strict=True):
+        worn = polygon.buffer(-moved[f"{gear}_wear"], quad_segs=2)
+        grown = affinity.scale(worn, *(2 * (1.0 + moved[f"{gear}_growth"],)), origin=(0, 0))
+        made.append(affinity.translate(grown, moved[f"{gear}_x"], moved[f"{gear}_y"]))
+    distance = placement.center_distance_mm * (1.0 + moved["housing_growth"]) + moved["center_distance"]
+    apart = replace(placement, center_distance_mm=distance)
+    for position in range(0, placement.count, placement.count // 6):
+        found = turned_until_touching(made[0], made[1], apart, position, leads[:, position])
+        off_mm = np.abs(found - leads[:, position]) * mesh.arm_mm[:, position]
+        # Chords and the second order, of some 0.07 mm by which the flanks are displaced.
+        assert off_mm.max() < 2e-3
+        bare = mesh.leads(deviations(of.pitch.shape[0], 1))[:, position, 0]
+        assert (np.abs(found - bare) * mesh.arm_mm[:, position]).max() > 0.015
+
+
+@pytest.mark.thorough
+@pytest.mark.judges("tolerances")
+def test_teeth_with_errors_touch_where_their_outlines_do() -> None:
+    """Pitch, profile and tilt of every tooth, by the outlines that the command itself checks with."""
+    one = drive("ellipse")
+    pitch, teeth = fine_pair("ellipse")
+    placement = placed(pitch, 4)
+    mesh = mesh_of(teeth, placement, 12.0, 0.15)
+    limits = replace(limits_of(one, ASSUMED), center_distance_mm=0.0, index_rad=(0.0, 0.0))
+    chances = drawn_at_random(2, 5)[0].chances(limits.flanks)
+    found = linear_errors(exact_of(pitch, teeth, placement, mesh, 12.0, 40), [drawn(limits, chances).one(0)])[0]
+    assert found.displaced_mm > 0.02
+    assert found.error_mm < 3e-3
+
+
+def test_flanks_that_deviate_the_wrong_way_fail() -> None:
+    """Negative control of the check: the mesh of one assembly beside the outlines of the opposite one."""
+    one = drive("ellipse")
+    pitch, teeth = one.pitch, one.teeth
+    placement = placed(pitch, 2)
+    mesh = mesh_of(teeth, placement, 12.0, 0.15)
+    limits = limits_of(one, AssemblyTolerances(grade=8))
+    of = drawn(limits, drawn_at_random(2, 5)[0].chances(limits.flanks)).one(0)
+    opposite = replace(of, pitch=-of.pitch, profile=-of.profile)
+    exact = exact_of(pitch, teeth, placement, mesh, 12.0, 12)
+    bare = replace(of, pitch=0.0 * of.pitch, profile=0.0 * of.profile)
+    linear = (mesh.leads(of) - mesh.leads(bare))[:, exact.rows, 0]
+    for sign, other in ((1.0, of), (-1.0, opposite)):
+        off_mm = np.abs(exact.leads(other) - exact.leads(bare) - linear).max() * float(mesh.arm_mm.min())
+        assert (off_mm < 0.008) == (sign > 0.0)
+
+
+# --- what is drawn -----------------------------------------------------------------------------------------------
+
+
+def all_limits(flanks: int = 4) -> Limits:
+    teeth = np.linspace(0.01, 0.02, flanks)
+    return Limits(
+        0.05, (0.03, 0.02), (1e-3, 2e-3), (2e-3, 3e-3), teeth, 2.0 * teeth, (-10.0, 50.0), 5.0,
+        (1e-4, 8e-5, 1e-5), (0.04, 0.06),
+    )  # fmt: skip
+
+
+def random_chances(count: int, flanks: int = 4) -> Chances:
+    random = np.random.default_rng(3)
+    return Chances(random.random((COUNT, count)), random.random((2, flanks, count)))
+
+
+def test_deviations_keep_their_limits_and_have_the_variance_of_the_closed_form() -> None:
+    limits = all_limits()
+    found, known = drawn(limits, random_chances(40_000)), spread(limits)
+    sizes = np.abs(found.rigid)
+    assert sizes[0].max() <= 0.05
+    assert np.hypot(*found.rigid[1:3]).max() <= 0.03
+    assert np.hypot(*found.tilt[2:]).max() <= 2e-3
+    assert np.all(sizes[9:].max(axis=1) <= limits.wear_mm)
+    assert found.rigid[7].min() == pytest.approx(-30.0 * 1e-5, rel=1e-3)
+    assert found.rigid[5].max() == pytest.approx(35.0 * 1e-4, rel=1e-3)
+    covariance = known.rigid @ known.rigid.T
+    size = np.sqrt(np.diag(covariance))
+    scale = np.outer(size, size)
+    assert np.cov(found.rigid) / scale == pytest.approx(covariance / scale, abs=0.03)
+    assert found.pitch.std(axis=1) == pytest.approx(known.pitch_mm, rel=0.02)
+    assert found.profile.std(axis=1) == pytest.approx(known.profile_mm, rel=0.02)
+    # Two neighbours are a pitch apart that is off by the tolerance, at three standard deviations.
+    assert np.std(found.pitch[1] - found.pitch[0]) == pytest.approx(
+        float(np.hypot(*limits.pitch_mm[:2])) / sqrt(2) / 3, rel=0.03
+    )
+
+
+def test_only_what_has_a_limit_is_active() -> None:
+    none = np.zeros(4)
+    limits = Limits(0.1, (0.0, 0.1), (0.0, 0.0), (0.0, 0.0), none, none, (20.0, 20.0), 0.0, (1.0, 1.0, 1.0), (0.0, 0.0))
+    assert active(limits) == ("center_distance", "eccentricity_driven")
+    assert len(active(all_limits())) == len(SOURCES) + 2
+
+
+def test_a_value_that_nearly_all_surpass_is_told_from_enough_samples_only() -> None:
+    """The least of n surpasses the quantile with the chance 0.999^n, which is under 5 % from 2995 on (Wilks)."""
+    assert enough_samples(0.999) == 2995
+    values = np.random.default_rng(1).permutation(np.arange(4096.0))
+    assert surpassed(values[:2994], 0.999) is None
+    assert surpassed(values, 0.999) == 0.0
+    assert surpassed(np.arange(1e5), 0.999) == pytest.approx(100.0 - 1.645 * 10.0, abs=2.0)
+
+
+# --- assemblies of a design --------------------------------------------------------------------------------------
+
+
+@cache
+def ellipse_lot() -> Lot:
+    """Assemblies of the ellipse with the tolerances that are assumed."""
+    return lot_of(drive("ellipse"), ASSUMED)
+
+
+@pytest.mark.thorough
+def test_assemblies_are_the_same_however_they_are_drawn() -> None:
+    """Scrambled points of Sobol and plain random numbers: means agree within what chance explains."""
+    one, lot = drive("ellipse"), ellipse_lot()
+    evenly = assemblies_of(lot, drawn_evenly(256, 1), Workers())
+    plain = assemblies_of(lot, drawn_at_random(256, 1), Workers())
+    for name in ("least_play_mm", "transmission_error_rad", "motion_error", "peak_acceleration"):
+        first, second = getattr(evenly, name), getattr(plain, name)
+        doubt = sqrt(first.var() / first.size + second.var() / second.size)
+        assert abs(first.mean() - second.mean()) < 3.0 * doubt
+    assert one.play.least_normal_mm.value > evenly.least_play_mm.mean()
+
+
+@pytest.mark.slow
+def test_indices_are_those_of_another_program() -> None:
+    """SALib 1.5 on the same assemblies; and the total of a source that does nothing is 0."""
+    other = pytest.importorskip("SALib.analyze.sobol")
+
+    lot = ellipse_lot()
+    names, count = active(lot.limits), 64
+    tasks = sobol_tasks(lot, count, 1)
+    found = assemblies_of(lot, tasks, Workers())
+    own = {one.source: one for one in sobol_indices_of(lot, found)["least_play_mm"]}
+    # A, B and one set for each source; SALib has A, the sets, and B of each point after each other.
+    values = found.least_play_mm.reshape(len(names) + 2, count)
+    ordered = np.concatenate([values[:1], values[2:], values[1:2]]).T.ravel()
+    problem = {"num_vars": len(names), "names": list(names), "bounds": [[0.0, 1.0]] * len(names)}
+    theirs = other.analyze(problem, ordered, calc_second_order=False, num_resamples=10, seed=1)
+    assert [own[name].total for name in names] == pytest.approx(theirs["ST"], abs=0.01)
+    assert [own[name].first for name in names] == pytest.approx(theirs["S1"], abs=0.03)
+    assert own["index_driven"].total == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.thorough
+def test_indices_of_two_causes_are_their_shares_of_the_variance() -> None:
+    """Of circular gears, the play is 2 a inv-like in the centre distance and even in the growth: both shares known."""
+    _, _, placement, mesh = circular()
+    flanks = 2 * (TEETH + DRIVEN_TEETH)
+    none = np.zeros(flanks)
+    limits = Limits(0.03, (0, 0), (0, 0), (0, 0), none, none, (0.0, 40.0), 0.0, (1.1e-4, 1.1e-4, 1e-5), (0, 0))
+    lot = replace(ellipse_lot(), mesh=mesh, limits=limits)
+    follower = lot.follower
+    count = placement.count
+    lot = replace(
+        lot,
+        reversals=np.arange(1),
+        follower=replace(
+            follower, slope=np.zeros(count), even_rad=np.arange(count) * mesh.cycle_rad / count,
+            driven=np.ones((2, count)), output=np.ones((3, count)),
+        ),
+    )  # fmt: skip
+    found = sobol_indices_of(lot, assemblies_of(lot, sobol_tasks(lot, 256, 1), Workers()))["least_play_mm"]
+    deviation = 0.03 * 0.98658 / 3.0, DISTANCE_MM * 1e-4 * 40.0 / sqrt(12.0)
+    wanted = deviation[1] ** 2 / (deviation[0] ** 2 + deviation[1] ** 2)
+    own = {one.source: one.total for one in found}
+    assert own["temperature"] == pytest.approx(wanted, rel=0.05)
+    assert own["center_distance"] == pytest.approx(1.0 - wanted, abs=0.05)
+
+
+@pytest.mark.slow
+def test_the_backlash_that_is_needed_lets_fresh_assemblies_turn() -> None:
+    """And half of what the gears lack of it does not."""
+
+    def with_backlash(size_mm: float) -> Drive:
+        design = loaded("ellipse").design
+        assert design.gears is not None
+        gears = design.gears.model_copy(update={"backlash_mm": size_mm})
+        return Drive(design.model_copy(update={"gears": gears}))
+
+    found = tolerated(with_backlash(0.02), 4096, 2, Workers(), lambda done, total: None)
+    assert found.needed is not None
+    assert found.needed.jammed is not None
+    assert found.needed.jammed.value <= 1e-3
+    assert found.jam.value > 0.05
+    assert 0.03 < found.needed.value < 0.08
+    half = (found.needed.value + 0.02) / 2.0
+    fresh = assemblies_of(lot_of(with_backlash(half), ASSUMED), drawn_at_random(4096, 9), Workers())
+    assert jammed(fresh).least > 1e-3
+    assert found.first_order.difference < 0.25
+    assert all(one.error_mm < 0.05 * one.displaced_mm for one in found.errors)
+
+
+@pytest.mark.slow
+def test_results_are_the_same_whatever_the_workers() -> None:
+    lot = ellipse_lot()
+    tasks = drawn_evenly(512, 1)
+    alone, two = (assemblies_of(lot, tasks, Workers(None, count)) for count in (1, 2))
+    for name, values in vars(alone).items():
+        assert np.array_equal(values, getattr(two, name))
+
+
+def test_places_that_no_assembly_reaches_may_be_left_out() -> None:
+    """Even where everything is at its limit; and most of the others are reached by some."""
+    one, lot = drive("ellipse"), ellipse_lot()
+    whole = mesh_of(one.teeth, placed(one.pitch, PER_TOOTH), one.gears.face_width_mm, 0.25)
+    random = np.random.default_rng(4)
+    chances = Chances(
+        random.choice([1e-9, 1.0 - 1e-9], (COUNT, 64)), random.choice([1e-9, 1.0 - 1e-9], (2, lot.limits.flanks, 64))
+    )
+    of = drawn(lot.limits, chances)
+    assert np.array_equal(whole.leads(of), lot.mesh.leads(of))
+    assert lot.mesh.lead.size < 0.8 * whole.lead.size
+
+
+@pytest.mark.slow
+def test_twice_as_many_positions_change_little() -> None:
+    one = drive("ellipse")
+    coarse = ellipse_lot()
+    of = drawn(coarse.limits, drawn_evenly(64, 1)[0].chances(coarse.limits.flanks))
+    fine = mesh_of(one.teeth, placed(one.pitch, 4 * PER_TOOTH), one.gears.face_width_mm, 0.2)
+    for side, sign in ((PUSHING, 1.0), (BACK, -1.0)):
+        errors = [sign * mesh.leads(of)[side] for mesh in (coarse.mesh, fine)]
+        spans = [np.ptp(error, axis=0) for error in errors]
+        assert np.abs(spans[0] - spans[1]).max() < 0.06 * spans[1].max()
+
+
+# --- what the file says ------------------------------------------------------------------------------------------
+
+
+def test_materials_and_housing_grow() -> None:
+    one = drive("desk-toy")
+    given = AssemblyTolerances(temperature=Temperatures(least_c=0.0, largest_c=40.0, warmer_k=10.0))
+    limits = limits_of(one, given)
+    assert limits.expansions == pytest.approx((68e-6, 68e-6, 11.5e-6))
+    found = drawn(limits, random_chances(100, limits.flanks))
+    assert found.rigid[5] - 68e-6 * 10.0 == pytest.approx(68e-6 / 11.5e-6 * found.rigid[7], rel=1e-9)
+
+
+def test_own_values_replace_a_grade() -> None:
+    one = drive("ellipse")
+    limits = limits_of(one, AssemblyTolerances(grade=8, driven=GearTolerances(single_pitch_mm=0.1, profile_mm=0.2)))
+    count = one.teeth.driving.flanks.count
+    assert limits.pitch_mm[:count].max() < 0.02
+    assert set(limits.pitch_mm[count:]) == {0.1}
+    assert set(limits.profile_mm[count:]) == {0.2}
+
+
+def test_small_modules_have_no_grade() -> None:
+    data = loaded("ellipse").design.model_dump(exclude_unset=True, by_alias=True)
+    data["gears"]["module_mm"] = 0.4
+    data["gears"]["backlash_mm"] = 0.02
+    for name in ("driving", "driven"):
+        data["gears"][name]["bore_mm"] = 2.0
+    with pytest.raises(WrongInput, match="single_pitch_mm"):
+        limits_of(Drive(design_of(data)), ASSUMED)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("baler-66-two-stage", "two pairs of gears"),
+        ("helical-ellipse", "helical teeth"),
+        ("spiral-pair", "to and fro"),
+    ],
+)
+def test_what_is_not_computed_is_refused(name: str, words: str) -> None:
+    with pytest.raises(WrongInput, match=words):
+        tolerated(drive(name), 64, 1, Workers(), lambda done, total: None)
+
+
+@pytest.mark.slow
+def test_the_command_writes_its_files(run: Run, tmp_path: Path) -> None:
+    status, said, _ = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", "64", "--out", "made")
+    assert status == 0
+    assert "not told of so few; --samples 4096" in said
+    figures = json.loads((tmp_path / "made" / "tolerance.json").read_text(encoding="utf-8"))
+    table = np.genfromtxt(tmp_path / "made" / "assemblies.csv", delimiter=",", names=True)
+    assert figures["assemblies"] == table.size == 64
+    assert figures["figures"]["least_play_mm"]["median"] == pytest.approx(float(np.median(table["least_play_mm"])))
+    assert figures["jam"]["value"] == np.mean(table["least_play_mm"] < 0.0)
+
+
+def test_a_number_of_samples_that_is_no_power_of_two_is_refused(run: Run) -> None:
+    status, _, said = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", "100")
+    assert status == 2
+    assert "128 is right" in said
+
+
+def test_assemblies_join_in_their_order() -> None:
+    lot = ellipse_lot()
+    tasks = drawn_evenly(128, 1)
+    parts = [computed(lot, task) for task in tasks]
+    assert Assemblies.joined(parts).count == 128
+    swapped = Task(0, tasks[0].pair, tasks[0].seeds, "pitch", tasks[1]).chances(lot.limits.flanks)
+    own, other = (task.chances(lot.limits.flanks) for task in tasks)
+    assert np.array_equal(swapped.teeth[0], other.teeth[0])
+    assert np.array_equal(swapped.teeth[1], own.teeth[1])
+    assert np.array_equal(swapped.pair, own.pair)
