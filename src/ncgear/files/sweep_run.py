@@ -42,8 +42,8 @@ MOST_ROWS = 16384
 PARTS = 1024
 """Parts from which on parts become larger."""
 
-ROWS_ALONE = 16
-"""Fewest designs in a part where each is computed by itself, or is followed deeper: one or two seconds of work."""
+ROWS_ALONE = 4
+"""Fewest designs in a part where each is computed by itself, or is followed deeper: under a second of work or a few."""
 
 STAGES = ("check", "pitch", "teeth", "contact", "strength")
 
@@ -129,6 +129,11 @@ class Swept:
         """The overview of the last stage."""
         return self.deeper or self.screened
 
+    @property
+    def tables(self) -> list[Path]:
+        """The folders of the tables."""
+        return [parts.folder for parts in (self.screened_parts, self.deeper_parts) if parts is not None]
+
 
 def swept(
     loaded: LoadedDesign,
@@ -163,11 +168,11 @@ def swept(
         overview, choice = _gathered(parts, len(counts), screening.space, known, chosen=_is_deep(order.stage))
         if not _is_deep(order.stage):
             return Swept(overview, parts)
-        rows = best_rows(choice[1], order.keep)
-        numbers = np.sort(choice[0][rows])
-        deep_plan = {**plan, "stage": order.stage, "of": len(numbers), "numbers_sha256": _digest(numbers.tolist())}
-        deep = Parts(folder / f"{order.stage}.parquet", {**deep_plan, "designs_in_a_part": ROWS_ALONE}, parts.keys)
-        taken = [numbers[first : first + ROWS_ALONE] for first in range(0, len(numbers), ROWS_ALONE)]
+        numbers = np.sort(choice[0][best_rows(choice[1], order.keep)])
+        rows = _rows(len(numbers), together=False)
+        deep_plan = {**plan, "stage": order.stage, "chosen": len(numbers), "chosen_sha256": _digest(numbers.tolist())}
+        deep = Parts(folder / f"{order.stage}.parquet", {**deep_plan, "designs_in_a_part": rows}, parts.keys)
+        taken = [numbers[first : first + rows] for first in range(0, len(numbers), rows)]
         tasks = _Chosen(parts, screening.rows, taken)
         compute = partial(_deeper_bytes, screening.data, order.stage, deep.digest)
         _computed(deep, [len(one) for one in taken], compute, tasks, on, on_done, held)

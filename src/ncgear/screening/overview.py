@@ -15,7 +15,7 @@ import numpy as np
 from ncgear.design.space import Listed, Ranged, Space
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.screening.designs import Designs, joined
-from ncgear.screening.wanted import Wanted, non_dominated, rounded_to
+from ncgear.screening.wanted import DIGITS, Wanted, non_dominated, rounded_to
 
 BEST = 5
 """Designs that are kept of each objective."""
@@ -43,11 +43,13 @@ class Refusal:
 class Effects:
     """Designs by the values of each key: shape (keys, bins) each, and (keys, bins, objectives) of the sums.
 
-    ``edges`` has shape (keys, bins + 1); bins that a key does not need stay empty.  ``sums`` and ``squares`` are those
-    of the objectives less ``origin``, over the designs that are kept.
+    ``edges`` has shape (keys, bins + 1), and ``places`` the middles, or the values themselves where a key has few; bins
+    that a key does not need stay empty.  ``sums`` and ``squares`` are those of the objectives less ``origin``, over the
+    designs that are kept.
     """
 
     edges: Array
+    places: Array
     designs: Array
     made: Array
     kept: Array
@@ -147,24 +149,28 @@ class Overview:
 def no_overview(space: Space, wanted: Wanted) -> Overview:
     """The overview of no part yet."""
     keys, objectives = len(space.varied), len(wanted.objectives)
-    edges = np.array([_edges(one) for one in space.varied])
+    edges, places = (np.array(rows) for rows in zip(*map(_bins, space.varied), strict=True))
     none, sums = np.zeros((keys, BINS)), np.zeros((keys, BINS, objectives))
-    return Overview(space, wanted, Effects(edges, none, none, none, sums, sums))
+    return Overview(space, wanted, Effects(edges, places, none, none, none, sums, sums))
 
 
-def _edges(varied: Listed | Ranged) -> Array:
-    """The edges of a key's bins: half-way between its values where they are few, else equal parts of its range."""
+def _bins(varied: Listed | Ranged) -> tuple[Array, Array]:
+    """The edges of a key's bins and their places: about its values where they are few, else parts of its range."""
     if isinstance(varied, Listed) and len(varied.values) <= BINS:
-        values = np.sort(varied.values)
-        middle = 0.5 * (values[1:] + values[:-1])
-        return np.concatenate([values[:1], middle, np.full(BINS + 1 - len(values), np.inf)])
-    if isinstance(varied, Listed):
-        return np.linspace(min(varied.values), max(varied.values), BINS + 1)
-    return np.linspace(varied.low, varied.high, BINS + 1)
+        values, left = np.sort(varied.values), BINS - len(varied.values)
+        middles = 0.5 * (values[1:] + values[:-1])
+        edges = np.concatenate([values[:1], middles, np.full(left + 1, np.inf)])
+        return edges, np.concatenate([values, np.full(left, np.nan)])
+    low, high = (
+        (min(varied.values), max(varied.values)) if isinstance(varied, Listed) else (varied.low, varied.high)
+    )
+    edges = np.linspace(low, high, BINS + 1)
+    return edges, 0.5 * (edges[1:] + edges[:-1])
 
 
 def _effects(effects: Effects, wanted: Wanted, part: Designs, keeps: Array) -> Effects:
-    objectives = np.column_stack([part.column(one.name) for one in wanted.objectives])
+    columns = [part.column(one.name) for one in wanted.objectives]
+    objectives = np.array(columns).reshape(len(columns), len(part.numbers)).T
     origin = effects.origin
     if origin is None and keeps.any():
         origin = objectives[keeps][0]
@@ -177,14 +183,14 @@ def _effects(effects: Effects, wanted: Wanted, part: Designs, keeps: Array) -> E
     found, count = np.array(rows), len(wanted.objectives)
     designs, made, kept = found[:, 0], found[:, 1], found[:, 2]
     sums, squares = found[:, 3 : 3 + count].transpose(0, 2, 1), found[:, 3 + count :].transpose(0, 2, 1)
-    return Effects(
-        effects.edges,
-        effects.designs + designs,
-        effects.made + made,
-        effects.kept + kept,
-        effects.sums + sums,
-        effects.squares + squares,
-        origin,
+    return replace(
+        effects,
+        designs=effects.designs + designs,
+        made=effects.made + made,
+        kept=effects.kept + kept,
+        sums=effects.sums + sums,
+        squares=effects.squares + squares,
+        origin=origin,
     )
 
 
@@ -220,7 +226,7 @@ def rank_correlations(overview: Overview) -> Array:
     if drawn is None or len(drawn.numbers) < 3:
         return np.full((len(keys), len(objectives)), np.nan)
     values = np.array([_ranks(drawn.values[key]) for key in keys])
-    figures = np.array([_ranks(rounded_to(drawn.column(one.name), 9)) for one in objectives])
+    figures = np.array([_ranks(rounded_to(drawn.column(one.name), DIGITS)) for one in objectives])
     values, figures = (rows - rows.mean(axis=1, keepdims=True) for rows in (values, figures))
     size = np.sqrt((values**2).sum(axis=1)[:, None] * (figures**2).sum(axis=1)[None])
     with np.errstate(invalid="ignore"):

@@ -91,7 +91,8 @@ class Wanted:
 
     def costs(self, designs: Designs) -> Array:
         """What is to be least, shape (n, objectives)."""
-        return np.column_stack([one.cost(designs) for one in self.objectives])
+        costs = [one.cost(designs) for one in self.objectives]
+        return np.array(costs).reshape(len(costs), len(designs.numbers)).T
 
     def of(self, names: Iterable[str]) -> Wanted:
         """Those that can be judged where only these columns are known."""
@@ -176,8 +177,11 @@ def best_rows(costs: Array, count: int) -> IndexArray:
     """At most ``count`` rows of ``costs``, shape (n, m), the best first.
 
     With several objectives the rank comes first: rank 0 is the Pareto set, rank 1 that of the others, and so on.  Rows
-    of a rank are in the order of the first objective, then of the next ones, then of the rows.
+    of a rank are in the order of the first objective, then of the next ones, then of the rows.  Without objectives the
+    rows are spread evenly.
     """
+    if not costs.shape[1]:
+        return np.unique(np.linspace(0, len(costs) - 1, min(count, len(costs))).astype(np.intp))
     left, found = np.arange(len(costs)), list[IndexArray]()
     if costs.shape[1] == 1:
         return np.lexsort((left, costs[:, 0]))[:count]
