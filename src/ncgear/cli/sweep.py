@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -10,6 +12,7 @@ import typer
 
 from ncgear.cli.arguments import EXPORT, DesignFile, Processes, Scheduler, Verbose, opened
 from ncgear.cli.progress import counted
+from ncgear.errors import WrongInput
 
 
 class Sampling(StrEnum):
@@ -27,6 +30,16 @@ class Stage(StrEnum):
     TEETH = "teeth"
     CONTACT = "contact"
     STRENGTH = "strength"
+
+
+@contextmanager
+def _about_options(design_file: Path) -> Iterator[None]:
+    """A context whose errors are about options for a file, and have no place in it."""
+    try:
+        yield
+    except WrongInput as error:
+        error.location = str(design_file)
+        raise
 
 
 def sweep(
@@ -68,11 +81,19 @@ def sweep(
 
     Uses all cores; finished parts are kept in the folder, so that a run that was interrupted goes on from there.
     """
-    from ncgear.design.space import space_of
-    from ncgear.files.publish import prepare
+    from ncgear.workers import one_thread_each
 
-    with opened(design_file) as loaded:
-        space = space_of(loaded, vary, samples, sampling.value, seed)
+    # Several threads of linear algebra sum in another order: figures would differ in their last digits from those of
+    # processes with one thread.  Nothing is imported yet that would have begun them.
+    with one_thread_each():
+        from ncgear.design.space import space_of, varied_of
+
+        varied = [varied_of(text) for text in vary]
+    with one_thread_each(), opened(design_file) as loaded:
+        from ncgear.files.publish import prepare
+
+        with _about_options(design_file):
+            space = space_of(loaded, varied, samples, sampling.value, seed)
         folder = out or EXPORT / f"{loaded.design.name}-sweep"
         prepare(folder)
 
@@ -86,9 +107,9 @@ def sweep(
         order = Order(space, stage.value, keep)
         screening = screening_of(loaded.design, loaded.data, order)
         names = names_of(screening, stage.value)
-        wanted = Wanted(
-            tuple(constraint_of(text, names) for text in keep_if or ()), objectives_of(objective or (), names)
-        )
+        with _about_options(design_file):
+            constraints = tuple(constraint_of(text, names) for text in keep_if or ())
+            wanted = Wanted(constraints, objectives_of(objective or (), names))
         with counted("designs") as on_done:
             found = swept(loaded, order, screening, wanted, folder, on_done, scheduler, processes)
 

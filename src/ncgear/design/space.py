@@ -172,19 +172,20 @@ def _list(key: str, values: Sequence[float]) -> Listed:
 
 
 def space_of(
-    loaded: LoadedDesign, vary: Sequence[str], samples: int | None = None, sampling: Sampling = "sobol", seed: int = 1
+    loaded: LoadedDesign,
+    varied: Sequence[Listed | Ranged],
+    samples: int | None = None,
+    sampling: Sampling = "sobol",
+    seed: int = 1,
 ) -> Space:
-    """The space that options ask for.
+    """The space of some keys of a file.
 
-    Raises WrongInput for options that cannot be read, a key given twice, a key at which the file has no number, ranges
-    without a number of samples or the other way round, a range of a key that takes whole numbers only, and too many
-    designs.
+    Raises WrongInput for a key given twice, a key at which the file has no number, ranges without a number of samples
+    or the other way round, a range of a key that takes whole numbers only, and too many designs.
     """
-    varied = [varied_of(text) for text in vary]
-    where = str(loaded.path)
     for one in varied:
         if sum(other.key == one.key for other in varied) > 1:
-            raise WrongInput(f"{one.key} is given twice; keep one", key=OPTION, location=where)
+            raise WrongInput(f"{one.key} is given twice; keep one", key=OPTION)
         _require_number(loaded, one.key)
     ranges = [one for one in varied if isinstance(one, Ranged)]
     if ranges and samples is None:
@@ -192,17 +193,16 @@ def space_of(
             f"missing; {ranges[0].key} has a range, of which so many points are sampled, as --samples 1024; or give "
             f"{ranges[0].key} a number of even values, as {ranges[0].low:g}:{ranges[0].high:g}:11",
             key="--samples",
-            location=where,
         )
     if samples is not None and not ranges:
         problem = "nothing is sampled, since every key has a grid or a list; leave it out, or give a range, KEY=FROM:TO"
-        raise WrongInput(problem, key="--samples", location=where)
+        raise WrongInput(problem, key="--samples")
     for one in ranges:
         _require_fractions(loaded, one)
     space = Space(tuple(varied), samples or 1, sampling, seed)
     if space.count > MOST_DESIGNS:
         problem = f"{space.count} designs asked for; {MOST_DESIGNS} or fewer are right"
-        raise WrongInput(problem, key=OPTION, location=where)
+        raise WrongInput(problem, key=OPTION)
     return space
 
 
@@ -213,7 +213,7 @@ def _require_number(loaded: LoadedDesign, key: str) -> None:
         return
     close = get_close_matches(key, list(numbers), n=1)
     hint = f"; did you mean {close[0]}?" if close else "; a key that holds one in the file is right"
-    raise WrongInput(f"the file has no number at {quoted(key)}{hint}", key=OPTION, location=str(loaded.path))
+    raise WrongInput(f"the file has no number at {quoted(key)}{hint}", key=OPTION)
 
 
 def _require_fractions(loaded: LoadedDesign, ranged: Ranged) -> None:
@@ -225,7 +225,6 @@ def _require_fractions(loaded: LoadedDesign, ranged: Ranged) -> None:
             f"{ranged.key} takes whole numbers only, and a range is sampled between them too; "
             f"{ranged.key}={low}:{high}:{high - low + 1} is right",
             key=OPTION,
-            location=str(loaded.path),
         )
 
 

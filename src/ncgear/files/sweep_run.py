@@ -12,6 +12,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
+from math import ceil, log2
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +43,11 @@ MOST_ROWS = 16384
 PARTS = 1024
 """Parts from which on parts become larger."""
 
-ROWS_ALONE = 4
-"""Fewest designs in a part where each is computed by itself, or is followed deeper: under a second of work or a few."""
+ROWS_ALONE = 16
+"""Fewest designs in a part where each is computed by itself: a second or two of work."""
+
+ROWS_DEEPER = 4
+"""Fewest designs in a part that are followed deeper: half a second of work, or a few."""
 
 STAGES = ("check", "pitch", "teeth", "contact", "strength")
 
@@ -62,18 +66,14 @@ def screening_of(design: Design, data: dict[str, Any], order: Order) -> Screenin
     check_only = order.stage == "check"
     screened = {key: value for key, value in data.items() if not (check_only and key == "gears")}
     names = figure_names(design, with_gears=design.gears is not None and not check_only)
-    return Screening(screened, order.space, names, _rows(order.space.count, kind_of(design) is not None))
+    rows = rows_of_part(order.space.count, ROWS if kind_of(design) is not None else ROWS_ALONE)
+    return Screening(screened, order.space, names, rows)
 
 
-def _rows(count: int, together: bool) -> int:
+def rows_of_part(count: int, fewest: int) -> int:
     """Designs in a part: it depends on nothing but the sweep, so that parts are the same wherever they are computed."""
-    if not together:
-        return max(ROWS_ALONE, min(ROWS, _power_of_two(count / PARTS)))
-    return max(ROWS, min(MOST_ROWS, _power_of_two(count / PARTS)))
-
-
-def _power_of_two(least: float) -> int:
-    return 1 << max(0, int(np.ceil(np.log2(max(least, 1.0)))))
+    for_parts = 1 << max(0, ceil(log2(max(count, 1) / PARTS)))
+    return max(fewest, min(for_parts, MOST_ROWS))
 
 
 def names_of(screening: Screening, stage: str) -> tuple[str, ...]:
@@ -169,7 +169,7 @@ def swept(
         if not _is_deep(order.stage):
             return Swept(overview, parts)
         numbers = np.sort(choice[0][best_rows(choice[1], order.keep)])
-        rows = _rows(len(numbers), together=False)
+        rows = rows_of_part(len(numbers), ROWS_DEEPER)
         deep_plan = {**plan, "stage": order.stage, "chosen": len(numbers), "chosen_sha256": _digest(numbers.tolist())}
         deep = Parts(folder / f"{order.stage}.parquet", {**deep_plan, "designs_in_a_part": rows}, parts.keys)
         taken = [numbers[first : first + rows] for first in range(0, len(numbers), rows)]
