@@ -8,18 +8,26 @@ from typing import Any
 import pytest
 
 from commands import Outcome, Run, on_text
+from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.design_file import load
-from ncgear.design.template import template
+from ncgear.design.reading.places import with_value
 from ncgear.design.space import MOST_DESIGNS, MOST_VALUES
+from ncgear.design.template import template
+from ncgear.files import sweep as files
+from ncgear.project.drive import Drive
 from ncgear.screening.rows import single_figures
 
 SPEEDS = "motion.v1_mm_s=1500:1700:3"
 
 
+DRAWN = files.sweep_files
+
+
 @pytest.fixture
-def run(run: Run) -> Run:
-    """Sweep over d.yaml, which holds the text; words that begin with a dash are options."""
+def run(run: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Sweep over d.yaml, which holds the text; words that begin with a dash are options.  Nothing is drawn."""
+    monkeypatch.setattr(files, "sweep_files", lambda *_: {})
 
     def run_once(*words: str, text: str = template("press")) -> Outcome:
         options = [part for word in words for part in ([word] if word.startswith("-") else ["--vary", word])]
@@ -147,11 +155,26 @@ def test_items_of_lists_can_be_varied(run: Run) -> None:
             "d.yaml: --vary: gears.teeth takes whole numbers only, and a range is sampled between them too; "
             "gears.teeth=20:40:21 is right",
         ),
-        ([SPEEDS, "--objective=check.peak_powe_w"], "d.yaml: --objective: no figure 'check.peak_powe_w'; did you mean check.peak"),
-        ([SPEEDS, "--objective=contact.contact_ratio_min"], "d.yaml: --objective: no figure 'contact.contact_ratio_min'; "),
-        ([SPEEDS, "--objective=ratio.min", "--objective=max:ratio.min"], "d.yaml: --objective: a figure is given twice"),
-        ([SPEEDS, "--keep-if=ratio.min"], "d.yaml: --keep-if: 'ratio.min' given; a name, one of < <= > >= == != and a number"),
-        ([SPEEDS, "--keep-if=__import__('os') < 1"], "d.yaml: --keep-if: \"__import__('os') < 1\" given; a name, one of"),
+        (
+            [SPEEDS, "--objective=check.peak_powe_w"],
+            "d.yaml: --objective: no figure 'check.peak_powe_w'; did you mean check.peak",
+        ),
+        (
+            [SPEEDS, "--objective=contact.contact_ratio_min"],
+            "d.yaml: --objective: no figure 'contact.contact_ratio_min'; ",
+        ),
+        (
+            [SPEEDS, "--objective=ratio.min", "--objective=max:ratio.min"],
+            "d.yaml: --objective: a figure is given twice",
+        ),
+        (
+            [SPEEDS, "--keep-if=ratio.min"],
+            "d.yaml: --keep-if: 'ratio.min' given; a name, one of < <= > >= == != and a number",
+        ),
+        (
+            [SPEEDS, "--keep-if=__import__('os') < 1"],
+            "d.yaml: --keep-if: \"__import__('os') < 1\" given; a name, one of",
+        ),
         ([SPEEDS, "--keep-if=ratio.min < 1e999"], "d.yaml: --keep-if: 'ratio.min < 1e999' given; a name, one of"),
         ([SPEEDS, "--keep-if=ratio.mean < 1"], "d.yaml: --keep-if: no figure 'ratio.mean'; did you mean ratio.m"),
     ],
@@ -173,3 +196,63 @@ def test_a_wrong_file_is_refused_with_its_place(run: Run) -> None:
     status, _, err = run(SPEEDS, text=template("press").replace("rod_mm", "rod_m"))
     assert status == 2
     assert err.startswith("d.yaml:10:3: linkage.rod_m: unknown key; did you mean rod_mm?")
+
+
+HARMONIC = template("press", LawName.HARMONIC_RATIO)
+
+
+@pytest.mark.thorough
+def test_the_pareto_set_is_written_as_files_that_give_its_figures(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And pictures, which are drawn with constraints, samples, lists and a greatest objective."""
+    monkeypatch.setattr(files, "sweep_files", DRAWN)
+    status, out, err = run(
+        "motion.cosine.1=-0.05:0.05",
+        "operation.speed_rpm=20,22",
+        "--samples=16",
+        "--keep-if=operation.speed_rpm < 21",
+        "--objective=check.peak_power_w",
+        "--objective=max:ratio.min",
+        text=HARMONIC,
+    )
+    assert (status, err) == (0, "")
+    assert "16 of these keep operation.speed_rpm < 21" in out
+    folder = Path("export/press-sweep")
+    assert {"effects.csv", "effects.png", "pareto.csv", "pareto.png", "scatter.png"} <= {
+        p.name for p in folder.iterdir()
+    }
+    designs = sorted(folder.glob("best/*.yaml"))
+    rows = {row["number"]: row for row in table()}
+    costs = [(row["check.peak_power_w"], -row["ratio.min"]) for row in rows.values() if row["operation.speed_rpm"] < 21]
+    for path in designs:
+        row, design = rows[int(path.stem[-6:])], load(path).design
+        assert design.name == path.stem
+        found = single_figures(design)
+        assert row["check.peak_power_w"] == pytest.approx(found["check.peak_power_w"], rel=1e-9)
+        own = row["check.peak_power_w"], -row["ratio.min"]
+        assert not any(power < own[0] and ratio < own[1] for power, ratio in costs)
+    assert 1 <= len(designs) <= 8
+
+
+@pytest.mark.thorough
+def test_the_best_go_on_to_teeth_and_contact(run: Run) -> None:
+    """With the figures that a build of each would have; the others stay where they are."""
+    status, out, err = run(
+        "motion.cosine.1=-0.05:0.05:5", "--stage=contact", "--keep=2", "--objective=contact_ratio_min", text=HARMONIC
+    )
+    assert (status, err) == (0, "")
+    assert "2 went on to the stage contact, where 2 can be made" in out
+    followed = table("contact")
+    assert [row["number"] for row in followed] == [0, 4]
+    for row in followed:
+        data = with_value(load(Path("d.yaml")).data, "motion.cosine.1", row["motion.cosine.1"])
+        drive = Drive(Design.model_validate(data))
+        assert row["contact.contact_ratio_min"] == pytest.approx(drive.designed_contact.least_arc, rel=1e-12)
+        assert row["teeth.undercut_driven"] == len(drive.teeth.driven.undercut)
+        assert row["teeth.driving"] == drive.gears.teeth
+
+
+def test_a_stage_that_no_design_can_reach_is_refused(run: Run) -> None:
+    text = HARMONIC[: HARMONIC.index("gears:")]
+    status, _, err = run("motion.cosine.1=-0.05:0.05:5", "--stage=teeth", text=text)
+    assert status == 2
+    assert "gears: missing; without gears there is no stage teeth, and --stage check is right" in err

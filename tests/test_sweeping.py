@@ -156,7 +156,9 @@ def test_what_is_gathered_in_parts_is_that_of_the_whole() -> None:
     space, found = linear(6000)
     whole = overview_of(space, [found])
     parts = overview_of(space, [found.at(slice(first, first + 700)) for first in range(0, 6000, 700)])
-    assert (parts.count, parts.made, parts.kept) == (whole.count, whole.made, whole.kept) == (6000, whole.made, whole.made)
+    assert (
+        (parts.count, parts.made, parts.kept) == (whole.count, whole.made, whole.kept) == (6000, whole.made, whole.made)
+    )
     assert whole.made == pytest.approx(5400, abs=5)
     assert parts.front.numbers.tolist() == whole.front.numbers.tolist()
     assert [one.numbers.tolist() for one in parts.best] == [one.numbers.tolist() for one in whole.best]
@@ -233,7 +235,9 @@ def test_a_damaged_part_is_computed_again(tmp_path: Path, spoil: Any) -> None:
 
 def test_another_run_in_the_folder_is_refused_with_what_differs(tmp_path: Path) -> None:
     Parts(tmp_path / "t.parquet", {"designs": 10, "seed": 1}, ("a",)).begun([10])
-    with pytest.raises(WrongInput, match=r"holds another run \(seed 1 there, 2 now\); choose another folder with --out"):
+    with pytest.raises(
+        WrongInput, match=r"holds another run \(seed 1 there, 2 now\); choose another folder with --out"
+    ):
         Parts(tmp_path / "t.parquet", {"designs": 10, "seed": 2}, ("a",)).begun([10])
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "mine.txt").touch()

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import lru_cache
+from itertools import pairwise
 from math import isfinite, prod
 from typing import Any, Literal
 
@@ -113,7 +114,7 @@ class Space:
         if len(sample) >= self.samples:
             return _sobol(dimensions, self.seed, 0, self.samples)[sample]
         begins = np.concatenate([[0], np.flatnonzero(np.diff(sample) < 0) + 1, [len(sample)]]).tolist()
-        runs = [sample[begin:end] for begin, end in zip(begins[:-1], begins[1:], strict=True)]
+        runs = [sample[begin:end] for begin, end in pairwise(begins)]
         return np.vstack([_sobol(dimensions, self.seed, int(run[0]), len(run)) for run in runs])
 
 

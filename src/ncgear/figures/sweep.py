@@ -44,10 +44,7 @@ def cells_of(designs: Designs, wanted: Wanted) -> list[list[str]]:
     return [
         [
             *(shown(float(values[row])) for values in designs.values.values()),
-            *(
-                told(_last(one.name), float(designs.column(one.name)[row]))[1]
-                for one in wanted.objectives
-            ),
+            *(told(_last(one.name), float(designs.column(one.name)[row]))[1] for one in wanted.objectives),
         ]
         for row in range(len(designs.numbers))
     ]
@@ -83,7 +80,9 @@ def sweep_text(
     blocks = ["\n".join(counts_of(screened, deeper, stage))]
     blocks += [_best(objective, best, last) for objective, best in zip(last.wanted.objectives, last.best, strict=False)]
     if last.kept > 1:
-        blocks.append("\n".join(["Share of the variance that a key explains alone (rank correlation)", *_effects(last)]))
+        blocks.append(
+            "\n".join(["Share of the variance that a key explains alone (rank correlation)", *_effects(last)])
+        )
     for overview, title in ((screened, "Refused"), (deeper, f"Refused at the stage {stage} or before it")):
         if overview is not None and overview.made < overview.count:
             blocks.append("\n".join([title, *_refused(overview)]))
@@ -99,7 +98,13 @@ def _effects(overview: Overview) -> list[str]:
     explained, correlation = overview.effects.explained, rank_correlations(overview)
     heads = ["", *(head_of(one.name) for one in overview.wanted.objectives)]
     rows = [
-        [key, *(f"{_share(share)} ({_share(rank)})" for share, rank in zip(explained[row], correlation[row], strict=True))]
+        [
+            key,
+            *(
+                f"{_share(share)} ({_share(rank)})"
+                for share, rank in zip(explained[row], correlation[row], strict=True)
+            ),
+        ]
         for row, key in enumerate(overview.space.keys)
     ]
     return aligned([heads, *rows], left=1)
@@ -150,4 +155,3 @@ def effects_csv(overview: Overview) -> str:
 def values_of(designs: Designs, row: int) -> Mapping[str, float]:
     """What the keys of one design are."""
     return {key: float(values[row]) for key, values in designs.values.items()}
-

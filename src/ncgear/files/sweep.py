@@ -65,7 +65,8 @@ def _chosen(front: Designs, costs: Array) -> IndexArray:
     """Rows of the front, evenly along it in the order of the first objective, with both ends."""
     order = np.lexsort((front.numbers, *costs.T[::-1]))
     places = np.linspace(0, len(order) - 1, min(DESIGNS, len(order))).round().astype(int)
-    return order[np.unique(places)]
+    rows: IndexArray = order[np.unique(places)]
+    return rows
 
 
 def _head(name: str) -> str:
@@ -75,7 +76,8 @@ def _head(name: str) -> str:
 
 
 def _axis(name: str, overview: Overview) -> Axis:
-    assert overview.drawn is not None and overview.front is not None
+    assert overview.drawn is not None
+    assert overview.front is not None
     return Axis(_head(name), overview.drawn.column(name), overview.front.column(name))
 
 

@@ -24,7 +24,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.space import Ranged, Space
 from ncgear.extras import require
 from ncgear.files.parts import Parts, alone_in, table_bytes
-from ncgear.screening.deeper import deeper_names, deepened, require_stage
+from ncgear.screening.deeper import deepened, deeper_names, require_stage
 from ncgear.screening.designs import Counted, Designs, Screening, figure_names, joined, screened_part
 from ncgear.screening.overview import Overview, no_overview
 from ncgear.screening.samples import kind_of
@@ -157,9 +157,7 @@ def swept(
         require_stage(loaded.design, order.stage)
     plan = plan_of(loaded, screening, order.stage)
     parts = Parts(folder / TABLE, plan, screening.space.keys)
-    counts = [
-        min(screening.rows, screening.space.count - part * screening.rows) for part in range(screening.parts)
-    ]
+    counts = [min(screening.rows, screening.space.count - part * screening.rows) for part in range(screening.parts)]
     on = partial(finished, scheduler=scheduler, processes=processes)
     with ExitStack() as held:
         known = wanted.of((*screening.figures, *screening.space.keys))
@@ -242,5 +240,3 @@ def _gathered(
             numbers.append(kept.numbers)
             costs.append(wanted.costs(kept))
     return overview, (np.concatenate(numbers), np.vstack(costs))
-
-

@@ -1,4 +1,4 @@
-"""Many designs that differ in the numbers at some keys: figures of those that can be made, and why the others cannot."""
+"""Many designs that differ in the numbers at some keys: figures of those that can be made, and why others cannot."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ncgear.design.space import Listed, Ranged, Space
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.screening.designs import Designs, joined
 from ncgear.screening.wanted import DIGITS, Wanted, non_dominated, rounded_to
 
@@ -161,14 +161,12 @@ def _bins(varied: Listed | Ranged) -> tuple[Array, Array]:
         middles = 0.5 * (values[1:] + values[:-1])
         edges = np.concatenate([values[:1], middles, np.full(left + 1, np.inf)])
         return edges, np.concatenate([values, np.full(left, np.nan)])
-    low, high = (
-        (min(varied.values), max(varied.values)) if isinstance(varied, Listed) else (varied.low, varied.high)
-    )
+    low, high = (min(varied.values), max(varied.values)) if isinstance(varied, Listed) else (varied.low, varied.high)
     edges = np.linspace(low, high, BINS + 1)
     return edges, 0.5 * (edges[1:] + edges[:-1])
 
 
-def _effects(effects: Effects, wanted: Wanted, part: Designs, keeps: Array) -> Effects:
+def _effects(effects: Effects, wanted: Wanted, part: Designs, keeps: Mask) -> Effects:
     columns = [part.column(one.name) for one in wanted.objectives]
     objectives = np.array(columns).reshape(len(columns), len(part.numbers)).T
     origin = effects.origin
@@ -239,5 +237,3 @@ def _ranks(values: Array) -> Array:
     _, group, counts = np.unique(values, return_inverse=True, return_counts=True)
     ranks: Array = (np.cumsum(counts) - 0.5 * (counts - 1.0))[group]
     return ranks
-
-

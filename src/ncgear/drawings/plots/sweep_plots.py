@@ -61,7 +61,9 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
                 _distribution(cell, up)
             else:
                 _points(cell, along, up)
-            dress(cell, _broken(along.head) if row == count - 1 else "", _broken(up.head) if column == 0 and row else "")
+            dress(
+                cell, _broken(along.head) if row == count - 1 else "", _broken(up.head) if column == 0 and row else ""
+            )
             cell.xaxis.set_major_locator(_ticks(along.drawn))
             cell.yaxis.set_major_locator(_ticks(up.drawn))
             cell.tick_params(labelbottom=row == count - 1, labelleft=column == 0 and row > 0)
@@ -98,8 +100,8 @@ def _ticks(values: Array) -> MaxNLocator:
 
 
 def _small_labels(cell: Axes) -> None:
-    cell.xaxis.label.set_size(SMALL)
-    cell.yaxis.label.set_size(SMALL)
+    cell.xaxis.label.set_fontsize(SMALL)
+    cell.yaxis.label.set_fontsize(SMALL)
 
 
 Named = tuple[str, float, float]
@@ -187,4 +189,3 @@ def _same_scale(cell: Axes, values: Array) -> None:
     low, high = np.nanmin(values), np.nanmax(values)
     room = max(0.06 * (high - low), 1e-6 * abs(high), 1e-300)
     cell.set_ylim(low - room, high + room)
-

@@ -176,7 +176,16 @@ def _fault(fault: Fault) -> str:
     return next((line for line in lines if len(line) <= COLUMNS), what)
 
 
-OPENED = ("report.html", "tooth_pair.png", "data_sheet.md", "pair.step", "gears.3mf", "pair.dxf", "summary.json", "sweep.parquet")
+OPENED = (
+    "report.html",
+    "tooth_pair.png",
+    "data_sheet.md",
+    "pair.step",
+    "gears.3mf",
+    "pair.dxf",
+    "summary.json",
+    "sweep.parquet",
+)
 """The files that people look for first, after a design file."""
 
 
