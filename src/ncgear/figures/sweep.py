@@ -16,7 +16,7 @@ from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.screening.designs import Designs
 from ncgear.screening.overview import Overview, Refusal, rank_correlations
-from ncgear.screening.wanted import Objective, Wanted
+from ncgear.screening.wanted import Constraint, Objective, Wanted
 
 REFUSALS = 5
 """Problems that are told, the most frequent first."""
@@ -26,17 +26,22 @@ WIDTH, COUNT_WIDTH = 110, 7
 
 def title_of(objective: Objective) -> str:
     """``least peak power``."""
-    return f"{'greatest' if objective.greatest else 'least'} {name_of(_last(objective.name))}"
+    return f"{'greatest' if objective.greatest else 'least'} {_brief(objective.name)}"
 
 
 def head_of(name: str) -> str:
     """``peak power, W``: a figure's name and the unit in which its cells are."""
-    label, (_, _, unit) = name_of(_last(name)), told(_last(name), 1.0)
-    return f"{label}, {unit}" if unit else label
+    unit = told(_last(name), 1.0)[2]
+    return f"{_brief(name)}, {unit}" if unit else _brief(name)
 
 
 def _last(name: str) -> str:
     return name.rpartition(".")[2]
+
+
+def _brief(name: str) -> str:
+    """The name of a figure without what is said of it behind a comma."""
+    return name_of(_last(name)).partition(",")[0]
 
 
 def cells_of(designs: Designs, wanted: Wanted) -> list[list[str]]:
@@ -60,16 +65,20 @@ def counts_of(screened: Overview, deeper: Overview | None, stage: str) -> list[s
     said = [f"{screened.count} designs, of which {screened.made} can be made"]
     constraints = screened.wanted.constraints
     if constraints:
-        said.append(f"{screened.kept} of these keep {', '.join(map(str, constraints))}")
+        said.append(f"{screened.kept} keep {_said(constraints)}")
     if deeper is not None:
-        said.append(f"{deeper.count} went on to the stage {stage}, where {deeper.made} can be made")
-        later = [str(one) for one in deeper.wanted.constraints if one not in constraints]
+        said.append(f"{deeper.count} went on to {stage}, of which {deeper.made} can be made")
+        later = [one for one in deeper.wanted.constraints if one not in constraints]
         if later:
-            said.append(f"{deeper.kept} of these keep {', '.join(later)}")
+            said.append(f"{deeper.kept} keep {_said(later)}")
     last = deeper or screened
     if len(last.wanted.objectives) > 1 and last.front is not None:
         said.append(f"{len(last.front.numbers)} in the Pareto set")
     return said
+
+
+def _said(constraints: Sequence[Constraint]) -> str:
+    return ", ".join(f"{_last(one.name)} {one.comparison} {shown(one.number)}" for one in constraints)
 
 
 def sweep_text(

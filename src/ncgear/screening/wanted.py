@@ -50,9 +50,6 @@ class Constraint:
     comparison: str
     number: float
 
-    def __str__(self) -> str:
-        return f"{self.name} {self.comparison} {self.number:g}"
-
     def kept(self, designs: Designs) -> Mask:
         """Which designs keep it; none whose figure is not known."""
         values = designs.column(self.name)
@@ -66,9 +63,6 @@ class Objective:
 
     name: str
     greatest: bool = False
-
-    def __str__(self) -> str:
-        return f"{'greatest' if self.greatest else 'least'} {self.name}"
 
     def cost(self, designs: Designs) -> Array:
         """What is to be least, shape (n,), to ``DIGITS`` digits."""
