@@ -54,7 +54,7 @@ def report() -> str:
         "# Where the search for a law starts",
         "",
         f"Written by `python benchmarks/starts.py`: Python {platform.python_version()}. The best law from the usual",
-        f"start, the motion of the certified limit, and from {STARTS - 1} others, whose ratios differ by up to the given factor.",
+        f"start, the motion of the certified limit, and from {STARTS - 1} others, up to the given factor away.",
         "",
         "| design | goal from the usual start | others differ by at most, relative | factor of the starts |",
         "|---|---|---|---|",
