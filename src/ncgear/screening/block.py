@@ -12,6 +12,8 @@ from ncgear.design.varied import checked_design
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.screening.screen import screened
 
+MADE = "made"
+
 
 @dataclass(frozen=True, eq=False)
 class Block:

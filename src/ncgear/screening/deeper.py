@@ -16,8 +16,8 @@ from ncgear.design.varied import checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.screening.block import MADE
 from ncgear.screening.designs import Designs, as_in_file, with_figures
-from ncgear.screening.screen import MADE
 
 Figures = dict[str, float]
 

@@ -13,8 +13,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.mechanisms import entry_of
 from ncgear.design.space import Space
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.screening.block import screened_block
-from ncgear.screening.screen import MADE
+from ncgear.screening.block import MADE, screened_block
 
 Names = np.ndarray[Any, np.dtype[np.object_]]
 
