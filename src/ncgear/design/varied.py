@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import product
@@ -64,11 +64,7 @@ def require_grid(loaded: LoadedDesign, varied: Sequence[Varied]) -> None:
 def designs_of(loaded: LoadedDesign, varied: Sequence[Varied]) -> Iterator[Design | WrongInput]:
     """The design of every combination of values, or its fault; the last key varies fastest."""
     for values in product(*(one.values for one in varied)):
-        data = loaded.data
-        for one, value in zip(varied, values, strict=True):
-            # Every key accepts a whole number as an integer, and some keys accept only integers.
-            data = with_value(data, one.key, whole(value))
-        yield _checked(data)
+        yield checked_design(loaded.data, [one.key for one in varied], values)
 
 
 def _require_number(loaded: LoadedDesign, key: str) -> None:
@@ -90,7 +86,11 @@ def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
         yield key, data
 
 
-def _checked(data: dict[str, Any]) -> Design | WrongInput:
+def checked_design(data: dict[str, Any], keys: Sequence[str], values: Iterable[float]) -> Design | WrongInput:
+    """The design of a file's plain values with other numbers at some dotted keys, or its fault."""
+    for key, value in zip(keys, values, strict=True):
+        # Every key accepts a whole number as an integer, and some keys accept only integers.
+        data = with_value(data, key, whole(value))
     model = design_model(data)
     try:
         return model.model_validate(data)

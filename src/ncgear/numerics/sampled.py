@@ -71,6 +71,28 @@ def extremes(values: Array, owner: IndexArray) -> tuple[Array, Array]:
     return -_largest(-values, -grid, -slopes, owner, owners), high
 
 
+def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
+    """Both ends of each function (shape (r, count)) and the places between where its slope changes its sign.
+
+    The function's number, the place in [0, 1] and the value there, shape (k,) each.
+    """
+    count, fine = values.shape[1], shares(FINER * values.shape[1] - 1)
+    slopes = values @ _refinement(count)[1].T
+    row, place = np.nonzero((slopes[:, :-1] > 0.0) != (slopes[:, 1:] > 0.0))
+    at, there = _turned(values[row], fine[place], fine[place + 1])
+    ends = np.arange(len(values))
+    return (
+        np.concatenate([ends, ends, row]),
+        np.concatenate([np.zeros(ends.size), np.ones(ends.size), at]),
+        np.concatenate([values[:, 0], values[:, -1], there]),
+    )
+
+
+def sums_at(values: Array, share: Array) -> Array:
+    """Each function (shape (r, count)) at its own place in [0, 1] (shape (r,))."""
+    return _sums(_coefficients(values.shape[1]) @ values.T, share)
+
+
 def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owners: int) -> Array:
     """Largest value over each owner's functions, shape (owners,); ``grid`` and ``slopes`` are at the finer points."""
     best = np.full(owners, -np.inf)
@@ -80,7 +102,7 @@ def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owner
     kept = _reach(grid, slopes, row, place) > best[owner[row]] + NEGLIGIBLE * np.abs(best[owner[row]])
     row, place = row[kept], place[kept]
     points = shares(FINER * values.shape[1] - 1)
-    np.maximum.at(best, owner[row], _tops(values[row], points[place], points[place + 1]))
+    np.maximum.at(best, owner[row], _turned(values[row], points[place], points[place + 1])[1])
     return best
 
 
@@ -92,8 +114,8 @@ def _reach(grid: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Ar
     return np.minimum(before, after)
 
 
-def _tops(values: Array, low: Array, high: Array) -> Array:
-    """Value of each function where its slope changes sign between ``low`` and ``high``; shape (k,).
+def _turned(values: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Where each function's slope changes sign between ``low`` and ``high``, and its value there; shape (k,) each.
 
     Where rounding hides the change of sign, the slope at one of both places is itself rounding error; the value at
     ``low`` is taken.
@@ -102,7 +124,7 @@ def _tops(values: Array, low: Array, high: Array) -> Array:
     changes = _sums(slope, low) * _sums(slope, high) < 0.0
     at, inner = low.copy(), slope[:, changes]
     at[changes] = zeros_between(lambda share: _sums(inner, share), low[changes], high[changes])
-    return _sums(series, at)
+    return at, _sums(series, at)
 
 
 def _sums(coefficients: Array, share: Array) -> Array:

@@ -434,7 +434,9 @@ def _most_of_v1(request: StrokeRequests[Array]) -> Array:
     angles = np.concatenate([none[None, :], np.where(inside, roots, 0.0)])
     below, above = (polynomial_at(part[:, None], angles) for part in (a, b))
     limits = np.where(below < 0.0, -above / below, inf)
-    most: Array = limits.min(axis=0)
+    # Where A is nowhere negative, it touches zero, and its rounding errors tell nothing.
+    share = request.theta1_rad / request.theta2_rad
+    most: Array = np.where((share >= 0.25) & (share <= 0.5), inf, limits.min(axis=0))
     return most
 
 
@@ -449,7 +451,7 @@ def _closing_speeds(request: StrokeRequests[Array], most: Array) -> list[Array]:
     """The law speeds in rad/s at both ends of a v1 or v2 that is solved for and advances; NaN where there is no end."""
     ends: dict[str, tuple[Array, ...]] = {}
     if request.v1_mm_s is None:
-        ends = {"v1_mm_s": (0.0 * most, most * _known(request.v2_mm_s))}
+        ends = {"v1_mm_s": (np.zeros_like(most), most * _known(request.v2_mm_s))}
     elif request.v2_mm_s is None:
         ends = {"v2_mm_s": (request.v1_mm_s / most,)}
     return [

@@ -8,50 +8,42 @@ of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import log, pi
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from ncgear.design.keys.base import Model
-from ncgear.design.keys.design import Design
-from ncgear.design.laws.harmonic_ratio import HarmonicRatio
-from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
-from ncgear.design.mechanisms import entry_of, mechanisms_of
+from ncgear.errors import DesignError
 from ncgear.mechanisms.mechanism import Mechanisms
-from ncgear.mechanisms.resistance import Resistance, TableResistance
-from ncgear.numerics.arrays import Array, Mask, repeated
+from ncgear.numerics.arrays import Array, IndexArray, Mask, repeated
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import extremes, integrated, integration, shares
+from ncgear.numerics.sampled import integrated, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
-from ncgear.project.law import load_of, lobes_of
-from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
+from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, require_return
 from ncgear.ratio.sampled_strokes import (
+    PEAK_PIECES,
     Motion,
+    PeakedReturns,
     Points,
+    Returns,
     ReturnSamples,
+    peaked_returns,
     return_samples,
     returns_with_constant,
     working_motions,
 )
 from ncgear.ratio.transmission import Lobes
-from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at
-
-STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
+from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, stroke_refusals
+from ncgear.screening.batch import STROKE, Batch
 
 RETURN_PIECES = 3
 """Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
 
 CLOSING_STEPS = 24
 """Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
-
-CLEAR = 1e-9
-"""Share of its largest value by which v/phi1 must stay over zero: a million rounding errors.  What is nearer to zero is
-left to the solver of one stroke."""
 
 HARMONIC_PIECES = 4
 """Equal pieces of the working stroke, and of the return."""
@@ -64,51 +56,13 @@ EVEN_PLACES, OFF = 16, 0.618
 harmonic law closes."""
 
 
-@dataclass(frozen=True)
-class Kind:
-    """What the designs of one batch share; ``linkage`` is the model of its mechanism's keys."""
-
-    linkage: type[Model]
-    law: tuple[Hashable, ...]
-    lobes: Lobes
-    resistance: Resistance
-
-
-def kind_of(design: Design) -> Kind | None:
-    """The batch that a design belongs to; None where it must be computed by itself."""
-    law = _law(design)
-    # Batches know outputs that slide and return.
-    if law is None or entry_of(design.linkage).turns or (design.gears is not None and design.gears.mesh == "internal"):
-        return None
-    load = load_of(design)
-    if load.loads_return or isinstance(load.working, TableResistance):
-        # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,
-        # which no series along a piece resolves.
-        return None
-    return Kind(type(design.linkage), law, lobes_of(design), load.working)
-
-
-def _law(design: Design) -> tuple[Hashable, ...] | None:
-    motion = design.motion
-    if isinstance(motion, ThreeSegmentStroke):
-        if motion.solve_for == "stroke" or motion.return_.e == "least_acceleration":
-            return None
-        return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
-    if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
-        # A batch of harmonic laws shares the working angle; None stands for cranks that cannot turn.
-        linkage = mechanisms_of([design.linkage])
-        return HARMONIC, float(linkage.working_angle_rad[0]) if linkage.turns_fully[0] else None
-    return None
-
-
 @dataclass(frozen=True, eq=False)
 class Samples:
     """n laws over one cycle of the slider, cut into p pieces of m points each; arrays have shape (n, p, m).
 
     ``at`` holds ln i12 and what follows from it; velocities are in mm/rad and accelerations in mm/rad^2 of the driving
     angle.  ``displacement_mm`` (shape (n, w, m)) covers the first w pieces, which make the working stroke.
-    ``turning`` is the driven angle per share of the piece, ``there`` (shape (n, p)) where a piece has any length,
-    ``sound`` (shape (n,)) where the law is known to be one.
+    ``turning`` is the driven angle per share of the piece, ``there`` (shape (n, p)) where a piece has any length.
     """
 
     at: Place
@@ -117,93 +71,149 @@ class Samples:
     displacement_mm: Array
     turning: Array
     there: Mask
-    sound: Mask
+
+    def kept(self, rows: IndexArray) -> Samples:
+        """Some of the laws."""
+        arrays = {name: values[rows] for name, values in vars(self).items() if name != "at"}
+        return Samples(Place(*(values[rows] for values in self.at)), **arrays)
 
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
     """Samples of n laws and what is known of them besides, shape (n,) each.
 
-    ``sound`` says where the design is known to be one.  ``closing_error_rad`` is by how much a cycle misses its angle,
-    from other points than the samples.
+    ``closing_error_rad`` is by how much a cycle misses its angle, from other points than the samples.
     """
 
     samples: Samples
-    sound: Mask
     stroke_mm: Array
     law_speed_rpm: Array
     stroke_error_mm: Array
     closing_error_rad: Array
 
 
-def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
-    """The laws of a batch at ``count`` points a piece."""
-    return _strokes(kind, designs, count) if kind.law[0] == STROKE else _harmonics(kind, designs, count)
+def refused_at_once(batch: Batch) -> dict[int, DesignError]:
+    """Why designs of a batch are refused before their law is closed, by their rows."""
+    found = batch.refused_mechanisms()
+    if batch.kind.law[0] != STROKE:
+        return found
+    found = {**batch.refused_strokes(), **found, **batch.refused_angles()}
+    rows = np.setdiff1d(np.arange(len(batch)), list(found))
+    left = _Strokes(batch.kept(rows))
+    reasons: dict[int, DesignError] = dict(stroke_refusals(left.requests, left.strokes, batch.output))
+    for place in np.nonzero(~(left.strokes.theta4_rad < left.period_rad))[0].tolist():
+        if place not in reasons:
+            try:
+                require_return(float(left.strokes.theta4_rad[place]), batch.kind.lobes)
+            except DesignError as error:
+                reasons[place] = error
+    return {**found, **{int(rows[place]): error for place, error in reasons.items()}}
 
 
-def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
-    """Three-segment strokes; a stroke that ``project/law.py`` would refuse is not ``sound``."""
-    linkage = mechanisms_of([design.linkage for design in designs])
-    stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
-    strokes = closed_strokes(_requests(designs, stroke_mm))
-    points = Points(RETURN_PIECES, count, CLOSING_STEPS)
-    returns = returns_with_constant(strokes, linkage, period, _column(designs, "motion.return_.e"), points)
-    sound = linkage.turns_fully & (strokes.theta4_rad < period)
-    given_mm = _given(designs, "stroke_mm")
-    if given_mm is not None:
-        sound &= np.isclose(given_mm, stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
-    samples = _stroke_samples(strokes, linkage, return_samples(returns, linkage, points, 2), returns.length_rad)
-    judge = replace(points, count=count + OTHER)
-    judged = _stroke_samples(strokes, linkage, return_samples(returns, linkage, judge, 2), returns.length_rad)
-    closing = integrated(judged.turning) - 2.0 * pi
+@dataclass(frozen=True)
+class Fineness:
+    """How finely laws are sampled: points of a piece; and whether pieces of a return are cut towards its least ratio.
+
+    There the driven gear's speed may have a peak that even pieces do not resolve.
+    """
+
+    count: int
+    towards_peak: bool = False
+
+
+def sampled(batch: Batch, fineness: Fineness) -> Sampled:
+    """The laws of a batch."""
+    if batch.kind.law[0] == STROKE:
+        return _stroke_laws(_Strokes(batch), fineness)
+    return _harmonics(batch, fineness.count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Strokes:
+    """The working strokes of a batch, closed."""
+
+    batch: Batch
+
+    @property
+    def period_rad(self) -> float:
+        """Driving angle of a cycle."""
+        return self.batch.kind.lobes.driving_period_rad
+
+    @cached_property
+    def requests(self) -> StrokeRequests[Array]:
+        """What the files ask for."""
+        batch = self.batch
+        return StrokeRequests(
+            *(batch.angle_rad(f"theta{number}") for number in (1, 2, 3, 4)),
+            v1_mm_s=batch.given("motion.v1_mm_s"),
+            v2_mm_s=batch.given("motion.v2_mm_s"),
+            a1_mm_s2=batch.given("motion.a1_mm_s2"),
+            law_speed_rad_s=batch.given("motion.law_speed_rpm", RAD_S_PER_RPM),
+            stroke_mm=batch.mechanisms.stroke_mm,
+            a1_speed_rad_s=batch.given("motion.a1_speed_rpm", RAD_S_PER_RPM),
+        )
+
+    @cached_property
+    def strokes(self) -> WorkingStrokes[Array]:
+        """The strokes with their free quantity solved for."""
+        return closed_strokes(self.requests)
+
+
+def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
+    """Three-segment strokes that advance."""
+    strokes, linkage, count = laws.strokes, laws.batch.mechanisms, fineness.count
+    pieces, closed = (PEAK_PIECES, peaked_returns) if fineness.towards_peak else (RETURN_PIECES, returns_with_constant)
+    points = Points(pieces, count, CLOSING_STEPS)
+    returns = closed(strokes, linkage, laws.period_rad, laws.batch.column("motion.return.e"), points)
+    back = return_samples(returns, linkage, points, 2)
+    samples = _stroke_samples(strokes, linkage, back, returns.widths_rad(points))
+    closing = _turned_rad(strokes, linkage, returns, replace(points, count=count + OTHER)) - 2.0 * pi
     speed_rpm = strokes.law_speed_rad_s / RAD_S_PER_RPM
-    return Sampled(samples, sound, stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
+    return Sampled(samples, linkage.stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
 
 
-def _requests(designs: Sequence[Design], stroke_mm: Array) -> StrokeRequests[Array]:
-    theta1, theta2, theta3, theta4 = (_column(designs, f"motion.theta{number}") for number in (1, 2, 3, 4))
-    return StrokeRequests(
-        theta1_rad=theta1,
-        theta2_rad=theta2,
-        theta3_rad=theta3,
-        theta4_rad=theta4,
-        v1_mm_s=_given(designs, "v1_mm_s"),
-        v2_mm_s=_given(designs, "v2_mm_s"),
-        a1_mm_s2=_given(designs, "a1_mm_s2"),
-        law_speed_rad_s=_given(designs, "law_speed_rpm", RAD_S_PER_RPM),
-        stroke_mm=stroke_mm,
-        a1_speed_rad_s=_given(designs, "a1_speed_rpm", RAD_S_PER_RPM),
-    )
+def _turned_rad(
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], returns: Returns | PeakedReturns, points: Points
+) -> Array:
+    """The integral of dphi2/dphi1 over a cycle by the points of the pieces, shape (n,)."""
+    count = points.count
+    many, linkages = repeated(strokes, count), repeated(linkage, count)
+    slopes = [
+        width[:, None] * angle(many, linkages, phi1.ravel(), 1).derivative(1).reshape(phi1.shape)
+        for angle, phi1, width in _working_pieces(strokes, count)
+    ]
+    ratio = returns.polynomial(points, 1).value.reshape(-1, points.pieces, count)
+    back = returns.widths_rad(points)[..., None] / ratio
+    return integrated(np.concatenate([np.stack(slopes, axis=1), back], axis=1))
 
 
-def _given(designs: Sequence[Design], name: str, unit: float = 1.0) -> Array | None:
-    """A value of the motion, shape (n,); None where no design of the batch gives it, for all do or none does."""
-    if getattr(designs[0].motion, name) is None:
-        return None
-    return _column(designs, f"motion.{name}") * unit
+def _working_pieces(strokes: WorkingStrokes[Array], count: int) -> list[tuple[Any, Array, Array]]:
+    """The driven angle's function, the driving angles in rad at the points (n, count), and the widths, of each segment."""
+    ends = 0.0 * strokes.theta2_rad, strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
+    return [
+        (angle, start[:, None] + (end - start)[:, None] * shares(count), end - start)
+        for angle, start, end in zip((approach_angle, pressing_angle, braking_angle), ends, ends[1:], strict=False)
+    ]
 
 
 def _stroke_samples(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], back: ReturnSamples, length_rad: Array
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], back: ReturnSamples, widths_rad: Array
 ) -> Samples:
-    """The working stroke's segments and the pieces of a return of ``length_rad``, as many points each."""
-    pieces, count = back.velocity.shape[1:]
-    width2, width3 = strokes.theta3_rad - strokes.theta2_rad, strokes.theta4_rad - strokes.theta3_rad
-    starts, widths = (0.0 * width2, strokes.theta2_rad, strokes.theta3_rad), (strokes.theta2_rad, width2, width3)
-    angles = (approach_angle, pressing_angle, braking_angle)
+    """The working stroke's segments and the pieces of a return, of some widths, as many points each."""
+    count = back.velocity.shape[2]
     many, linkages = repeated(strokes, count), repeated(linkage, count)
-    places = []
-    for angle, start, width in zip(angles, starts, widths, strict=True):
-        phi1 = start[:, None] + width[:, None] * shares(count)
+    places, widths = [], []
+    for angle, phi1, width in _working_pieces(strokes, count):
         driven = angle(many, linkages, phi1.ravel(), 3)
         places.append(_place_of(*(driven.derivative(k).reshape(phi1.shape) for k in (1, 2, 3))))
+        widths.append(width)
     out = (np.stack(column, axis=1) for column in zip(*places, strict=True))
     home = _place_of(*back.slopes)
     at = Place(*(np.concatenate(columns, axis=1) for columns in zip(out, home, strict=True)))
     approach, pressing, braking = working_motions(strokes, (count, count, count))
     forwards = Motion(*(values[:, ::-1] for values in braking))
     displacement, speed, change = (np.stack(parts, axis=1) for parts in zip(approach, pressing, forwards, strict=True))
-    every = np.stack([*widths, *[length_rad / pieces] * pieces], axis=1)
+    every = np.concatenate([np.stack(widths, axis=1), widths_rad], axis=1)
     return Samples(
         at=at,
         velocity=np.concatenate([speed, back.velocity], axis=1),
@@ -211,7 +221,6 @@ def _stroke_samples(
         displacement_mm=displacement,
         turning=at.slope * every[..., None],
         there=every > 0.0,
-        sound=_sound(strokes, count),
     )
 
 
@@ -227,37 +236,21 @@ def _place_of(slope: Array, first: Array, second: Array) -> Place:
     )
 
 
-def _sound(strokes: WorkingStrokes[Array], count: int) -> Mask:
-    """Whether the slider advances all the way, by far more than rounding, as ``ratio/working_stroke.py`` demands."""
-    positive = (strokes.v1_mm_s > 0.0) & (strokes.v2_mm_s > 0.0) & (strokes.a1_mm_s2 < 0.0)
-    finite = (strokes.law_speed_rad_s > 0.0) & np.isfinite(strokes.law_speed_rad_s)
-    slope = polynomial_at(strokes.approach_slope[..., None], strokes.theta2_rad[:, None] * shares(count))
-    known = positive & finite & np.isfinite(slope).all(axis=1)
-    low, high = extremes(np.where(known[:, None], slope, 1.0), np.arange(known.size))
-    sound: Mask = known & (low > CLEAR * high)
-    return sound
-
-
-def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
+def _harmonics(batch: Batch, count: int) -> Sampled:
     """Harmonics of the ratio; the law holds at any speed, so its own speed is the speed of operation."""
-    cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
-    linkage = mechanisms_of([design.linkage for design in designs])
-    samples = _harmonic_samples(cosine, sine, linkage, kind.lobes, count)
-    speed = _column(designs, "operation.speed_rpm")
+    cosine, sine = batch.series("cosine"), batch.series("sine")
+    longest = max(cosine.shape[1], sine.shape[1])
+    cosine, sine = (np.pad(one, ((0, 0), (0, longest - one.shape[1]))) for one in (cosine, sine))
+    linkage, lobes = batch.mechanisms, batch.kind.lobes
+    samples = _harmonic_samples(cosine, sine, linkage, lobes, count)
+    speed = batch.column("operation.speed_rpm")
     # The samples' ln i12 at phi2 = 0 holds the constant that closes the law; even places around a turn judge it.
     places = 2.0 * pi * (np.arange(EVEN_PLACES * count) + OFF) / (EVEN_PLACES * count)
     constant = samples.at.log[:, 0, 0] - cosine.sum(axis=1)
-    turned = np.arange(1.0, cosine.shape[1] + 1.0)[:, None] * kind.lobes.driven * places
+    turned = np.arange(1.0, cosine.shape[1] + 1.0)[:, None] * lobes.driven * places
     mean = np.exp(constant[:, None] + cosine @ np.cos(turned) + sine @ np.sin(turned)).mean(axis=1)
-    closing = 2.0 * pi * (1.0 - mean * kind.lobes.driving / kind.lobes.driven)
-    return Sampled(samples, linkage.turns_fully, linkage.stroke_mm, speed, 0.0 * speed, closing)
-
-
-def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
-    """Lists of numbers as rows, shape (n, longest of them) for each name, zeros where they are shorter."""
-    lists = [[attrgetter(name)(design) for design in designs] for name in names]
-    longest = max(len(values) for column in lists for values in column)
-    return [np.array([[*values, *[0.0] * (longest - len(values))] for values in column]) for column in lists]
+    closing = 2.0 * pi * (1.0 - mean * lobes.driving / lobes.driven)
+    return Sampled(samples, linkage.stroke_mm, speed, 0.0 * speed, closing)
 
 
 def _harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
@@ -279,7 +272,6 @@ def _harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lo
         displacement[:, :HARMONIC_PIECES],
         np.broadcast_to(width[:, None], everywhere.shape),
         there,
-        there[:, 0],
     )
 
 
@@ -303,9 +295,3 @@ def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array)
     mean = (np.exp(series) @ integration(phi2.shape[1])[-1]) @ width / (2.0 * pi)
     log_ratio = series + (log(lobes.driven / lobes.driving) - np.log(mean))[:, None, None]
     return Place(log_ratio, np.exp(log_ratio), np.exp(-log_ratio), first, second)
-
-
-def _column(designs: Sequence[Design], name: str) -> Array:
-    """The values at a dotted name, shape (n,)."""
-    value: Callable[[Any], float] = attrgetter(name)
-    return np.array([value(design) for design in designs], dtype=float)
