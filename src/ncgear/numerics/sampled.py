@@ -24,6 +24,12 @@ NEGLIGIBLE = 1e-13
 """A top between two points is looked for only if it may exceed the largest value by more than this share of it;
 rounding errors of the slopes make less."""
 
+NEWTON_STEPS = 2
+"""Newton's steps to the place of a top from the zero of the line through the slopes at two neighbouring points."""
+
+LAST_STEP = 1e-7
+"""Share of a piece: after a last step under it a place is as exact as rounding allows; the others are bracketed."""
+
 FINER = 2
 """Parts that each interval between points is divided into where sign changes of the derivative are looked for."""
 
@@ -120,10 +126,18 @@ def _turned(values: Array, low: Array, high: Array) -> tuple[Array, Array]:
     Where rounding hides the change of sign, the slope at one of both places is itself rounding error; the value at
     ``low`` is taken.
     """
-    series, slope = (np.ascontiguousarray(matrix @ values.T) for matrix in _series(values.shape[1]))
-    changes = _sums(slope, low) * _sums(slope, high) < 0.0
-    at, inner = low.copy(), slope[:, changes]
-    at[changes] = zeros_between(lambda share: _sums(inner, share), low[changes], high[changes])
+    series, slope, bend = (np.ascontiguousarray(matrix @ values.T) for matrix in _series(values.shape[1]))
+    before, after = _sums(slope, low), _sums(slope, high)
+    changes = before * after < 0.0
+    at = np.where(changes, low + (high - low) * before / np.where(changes, before - after, 1.0), low)
+    step = np.where(changes, np.inf, 0.0)
+    for _ in range(NEWTON_STEPS):
+        tried = np.clip(at - _sums(slope, at) / _sums(bend, at), low, high)
+        at, step = np.where(changes, tried, at), np.where(changes, np.abs(tried - at), step)
+    rest = np.nonzero(~(step <= LAST_STEP))[0]
+    if rest.size:
+        inner = slope[:, rest]
+        at[rest] = zeros_between(lambda share: _sums(inner, share), low[rest], high[rest])
     return at, _sums(series, at)
 
 
@@ -139,15 +153,15 @@ def _coefficients(count: int) -> Array:
 
 
 @cache
-def _series(count: int) -> tuple[Array, Array]:
-    """Matrices from values at the points to the function's coefficients, and to those of its slope."""
+def _series(count: int) -> tuple[Array, Array, Array]:
+    """Matrices from values at the points to the function's coefficients, to those of its slope and of its bend."""
     slope = np.vstack([2.0 * chebyshev.chebder(np.eye(count), axis=0), np.zeros(count)])
-    return _coefficients(count), slope @ _coefficients(count)
+    return _coefficients(count), slope @ _coefficients(count), slope @ slope @ _coefficients(count)
 
 
 @cache
 def _refinement(count: int) -> tuple[Array, Array]:
     """Matrices from values at the points to values and to slopes at the finer points."""
     finer = chebyshev.chebvander(2.0 * shares(FINER * count - 1) - 1.0, count - 1)
-    values, slopes = (finer @ matrix for matrix in _series(count))
+    values, slopes = (finer @ matrix for matrix in _series(count)[:2])
     return values, slopes

@@ -66,6 +66,11 @@ class Kind:
     lobes: Lobes
     resistance: Resistance
 
+    @property
+    def has_return(self) -> bool:
+        """Whether a polynomial return closes the laws."""
+        return self.law[0] == STROKE
+
     def reads(self, key: str) -> bool:
         """Whether a batch reads the numbers at a key of the file as a column."""
         known = COLUMNS | LAW_COLUMNS[str(self.law[0])]
@@ -158,7 +163,7 @@ class Batch:
     def parts(self) -> list[IndexArray]:
         """The rows of batches that can be sampled together: those of harmonic laws share one working angle."""
         rows = np.arange(len(self))
-        if self.kind.law[0] != HARMONIC or not len(self):
+        if self.kind.has_return or not len(self):
             return [rows]
         with np.errstate(all="ignore"):
             angles = np.broadcast_to(self.mechanisms.working_angle_rad, rows.shape)

@@ -23,7 +23,7 @@ from ncgear.screening.samples import Fineness, refused_at_once
 
 MADE = "made"
 
-FINENESSES = (Fineness(65), Fineness(65, True), Fineness(129, True), Fineness(129), Fineness(257))
+FINENESSES = (Fineness(65), Fineness(129, True), Fineness(257, True), Fineness(129), Fineness(257))
 """The next one is tried where the one before does not resolve a law."""
 
 TOGETHER = 256
@@ -139,6 +139,8 @@ def computed_together(batch: Batch, rows: IndexArray, table: _Table, finenesses:
     for fineness in finenesses:
         if not places.size:
             return
+        if fineness.towards_peak and not batch.kind.has_return:
+            continue
         try:
             found = found_of(batch.kept(places), fineness)
         except DesignError:

@@ -37,7 +37,7 @@ from ncgear.ratio.sampled_strokes import (
 )
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, stroke_refusals
-from ncgear.screening.batch import STROKE, Batch
+from ncgear.screening.batch import Batch
 
 RETURN_PIECES = 3
 """Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
@@ -95,7 +95,7 @@ class Sampled:
 def refused_at_once(batch: Batch) -> dict[int, DesignError]:
     """Why designs of a batch are refused before their law is closed, by their rows."""
     found = batch.refused_mechanisms()
-    if batch.kind.law[0] != STROKE:
+    if not batch.kind.has_return:
         return found
     found = {**batch.refused_strokes(), **found, **batch.refused_angles()}
     rows = np.setdiff1d(np.arange(len(batch)), list(found))
@@ -123,7 +123,7 @@ class Fineness:
 
 def sampled(batch: Batch, fineness: Fineness) -> Sampled:
     """The laws of a batch."""
-    if batch.kind.law[0] == STROKE:
+    if batch.kind.has_return:
         return _stroke_laws(_Strokes(batch), fineness)
     return _harmonics(batch, fineness.count)
 
