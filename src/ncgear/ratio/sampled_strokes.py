@@ -45,10 +45,17 @@ def working_motions(strokes: WorkingStrokes[Array], counts: tuple[int, int, int]
     """
     theta2, theta3, theta4 = (angle[:, None] for angle in (strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad))
     approach, pressing, braking = (shares(count) for count in counts)
-    advanced = _from_rest(strokes.approach_slope, strokes.approach_root, theta2 * approach)
-    left = _from_rest(strokes.braking_slope, strokes.braking_root, (theta4 - theta3) * braking)
+    return working_motions_at(strokes, theta2 * approach, (theta3 - theta2) * pressing, (theta4 - theta3) * braking)
+
+
+def working_motions_at(
+    strokes: WorkingStrokes[Array], phi1_rad: Array, beyond_rad: Array, before_rad: Array
+) -> tuple[Motion, Motion, Motion]:
+    """The motion at driving angles up to theta2, which is the last, beyond theta2, and before theta4; (n, points) each."""
+    advanced = _from_rest(strokes.approach_slope, strokes.approach_root, phi1_rad)
+    left = _from_rest(strokes.braking_slope, strokes.braking_root, before_rad)
     speed = strokes.pressing_mm_rad[:, None]
-    pressed = advanced.displacement[:, -1:] + speed * (theta3 - theta2) * pressing
+    pressed = advanced.displacement[:, -1:] + speed * beyond_rad
     return (
         advanced,
         Motion(pressed, np.broadcast_to(speed, pressed.shape), 0.0 * pressed),
@@ -114,7 +121,7 @@ class PeakedReturns:
     @property
     def _edges(self) -> Array:
         """Ends of the pieces in tau - about, shape (n, pieces + 1)."""
-        return _edges_about(self.about)
+        return edges_about(self.about, QUARTERINGS)
 
     def widths_rad(self, points: Points) -> Array:
         """The driving angle of each piece, shape (n, pieces); zero for those beyond the return's ends."""
@@ -130,19 +137,23 @@ class PeakedReturns:
         ]))
 
 
-QUARTERINGS = 8
-"""Quarterings of the return towards the place where its ratio is least: panels of 4^-8 of it resolve a ratio that is a
+QUARTERINGS = 7
+"""Quarterings of the return towards the place where its ratio is least: panels of 4^-7 of it resolve a ratio that is a
 ten-thousandth of its mean there; narrower ones are left to the solver of one return."""
 
-PEAK_PIECES = 2 * QUARTERINGS + 2
-"""Pieces of a return that are quartered towards a place, on both sides of it."""
+EVERYWHERE = (1.0 / 32.0, 1.0 / 8.0, 1.0 / 2.0, 7.0 / 8.0, 31.0 / 32.0, 127.0 / 128.0)
+"""Shares of a stretch at which it is cut besides, since the ratio may change fast beside its ends as well."""
+
+PEAK_PIECES = 2 * QUARTERINGS + 2 + len(EVERYWHERE)
+"""Pieces of a return that is quartered towards a place, on both sides of it."""
 
 
-def _edges_about(about: Array) -> Array:
-    """Ends of PEAK_PIECES pieces in tau - about, shape (n, PEAK_PIECES + 1)."""
-    quarters = np.append(0.25 ** np.arange(QUARTERINGS + 1.0), 0.0)
-    edges = np.concatenate([-quarters, quarters[-2::-1]])
-    return np.clip(edges, -about[:, None], 1.0 - about[:, None])
+def edges_about(about: Array, quarterings: int) -> Array:
+    """Ends of pieces of [0, 1], less ``about`` (shape (n,)) in it, shape (n, pieces + 1); some have no length."""
+    quarters = np.append(0.25 ** np.arange(quarterings + 1.0), 0.0)
+    towards = np.broadcast_to(np.concatenate([-quarters, quarters[-2::-1]]), (about.size, 2 * quarters.size - 1))
+    edges = np.concatenate([towards, np.array(EVERYWHERE) - about[:, None]], axis=1)
+    return np.clip(np.sort(edges, axis=1), -about[:, None], 1.0 - about[:, None])
 
 
 def _between(edges: Array, count: int) -> Array:
@@ -282,7 +293,7 @@ def peaked_returns(
     noise = TOUCHING * np.abs(touching).max(axis=0)
     touches = (np.abs(local[:2]) <= noise).all(axis=0) & (local[2] > 0.0)
     local[:2] = 0.0
-    edges = _edges_about(about)
+    edges = edges_about(about, QUARTERINGS)
     places, widths = _between(edges, points.count), np.diff(edges, axis=1)
     weights = (widths[..., None] * integration(points.count)[-1]).reshape(len(edges), -1)
     flat, steep = (polynomial_at(part[:, :, None], places) for part in (local, rising))

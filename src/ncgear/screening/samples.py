@@ -25,18 +25,16 @@ from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velo
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, require_return
 from ncgear.ratio.sampled_strokes import (
     PEAK_PIECES,
-    Motion,
-    PeakedReturns,
+    edges_about,
     Points,
-    Returns,
     ReturnSamples,
     peaked_returns,
     return_samples,
     returns_with_constant,
-    working_motions,
+    working_motions_at,
 )
 from ncgear.ratio.transmission import Lobes
-from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, stroke_refusals
+from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at, stroke_refusals
 from ncgear.screening.batch import Batch
 
 RETURN_PIECES = 3
@@ -44,6 +42,15 @@ RETURN_PIECES = 3
 
 CLOSING_STEPS = 24
 """Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
+
+WORKING_QUARTERINGS = 6
+"""Quarterings of approach and braking towards where the slider hardly moves."""
+
+GUESSES = 65
+"""Even places of the approach among which the first guess is of where it moves least."""
+
+SLOWEST_STEPS = 4
+"""Newton's steps from there."""
 
 HARMONIC_PIECES = 4
 """Equal pieces of the working stroke, and of the return."""
@@ -99,6 +106,8 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
         return found
     found = {**batch.refused_strokes(), **found, **batch.refused_angles()}
     rows = np.setdiff1d(np.arange(len(batch)), list(found))
+    if not rows.size:
+        return found
     left = _Strokes(batch.kept(rows))
     reasons: dict[int, DesignError] = dict(stroke_refusals(left.requests, left.strokes, batch.output))
     for place in np.nonzero(~(left.strokes.theta4_rad < left.period_rad))[0].tolist():
@@ -112,7 +121,7 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
 
 @dataclass(frozen=True)
 class Fineness:
-    """How finely laws are sampled: points of a piece; and whether pieces of a return are cut towards its least ratio.
+    """How finely laws are sampled: points of a piece, and whether strokes are cut towards where their ratio is extreme.
 
     There the driven gear's speed may have a peak that even pieces do not resolve.
     """
@@ -165,55 +174,96 @@ def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
     pieces, closed = (PEAK_PIECES, peaked_returns) if fineness.towards_peak else (RETURN_PIECES, returns_with_constant)
     points = Points(pieces, count, CLOSING_STEPS)
     returns = closed(strokes, linkage, laws.period_rad, laws.batch.column("motion.return.e"), points)
+    segments = _segments(strokes, fineness.towards_peak)
     back = return_samples(returns, linkage, points, 2)
-    samples = _stroke_samples(strokes, linkage, back, returns.widths_rad(points))
-    closing = _turned_rad(strokes, linkage, returns, replace(points, count=count + OTHER)) - 2.0 * pi
+    samples = _stroke_samples(strokes, linkage, segments, back, returns.widths_rad(points))
+    # Other points than those of the samples tell whether the law closes.
+    judges = replace(points, count=count + OTHER)
+    slopes = [
+        segment.widths_rad[..., None] * segment.driven(strokes, linkage, judges.count, 1)[0] for segment in segments
+    ]
+    ratio = returns.polynomial(judges, 1).value.reshape(-1, judges.pieces, judges.count)
+    slopes.append(returns.widths_rad(judges)[..., None] / ratio)
+    closing = integrated(np.concatenate(slopes, axis=1)) - 2.0 * pi
     speed_rpm = strokes.law_speed_rad_s / RAD_S_PER_RPM
     return Sampled(samples, linkage.stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
 
 
-def _turned_rad(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], returns: Returns | PeakedReturns, points: Points
-) -> Array:
-    """The integral of dphi2/dphi1 over a cycle by the points of the pieces, shape (n,)."""
-    count = points.count
-    many, linkages = repeated(strokes, count), repeated(linkage, count)
-    slopes = [
-        width[:, None] * angle(many, linkages, phi1.ravel(), 1).derivative(1).reshape(phi1.shape)
-        for angle, phi1, width in _working_pieces(strokes, count)
-    ]
-    ratio = returns.polynomial(points, 1).value.reshape(-1, points.pieces, count)
-    back = returns.widths_rad(points)[..., None] / ratio
-    return integrated(np.concatenate([np.stack(slopes, axis=1), back], axis=1))
+@dataclass(frozen=True, eq=False)
+class _Segment:
+    """A segment of the working strokes, cut into p pieces; ``edges_rad`` are the driving angles of their ends."""
+
+    angle: Any
+    edges_rad: Array
+
+    def phi1_rad(self, count: int) -> Array:
+        """The driving angles at the points of the pieces, shape (n, p, count)."""
+        found: Array = self.edges_rad[:, :-1, None] + self.widths_rad[..., None] * shares(count)
+        return found
+
+    @property
+    def widths_rad(self) -> Array:
+        """The pieces' widths, shape (n, p)."""
+        return np.diff(self.edges_rad, axis=1)
+
+    def driven(self, strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], count: int, order: int) -> list[Array]:
+        """Derivatives of the driven angle from the first up to ``order``, shape (n, p, count) each."""
+        phi1 = self.phi1_rad(count)
+        each = phi1.shape[1] * count
+        driven = self.angle(repeated(strokes, each), repeated(linkage, each), phi1.ravel(), order)
+        return [driven.derivative(k).reshape(phi1.shape) for k in range(1, order + 1)]
 
 
-def _working_pieces(strokes: WorkingStrokes[Array], count: int) -> list[tuple[Any, Array, Array]]:
-    """The driven angle's function, the driving angles in rad at the points (n, count), and the widths, of each segment."""
-    ends = 0.0 * strokes.theta2_rad, strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
+def _segments(strokes: WorkingStrokes[Array], towards_peak: bool) -> list[_Segment]:
+    """Approach, pressing and braking, whole, or cut towards where v/phi1 is least and towards theta4.
+
+    There the ratio may be nearly singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
+    """
+    theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
+    cuts = [np.array([0.0, 1.0])[None, :]] * 3
+    if towards_peak:
+        for segment, about in ((0, _slowest(strokes)), (2, np.ones_like(theta2))):
+            cuts[segment] = about[:, None] + edges_about(about, WORKING_QUARTERINGS)
+    ends = zip((0.0 * theta2, theta2, theta3), (theta2, theta3, theta4), strict=True)
+    angles = approach_angle, pressing_angle, braking_angle
     return [
-        (angle, start[:, None] + (end - start)[:, None] * shares(count), end - start)
-        for angle, start, end in zip((approach_angle, pressing_angle, braking_angle), ends, ends[1:], strict=False)
+        _Segment(angle, start[:, None] + (end - start)[:, None] * cut)
+        for angle, (start, end), cut in zip(angles, ends, cuts, strict=True)
     ]
+
+
+def _slowest(strokes: WorkingStrokes[Array]) -> Array:
+    """The share of theta2 at which v/phi1 is least, shape (n,)."""
+    share = np.linspace(0.0, 1.0, GUESSES)
+    slope, end = strokes.approach_slope, strokes.theta2_rad
+    guess = share[np.argmin(polynomial_at(slope[..., None], end[:, None] * share), axis=1)]
+    _, linear, square, cube = slope
+    found = guess
+    for _ in range(SLOWEST_STEPS):
+        at = end * found
+        step = (linear + at * (2.0 * square + 3.0 * cube * at)) / (2.0 * square + 6.0 * cube * at) / end
+        found = np.clip(np.where(np.isfinite(step), found - step, found), guess - share[1], guess + share[1])
+    return np.clip(found, 0.0, 1.0)
 
 
 def _stroke_samples(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], back: ReturnSamples, widths_rad: Array
+    strokes: WorkingStrokes[Array],
+    linkage: Mechanisms[Array],
+    segments: list[_Segment],
+    back: ReturnSamples,
+    back_rad: Array,
 ) -> Samples:
-    """The working stroke's segments and the pieces of a return, of some widths, as many points each."""
-    count = back.velocity.shape[2]
-    many, linkages = repeated(strokes, count), repeated(linkage, count)
-    places, widths = [], []
-    for angle, phi1, width in _working_pieces(strokes, count):
-        driven = angle(many, linkages, phi1.ravel(), 3)
-        places.append(_place_of(*(driven.derivative(k).reshape(phi1.shape) for k in (1, 2, 3))))
-        widths.append(width)
-    out = (np.stack(column, axis=1) for column in zip(*places, strict=True))
-    home = _place_of(*back.slopes)
-    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(out, home, strict=True)))
-    approach, pressing, braking = working_motions(strokes, (count, count, count))
-    forwards = Motion(*(values[:, ::-1] for values in braking))
-    displacement, speed, change = (np.stack(parts, axis=1) for parts in zip(approach, pressing, forwards, strict=True))
-    every = np.concatenate([np.stack(widths, axis=1), widths_rad], axis=1)
+    """The segments of the working stroke, and the pieces of a return of widths ``back_rad``, as many points each."""
+    laws, _, count = back.velocity.shape
+    places = [_place_of(*segment.driven(strokes, linkage, count, 3)) for segment in segments]
+    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(*places, _place_of(*back.slopes), strict=True)))
+    phi1, pressing, braking = (segment.phi1_rad(count) for segment in segments)
+    beyond, before = pressing - strokes.theta2_rad[:, None, None], strokes.theta4_rad[:, None, None] - braking
+    motions = working_motions_at(strokes, *(angles.reshape(laws, -1) for angles in (phi1, beyond, before)))
+    displacement, speed, change = (
+        np.concatenate([part.reshape(laws, -1, count) for part in parts], axis=1) for parts in zip(*motions, strict=True)
+    )
+    every = np.concatenate([*(segment.widths_rad for segment in segments), back_rad], axis=1)
     return Samples(
         at=at,
         velocity=np.concatenate([speed, back.velocity], axis=1),
