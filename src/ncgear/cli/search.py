@@ -119,7 +119,7 @@ def sweep(
     verbose: Verbose = False,
 ) -> None:
     """Screen many designs: check and pitch curves, without teeth, for all combinations of some keys' values."""
-    from ncgear.design.varied import designs_of, require_grid, varied_of
+    from ncgear.design.varied import grid_of, require_grid, varied_of
     from ncgear.files.publish import prepare
 
     varied = [varied_of(text) for text in vary]
@@ -132,10 +132,9 @@ def sweep(
         from ncgear.figures.answers.swept import swept_answer
         from ncgear.figures.sweep import sweep_csv, sweep_text
         from ncgear.files.manifest import publish_run
-        from ncgear.screening.screen import screened
+        from ncgear.screening.block import screened_block
 
-        with counted("designs") as on_done:
-            found = screened(list(designs_of(loaded, varied)), on_done=on_done, as_written=loaded.source.as_written)
+        found = screened_block(loaded.data, [one.key for one in varied], grid_of(varied))
         run = publish_run(folder, {"sweep.csv": sweep_csv(varied, found).encode()}, "sweep")
         if verbose:
             typer.echo(sweep_text(varied, found, run.paths, run.kept))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import product
 from math import isfinite, prod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -17,6 +17,9 @@ from ncgear.design.reading.messages import problems
 from ncgear.design.reading.places import with_value
 from ncgear.design.reading.text import plain_number, quoted, whole
 from ncgear.errors import WrongInput
+
+if TYPE_CHECKING:
+    from ncgear.numerics.arrays import Array
 
 OPTION = "--vary"
 FORM = "KEY=FROM:TO:COUNT, as motion.v1_mm_s=1500:1700:21, is right"
@@ -61,10 +64,11 @@ def require_grid(loaded: LoadedDesign, varied: Sequence[Varied]) -> None:
         )
 
 
-def designs_of(loaded: LoadedDesign, varied: Sequence[Varied]) -> Iterator[Design | WrongInput]:
-    """The design of every combination of values, or its fault; the last key varies fastest."""
-    for values in product(*(one.values for one in varied)):
-        yield checked_design(loaded.data, [one.key for one in varied], values)
+def grid_of(varied: Sequence[Varied]) -> Array:
+    """Every combination of values, shape (n, keys); the last key varies fastest."""
+    import numpy as np
+
+    return np.array(list(product(*(one.values for one in varied))), dtype=float)
 
 
 def _require_number(loaded: LoadedDesign, key: str) -> None:

@@ -17,7 +17,7 @@ from ncgear.figures.numbers import shown
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import IndexArray
-from ncgear.screening.screen import MADE, Screened
+from ncgear.screening.block import MADE, Block
 
 BEST = 5
 """Number of designs that the text lists for each figure."""
@@ -31,16 +31,18 @@ RANKED = {
 WIDTH, COUNT_WIDTH = 110, 7
 
 
-def sweep_csv(varied: Sequence[Varied], found: Screened) -> str:
+def sweep_csv(varied: Sequence[Varied], found: Block) -> str:
     """One row for each design: its values, its figures where it can be made, and the verdict."""
     names = [*(one.key for one in varied), *found.figures, "verdict"]
-    figures = iter(zip(*(values.tolist() for values in found.figures.values()), strict=True))
-    none = ("",) * len(found.figures)
-    rows = zip(_values(varied), found.verdicts, strict=True)
-    return rows_text(names, [[*values, *(next(figures) if made == MADE else none), made] for values, made in rows])
+    columns = [
+        [value if made else "" for value, made in zip(values.tolist(), found.made, strict=True)]
+        for values in found.figures.values()
+    ]
+    rows = zip(_values(varied), *columns, found.verdicts, strict=True)
+    return rows_text(names, [[*values, *rest] for values, *rest in rows])
 
 
-def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+def sweep_text(varied: Sequence[Varied], found: Block, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """How many can be made, the best of them, why the others cannot, the files written, and those kept."""
     made = int(found.made.sum())
     blocks = [f"{len(found.made)} designs, of which {made} can be made"]
@@ -51,7 +53,7 @@ def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path],
     return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
 
 
-def ranked(found: Screened) -> dict[str, str]:
+def ranked(found: Block) -> dict[str, str]:
     """The figures that the best designs have least of, in the units of what moves."""
     return {title: name for title, start in RANKED.items() for name in found.figures if name.startswith(start)}
 
@@ -60,35 +62,36 @@ def _values(varied: Sequence[Varied]) -> list[tuple[float, ...]]:
     return list(product(*(one.values for one in varied)))
 
 
-def _order(figure: str, found: Screened) -> IndexArray:
+def _order(figure: str, found: Block) -> IndexArray:
     """The best rows by a figure.
 
     Rows whose figure shows the same digits, such as laws with one working stroke, are ordered by the other figures.
     """
-    others = [found.figures[name] for name in ranked(found).values() if name != figure]
-    read = np.array([float(shown(float(value))) for value in found.figures[figure]])
-    return np.lexsort((*others, read))[:BEST]
+    made = found.made.nonzero()[0]
+    others = [found.figures[name][made] for name in ranked(found).values() if name != figure]
+    read = np.array([float(shown(float(value))) for value in found.figures[figure][made]])
+    return made[np.lexsort((*others, read))[:BEST]]
 
 
-def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) -> str:
+def _best(title: str, figure: str, varied: Sequence[Varied], found: Block) -> str:
     """A table of the designs with the least of a figure."""
     heads = [*(one.key for one in varied), *ranked(found).values()]
     return "\n".join([f"Best by {title}", *aligned([heads, *best_cells(figure, varied, found)])])
 
 
-def best_cells(figure: str, varied: Sequence[Varied], found: Screened) -> list[list[str]]:
+def best_cells(figure: str, varied: Sequence[Varied], found: Block) -> list[list[str]]:
     """The designs with the least of a figure: the texts of what is varied, and of the figures."""
-    values, numbers = _values(varied), found.numbers
+    values = _values(varied)
     return [
         [
-            *map(shown, values[numbers[number]]),
+            *map(shown, values[number]),
             *(shown(float(found.figures[name][number])) for name in ranked(found).values()),
         ]
         for number in _order(figure, found).tolist()
     ]
 
 
-def _refused(varied: Sequence[Varied], found: Screened) -> list[str]:
+def _refused(varied: Sequence[Varied], found: Block) -> list[str]:
     """The most frequent problems, each with the first design that has it and all that is said of that one."""
     lines = []
     for count, where, verdict in refusals(varied, found):
@@ -99,7 +102,7 @@ def _refused(varied: Sequence[Varied], found: Screened) -> list[str]:
     return lines
 
 
-def refusals(varied: Sequence[Varied], found: Screened) -> list[tuple[int, str, str]]:
+def refusals(varied: Sequence[Varied], found: Block) -> list[tuple[int, str, str]]:
     """How many designs have a problem, where the first of them is, and all that is said of that one."""
     values = _values(varied)
     refused = [number for number, verdict in enumerate(found.verdicts) if verdict != MADE]

@@ -220,11 +220,11 @@ class PitchPair(Shown):
 
 def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> Extremum:
     """Largest angle between the pitch curves' tangent and the normal to the centre line, whatever their size."""
-    found = [
-        extremum
-        for piece in transmission.made_pieces
-        for extremum in piece.extremes(lambda phi1, piece=piece: shape.tangent_slope(piece.slope(phi1, 2), mesh))
-    ]
+
+    def steepest(piece: Piece) -> tuple[Extremum, Extremum]:
+        return piece.extremes(lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), mesh))
+
+    found = [extremum for piece in transmission.made_pieces for extremum in steepest(piece)]
     worst = max(abs(extremum.value) for extremum in found)
     first = min(extremum.at for extremum in found if abs(extremum.value) >= worst * (1.0 - AS_STEEP))
     return Extremum(atan(worst), first)

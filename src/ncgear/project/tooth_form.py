@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, pi, radians, sin, cos
+from math import cos, degrees, pi, radians, sin
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import Gears, Rack

@@ -51,7 +51,7 @@ def working_motions(strokes: WorkingStrokes[Array], counts: tuple[int, int, int]
 def working_motions_at(
     strokes: WorkingStrokes[Array], phi1_rad: Array, beyond_rad: Array, before_rad: Array
 ) -> tuple[Motion, Motion, Motion]:
-    """The motion at driving angles up to theta2, which is the last, beyond theta2, and before theta4; (n, points) each."""
+    """The motion at angles up to theta2, which is the last one, beyond theta2, and before theta4, all (n, points)."""
     advanced = _from_rest(strokes.approach_slope, strokes.approach_root, phi1_rad)
     left = _from_rest(strokes.braking_slope, strokes.braking_root, before_rad)
     speed = strokes.pressing_mm_rad[:, None]
@@ -131,10 +131,14 @@ class PeakedReturns:
     def polynomial(self, points: Points, order: int) -> Jet:
         """The ratio and its derivatives by the driving angle up to ``order``, at most 2, at all points."""
         tau = _between(self._edges, points.count)
-        return Jet(np.stack([
-            polynomial_at(part[:, :, None], tau).ravel() / factorial(k)
-            for k, part in enumerate(_derivatives(self.local, self.length_rad, order))
-        ]))
+        return Jet(
+            np.stack(
+                [
+                    polynomial_at(part[:, :, None], tau).ravel() / factorial(k)
+                    for k, part in enumerate(_derivatives(self.local, self.length_rad, order))
+                ]
+            )
+        )
 
 
 QUARTERINGS = 7
@@ -153,7 +157,8 @@ def edges_about(about: Array, quarterings: int) -> Array:
     quarters = np.append(0.25 ** np.arange(quarterings + 1.0), 0.0)
     towards = np.broadcast_to(np.concatenate([-quarters, quarters[-2::-1]]), (about.size, 2 * quarters.size - 1))
     edges = np.concatenate([towards, np.array(EVERYWHERE) - about[:, None]], axis=1)
-    return np.clip(np.sort(edges, axis=1), -about[:, None], 1.0 - about[:, None])
+    clipped: Array = np.clip(np.sort(edges, axis=1), -about[:, None], 1.0 - about[:, None])
+    return clipped
 
 
 def _between(edges: Array, count: int) -> Array:
@@ -325,7 +330,9 @@ def _about(coefficients: Array, about: Array) -> Array:
     return np.stack(found)
 
 
-def return_samples(returns: Returns | PeakedReturns, linkage: Mechanisms[Any], points: Points, order: int) -> ReturnSamples:
+def return_samples(
+    returns: Returns | PeakedReturns, linkage: Mechanisms[Any], points: Points, order: int
+) -> ReturnSamples:
     """The returns, dphi2/dphi1 with derivatives up to ``order`` (1 or 2), and the slider's motion at all points."""
     shape, widths = (-1, points.pieces, points.count), returns.widths_rad(points)[..., None]
     slope = returns.polynomial(points, order)

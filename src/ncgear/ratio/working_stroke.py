@@ -103,7 +103,8 @@ def solved_stroke(request: StrokeRequest) -> WorkingStroke:
     Raises NoSuchMechanism when no positive value closes the stroke, or when the slider stops or reverses on the way.
     """
     asked = {name: value for name, value in vars(request).items() if name != "output"}
-    one = StrokeRequests(**{name: None if value is None else np.array([value]) for name, value in asked.items()})
+    arrays: dict[str, Any] = {name: None if value is None else np.array([value]) for name, value in asked.items()}
+    one: StrokeRequests[Array] = StrokeRequests(**arrays)
     strokes = closed_strokes(one)
     for refusal in stroke_refusals(one, strokes, request.output).values():
         raise refusal

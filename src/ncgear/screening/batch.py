@@ -122,9 +122,7 @@ class Batch:
         """Some of the designs."""
         columns = {key: values[rows] for key, values in self.columns.items()}
         used, follows = np.unique(self.follows[rows], return_inverse=True)
-        return replace(
-            self, written=tuple(self.written[number] for number in used), follows=follows, columns=columns
-        )
+        return replace(self, written=tuple(self.written[number] for number in used), follows=follows, columns=columns)
 
     def column(self, key: str) -> Array:
         """The numbers at a key, shape (n,)."""

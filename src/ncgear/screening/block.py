@@ -23,7 +23,7 @@ from ncgear.screening.samples import Fineness, refused_at_once
 
 MADE = "made"
 
-FINENESSES = (Fineness(65), Fineness(41, True), Fineness(65, True), Fineness(129), Fineness(257))
+FINENESSES = (Fineness(65), Fineness(41, True), Fineness(65, True), Fineness(129), Fineness(257), Fineness(513))
 """The next one is tried where the one before does not resolve a law."""
 
 TOGETHER = 256
@@ -127,7 +127,9 @@ class _Table:
             self.make(np.array([row]), {name: np.array([value]) for name, value in figures.items()})
 
 
-def computed_together(batch: Batch, rows: IndexArray, table: _Table, finenesses: Sequence[Fineness] = FINENESSES) -> None:
+def computed_together(
+    batch: Batch, rows: IndexArray, table: _Table, finenesses: Sequence[Fineness] = FINENESSES
+) -> None:
     """Put down what a batch is sure of, by the rows' numbers (shape (n,)).
 
     ``finenesses`` are tried one after the other.

@@ -193,7 +193,7 @@ def _pitch(drive: Drive) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What a batch is sure of: rows whose designs are made, shape (m,), their figures, shape (m,) each, and refusals."""
+    """What a batch is sure of: rows of the designs that are made and their figures, shape (m,) each, and refusals."""
 
     made: IndexArray
     figures: dict[str, Array]
@@ -348,7 +348,8 @@ def _steepest(samples: Samples, lobes: Lobes) -> Array:
     values = np.abs(values)
     largest = np.full(laws, -np.inf)
     np.maximum.at(largest, law[row], values)
-    row, share = (one[values >= largest[law[row]] * (1.0 - AS_STEEP)] for one in (row, share))
+    steepest = values >= largest[law[row]] * (1.0 - AS_STEEP)
+    row, share = row[steepest], share[steepest]
     at = starts[row] + sums_at(widths[row] @ integration(count).T, share)
     # The end of a period is the beginning of the next one.
     period = lobes.driving_period_rad

@@ -25,9 +25,9 @@ from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velo
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, require_return
 from ncgear.ratio.sampled_strokes import (
     PEAK_PIECES,
-    edges_about,
     Points,
     ReturnSamples,
+    edges_about,
     peaked_returns,
     return_samples,
     returns_with_constant,
@@ -153,7 +153,10 @@ class _Strokes:
         """What the files ask for."""
         batch = self.batch
         return StrokeRequests(
-            *(batch.angle_rad(f"theta{number}") for number in (1, 2, 3, 4)),
+            theta1_rad=batch.angle_rad("theta1"),
+            theta2_rad=batch.angle_rad("theta2"),
+            theta3_rad=batch.angle_rad("theta3"),
+            theta4_rad=batch.angle_rad("theta4"),
             v1_mm_s=batch.given("motion.v1_mm_s"),
             v2_mm_s=batch.given("motion.v2_mm_s"),
             a1_mm_s2=batch.given("motion.a1_mm_s2"),
@@ -204,7 +207,8 @@ class _Segment:
     @property
     def widths_rad(self) -> Array:
         """The pieces' widths, shape (n, p)."""
-        return np.diff(self.edges_rad, axis=1)
+        widths: Array = np.diff(self.edges_rad, axis=1)
+        return widths
 
     def driven(self, strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], count: int, order: int) -> list[Array]:
         """Derivatives of the driven angle from the first up to ``order``, shape (n, p, count) each."""
@@ -243,7 +247,8 @@ def _slowest(strokes: WorkingStrokes[Array]) -> Array:
         at = end * found
         step = (linear + at * (2.0 * square + 3.0 * cube * at)) / (2.0 * square + 6.0 * cube * at) / end
         found = np.clip(np.where(np.isfinite(step), found - step, found), guess - share[1], guess + share[1])
-    return np.clip(found, 0.0, 1.0)
+    slowest: Array = np.clip(found, 0.0, 1.0)
+    return slowest
 
 
 def _stroke_samples(
@@ -261,7 +266,8 @@ def _stroke_samples(
     beyond, before = pressing - strokes.theta2_rad[:, None, None], strokes.theta4_rad[:, None, None] - braking
     motions = working_motions_at(strokes, *(angles.reshape(laws, -1) for angles in (phi1, beyond, before)))
     displacement, speed, change = (
-        np.concatenate([part.reshape(laws, -1, count) for part in parts], axis=1) for parts in zip(*motions, strict=True)
+        np.concatenate([part.reshape(laws, -1, count) for part in parts], axis=1)
+        for parts in zip(*motions, strict=True)
     )
     every = np.concatenate([*(segment.widths_rad for segment in segments), back_rad], axis=1)
     return Samples(

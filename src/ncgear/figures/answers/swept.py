@@ -9,13 +9,13 @@ from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.quantities import name_of
 from ncgear.figures.sweep import best_cells, ranked, refusals
 from ncgear.numerics.units import label_and_unit
-from ncgear.screening.screen import Screened
+from ncgear.screening.block import Block
 
 BEST = 3
 """Designs that are told for each figure."""
 
 
-def swept_answer(varied: Sequence[Varied], found: Screened) -> Answer:
+def swept_answer(varied: Sequence[Varied], found: Block) -> Answer:
     """How many can be made, the best of them, and why the others cannot."""
     made, figures = int(found.made.sum()), ranked(found) if found.made.any() else {}
     keys = [name.rpartition(".")[2] for name in figures.values()]
