@@ -26,7 +26,7 @@ from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
-from ncgear.ratio.transmission import CLOSED
+from ncgear.ratio.transmission import CLOSED, STANDSTILL
 
 
 @dataclass(frozen=True)
@@ -273,9 +273,14 @@ def _touching_multiple(base: Polynomial, direction: Polynomial) -> float:
 def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
     """Newton steps on the spectral integral, which the panels of the solve only approximate.
 
-    Raises NoSuchMechanism when the ratio comes so near zero that closure cannot be reached to CLOSED.
+    Raises NoSuchMechanism where the driven gear counts as standing still beside its fastest place, and when closure
+    cannot be reached to CLOSED.
     """
     best, panels = law, _Panels.towards(law.about)
+    ratios = law.local(panels.offsets)
+    lowest = int(np.argmin(ratios))
+    if not ratios[lowest] > STANDSTILL * np.max(ratios):
+        raise _not_positive(law.ends.start_rad + law.ends.length_rad * (law.about + panels.offsets[lowest]), law.ends)
     rising = direction(panels.about + panels.offsets)
     for _ in range(6):
         if abs(best.closure_error_rad) <= POLISHED:
