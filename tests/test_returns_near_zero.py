@@ -31,8 +31,9 @@ NEAR_ZERO = {
 
 
 def law_of(angles: list[float], v1: float, v2: float, a1: float, e: float) -> StrokeLaw:
-    angles_rad = [angle * pi for angle in angles]
-    request = StrokeRequest(*angles_rad, v1, v2, a1, None, BALER.stroke_mm, 20.0 * RAD_S_PER_RPM)
+    theta1, theta2, theta3, theta4 = (angle * pi for angle in angles)
+    speed = 20.0 * RAD_S_PER_RPM
+    request = StrokeRequest(theta1, theta2, theta3, theta4, v1, v2, a1, None, BALER.stroke_mm, speed)
     return stroke_law(solved_stroke(request), BALER, Lobes(), constant=e)
 
 
@@ -74,7 +75,7 @@ def test_they_exist_and_are_found(case: tuple[list[float], float, float, float, 
     with mp.workdps(50):
         multiple = float(back.polynomial.coef[5] - np.append(published_family(ends, case[-1])[0].coef, 0.0)[5])
         exact = exact_polynomial(ends, case[-1], mp.mpf(multiple), mp.mpf(float(back.local.coef[0])))
-        places = np.linspace(0.0, 1.0, 41).tolist() + [back.about]
+        places = [*np.linspace(0.0, 1.0, 41).tolist(), back.about]
         for tau in places:
             phi1 = ends.start_rad + ends.length_rad * tau
             ratio = mp.polyval(exact, mp.mpf((phi1 - ends.start_rad) / ends.length_rad))
