@@ -27,7 +27,7 @@ from ncgear.files.parts import Parts, alone_in, table_bytes
 from ncgear.screening.deeper import deepened, deeper_names, require_stage
 from ncgear.screening.designs import Counted, Designs, Screening, figure_names, joined, screened_part
 from ncgear.screening.overview import Overview, no_overview
-from ncgear.screening.samples import kind_of
+from ncgear.screening.batch import kind_of
 from ncgear.screening.wanted import Wanted, best_rows
 from ncgear.workers import finished
 
