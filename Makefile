@@ -32,6 +32,8 @@ bench: .venv  ## measure speed against error, how long builds take, and more; wr
 	$(PYTHON) benchmarks/law_to_limit.py
 	$(PYTHON) benchmarks/baler_real.py
 	$(PYTHON) benchmarks/screening.py
+	$(PYTHON) benchmarks/sweeping.py
+	$(PYTHON) benchmarks/starts.py
 
 beside: .venv  ## measure beside the other program of the field and write benchmarks/beside-ncgears.md
 	.venv/bin/pip install -q -e '.[bench]'

@@ -205,10 +205,10 @@ def test_a_check_of_a_table_loads_splines_and_nothing_more() -> None:
     assert loaded_by("check", "designs/feeder-table.yaml") & LIBRARIES == {"scipy"}
 
 
-@pytest.mark.slow
-def test_a_sweep_loads_neither_meshes_nor_plots_nor_solvers(tmp_path: Path) -> None:
+@pytest.mark.thorough
+def test_a_sweep_loads_plots_for_its_pictures_and_neither_meshes_nor_solvers(tmp_path: Path) -> None:
     vary = ["--vary", "motion.v1_mm_s=1600:1610:2", "--out", str(tmp_path)]
-    assert loaded_by("sweep", "designs/baler.yaml", *vary) & LIBRARIES == set()
+    assert loaded_by("sweep", "designs/baler.yaml", *vary) & LIBRARIES == {"matplotlib"}
 
 
 VALUES = ("law", "machine", "check", "uniform_check", "pitch", "teeth", "designed_contact", "solids", "motion")

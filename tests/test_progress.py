@@ -8,11 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from drives import loaded
 from ncgear.cli import progress
 from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
 from ncgear.project.drive import loads
-from ncgear.screening.screen import screened
 
 GEARS = """
 name: small
@@ -38,13 +36,6 @@ def test_a_report_tells_as_many_as_it_says() -> None:
     told = list[str]()
     contacts_as_written(loads(GEARS.replace("MOTION", MOTIONS[0])), told.append)
     assert tuple(told) == WRITTEN_STEPS
-
-
-def test_a_sweep_tells_every_design() -> None:
-    design, told = loaded("baler").design, list[tuple[int, int]]()
-    screened([design] * 3, on_done=lambda done, total: told.append((done, total)))
-    assert told[-1] == (3, 3)
-    assert [done for done, _ in told] == sorted(done for done, _ in told)
 
 
 def test_the_bar_counts_the_steps_that_are_done(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,8 @@
 """Random design files end as a result that holds or as a named error, and as nothing else.
 
 More of them: `make fuzz`, which is `NCGEAR_FUZZ=10 python -m pytest -m slow tests/test_random_designs.py`: ten times as
-many.  The same number draws the same designs each time; a larger one goes on from there.
+many.  The same number draws the same designs each time; a larger one goes on from there.  Those beyond .ci/run are
+checked on all cores, or on the Dask cluster whose address is in NCGEAR_SCHEDULER.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ from __future__ import annotations
 import json
 import os
 import re
+import warnings
 from collections import Counter
 from collections.abc import Callable
 from io import BytesIO, StringIO
 from math import isfinite, pi, radians
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -35,6 +38,7 @@ from ncgear.files.meshes import outline_of_csv
 from ncgear.files.workshop.formats import USUAL
 from ncgear.project.drive import Drive
 from ncgear.ratio.transmission import Range
+from ncgear.workers import finished
 from oracles import meshing
 from random_designs import Data, designs, spoiled_designs
 
@@ -57,6 +61,13 @@ POSITIONS = 97
 def batches(count: int) -> list[Any]:
     """Numbers of batches as parameters; those beyond .ci/run are marked as long."""
     return [pytest.param(number, marks=[pytest.mark.long] if number >= IN_CI else []) for number in range(count)]
+
+
+RUNS = [
+    pytest.param(range(IN_CI), id="few"),
+    pytest.param(range(IN_CI, BATCHES), id="many", marks=[pytest.mark.long]),
+]
+"""Batches that are checked in .ci/run, on the process of the test if there is only one, and all others."""
 
 
 def each(count: int, number: int, strategy: st.SearchStrategy[Data], judged: Callable[[Data], str]) -> Counter[str]:
@@ -169,12 +180,22 @@ def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
     assert found["refused 3"] > 0, found
 
 
+def judge_batch(batch: int) -> Counter[str]:
+    """The verdicts of a batch, in whatever process; a warning is a fault there as it is here."""
+    with TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return judge_checks(Path(folder), CHECKED, batch)
+
+
 @pytest.mark.slow
 @pytest.mark.attack
-@pytest.mark.parametrize("batch", batches(BATCHES))
-def test_many_random_designs_are_checked_or_refused(tmp_path: Path, batch: int) -> None:
-    found = judge_checks(tmp_path, CHECKED, batch)
-    assert found["made"] >= 0.2 * CHECKED, found
+@pytest.mark.parametrize("run", RUNS)
+def test_many_random_designs_are_checked_or_refused(run: range) -> None:
+    done = 0
+    for batch, found in finished(judge_batch, run, os.environ.get("NCGEAR_SCHEDULER")):
+        assert found["made"] >= 0.2 * CHECKED, (batch, found)
+        done += 1
+    assert done == len(run)
 
 
 def solid_holds(stl: bytes) -> None:

@@ -1,22 +1,27 @@
-"""Designs screened together, against each of them computed by itself: the figures, and which are refused and why."""
+"""Blocks of designs against each of them computed by itself: the figures, and which are refused and why."""
 
 from __future__ import annotations
 
 from copy import deepcopy
+from math import inf, nextafter
 from typing import Any
 
 import numpy as np
 import pytest
 
-from drives import drive_of_text, loaded
-from ncgear.design.keys.design import Design
-from ncgear.errors import DesignError
-from ncgear.numerics.arrays import Array, Mask
+from drives import loaded
+from ncgear.design.keys.design import Design, design_model
+from ncgear.design.numbers import accepted
+from ncgear.design.varied import checked_design
+from ncgear.errors import DesignError, WrongInput
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import integrated
+from ncgear.screening import block as block_module
 from ncgear.screening import rows as figures_module
+from ncgear.screening.batch import Batch, kind_of
+from ncgear.screening.block import MADE, TOGETHER, Block, screened_block
 from ncgear.screening.rows import single_figures
-from ncgear.screening.samples import kind_of, sampled
-from ncgear.screening.screen import COUNTS, MADE, Screened, computed_together, screened
+from ncgear.screening.samples import Fineness, sampled
 
 CHECK_FIGURES = (
     "drive.law_speed_rpm",
@@ -55,203 +60,317 @@ def data_of(name: str) -> dict[str, Any]:
     return deepcopy(loaded(name).source.document.data)
 
 
-def stroke_design(random: np.random.Generator) -> Design:
-    """A stroke about the baler's, solved for one quantity or another; half of them cannot be made."""
-    data = data_of("baler")
-    motion = data["motion"]
-    angles = np.sort(random.uniform([0.2, 0.4, 0.6, 0.9], [0.6, 1.0, 1.2, 1.6]))
-    motion |= {f"theta{number}_pi": float(angle) for number, angle in enumerate(angles, start=1)}
-    motion |= {"v1_mm_s": random.uniform(1200.0, 2200.0), "v2_mm_s": random.uniform(600.0, 1600.0)}
-    motion |= {"a1_mm_s2": -random.uniform(200.0, 6000.0), "law_speed_rpm": random.uniform(40.0, 70.0)}
-    motion["solve_for"] = str(random.choice(["law_speed", "v1", "v2", "a1"]))
-    motion.pop({"law_speed": "law_speed_rpm", "a1": "a1_mm_s2"}.get(motion["solve_for"], f"{motion['solve_for']}_mm_s"))
-    motion["return"] = {"basis": "ratio", "e": random.uniform(-3.0, 3.0)}
-    if random.random() < 0.5:
-        del motion["a1_speed_rpm"]
-    if random.random() < 0.4:
-        del motion["stroke_mm"]
-        data["linkage"] = {
-            "crank_mm": 380,
-            "rod_mm": random.uniform(600.0, 3000.0),
-            "offset_mm": random.uniform(-90, 90),
-        }
-    return Design.model_validate(data)
-
-
-def together(designs: list[Design], counts: tuple[int, ...] = COUNTS) -> Mask:
-    """Which of the designs a batch is sure of."""
-    found: dict[int, Any] = {}
-    computed_together(designs, counts, found.update)
-    sure: Mask = np.isin(np.arange(len(designs)), list(found))
-    return sure
-
-
-def singly(design: Design) -> dict[str, float] | str:
+def singly(data: dict[str, Any], keys: list[str], values: list[float]) -> dict[str, float] | str:
+    design = checked_design(data, keys, values)
     try:
-        return single_figures(design)
+        return str(design) if isinstance(design, WrongInput) else single_figures(design)
     except DesignError as error:
         return str(error)
 
 
-def disagreement(found: Screened, designs: list[Design]) -> float:
-    """Largest of any figure, relative; verdicts must be the same."""
-    alone = [singly(design) for design in designs]
-    assert found.verdicts == tuple(MADE if isinstance(row, dict) else row for row in alone)
-    assert found.made.tolist() == [isinstance(row, dict) for row in alone]
-    figures = [row for row in alone if isinstance(row, dict)]
-    return max((difference(name, values, figures) for name, values in found.figures.items()), default=0.0)
+def disagreement(found: Block, data: dict[str, Any], keys: list[str], values: Array, every: int = 1) -> float:
+    """Largest of any figure, relative, of residuals, which are rounding errors, absolute; verdicts must be the same."""
+    worst = 0.0
+    for row in range(0, len(values), every):
+        alone = singly(data, keys, values[row].tolist())
+        assert found.verdicts[row] == (MADE if isinstance(alone, dict) else alone)
+        figures = {name: column[row] for name, column in found.figures.items()}
+        assert found.made[row] == isinstance(alone, dict)
+        if isinstance(alone, str):
+            assert np.isnan(list(figures.values())).all()
+            continue
+        assert tuple(alone) == tuple(figures)
+        for name, value in alone.items():
+            size = 1.0 if name in RESIDUALS or value == 0.0 else abs(value)
+            worst = max(worst, abs(figures[name] - value) / size)
+            assert np.isfinite(figures[name])
+    return worst
 
 
-def difference(name: str, values: Array, figures: list[dict[str, float]]) -> float:
-    """Largest of one figure, relative; of residuals, which are rounding errors, absolute."""
-    size = 1.0 if name in RESIDUALS else np.where(values == 0.0, 1.0, np.abs(values))
-    return float(np.max(np.abs(values - [row[name] for row in figures]) / size))
+def in_box(box: dict[str, tuple[float, float]], count: int, seed: int) -> Array:
+    random = np.random.default_rng(seed)
+    return np.column_stack([random.uniform(low, high, count) for low, high in box.values()])
+
+
+@pytest.fixture
+def alone(monkeypatch: pytest.MonkeyPatch) -> list[Design]:
+    """The designs that no batch was sure of."""
+    seen: list[Design] = []
+
+    def counted(design: Design) -> dict[str, float]:
+        seen.append(design)
+        return single_figures(design)
+
+    monkeypatch.setattr(block_module, "single_figures", counted)
+    return seen
 
 
 @pytest.mark.judges("screening")
-@pytest.mark.tiers(quick=["baler-drivetrain"], rest="slow")
 @pytest.mark.parametrize("name", ["baler", "baler-drivetrain"])
-def test_shipped_designs_are_screened_together(name: str) -> None:
-    designs = [loaded(name).design] * 2
-    found = screened(designs)
-    assert together(designs).all()
-    assert disagreement(found, designs[:1] * 2) <= AGREEMENT
+def test_shipped_designs_are_screened_together(name: str, alone: list[Design]) -> None:
+    data, keys, values = data_of(name), ["operation.speed_rpm"], np.array([[20.0], [-1.0]])
+    found = screened_block(data, keys, values)
+    assert not alone
+    assert disagreement(found, data, keys, values) <= AGREEMENT
     assert tuple(found.figures) == CHECK_FIGURES + PITCH_FIGURES
 
 
+BORDER = {"motion.theta1_pi": (0.36, 0.42), "motion.theta2_pi": (0.66, 0.74)}
+"""About the baler: its slider turns back on the way, or its ratio swings too steeply, in one of twelve."""
+
+WIDE = {
+    "motion.theta1_pi": (0.2, 0.6),
+    "motion.theta2_pi": (0.4, 1.0),
+    "motion.theta3_pi": (0.6, 1.2),
+    "motion.theta4_pi": (0.9, 1.7),
+    "motion.v1_mm_s": (-10.0, 2200.0),
+    "motion.v2_mm_s": (600.0, 1600.0),
+    "motion.a1_mm_s2": (-6000.0, 100.0),
+    "motion.return.e": (-3.0, 3.0),
+}
+"""Far from the baler: angles out of order, no law speed, reversals, returns next to a zero of their ratio."""
+
+
+@pytest.mark.thorough
+def test_refusals_are_told_by_batches(alone: list[Design]) -> None:
+    """Nearly all: what is left to single computations takes a hundred times as long."""
+    data, values = data_of("baler"), in_box(BORDER, 300, 3)
+    found = screened_block(data, list(BORDER), values)
+    assert (~found.made).sum() > 15
+    assert len(alone) <= 3
+    refused = np.nonzero(~found.made)[0][::8]
+    chosen = screened_block(data, list(BORDER), values[refused])
+    assert chosen.verdicts == tuple(found.verdicts[row] for row in refused)
+    assert disagreement(chosen, data, list(BORDER), values[refused]) == 0.0
+
+
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("box", "seed", "count"),
+    [
+        (BORDER, 11, 120),
+        (WIDE, 12, 300),
+        *(pytest.param(WIDE, seed, 1500, marks=pytest.mark.long) for seed in (13, 14)),
+    ],
+)
+def test_random_strokes_agree_with_single_designs(box: dict[str, tuple[float, float]], seed: int, count: int) -> None:
+    data, values = data_of("baler"), in_box(box, count, seed)
+    found = screened_block(data, list(box), values)
+    assert disagreement(found, data, list(box), values) <= AGREEMENT
+    assert 0.02 * count < found.made.sum() < 0.98 * count
+
+
+SOLVED: dict[str, tuple[dict[str, Any], dict[str, tuple[float, float]]]] = {
+    "v1": (
+        {"v1_mm_s": None, "law_speed_rpm": 52.0},
+        {"motion.law_speed_rpm": (20.0, 90.0), "motion.theta1_pi": (0.1, 0.7)},
+    ),
+    "v2": (
+        {"v2_mm_s": None, "law_speed_rpm": 52.0},
+        {"motion.law_speed_rpm": (20.0, 90.0), "motion.theta1_pi": (0.1, 0.7)},
+    ),
+    "a1": (
+        {"a1_mm_s2": None, "law_speed_rpm": 52.0},
+        {"motion.law_speed_rpm": (45.0, 60.0), "motion.theta4_pi": (1.0, 2.1)},
+    ),
+    "law_speed": ({"a1_speed_rpm": None}, {"motion.a1_mm_s2": (-40000.0, 10.0), "motion.theta1_pi": (0.05, 0.75)}),
+}
+"""What is solved for: changes of the baler, and keys whose numbers make all its refusals."""
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("solved", SOLVED)
+def test_every_refusal_of_a_stroke_is_that_of_the_single_design(solved: str, alone: list[Design]) -> None:
+    changes, box = SOLVED[solved]
+    data, values = data_of("baler"), in_box(box, 30, 5)
+    data["motion"] = {
+        key: one for key, one in {**data["motion"], **changes, "solve_for": solved}.items() if one is not None
+    }
+    found = screened_block(data, list(box), values)
+    assert len(alone) <= 3
+    refused = np.nonzero(~found.made)[0]
+    assert refused.size >= 5
+    for row in refused.tolist():
+        assert found.verdicts[row] == singly(data, list(box), values[row].tolist())
+
+
+MISFITS: dict[str, tuple[dict[str, Any], dict[str, float], str]] = {
+    "teeth that do not fit": (
+        {"gears": {"center_distance_mm": 74.885}},
+        {"gears.center_distance_mm": 80.0},
+        "25 teeth",
+    ),
+    "no whole teeth": (
+        {"gears": {"teeth": None, "center_distance_mm": 74.885}},
+        {"gears.module_mm": 2.9},
+        "module 2.9",
+    ),
+    "too many teeth": (
+        {"gears": {"teeth": None, "center_distance_mm": 74.885}},
+        {"gears.module_mm": 75.0 / 25000.0, "gears.center_distance_mm": 74.8852542062},
+        "the driving gear has",
+    ),
+    "a crank that cannot turn": ({}, {"linkage.rod_mm": 300.0}, "the crank cannot turn"),
+    "another stroke": ({}, {"linkage.crank_mm": 381.0}, "760 mm is shorter"),
+    "no room for a return": ({"gears": {"lobes": {"driving": 2}}}, {"motion.theta1_pi": 0.41}, "theta4 is"),
+    "half a tooth": ({}, {"gears.teeth": 24.5}, "24.5 given; a whole number"),
+    "angles out of order": ({}, {"motion.theta2_pi": 0.3}, "theta2 must be over theta1"),
+    "no number of lobes": (
+        {"gears": {"lobes": {"driving": 1}}},
+        {"gears.lobes.driving": 0.0},
+        "0 given; a number of 1 or over",
+    ),
+}
+
+
+@pytest.mark.parametrize(("changes", "numbers", "said"), MISFITS.values(), ids=MISFITS)
+def test_each_condition_is_told_as_by_itself(
+    changes: dict[str, dict[str, Any]], numbers: dict[str, float], said: str, alone: list[Design]
+) -> None:
+    data = data_of("baler")
+    for group, changed in changes.items():
+        data[group] = {key: one for key, one in {**data[group], **changed}.items() if one is not None}
+    keys, values = list(numbers), np.array([list(numbers.values())])
+    found = screened_block(data, keys, values)
+    assert not alone
+    assert said in found.verdicts[0]
+    assert disagreement(found, data, keys, values) == 0.0
+
+
+NUMBERS = {
+    "baler": [
+        "linkage.crank_mm",
+        "operation.speed_rpm",
+        "motion.v1_mm_s",
+        "motion.a1_mm_s2",
+        "motion.a1_speed_rpm",
+        "motion.stroke_mm",
+        "motion.return.e",
+        "gears.teeth",
+        "gears.module_mm",
+    ],
+    "baler-drivetrain": ["motion.cosine.0", "motion.sine.3", "gears.teeth"],
+}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_limits_as_arrays_are_those_of_the_models(name: str) -> None:
+    """On both sides of every limit, by one rounding error."""
+    data = data_of(name)
+    limits = [0.0, 1e-6, 3.0, 10.0, -10.0, 1e4, 1e7]
+    values = np.array(
+        [*limits, *(nextafter(limit, side) for limit in limits for side in (-inf, inf)), 2.5, -7.0, 1e300]
+    )
+    wrong = 0
+    for key in NUMBERS[name]:
+        given = accepted(design_model(data), data, key, values)
+        one_by_one = [isinstance(checked_design(data, [key], [value]), Design) for value in values.tolist()]
+        assert given.tolist() == one_by_one, key
+        wrong += len(values) - sum(one_by_one)
+    assert wrong > 20
+
+
+def test_keys_that_no_batch_reads_have_designs_of_their_own(alone: list[Design]) -> None:
+    """Their values may make another kind, as lobes and a resistance do."""
+    keys = ["gears.lobes.driving", "resistance.polynomial_n.0", "motion.v1_mm_s"]
+    values = np.array([[1, -131.2779, 1600.0], [1, -100.0, 1610.0], [2, -100.0, 1600.0], [1, -100.0, -5.0]])
+    data = data_of("baler")
+    data["gears"] |= {"lobes": {"driving": 1}}
+    found = screened_block(data, keys, values)
+    assert not alone
+    assert disagreement(found, data, keys, values) <= AGREEMENT
+    assert found.made.tolist() == [True, True, False, False]
+
+
 @pytest.mark.parametrize(("width_mm", "batch"), [(90.0, True), (0.02, False)])
-def test_a_narrow_peak_of_the_resistance_is_not_left_to_a_batch(width_mm: float, batch: bool) -> None:
+@pytest.mark.tiers(thorough=["0.02*"], rest="quick")
+def test_a_narrow_peak_of_the_resistance_is_not_left_to_a_batch(
+    width_mm: float, batch: bool, alone: list[Design]
+) -> None:
     """The samples of a batch see nothing of it, and their series is resolved all the same."""
     data = data_of("baler")
     data["resistance"] = {"expression_n": f"500 + 3e3*exp(-((x - 401.77)/{width_mm})**2)"}
-    designs = [Design.model_validate(data)]
-    assert together(designs).all() == batch
-    found = screened(designs)
-    assert disagreement(found, designs) <= AGREEMENT
+    keys, values = ["operation.speed_rpm"], np.array([[20.0]])
+    found = screened_block(data, keys, values)
+    assert (not alone) == batch
+    assert disagreement(found, data, keys, values) <= AGREEMENT
     assert found.figures["check.peak_power_w"][0] > 1000.0
 
 
-@pytest.mark.slow
-def test_no_design_is_made_whose_flanks_push_beyond_a_right_angle() -> None:
+def swinging() -> dict[str, Any]:
+    return {
+        "name": "swinging",
+        "linkage": {"crank_mm": 40, "rod_mm": 150},
+        "operation": {"speed_rpm": 90},
+        "motion": {"law": "harmonic_ratio", "cosine": [0.05, 0.0], "sine": [0, 0, 0, 0, 0, 0.2]},
+        "gears": {"teeth": 120, "module_mm": 2, "face_width_mm": 9, "rack": {"pressure_angle_deg": 20.0}},
+    }
+
+
+@pytest.mark.thorough
+def test_no_design_is_made_whose_flanks_push_beyond_a_right_angle(alone: list[Design]) -> None:
     """Of ratios that swing ever more; the angle counts the rack's own, and a rack of less pushes further."""
-    texts = [
-        "name: swinging\nlinkage: {crank_mm: 40, rod_mm: 150}\noperation: {speed_rpm: 90}\n"
-        f"motion: {{law: harmonic_ratio, cosine: [0.05], sine: [0, 0, 0, 0, 0, {swing}]}}\n"
-        f"gears: {{teeth: 120, module_mm: 2, face_width_mm: 9, rack: {{pressure_angle_deg: {rack}}}}}\n"
-        for swing in (0.2, 0.5, 0.9, 1.3)
-        for rack in (15.0, 25.0)
-    ]
-    designs = [drive_of_text(text).design for text in texts]
-    found = screened(designs)
-    assert disagreement(found, designs) <= AGREEMENT
-    assert 0 < found.made.sum() < len(designs)
-    assert (found.figures["pitch.max_pressure_angle_deg"] < 90.0).all()
+    keys = ["motion.sine.5", "gears.rack.pressure_angle_deg"]
+    values = np.array([[swing, rack] for swing in (0.2, 0.5, 0.9, 1.3) for rack in (15.0, 25.0)])
+    data = swinging()
+    found = screened_block(data, keys, values)
+    assert len(alone) <= 2
+    assert disagreement(found, data, keys, values) <= AGREEMENT
+    assert 0 < found.made.sum() < len(values)
     steep = [verdict for verdict in found.verdicts if verdict != MADE]
     assert all("the pressure angle reaches" in verdict and "under 90 deg is needed" in verdict for verdict in steep)
     # The steepest made with the smaller rack is refused with the larger one.
     assert found.made.reshape(-1, 2)[:, 0].sum() > found.made.reshape(-1, 2)[:, 1].sum()
 
 
-def random_strokes(seed: int, count: int) -> list[Design]:
-    random = np.random.default_rng(seed)
-    return [stroke_design(random) for _ in range(count)]
+HARMONIES = {
+    "motion.cosine.0": (-0.9, 0.9),
+    "motion.cosine.1": (-0.5, 0.5),
+    "motion.sine.5": (-0.2, 0.2),
+    "linkage.rod_mm": (30.0, 300.0),
+    "gears.teeth": (2.0, 200.0),
+}
 
 
 @pytest.mark.slow
-def test_random_strokes_agree_with_single_designs() -> None:
-    designs = random_strokes(11, 20)
-    found = screened(designs)
-    assert disagreement(found, designs) <= AGREEMENT
-    assert (found.made & together(designs)).sum() >= 6
-    assert (~found.made).sum() >= 4
+@pytest.mark.parametrize("offset_mm", [0.0, 12.0])
+@pytest.mark.parametrize("lobes", [1, 2])
+def test_random_harmonics_agree_with_single_designs(offset_mm: float, lobes: int) -> None:
+    data, values = swinging(), in_box(HARMONIES, 40, 2)
+    values[:, -1] = np.round(values[:, -1])
+    data["linkage"]["offset_mm"] = offset_mm
+    data["gears"]["lobes"] = {"driving": 1, "driven": lobes}
+    found = screened_block(data, list(HARMONIES), values)
+    assert disagreement(found, data, list(HARMONIES), values) <= AGREEMENT
+    assert found.made.sum() >= 8
 
 
-def harmonic_design(random: np.random.Generator) -> Design:
-    """A law of a few harmonics of any strength, some with lobes, some on a linkage with an offset."""
-    data = data_of("baler-66")
-    strength = random.uniform(0.0, 1.2) / np.arange(1.0, random.integers(2, 7)) ** 1.5
-    cosine, sine = (random.normal(0.0, 1.0, strength.size) * strength for _ in range(2))
-    data["motion"] = {"law": "harmonic_ratio", "cosine": cosine.tolist(), "sine": sine[1:].tolist()}
-    lobes = {"driving": 1, "driven": int(random.choice([1, 1, 2]))}
-    data["gears"] = {"teeth": 40, "module_mm": 4, "face_width_mm": 30, "lobes": lobes}
-    if random.random() < 0.5:
-        data["linkage"] = {
-            "crank_mm": 380,
-            "rod_mm": random.uniform(600.0, 3000.0),
-            "offset_mm": random.choice([0.0, 60.0]),
-        }
-    return Design.model_validate(data)
+def test_too_few_points_send_every_design_the_single_way(monkeypatch: pytest.MonkeyPatch, alone: list[Design]) -> None:
+    monkeypatch.setattr(block_module.computed_together, "__defaults__", ((Fineness(9),),))
+    for name in ("baler", "baler-drivetrain"):
+        assert screened_block(data_of(name), ["operation.speed_rpm"], np.array([[20.0]])).made.all()
+    assert len(alone) == 2
 
 
-def random_harmonics(seed: int, count: int) -> list[Design]:
-    random = np.random.default_rng(seed)
-    return [harmonic_design(random) for _ in range(count)]
-
-
-@pytest.mark.slow
-def test_random_harmonics_agree_with_single_designs() -> None:
-    designs = random_harmonics(1, 15)
-    found = screened(designs)
-    assert disagreement(found, designs) <= AGREEMENT
-    assert (found.made & together(designs)).sum() >= 10
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [2, *(pytest.param(seed, marks=pytest.mark.long) for seed in (3, 4))])
-def test_hundreds_of_random_harmonics_agree_with_single_designs(seed: int) -> None:
-    designs = random_harmonics(seed, 100)
-    assert disagreement(screened(designs), designs) <= AGREEMENT
-
-
-@pytest.mark.slow
-@pytest.mark.long
-@pytest.mark.parametrize("seed", [2, 3, 4, 5])
-def test_hundreds_of_random_strokes_agree_with_single_designs(seed: int) -> None:
-    designs = random_strokes(seed, 100)
-    assert disagreement(screened(designs), designs) <= AGREEMENT
-
-
-def test_too_few_points_send_every_design_the_single_way() -> None:
-    designs = [loaded(name).design for name in ("baler", "baler-drivetrain")]
-    assert not together(designs, counts=(9,)).any()
-
-
-@pytest.mark.slow
-def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch, alone: list[Design]) -> None:
     """Without the look at the last coefficients, figures would be wrong: the comparison above can fail."""
     monkeypatch.setattr(figures_module, "RESOLVED", np.inf)
     monkeypatch.setattr(figures_module, "CLOSED", np.inf)
-    designs = [loaded("baler").design]
-    found = screened(designs, counts=(9,))
-    assert together(designs, counts=(9,)).all()
-    assert disagreement(found, designs) > 1e-6
+    monkeypatch.setattr(block_module.computed_together, "__defaults__", ((Fineness(9),),))
+    data, keys, values = data_of("baler"), ["operation.speed_rpm"], np.array([[20.0]])
+    found = screened_block(data, keys, values)
+    assert not alone
+    assert disagreement(found, data, keys, values) > 1e-6
 
 
 @pytest.mark.slow
-def test_the_order_of_designs_and_their_neighbours_do_not_matter() -> None:
-    designs = [*random_strokes(8, 10), *random_harmonics(8, 10)]
-    whole, half = screened(designs), screened(designs[::-2])
-    mirrored = np.isin(whole.numbers, np.arange(len(designs))[::-2])
-    for name in whole.figures:
-        assert half.figures[name][::-1] == pytest.approx(whole.figures[name][mirrored], rel=1e-12, abs=1e-12)
-
-
-@pytest.mark.slow
-def test_figures_hold_no_gap() -> None:
-    found = screened([*random_strokes(9, 10), *random_harmonics(9, 10)])
-    assert all(np.isfinite(values).all() for values in found.figures.values())
-    assert all(len(values) == found.made.sum() for values in found.figures.values())
-
-
-@pytest.mark.slow
-def test_teeth_that_do_not_fit_are_refused_as_a_build_refuses_them() -> None:
-    data = data_of("baler")
-    data["gears"] = {**data["gears"], "center_distance_mm": 80.0}
-    design = Design.model_validate(data)
-    found = screened([design])
-    assert found.verdicts == (singly(design),)
-    assert together([design]).all()
+def test_rows_and_their_neighbours_do_not_matter() -> None:
+    """Neither their order nor the sizes of batches change a digit beyond rounding."""
+    data, values = data_of("baler"), in_box(BORDER, TOGETHER + 40, 8)
+    whole, half = (screened_block(data, list(BORDER), rows) for rows in (values, values[::-2]))
+    assert half.verdicts == whole.verdicts[::-2]
+    for name, column in whole.figures.items():
+        assert half.figures[name] == pytest.approx(column[::-2], rel=1e-12, abs=1e-12, nan_ok=True)
 
 
 RESISTANCES: dict[str, dict[str, Any]] = {
@@ -263,58 +382,45 @@ RESISTANCES: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("resistance", RESISTANCES.values(), ids=RESISTANCES)
 def test_resistances_of_other_forms(resistance: dict[str, Any]) -> None:
-    designs = [Design.model_validate({**data_of("baler"), "resistance": resistance})]
-    assert disagreement(screened(designs), designs) <= AGREEMENT
+    data, keys, values = {**data_of("baler"), "resistance": resistance}, ["operation.speed_rpm"], np.array([[20.0]])
+    assert disagreement(screened_block(data, keys, values), data, keys, values) <= AGREEMENT
 
 
-@pytest.mark.thorough
-def test_no_part_at_constant_speed() -> None:
-    data = data_of("baler")
-    data["motion"] |= {"theta2_pi": 0.9, "theta3_pi": 0.9}
-    designs = [Design.model_validate(data)]
-    found = screened(designs)
-    assert disagreement(found, designs) <= AGREEMENT
-    assert together(designs).all()
+def test_no_part_at_constant_speed(alone: list[Design]) -> None:
+    data, keys, values = data_of("baler"), ["motion.theta2_pi", "motion.theta3_pi"], np.array([[0.9, 0.9]])
+    found = screened_block(data, keys, values)
+    assert not alone
+    assert disagreement(found, data, keys, values) <= AGREEMENT
 
 
-@pytest.mark.slow
-def test_several_lobes_of_the_driving_gear() -> None:
-    data = data_of("baler")
-    data["gears"] |= {"lobes": {"driving": 2, "driven": 1}, "teeth": 50}
-    for number in (1, 2, 3, 4):
-        data["motion"][f"theta{number}_pi"] /= 2.0
-    designs = [Design.model_validate(data)]
-    assert disagreement(screened(designs), designs) <= AGREEMENT
-
-
-@pytest.mark.tiers(thorough=["internal-1-2"], rest="thorough")
+@pytest.mark.tiers(thorough=["internal-1-2"], rest="quick")
 @pytest.mark.parametrize(
-    "name", ["ellipse", "feeder-table", "internal-1-2", "baler-66", "baler-66-two-stage", "uniform-crank"]
+    "name",
+    ["ellipse", "feeder-table", "internal-1-2", "baler-66", "baler-66-two-stage", "uniform-crank", "rocker-drive"],
 )
-def test_laws_without_a_batch_are_computed_by_themselves(name: str) -> None:
-    designs = [loaded(name).design]
-    found = screened(designs)
-    assert not together(designs).any()
+def test_laws_without_a_batch_are_computed_by_themselves(name: str, alone: list[Design]) -> None:
+    data, keys, values = loaded(name).data, ["operation.speed_rpm"], np.array([[20.0]])
+    found = screened_block(data, keys, values)
+    assert len(alone) == 1
     assert found.made.all()
-    assert disagreement(found, designs) == 0.0
+    assert disagreement(found, data, keys, values) == 0.0
 
 
-@pytest.mark.thorough
-def test_designs_without_gears_have_the_figures_of_a_check() -> None:
-    data = data_of("baler")
+def test_designs_without_gears_have_the_figures_of_a_check(alone: list[Design]) -> None:
+    data, keys, values = data_of("baler"), ["operation.speed_rpm"], np.array([[20.0]])
     del data["gears"]
-    designs = [Design.model_validate(data)]
-    found = screened(designs)
+    found = screened_block(data, keys, values)
+    assert not alone
     assert tuple(found.figures) == CHECK_FIGURES
-    assert disagreement(found, designs) <= AGREEMENT
+    assert disagreement(found, data, keys, values) <= AGREEMENT
 
 
-def test_no_designs_give_an_empty_table() -> None:
-    found = screened([])
-    assert found.figures == {}
+def test_no_designs_give_an_empty_block() -> None:
+    found = screened_block(data_of("baler"), list(BORDER), np.empty((0, 2)))
+    assert tuple(found.figures) == CHECK_FIGURES + PITCH_FIGURES
     assert found.verdicts == ()
 
 
@@ -324,7 +430,8 @@ def test_the_closing_residual_is_taken_at_other_points_than_the_law(name: str) -
     design = loaded(name).design
     kind = kind_of(design)
     assert kind is not None
-    few, enough = (sampled(kind, [design], count) for count in (7, 129))
+    batch = Batch(kind, (design,), np.zeros(1, dtype=int), {})
+    few, enough = (sampled(batch, Fineness(count)) for count in (7, 129))
     assert abs(float(enough.closing_error_rad[0])) < 1e-12
     assert abs(float(few.closing_error_rad[0])) > 1e-8
     if name == "baler-drivetrain":

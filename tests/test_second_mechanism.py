@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 
 import ncgear
 from commands import Run
@@ -364,12 +365,10 @@ def test_a_sweep_is_as_each_design_by_itself(run: Run, law: str) -> None:
     status, out, _ = run("sweep", "d.yaml", "--vary", "linkage.crank_mm=370:390:3", "--out", "s")
     assert status == 0
     assert out.startswith("3 designs, of which 3 can be made\n")
-    with Path("s/sweep.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    for row in rows:
+    for row in parquet.read_table("s/sweep.parquet").to_pylist():
         own = drive(law, linkage=f"{{kind: scotch_yoke, crank_mm: {row['linkage.crank_mm']}}}")
         figures = single_figures(own.design)
-        assert {name: float(row[name]) for name in figures} == pytest.approx(figures, rel=1e-7, abs=1e-9)
+        assert {name: row[name] for name in figures} == pytest.approx(figures, rel=1e-7, abs=1e-9)
 
 
 @pytest.mark.slow

@@ -33,9 +33,9 @@ from ncgear.optimum.family import RETURN_POINTS, sampled_laws
 from ncgear.optimum.task import Task
 from ncgear.project.drive import Drive
 from ncgear.ratio.sampled_strokes import BUMP_HEIGHT
+from ncgear.screening.batch import kind_of
+from ncgear.screening.block import screened_block
 from ncgear.screening.rows import single_figures
-from ncgear.screening.samples import kind_of
-from ncgear.screening.screen import screened
 from oracles import newton_euler
 from published import BALER_LINKAGE, FIT, OFFSET, PRESS, RPM
 from test_family import SHAPES, family_of, points_of
@@ -424,7 +424,8 @@ def test_a_screening_has_the_figures_of_a_check(tmp_path: Path) -> None:
     text = FILE + "resistance: {polynomial_n: [5], returning: {polynomial_n: [80]}, friction_n: 2}\n"
     design = drive_in(tmp_path, text).design
     assert kind_of(design) is None
-    found = screened([design]).figures
+    data, speed = load(tmp_path / "mine.yaml").data, design.operation.speed_rpm
+    found = screened_block(data, ["operation.speed_rpm"], np.array([[speed]])).figures
     alone = single_figures(design)
     assert {name: float(values[0]) for name, values in found.items()} == alone
     stroke = drive_in(tmp_path, text).linkage.stroke_mm

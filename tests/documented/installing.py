@@ -16,6 +16,7 @@ INSTALLS = (
     "python3 -m venv .venv && .venv/bin/pip install -q -e '.[dev]' && ",
     ".venv/bin/pip install -q -e '.[optimize]'",
     ".venv/bin/pip install -q -e '.[step]'",
+    ".venv/bin/pip install -q -e '.[sweep]'",
     ".venv/bin/pip install -q -e '.[video]'",
     ". .venv/bin/activate",
 )

@@ -10,8 +10,9 @@ from ncgear import __version__
 from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.new import new
-from ncgear.cli.search import frontier, optimize, size, sweep
+from ncgear.cli.search import frontier, optimize, size
 from ncgear.cli.studio import studio
+from ncgear.cli.sweep import sweep
 from ncgear.cli.tolerance import tolerance
 
 app = typer.Typer(

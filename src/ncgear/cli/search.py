@@ -1,4 +1,4 @@
-"""Commands that look among many laws or gears: optimize, frontier, sweep, size."""
+"""Commands that look among many laws or gears: optimize, frontier, size."""
 
 from __future__ import annotations
 
@@ -105,42 +105,6 @@ def frontier(
         else:
             then = "give a cap as optimize.limits.peak_power_w, then ncgear optimize"
             typer.echo(answer_text(frontier_answer(found, best, then), run.paths, run.kept))
-
-
-def sweep(
-    design_file: DesignFile,
-    vary: Annotated[
-        list[str],
-        typer.Option(metavar="KEY=FROM:TO:COUNT", help="A key of the file and its values; again for another key."),
-    ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-sweep")
-    ] = None,
-    verbose: Verbose = False,
-) -> None:
-    """Screen many designs: check and pitch curves, without teeth, for all combinations of some keys' values."""
-    from ncgear.design.varied import designs_of, require_grid, varied_of
-    from ncgear.files.publish import prepare
-
-    varied = [varied_of(text) for text in vary]
-    with opened(design_file) as loaded:
-        require_grid(loaded, varied)
-        folder = out or EXPORT / f"{loaded.design.name}-sweep"
-        prepare(folder)
-
-        from ncgear.figures.answers.answer import answer_text
-        from ncgear.figures.answers.swept import swept_answer
-        from ncgear.figures.sweep import sweep_csv, sweep_text
-        from ncgear.files.manifest import publish_run
-        from ncgear.screening.screen import screened
-
-        with counted("designs") as on_done:
-            found = screened(list(designs_of(loaded, varied)), on_done=on_done, as_written=loaded.source.as_written)
-        run = publish_run(folder, {"sweep.csv": sweep_csv(varied, found).encode()}, "sweep")
-        if verbose:
-            typer.echo(sweep_text(varied, found, run.paths, run.kept))
-        else:
-            typer.echo(answer_text(swept_answer(varied, found), run.paths, run.kept))
 
 
 def size(

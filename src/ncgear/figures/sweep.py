@@ -1,118 +1,166 @@
-"""A sweep as CSV, and the best of it as text."""
+"""What is told of a sweep: the best designs, the Pareto set, why others are refused, and which keys matter."""
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-from collections.abc import Sequence
-from itertools import product
+from collections.abc import Mapping, Sequence
+from math import isnan
 from pathlib import Path
 from textwrap import fill
 
 import numpy as np
 
-from ncgear.design.varied import Varied
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import shown
+from ncgear.figures.numbers import fixed, shown
+from ncgear.figures.quantities import name_of, told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
-from ncgear.numerics.arrays import IndexArray
-from ncgear.screening.screen import MADE, Screened
+from ncgear.screening.designs import Designs
+from ncgear.screening.overview import Overview, Refusal, rank_correlations
+from ncgear.screening.wanted import Constraint, Objective, Wanted
 
-BEST = 5
-"""Number of designs that the text lists for each figure."""
-
-RANKED = {
-    "least acceleration": "check.peak_acceleration_cycle_",
-    "least power": "check.peak_power_",
-}
-"""How the names begin of the figures that the best designs have least of; they end in the unit."""
+REFUSALS = 5
+"""Problems that are told, the most frequent first."""
 
 WIDTH, COUNT_WIDTH = 110, 7
 
 
-def sweep_csv(varied: Sequence[Varied], found: Screened) -> str:
-    """One row for each design: its values, its figures where it can be made, and the verdict."""
-    names = [*(one.key for one in varied), *found.figures, "verdict"]
-    figures = iter(zip(*(values.tolist() for values in found.figures.values()), strict=True))
-    none = ("",) * len(found.figures)
-    rows = zip(_values(varied), found.verdicts, strict=True)
-    return rows_text(names, [[*values, *(next(figures) if made == MADE else none), made] for values, made in rows])
+def title_of(objective: Objective) -> str:
+    """``least peak power``."""
+    return f"{'greatest' if objective.greatest else 'least'} {_brief(objective.name)}"
 
 
-def sweep_text(varied: Sequence[Varied], found: Screened, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
-    """How many can be made, the best of them, why the others cannot, the files written, and those kept."""
-    made = int(found.made.sum())
-    blocks = [f"{len(found.made)} designs, of which {made} can be made"]
-    if made:
-        blocks += [_best(title, figure, varied, found) for title, figure in ranked(found).items()]
-    if made < len(found.made):
-        blocks.append("\n".join(["Refused", *_refused(varied, found)]))
-    return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
+def head_of(name: str) -> str:
+    """``peak power, W``: a figure's name and the unit in which its cells are."""
+    unit = told(_last(name), 1.0)[2]
+    return f"{_brief(name)}, {unit}" if unit else _brief(name)
 
 
-def ranked(found: Screened) -> dict[str, str]:
-    """The figures that the best designs have least of, in the units of what moves."""
-    return {title: name for title, start in RANKED.items() for name in found.figures if name.startswith(start)}
+def _last(name: str) -> str:
+    return name.rpartition(".")[2]
 
 
-def _values(varied: Sequence[Varied]) -> list[tuple[float, ...]]:
-    return list(product(*(one.values for one in varied)))
+def _brief(name: str) -> str:
+    """The name of a figure without what is said of it behind a comma."""
+    return name_of(_last(name)).partition(",")[0]
 
 
-def _order(figure: str, found: Screened) -> IndexArray:
-    """The best rows by a figure.
-
-    Rows whose figure shows the same digits, such as laws with one working stroke, are ordered by the other figures.
-    """
-    others = [found.figures[name] for name in ranked(found).values() if name != figure]
-    read = np.array([float(shown(float(value))) for value in found.figures[figure]])
-    return np.lexsort((*others, read))[:BEST]
-
-
-def _best(title: str, figure: str, varied: Sequence[Varied], found: Screened) -> str:
-    """A table of the designs with the least of a figure."""
-    heads = [*(one.key for one in varied), *ranked(found).values()]
-    return "\n".join([f"Best by {title}", *aligned([heads, *best_cells(figure, varied, found)])])
-
-
-def best_cells(figure: str, varied: Sequence[Varied], found: Screened) -> list[list[str]]:
-    """The designs with the least of a figure: the texts of what is varied, and of the figures."""
-    values, numbers = _values(varied), found.numbers
+def cells_of(designs: Designs, wanted: Wanted) -> list[list[str]]:
+    """A row for each design: the values of its keys, and its objectives."""
     return [
         [
-            *map(shown, values[numbers[number]]),
-            *(shown(float(found.figures[name][number])) for name in ranked(found).values()),
+            *(shown(float(values[row])) for values in designs.values.values()),
+            *(told(_last(one.name), float(designs.column(one.name)[row]))[1] for one in wanted.objectives),
         ]
-        for number in _order(figure, found).tolist()
+        for row in range(len(designs.numbers))
     ]
 
 
-def _refused(varied: Sequence[Varied], found: Screened) -> list[str]:
+def where_of(refusal: Refusal) -> str:
+    """``motion.v1_mm_s = 1600, motion.v2_mm_s = 1000``."""
+    return ", ".join(f"{key} = {shown(value)}" for key, value in refusal.values.items())
+
+
+def counts_of(screened: Overview, deeper: Overview | None, stage: str) -> list[str]:
+    """How many designs there are, how many are left after each step, and how many are the best."""
+    said = [f"{screened.count} designs, of which {screened.made} can be made"]
+    constraints = screened.wanted.constraints
+    if constraints:
+        said.append(f"{screened.kept} keep {_said(constraints)}")
+    if deeper is not None:
+        said.append(f"{deeper.count} went on to {stage}, of which {deeper.made} can be made")
+        later = [one for one in deeper.wanted.constraints if one not in constraints]
+        if later:
+            said.append(f"{deeper.kept} keep {_said(later)}")
+    last = deeper or screened
+    if len(last.wanted.objectives) > 1 and last.front is not None:
+        said.append(f"{len(last.front.numbers)} in the Pareto set")
+    return said
+
+
+def _said(constraints: Sequence[Constraint]) -> str:
+    return ", ".join(f"{_last(one.name)} {one.comparison} {shown(one.number)}" for one in constraints)
+
+
+def sweep_text(
+    screened: Overview, deeper: Overview | None, stage: str, paths: Sequence[Path], kept: Sequence[Path] = ()
+) -> str:
+    """Everything that is told of a sweep, the files written, and those kept."""
+    last = deeper or screened
+    blocks = ["\n".join(counts_of(screened, deeper, stage))]
+    blocks += [_best(objective, best, last) for objective, best in zip(last.wanted.objectives, last.best, strict=False)]
+    if last.kept > 1:
+        blocks.append(
+            "\n".join(["Share of the variance that a key explains alone (rank correlation)", *_effects(last)])
+        )
+    for overview, title in ((screened, "Refused"), (deeper, f"Refused at the stage {stage} or before it")):
+        if overview is not None and overview.made < overview.count:
+            blocks.append("\n".join([title, *_refused(overview)]))
+    return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
+
+
+def _best(objective: Objective, best: Designs, overview: Overview) -> str:
+    heads = [*overview.space.keys, *(one.name for one in overview.wanted.objectives)]
+    return "\n".join([f"Best by {title_of(objective)}", *aligned([heads, *cells_of(best, overview.wanted)])])
+
+
+def _effects(overview: Overview) -> list[str]:
+    explained, correlation = overview.effects.explained, rank_correlations(overview)
+    heads = ["", *(head_of(one.name) for one in overview.wanted.objectives)]
+    rows = [
+        [
+            key,
+            *(
+                f"{_share(share)} ({_share(rank)})"
+                for share, rank in zip(explained[row], correlation[row], strict=True)
+            ),
+        ]
+        for row, key in enumerate(overview.space.keys)
+    ]
+    return aligned([heads, *rows], left=1)
+
+
+def _share(value: float) -> str:
+    return "-" if isnan(value) else fixed(value, 2)
+
+
+def _refused(overview: Overview) -> list[str]:
     """The most frequent problems, each with the first design that has it and all that is said of that one."""
     lines = []
-    for count, where, verdict in refusals(varied, found):
-        said = f"{'first ' if count > 1 else ''}at {where}: {verdict}"
+    for one in overview.frequent_refusals[:REFUSALS]:
+        said = f"{'first ' if one.count > 1 else ''}at {where_of(one)}: {one.verdict}"
         space = " " * (COUNT_WIDTH + 2)
         text = fill(said, WIDTH, initial_indent=space, subsequent_indent=space, break_on_hyphens=False)
-        lines.append(f"{count:>{COUNT_WIDTH}}{text[COUNT_WIDTH:]}")
+        lines.append(f"{one.count:>{COUNT_WIDTH}}{text[COUNT_WIDTH:]}")
     return lines
 
 
-def refusals(varied: Sequence[Varied], found: Screened) -> list[tuple[int, str, str]]:
-    """How many designs have a problem, where the first of them is, and all that is said of that one."""
-    values = _values(varied)
-    refused = [number for number, verdict in enumerate(found.verdicts) if verdict != MADE]
-    counts = Counter(_problem(found.verdicts[number]) for number in refused)
-    first = {_problem(found.verdicts[number]): number for number in reversed(refused)}
-    told = []
-    for problem, count in counts.most_common(BEST):
-        number = first[problem]
-        where = ", ".join(f"{one.key} = {shown(value)}" for one, value in zip(varied, values[number], strict=True))
-        told.append((count, where, found.verdicts[number]))
-    return told
+def front_csv(front: Designs, wanted: Wanted) -> str:
+    """The Pareto set in the order of the first objective: number, keys, objectives first, then all other figures."""
+    first = [one.name for one in wanted.objectives if one.name in front.figures]
+    names = [*first, *(name for name in front.figures if name not in first)]
+    order = np.lexsort(wanted.costs(front).T[::-1])
+    columns = [front.numbers, *front.values.values(), *(front.figures[name] for name in names)]
+    return rows_text(
+        ["number", *front.values, *names],
+        [["" if value != value else value for value in (column[row].item() for column in columns)] for row in order],
+    )
 
 
-def _problem(verdict: str) -> str:
-    """A verdict up to its first number, which many designs share."""
-    return re.split(r"-?\d", verdict, maxsplit=1)[0]
+def effects_csv(overview: Overview) -> str:
+    """A row for each part of each key's range: its middle, its designs, the share refused, means of the objectives."""
+    effects, objectives = overview.effects, overview.wanted.objectives
+    rows = []
+    for key, name in enumerate(overview.space.keys):
+        for place in np.flatnonzero(effects.designs[key]).tolist():
+            means: list[float | str] = [""] * len(objectives)
+            if effects.kept[key, place]:
+                means = effects.means[key, place].tolist()
+            value, refused = effects.places[key, place], effects.refused_share[key, place]
+            rows.append([name, float(value), int(effects.designs[key, place]), float(refused), *means])
+    heads = ["key", "value", "designs", "refused_share", *(f"mean {one.name}" for one in objectives)]
+    return rows_text(heads, rows)
+
+
+def values_of(designs: Designs, row: int) -> Mapping[str, float]:
+    """What the keys of one design are."""
+    return {key: float(values[row]) for key, values in designs.values.items()}

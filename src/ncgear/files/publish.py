@@ -33,6 +33,9 @@ _POINTER, _LINK = "current", "link"
 
 REMEDY = "choose another folder with --out"
 
+UNFINISHED = ".part"
+"""End of the name of a file that is being written by ``put_in_place``."""
+
 WITHOUT_LINKS = {EPERM, ENOSYS, EOPNOTSUPP, EROFS}
 """What file systems answer that have no links; shared folders of virtual machines say that they can only be read."""
 
@@ -226,6 +229,21 @@ def _second(place: Path, other: Path) -> None:
                 raise
     _write(other, place.read_bytes())
     shutil.copystat(place, other)
+
+
+def put_in_place(place: Path, content: bytes) -> None:
+    """Write one file of many, down to the disk, and move it to its place, where an earlier one has stood at most.
+
+    A killed run leaves the earlier file or the new one, and perhaps a file whose name begins with a point and ends in
+    ``.part``.  Raises WrongInput when that cannot be done.
+    """
+    with _refused(place.parent), uninterrupted():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        beside = place.with_name(f".{place.name}{UNFINISHED}")
+        beside.unlink(missing_ok=True)
+        _write(beside, content)
+        beside.replace(place)
+        _sync_folder(place.parent)
 
 
 def _write(place: Path, content: bytes) -> None:

@@ -24,6 +24,12 @@ NEGLIGIBLE = 1e-13
 """A top between two points is looked for only if it may exceed the largest value by more than this share of it;
 rounding errors of the slopes make less."""
 
+NEWTON_STEPS = 2
+"""Newton's steps to the place of a top from the zero of the line through the slopes at two neighbouring points."""
+
+LAST_STEP = 1e-7
+"""Share of a piece: after a last step under it a place is as exact as rounding allows; the others are bracketed."""
+
 FINER = 2
 """Parts that each interval between points is divided into where sign changes of the derivative are looked for."""
 
@@ -71,6 +77,28 @@ def extremes(values: Array, owner: IndexArray) -> tuple[Array, Array]:
     return -_largest(-values, -grid, -slopes, owner, owners), high
 
 
+def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
+    """Both ends of each function (shape (r, count)) and the places between where its slope changes its sign.
+
+    The function's number, the place in [0, 1] and the value there, shape (k,) each.
+    """
+    count, fine = values.shape[1], shares(FINER * values.shape[1] - 1)
+    slopes = values @ _refinement(count)[1].T
+    row, place = np.nonzero((slopes[:, :-1] > 0.0) != (slopes[:, 1:] > 0.0))
+    at, there = _turned(values[row], fine[place], fine[place + 1])
+    ends = np.arange(len(values))
+    return (
+        np.concatenate([ends, ends, row]),
+        np.concatenate([np.zeros(ends.size), np.ones(ends.size), at]),
+        np.concatenate([values[:, 0], values[:, -1], there]),
+    )
+
+
+def sums_at(values: Array, share: Array) -> Array:
+    """Each function (shape (r, count)) at its own place in [0, 1] (shape (r,))."""
+    return _sums(_coefficients(values.shape[1]) @ values.T, share)
+
+
 def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owners: int) -> Array:
     """Largest value over each owner's functions, shape (owners,); ``grid`` and ``slopes`` are at the finer points."""
     best = np.full(owners, -np.inf)
@@ -80,7 +108,7 @@ def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owner
     kept = _reach(grid, slopes, row, place) > best[owner[row]] + NEGLIGIBLE * np.abs(best[owner[row]])
     row, place = row[kept], place[kept]
     points = shares(FINER * values.shape[1] - 1)
-    np.maximum.at(best, owner[row], _tops(values[row], points[place], points[place + 1]))
+    np.maximum.at(best, owner[row], _turned(values[row], points[place], points[place + 1])[1])
     return best
 
 
@@ -92,17 +120,25 @@ def _reach(grid: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Ar
     return np.minimum(before, after)
 
 
-def _tops(values: Array, low: Array, high: Array) -> Array:
-    """Value of each function where its slope changes sign between ``low`` and ``high``; shape (k,).
+def _turned(values: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Where each function's slope changes sign between ``low`` and ``high``, and its value there; shape (k,) each.
 
     Where rounding hides the change of sign, the slope at one of both places is itself rounding error; the value at
     ``low`` is taken.
     """
-    series, slope = (np.ascontiguousarray(matrix @ values.T) for matrix in _series(values.shape[1]))
-    changes = _sums(slope, low) * _sums(slope, high) < 0.0
-    at, inner = low.copy(), slope[:, changes]
-    at[changes] = zeros_between(lambda share: _sums(inner, share), low[changes], high[changes])
-    return _sums(series, at)
+    series, slope, bend = (np.ascontiguousarray(matrix @ values.T) for matrix in _series(values.shape[1]))
+    before, after = _sums(slope, low), _sums(slope, high)
+    changes = before * after < 0.0
+    at = np.where(changes, low + (high - low) * before / np.where(changes, before - after, 1.0), low)
+    step = np.where(changes, np.inf, 0.0)
+    for _ in range(NEWTON_STEPS):
+        tried = np.clip(at - _sums(slope, at) / _sums(bend, at), low, high)
+        at, step = np.where(changes, tried, at), np.where(changes, np.abs(tried - at), step)
+    rest = np.nonzero(~(step <= LAST_STEP))[0]
+    if rest.size:
+        inner = slope[:, rest]
+        at[rest] = zeros_between(lambda share: _sums(inner, share), low[rest], high[rest])
+    return at, _sums(series, at)
 
 
 def _sums(coefficients: Array, share: Array) -> Array:
@@ -117,15 +153,15 @@ def _coefficients(count: int) -> Array:
 
 
 @cache
-def _series(count: int) -> tuple[Array, Array]:
-    """Matrices from values at the points to the function's coefficients, and to those of its slope."""
+def _series(count: int) -> tuple[Array, Array, Array]:
+    """Matrices from values at the points to the function's coefficients, to those of its slope and of its bend."""
     slope = np.vstack([2.0 * chebyshev.chebder(np.eye(count), axis=0), np.zeros(count)])
-    return _coefficients(count), slope @ _coefficients(count)
+    return _coefficients(count), slope @ _coefficients(count), slope @ slope @ _coefficients(count)
 
 
 @cache
 def _refinement(count: int) -> tuple[Array, Array]:
     """Matrices from values at the points to values and to slopes at the finer points."""
     finer = chebyshev.chebvander(2.0 * shares(FINER * count - 1) - 1.0, count - 1)
-    values, slopes = (finer @ matrix for matrix in _series(count))
+    values, slopes = (finer @ matrix for matrix in _series(count)[:2])
     return values, slopes

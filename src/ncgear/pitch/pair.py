@@ -220,9 +220,18 @@ class PitchPair(Shown):
 
 def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> Extremum:
     """Largest angle between the pitch curves' tangent and the normal to the centre line, whatever their size."""
-    low, high = transmission.extremes(lambda piece: lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), mesh))
-    worst = max(low, high, key=lambda extremum: abs(extremum.value))
-    return Extremum(atan(abs(worst.value)), worst.at)
+
+    def steepest(piece: Piece) -> tuple[Extremum, Extremum]:
+        return piece.extremes(lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), mesh))
+
+    found = [extremum for piece in transmission.made_pieces for extremum in steepest(piece)]
+    worst = max(abs(extremum.value) for extremum in found)
+    first = min(extremum.at for extremum in found if abs(extremum.value) >= worst * (1.0 - AS_STEEP))
+    return Extremum(atan(worst), first)
+
+
+AS_STEEP = 1e-10
+"""Relative difference of slopes that are one but for rounding errors; of such places the first is told."""
 
 
 CORNER_RAD = 1e-4
@@ -254,7 +263,8 @@ MOST_TEETH = 10_000
 minutes before it says that none of them can be seen."""
 
 
-def _refuse_many_teeth(pitches: float) -> None:
+def refuse_many_teeth(pitches: float) -> None:
+    """Refuse a driving gear of over MOST_TEETH teeth; raises WrongInput."""
     if pitches > MOST_TEETH:
         raise WrongInput(
             f"the driving gear has {pitches:.6g} tooth pitches of that size; {MOST_TEETH} at most are right: a larger "
@@ -293,7 +303,7 @@ def sized_pair(
     size = solved_size(
         transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
     )
-    _refuse_many_teeth(size.driving_teeth)
+    refuse_many_teeth(size.driving_teeth)
     pair = PitchPair(transmission, arc, size, mesh)
     if mesh is Mesh.INTERNAL:
         require_room(pair.driving, pair.driven)
@@ -316,7 +326,7 @@ def _open_pair(
         distance_mm = teeth * pi * module_mm / length
     elif teeth is not None:
         _refuse_disagreement(length, teeth, module_mm, distance_mm)
-    _refuse_many_teeth(length * distance_mm / (pi * module_mm))
+    refuse_many_teeth(length * distance_mm / (pi * module_mm))
     whole = continued(transmission, covered, pi * module_mm / distance_mm)
     arc = arc_length(whole, Mesh.EXTERNAL)
     share = distance_mm / (pi * module_mm)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin
+from math import cos, degrees, pi, radians, sin
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import Gears, Rack
@@ -47,12 +47,18 @@ def require_pushing_flanks(pitch: PitchPair, rack: Rack) -> None:
 
     Idle flanks count as well: where they cannot turn the mate, the play has no bounds.
     """
-    tangent, steeper = pitch.largest_tangent_angle_rad, max(rack.angles_deg)
-    angle = pitch.largest_pressure_angle_deg(radians(steeper))
+    tangent = pitch.largest_tangent_angle_rad
+    require_pushing(tangent.value, tangent.at, rack)
+
+
+def require_pushing(tangent_rad: float, at_rad: float, rack: Rack) -> None:
+    """As ``require_pushing_flanks``, of the largest tangent angle of the pitch curves and where it is, in rad."""
+    steeper = max(rack.angles_deg)
+    angle = degrees(tangent_rad + radians(steeper))
     if angle < RIGHT_ANGLE_DEG:
         return
     raise NoSuchMechanism(
-        f"the pressure angle reaches {angle:.4g} deg at phi1 = {in_words(tangent.at)} (of which the rack has "
+        f"the pressure angle reaches {angle:.4g} deg at phi1 = {in_words(at_rad)} (of which the rack has "
         f"{steeper:g}), where a flank pushes along the shafts' line or back instead of turning its "
         f"mate; under {RIGHT_ANGLE_DEG:g} deg is needed: a law whose ratio changes more slowly there",
         key="motion",

@@ -26,7 +26,7 @@ from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
-from ncgear.ratio.transmission import CLOSED
+from ncgear.ratio.transmission import CLOSED, STANDSTILL
 
 
 @dataclass(frozen=True)
@@ -159,13 +159,46 @@ def _unit_integral(polynomial: Polynomial) -> float:
     return float(antiderivative(1.0) - antiderivative(0.0))
 
 
+NARROWEST = 24
+"""Halvings of the return towards the place where its ratio is least: the driven gear's speed has a peak there about as
+narrow, in returns, as the ratio is small, and STANDSTILL refuses one narrower than 2^-20."""
+
+
 @cache
-def _panels() -> tuple[Array, Array]:
-    """Gauss-Legendre rule of 16 points on each of 16 panels of [0, 1], which are shorter towards the ends."""
-    edges = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2.0
-    unit, weights = legendre.leggauss(16)
-    middle, half = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges) / 2.0
-    return (middle[:, None] + half[:, None] * unit).ravel(), (half[:, None] * weights).ravel()
+def _even_panels() -> Array:
+    """Edges of 16 panels of [0, 1], which are shorter towards the ends."""
+    edges: Array = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2.0
+    return edges
+
+
+@cache
+def _gauss() -> tuple[Array, Array]:
+    """Points and weights of the Gauss-Legendre rule of 16 points on [-1, 1]."""
+    points, weights = legendre.leggauss(16)
+    return points, weights
+
+
+@dataclass(frozen=True, eq=False)
+class _Panels:
+    """A Gauss-Legendre rule on [0, 1] whose panels are halved towards ``about``, shape (n,) each.
+
+    Where a polynomial nearly touches zero at ``about``, its inverse has a pole beside each panel at three half-widths
+    or more, so that 16 points miss it by a factor of 5.8^-32.  ``offsets`` are tau - about, to all their digits.
+    """
+
+    about: float
+    offsets: Array
+    weights: Array
+
+    @classmethod
+    def towards(cls, about: float) -> _Panels:
+        """The panels of a place in [0, 1]."""
+        halves = 0.5 ** np.arange(1.0, NARROWEST + 1.0)
+        edges = np.concatenate([_even_panels() - about, halves, -halves])
+        edges = np.unique(np.clip(edges, -about, 1.0 - about))
+        points, weights = _gauss()
+        middle, half = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges) / 2.0
+        return cls(about, (middle[:, None] + half[:, None] * points).ravel(), (half[:, None] * weights).ravel())
 
 
 POLISHED = CLOSED / 20.0
@@ -189,11 +222,12 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
     least = _touching_multiple(base, direction)
     scale = max(1.0, abs(least), *np.abs(base.coef))
     target = ends.driven_length_rad / ends.length_rad
-    nodes, weights = _panels()
-    base_values, direction_values = base(nodes), direction(nodes)
+    local, about = _about_touching(base + least * direction)
+    beyond, panels = direction(Polynomial([about, 1.0])), _Panels.towards(about)
+    touching, rising = local(panels.offsets), beyond(panels.offsets)
 
     def excess(log_step: Array) -> Array:
-        covered: Array = (1.0 / (base_values + (least + np.exp(log_step)) * direction_values)) @ weights
+        covered: Array = (1.0 / (touching + np.exp(log_step) * rising)) @ panels.weights
         return np.atleast_1d(covered - target)
 
     low, high = np.array([np.log(scale) - 30.0]), np.array([np.log(scale) + 30.0])
@@ -204,8 +238,7 @@ def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> 
             key="motion.return",
         )
     step = np.exp(zeros_between(excess, low, high)[0])
-    local, about = _about_touching(base + least * direction)
-    return ReturnLaw(ends, local + step * direction(Polynomial([about, 1.0])), inverse=False, about=about)
+    return ReturnLaw(ends, local + step * beyond, inverse=False, about=about)
 
 
 def _about_touching(polynomial: Polynomial) -> tuple[Polynomial, float]:
@@ -238,18 +271,25 @@ def _touching_multiple(base: Polynomial, direction: Polynomial) -> float:
 
 
 def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
-    """Newton steps on the spectral integral, which the fixed panels of the solve only approximate.
+    """Newton steps on the spectral integral, which the panels of the solve only approximate.
 
-    Raises NoSuchMechanism when the ratio comes so near zero that closure cannot be reached to CLOSED.
+    Raises NoSuchMechanism where the driven gear counts as standing still beside its fastest place, and when closure
+    cannot be reached to CLOSED.
     """
-    best = law
+    best, panels = law, _Panels.towards(law.about)
+    ratios = law.local(panels.offsets)
+    lowest = int(np.argmin(ratios))
+    if not ratios[lowest] > STANDSTILL * np.max(ratios):
+        raise _not_positive(law.ends.start_rad + law.ends.length_rad * (law.about + panels.offsets[lowest]), law.ends)
+    rising = direction(panels.about + panels.offsets)
     for _ in range(6):
         if abs(best.closure_error_rad) <= POLISHED:
             return best
-        sensitivity = _closing_sensitivity(best.polynomial, direction)
+        ratio = best.local(panels.offsets) + best.correction(panels.about + panels.offsets)
+        sensitivity = float(panels.weights @ (rising / ratio**2))
         step = direction * (best.closure_error_rad / (sensitivity * best.ends.length_rad))
         candidate = replace(best, correction=best.correction + step)
-        positive = _lowest(candidate.polynomial)[0] > 0.0
+        positive = np.all(ratio + step(panels.about + panels.offsets) > 0.0)
         if not (positive and abs(candidate.closure_error_rad) < abs(best.closure_error_rad)):
             break
         best = candidate
@@ -260,15 +300,6 @@ def _polished(law: ReturnLaw, direction: Polynomial) -> ReturnLaw:
             key="motion.return",
         )
     return best
-
-
-def _closing_sensitivity(polynomial: Polynomial, direction: Polynomial) -> float:
-    """How fast the integral of 1/polynomial over [0, 1] falls as a multiple of ``direction`` is added.
-
-    It is computed on the fixed panels, since it only sets the length of a Newton step.
-    """
-    nodes, weights = _panels()
-    return float(weights @ (direction(nodes) / polynomial(nodes) ** 2))
 
 
 BUMP = Polynomial([0.0, 0.0, 1.0, -2.0, 1.0])

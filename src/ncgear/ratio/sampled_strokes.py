@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from math import pi
+from math import factorial, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +19,8 @@ from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.numerics.arrays import Array, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integration, shares
-from ncgear.ratio.return_stroke import hermite
+from ncgear.numerics.zeros import zeros_between
+from ncgear.ratio.return_stroke import TOUCHING, hermite
 from ncgear.ratio.working_stroke import WorkingStrokes, polynomial_at
 
 BUMP_HEIGHT = 1.0 / 16.0
@@ -44,10 +45,17 @@ def working_motions(strokes: WorkingStrokes[Array], counts: tuple[int, int, int]
     """
     theta2, theta3, theta4 = (angle[:, None] for angle in (strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad))
     approach, pressing, braking = (shares(count) for count in counts)
-    advanced = _from_rest(strokes.approach_slope, strokes.approach_root, theta2 * approach)
-    left = _from_rest(strokes.braking_slope, strokes.braking_root, (theta4 - theta3) * braking)
+    return working_motions_at(strokes, theta2 * approach, (theta3 - theta2) * pressing, (theta4 - theta3) * braking)
+
+
+def working_motions_at(
+    strokes: WorkingStrokes[Array], phi1_rad: Array, beyond_rad: Array, before_rad: Array
+) -> tuple[Motion, Motion, Motion]:
+    """The motion at angles up to theta2, which is the last one, beyond theta2, and before theta4, all (n, points)."""
+    advanced = _from_rest(strokes.approach_slope, strokes.approach_root, phi1_rad)
+    left = _from_rest(strokes.braking_slope, strokes.braking_root, before_rad)
     speed = strokes.pressing_mm_rad[:, None]
-    pressed = advanced.displacement[:, -1:] + speed * (theta3 - theta2) * pressing
+    pressed = advanced.displacement[:, -1:] + speed * beyond_rad
     return (
         advanced,
         Motion(pressed, np.broadcast_to(speed, pressed.shape), 0.0 * pressed),
@@ -79,6 +87,10 @@ class Returns:
     length_rad: Array
     inverse: bool = False
 
+    def widths_rad(self, points: Points) -> Array:
+        """The driving angle of each piece, shape (n, pieces)."""
+        return np.broadcast_to((self.length_rad / points.pieces)[:, None], (self.length_rad.size, points.pieces))
+
     def polynomial(self, points: Points, order: int) -> Jet:
         """Its value and derivatives by the driving angle up to ``order``, at most 2, at all points of each return."""
         at, rows, length = points.basis, self.cubic.T, self.length_rad[:, None]
@@ -91,6 +103,77 @@ class Returns:
             halves = skew * (at.skew[2] / 2.0) + bump * (at.bump[2] / 2.0)
             parts.append((bending @ at.powers[:, :2].T + halves) / length**2)
         return Jet(np.stack([part.ravel() for part in parts]))
+
+
+@dataclass(frozen=True, eq=False)
+class PeakedReturns:
+    """n returns in the ratio, which nearly touches zero at ``about`` (shape (n,)) in tau, the share of the return.
+
+    ``local`` (shape (6, n)) is the ratio in powers of tau - about, which keeps the digits of its smallest value.  The
+    pieces are quartered towards that place.
+    """
+
+    local: Array
+    about: Array
+    length_rad: Array
+    inverse: bool = False
+
+    @property
+    def _edges(self) -> Array:
+        """Ends of the pieces in tau - about, shape (n, pieces + 1)."""
+        return edges_about(self.about, QUARTERINGS)
+
+    def widths_rad(self, points: Points) -> Array:
+        """The driving angle of each piece, shape (n, pieces); zero for those beyond the return's ends."""
+        widths: Array = np.diff(self._edges, axis=1) * self.length_rad[:, None]
+        return widths
+
+    def polynomial(self, points: Points, order: int) -> Jet:
+        """The ratio and its derivatives by the driving angle up to ``order``, at most 2, at all points."""
+        tau = _between(self._edges, points.count)
+        return Jet(
+            np.stack(
+                [
+                    polynomial_at(part[:, :, None], tau).ravel() / factorial(k)
+                    for k, part in enumerate(_derivatives(self.local, self.length_rad, order))
+                ]
+            )
+        )
+
+
+QUARTERINGS = 7
+"""Quarterings of the return towards the place where its ratio is least: panels of 4^-7 of it resolve a ratio that is a
+ten-thousandth of its mean there; narrower ones are left to the solver of one return."""
+
+EVERYWHERE = (1.0 / 32.0, 1.0 / 8.0, 1.0 / 2.0, 7.0 / 8.0, 31.0 / 32.0, 127.0 / 128.0)
+"""Shares of a stretch at which it is cut besides, since the ratio may change fast beside its ends as well."""
+
+PEAK_PIECES = 2 * QUARTERINGS + 2 + len(EVERYWHERE)
+"""Pieces of a return that is quartered towards a place, on both sides of it."""
+
+
+def edges_about(about: Array, quarterings: int) -> Array:
+    """Ends of pieces of [0, 1], less ``about`` (shape (n,)) in it, shape (n, pieces + 1); some have no length."""
+    quarters = np.append(0.25 ** np.arange(quarterings + 1.0), 0.0)
+    towards = np.broadcast_to(np.concatenate([-quarters, quarters[-2::-1]]), (about.size, 2 * quarters.size - 1))
+    edges = np.concatenate([towards, np.array(EVERYWHERE) - about[:, None]], axis=1)
+    clipped: Array = np.clip(np.sort(edges, axis=1), -about[:, None], 1.0 - about[:, None])
+    return clipped
+
+
+def _between(edges: Array, count: int) -> Array:
+    """Chebyshev points of all pieces, shape (n, pieces * count)."""
+    points: Array = edges[:, :-1, None] + np.diff(edges, axis=1)[..., None] * shares(count)
+    return points.reshape(len(edges), -1)
+
+
+def _derivatives(local: Array, length_rad: Array, order: int) -> list[Array]:
+    """Coefficients of a polynomial in tau and of its derivatives by the driving angle, shape (m, n) each."""
+    found = [local]
+    for _ in range(order):
+        rising = found[-1][1:] * np.arange(1.0, len(found[-1]))[:, None] / length_rad
+        found.append(rising)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,13 +267,78 @@ def returns_with_constant(
     return Returns(cubic, given + lift * (0.5 - origin), lift / 2.0, length)
 
 
-def return_samples(returns: Returns, linkage: Mechanisms[Any], points: Points, order: int) -> ReturnSamples:
+TRIED = 512
+"""Even places of the return among which a first guess of the touching one is taken."""
+
+
+def peaked_returns(
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], period_rad: float, constant: Array, points: Points
+) -> PeakedReturns:
+    """As ``returns_with_constant``, of ratios that nearly touch zero inside the return; NaN where one does not.
+
+    The steps are those of ``return_stroke.py``: the multiple at which the polynomial touches zero, its powers about
+    that place, and what is added to it so that the return covers its driven angle.
+    """
+    length, driven = period_rad - strokes.theta4_rad, 2.0 * pi - linkage.working_angle_rad
+    cubic, origin = _cubic(strokes, linkage, length, inverse=False), -strokes.theta4_rad / length
+    bump = np.array([0.0, 0.0, 1.0, -2.0, 1.0, 0.0])[:, None]
+    lift = (constant - polynomial_at(cubic, origin)) / (origin**2 * (1.0 - origin) ** 2)
+    base = np.concatenate([cubic, np.zeros((2, length.size))]) + lift * bump
+    direction = np.roll(bump, 1, axis=0) - origin * bump
+    tau = np.arange(1.0, TRIED)[:, None] / TRIED
+    about = tau[np.argmax(-polynomial_at(base[:, None], tau) / polynomial_at(direction[:, None], tau), axis=0), 0]
+    unit, guess = np.ones_like(length), about
+    for _ in range(TOUCHING_STEPS):
+        (b, b1, b2), (d, d1, d2) = (
+            [polynomial_at(part, about) for part in _derivatives(one, unit, 2)] for one in (base, direction)
+        )
+        about = np.clip(about - (b1 * d - b * d1) / (b2 * d - b * d2), guess - 1.0 / TRIED, guess + 1.0 / TRIED)
+    touching = base - polynomial_at(base, about) / polynomial_at(direction, about) * direction
+    local, rising = _about(touching, about), _about(direction, about)
+    noise = TOUCHING * np.abs(touching).max(axis=0)
+    touches = (np.abs(local[:2]) <= noise).all(axis=0) & (local[2] > 0.0)
+    local[:2] = 0.0
+    edges = edges_about(about, QUARTERINGS)
+    places, widths = _between(edges, points.count), np.diff(edges, axis=1)
+    weights = (widths[..., None] * integration(points.count)[-1]).reshape(len(edges), -1)
+    flat, steep = (polynomial_at(part[:, :, None], places) for part in (local, rising))
+
+    def excess(log_step: Array) -> Array:
+        covered: Array = (weights / (flat + np.exp(log_step)[:, None] * steep)).sum(axis=1)
+        return np.where(touches, covered - driven / length, -log_step)
+
+    middle = np.where(touches, np.log(np.abs(base).max(axis=0)), 0.0)
+    low, high = middle - WIDE, middle + WIDE
+    touches &= (excess(low) > 0.0) & (excess(high) < 0.0)
+    step = np.exp(zeros_between(excess, np.where(touches, low, -WIDE), np.where(touches, high, WIDE)))
+    return PeakedReturns(np.where(touches, local + step * rising, np.nan), about, length)
+
+
+TOUCHING_STEPS = 6
+"""Newton's steps to the touching place from the best of the even places."""
+
+WIDE = 30.0
+"""Natural logarithm of how far what is added may be from the size of the polynomial's coefficients, as in
+``return_stroke.py``."""
+
+
+def _about(coefficients: Array, about: Array) -> Array:
+    """Polynomials in powers of tau (shape (m, n)) as ones in powers of tau - about."""
+    found = []
+    for k, part in enumerate(_derivatives(coefficients, np.ones_like(about), len(coefficients) - 1)):
+        found.append(polynomial_at(part, about) / factorial(k))
+    return np.stack(found)
+
+
+def return_samples(
+    returns: Returns | PeakedReturns, linkage: Mechanisms[Any], points: Points, order: int
+) -> ReturnSamples:
     """The returns, dphi2/dphi1 with derivatives up to ``order`` (1 or 2), and the slider's motion at all points."""
-    shape, length = (-1, points.pieces, points.count), returns.length_rad[:, None, None]
+    shape, widths = (-1, points.pieces, points.count), returns.widths_rad(points)[..., None]
     slope = returns.polynomial(points, order)
     slope = slope if returns.inverse else 1.0 / slope
     turned = (slope.value.reshape(-1, points.count) @ integration(points.count).T).reshape(shape)
-    turned = turned * (length / points.pieces)
+    turned = turned * widths
     before = np.cumsum(turned[:, :, -1:], axis=1) - turned[:, :, -1:]
     driven = turned + before + np.reshape(linkage.working_angle_rad, (-1, 1, 1))
     moved = slope.truncated(1).integrated(driven.ravel())

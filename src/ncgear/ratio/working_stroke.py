@@ -9,9 +9,8 @@ The conditions over-determine the stroke unless one quantity is left free.  Per 
 stroke is linear in v1/omega, v2/omega and a1/omega_ref^2, so each of them, the stroke itself, and the law speed omega
 follow in closed form.
 
-All formulas hold for one stroke and, in arrays, for many at once.  One stroke is proved to advance everywhere, and
-refused with a reason where it does not (``solved_stroke``).  Nothing is proved for many strokes (``closed_strokes``,
-``shaped_strokes``); ``sampled_strokes.py`` gives their motion, which tells which of them advance.
+All formulas hold for one stroke and, in arrays, for many at once.  ``stroke_refusals`` tells which of them do not
+advance everywhere, and why.
 """
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from math import inf, pi
 from typing import Any, Generic
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.mechanisms.mechanism import SLIDER, Output
 from ncgear.numerics.arrays import Array, Number
+from ncgear.numerics.roots import real_roots
 from ncgear.numerics.units import RAD_S_PER_RPM, in_words
 
 
@@ -103,17 +102,18 @@ def solved_stroke(request: StrokeRequest) -> WorkingStroke:
 
     Raises NoSuchMechanism when no positive value closes the stroke, or when the slider stops or reverses on the way.
     """
-    if request.law_speed_rad_s is None:
-        _refuse_backwards(request)
-    with np.errstate(all="ignore"):
-        closed = _closed(request)
-    if not 0.0 < _known(closed.law_speed_rad_s) < inf:
-        raise _no_speed(closed, request.output)
-    assembled = _assembled(closed, _approach_slope(closed)).items()
-    fields: dict[str, Any] = {name: value if np.ndim(value) else float(value) for name, value in assembled}
-    stroke = WorkingStroke(**fields)
-    _refuse_reversal(stroke, request)
-    return stroke
+    asked = {name: value for name, value in vars(request).items() if name != "output"}
+    arrays: dict[str, Any] = {name: None if value is None else np.array([value]) for name, value in asked.items()}
+    one: StrokeRequests[Array] = StrokeRequests(**arrays)
+    strokes = closed_strokes(one)
+    for refusal in stroke_refusals(one, strokes, request.output).values():
+        raise refusal
+    return WorkingStroke(**{name: _first(values) for name, values in vars(strokes).items()})
+
+
+def _first(values: Array) -> Any:
+    """The number, or the coefficients, of the first of many strokes."""
+    return values[:, 0] if values.ndim > 1 else float(values[0])
 
 
 def closed_strokes(requests: StrokeRequests[Array]) -> WorkingStrokes[Array]:
@@ -242,17 +242,6 @@ def _a1_speed(request: StrokeRequests[Number], law_speed: Number) -> Number:
     return law_speed if request.a1_speed_rad_s is None else request.a1_speed_rad_s
 
 
-def _no_speed(request: StrokeRequests[float], output: Output) -> NoSuchMechanism:
-    v1, v2, a1 = request.v1_mm_s, request.v2_mm_s, request.a1_mm_s2
-    stroke = output.place.factor * _known(request.stroke_mm)
-    return NoSuchMechanism(
-        f"no law speed closes a stroke of {stroke:g} {output.place.text} with v1 = {v1:g}, v2 = {v2:g} "
-        f"{output.speed.text} and a1 = {a1:g} {output.acceleration.text}; "
-        "bring a1 nearer to zero or solve for another quantity",
-        key="motion.solve_for",
-    )
-
-
 def _known(value: Number | None) -> Number:
     if value is None:
         raise ValueError("exactly one of law speed, v1, v2, a1 and stroke may be left open")
@@ -273,122 +262,221 @@ def _assembled(request: StrokeRequests[Number], approach: Array) -> dict[str, An
     }
 
 
-def _refuse_backwards(request: StrokeRequest) -> None:
-    """Without braking, v1 and v2 must lead forwards, whatever law speed is to be found."""
-    per_v1, per_v2, _ = _stroke_sensitivities(request)
-    if not per_v1 * _known(request.v1_mm_s) + per_v2 * _known(request.v2_mm_s) > 0.0:
-        most = _most_of_v1(request) * _known(request.v2_mm_s)
-        reason = (
-            f"the approach goes backwards altogether; theta1 lies too near 0 or theta2: v1 under {most:.5g} "
-            f"{request.output.speed.text} is right there, or {_free_theta1(request)}"
-        )
-        raise _reversal(request, request.theta1_rad, reason, "theta1_rad")
+CLEAR = 1e-9
+"""Share of its largest value by which v/phi1 must stay over zero for a stroke to pass without a look at its zeros: a
+million rounding errors."""
 
 
-def _refuse_reversal(stroke: WorkingStroke, request: StrokeRequest) -> None:
-    """Velocity must be positive between the dead centres, and its divided-out zeros must be simple.
+def stroke_refusals(
+    requests: StrokeRequests[Array], strokes: WorkingStrokes[Array], output: Output
+) -> dict[int, NoSuchMechanism]:
+    """Why strokes of an output, closed from what was asked, are none: by their numbers, the first reason of each.
 
-    Braking needs no check: with u = delta / (theta4 - theta3),
+    No positive value closes the stroke, or the velocity is not positive between the dead centres.  Its divided-out
+    zeros must be simple.  Braking needs no look: with u = delta / (theta4 - theta3),
 
         R = -a1 (1 - u)^2 + v2 / (theta4 - theta3) u (3 - 2 u)
 
     is a sum of terms that are not negative.
     """
-    speed, acceleration = request.output.speed, request.output.acceleration
-    if not stroke.v1_mm_s > 0.0:
-        remedy = f"{_remedy_of_v1(request)}{_closing_speeds(request)}"
-        reason = f"closing the stroke needs v1 = {stroke.v1_mm_s:.4g} {speed.text}; {remedy}"
-        raise _reversal(request, request.theta1_rad, reason, f"v1_{speed.ending}")
-    if not stroke.v2_mm_s > 0.0:
-        remedy = f"lower v1, bring a1 nearer to zero or lengthen the stroke{_closing_speeds(request)}"
-        reason = f"closing the stroke needs v2 = {stroke.v2_mm_s:.4g} {speed.text}; {remedy}"
-        raise _reversal(request, stroke.theta2_rad, reason, f"v2_{speed.ending}")
-    if not stroke.a1_mm_s2 < 0.0:
-        reason = f"a1 = {stroke.a1_mm_s2:.4g} {acceleration.text} is not negative"
-        raise _reversal(request, stroke.theta4_rad, reason, f"a1_{acceleration.ending}")
-    angle = _first_zero(stroke.approach_slope, stroke.theta2_rad)
-    if angle is not None:
+    with np.errstate(all="ignore"):
+        zero = _first_zeros(strokes.approach_slope, strokes.theta2_rad)
+        speed = strokes.law_speed_rad_s
+        advancing = (strokes.v1_mm_s > 0.0) & (strokes.v2_mm_s > 0.0) & (strokes.a1_mm_s2 < 0.0)
+        sound = (speed > 0.0) & (speed < inf) & advancing & np.isnan(zero)
+        if requests.law_speed_rad_s is None:
+            per_v1, per_v2, _ = _stroke_sensitivities(requests)
+            sound &= per_v1 * _known(requests.v1_mm_s) + per_v2 * _known(requests.v2_mm_s) > 0.0
+        rows = np.nonzero(~sound)[0]
+        if not rows.size:
+            return {}
+        asked, closed = _rows(requests, rows), _rows(strokes, rows)
+        per_v1, per_v2, _ = _stroke_sensitivities(asked)
+        most = _most_of_v1(asked)
+        speeds = _closing_speeds(asked, most)
+    refusals = {}
+    for place, number in enumerate(rows.tolist()):
+        row = _Refused(
+            _row(asked, place),
+            _row(closed, place),
+            output,
+            float(per_v1[place]),
+            float(per_v2[place]),
+            float(most[place]),
+            [float(values[place]) for values in speeds],
+            float(zero[number]),
+        )
+        refusals[number] = row.refusal()
+    return refusals
+
+
+def _rows(many: Any, rows: Any) -> Any:
+    """The chosen ones of many strokes or requests."""
+    return replace(many, **{name: values[..., rows] for name, values in vars(many).items() if values is not None})
+
+
+def _row(many: Any, row: int) -> Any:
+    """One of many strokes or requests, in numbers; its polynomials are left as they are."""
+    numbers = {name: values for name, values in vars(many).items() if values is not None and values.ndim == 1}
+    return replace(many, **{name: float(values[row]) for name, values in numbers.items()})
+
+
+@dataclass(frozen=True, eq=False)
+class _Refused:
+    """A stroke that is none, and the figures of its refusal.
+
+    ``per_v1`` and ``per_v2`` are the stroke's sensitivities, ``most`` is the v1/v2 from which on the output turns back,
+    ``speeds_rad_s`` are law speeds at which it does not, ``zero_rad`` is where it does so first (NaN: nowhere).
+    """
+
+    request: StrokeRequests[float]
+    stroke: WorkingStrokes[float]
+    output: Output
+    per_v1: float
+    per_v2: float
+    most: float
+    speeds_rad_s: list[float]
+    zero_rad: float
+
+    def refusal(self) -> NoSuchMechanism:
+        """The first of the conditions that fails."""
+        request, stroke = self.request, self.stroke
+        speed, acceleration = self.output.speed, self.output.acceleration
+        if request.law_speed_rad_s is None:
+            v2 = _known(request.v2_mm_s)
+            if not self.per_v1 * _known(request.v1_mm_s) + self.per_v2 * v2 > 0.0:
+                reason = (
+                    f"the approach goes backwards altogether; theta1 lies too near 0 or theta2: v1 under "
+                    f"{self.most * v2:.5g} {speed.text} is right there, or {self._free_theta1}"
+                )
+                return self._reversal(request.theta1_rad, reason, "theta1_rad")
+        if not 0.0 < stroke.law_speed_rad_s < inf:
+            return self._no_speed()
+        if not stroke.v1_mm_s > 0.0:
+            reason = f"closing the stroke needs v1 = {stroke.v1_mm_s:.4g} {speed.text}; {self._remedy_of_v1}"
+            return self._reversal(request.theta1_rad, reason + self._closing_speeds, f"v1_{speed.ending}")
+        if not stroke.v2_mm_s > 0.0:
+            remedy = f"lower v1, bring a1 nearer to zero or lengthen the stroke{self._closing_speeds}"
+            reason = f"closing the stroke needs v2 = {stroke.v2_mm_s:.4g} {speed.text}; {remedy}"
+            return self._reversal(stroke.theta2_rad, reason, f"v2_{speed.ending}")
+        if not stroke.a1_mm_s2 < 0.0:
+            reason = f"a1 = {stroke.a1_mm_s2:.4g} {acceleration.text} is not negative"
+            return self._reversal(stroke.theta4_rad, reason, f"a1_{acceleration.ending}")
         changed = "v2" if request.v2_mm_s is None else "v1"
-        raise _reversal(request, angle, _too_far_apart(stroke, request), f"{changed}_{speed.ending}")
+        return self._reversal(self.zero_rad, self._too_far_apart, f"{changed}_{speed.ending}")
+
+    def _no_speed(self) -> NoSuchMechanism:
+        v1, v2, a1 = self.stroke.v1_mm_s, self.stroke.v2_mm_s, self.stroke.a1_mm_s2
+        stroke = self.output.place.factor * self.stroke.stroke_mm
+        return NoSuchMechanism(
+            f"no law speed closes a stroke of {stroke:g} {self.output.place.text} with v1 = {v1:g}, v2 = {v2:g} "
+            f"{self.output.speed.text} and a1 = {a1:g} {self.output.acceleration.text}; "
+            "bring a1 nearer to zero or solve for another quantity",
+            key="motion.solve_for",
+        )
+
+    @property
+    def _too_far_apart(self) -> str:
+        """The words for v1 and v2 between which the output turns back, with the values that would do."""
+        v1, v2, unit = self.stroke.v1_mm_s, self.stroke.v2_mm_s, self.output.speed.text
+        enough = f"v1 under {self.most * v2:.5g} {unit} is right"
+        if self.request.v1_mm_s is None:
+            said = f"closing the stroke needs v1 = {v1:.5g} {unit}, too much for v2 = {v2:g}; {enough} with this v2"
+        elif self.request.v2_mm_s is None:
+            least = f"over {v1 / self.most:.5g} is right"
+            said = f"closing the stroke needs v2 = {v2:.5g} {unit}, too little for v1 = {v1:g}; {least}"
+        else:
+            said = f"v1 = {v1:g} and v2 = {v2:g} {unit} are too far apart; {enough}, or v2 over {v1 / self.most:.5g}"
+        return f"{said}{self._closing_speeds}, or {self._free_theta1}"
+
+    @property
+    def _free_theta1(self) -> str:
+        low, high = self.request.theta2_rad / 4.0, self.request.theta2_rad / 2.0
+        return f"theta1 from {low / pi:.4g} to {high / pi:.4g} pi (a quarter to a half of theta2), which suits any v1"
+
+    @property
+    def _remedy_of_v1(self) -> str:
+        """The words for what gives the approach a part of the stroke to cover, or lets it cover one."""
+        if self.per_v1 > 0.0:
+            return (
+                "lower v2, shorten the stretch at v2 (theta2 to theta3), bring a1 nearer to zero or lengthen the stroke"
+            )
+        return f"theta1 lies too near 0 or theta2; take {self._free_theta1}"
+
+    @property
+    def _closing_speeds(self) -> str:
+        """The words for the law speeds at which a v1 or v2 that is solved for advances; empty where there are none."""
+        speeds = [speed / RAD_S_PER_RPM for speed in self.speeds_rad_s if not np.isnan(speed)]
+        if not speeds or not all(0.0 < speed < inf for speed in speeds):
+            return ""
+        sides = zip(("over", "under"), sorted(speeds), strict=False)
+        return f", or a law speed {' and '.join(f'{side} {speed:.5g}' for side, speed in sides)} r/min"
+
+    def _reversal(self, angle: float, reason: str, key: str) -> NoSuchMechanism:
+        return NoSuchMechanism(
+            f"the {self.output.name} stops or reverses inside the working stroke at phi1 = {in_words(angle)}, "
+            f"{angle / pi:.4g} pi: {reason}",
+            key=f"motion.{key}",
+        )
 
 
-def _too_far_apart(stroke: WorkingStroke, request: StrokeRequest) -> str:
-    """The words for v1 and v2 between which the output turns back, with the values that would do."""
-    most, v1, v2 = _most_of_v1(request), stroke.v1_mm_s, stroke.v2_mm_s
-    unit = request.output.speed.text
-    enough = f"v1 under {most * v2:.5g} {unit} is right"
-    if request.v1_mm_s is None:
-        said = f"closing the stroke needs v1 = {v1:.5g} {unit}, too much for v2 = {v2:g}; {enough} with this v2"
-    elif request.v2_mm_s is None:
-        least = f"over {v1 / most:.5g} is right"
-        said = f"closing the stroke needs v2 = {v2:.5g} {unit}, too little for v1 = {v1:g}; {least}"
-    else:
-        said = f"v1 = {v1:g} and v2 = {v2:g} {unit} are too far apart; {enough}, or v2 over {v1 / most:.5g}"
-    return f"{said}{_closing_speeds(request)}, or {_free_theta1(request)}"
-
-
-def _most_of_v1(request: StrokeRequests[float]) -> float:
+def _most_of_v1(request: StrokeRequests[Array]) -> Array:
     """v1/v2 from which on the slider turns back on its way to theta2; infinite where every v1 does.
 
     Q is v1 A + v2 B, where B is nowhere negative (it is (phi1 - theta1)^2 times a positive line), and A is negative
     only where theta1 is under a quarter or over a half of theta2.
     """
-    per_v1 = Polynomial(_approach_through(request, 1.0, 0.0))
-    per_v2 = Polynomial(_approach_through(request, 0.0, 1.0))
-    turning = (per_v2.deriv() * per_v1 - per_v2 * per_v1.deriv()).roots().real
-    angles = np.concatenate([[0.0], turning[(turning >= 0.0) & (turning <= request.theta2_rad)]])
-    backwards = angles[per_v1(angles) < 0.0]
-    return float(np.min(-per_v2(backwards) / per_v1(backwards), initial=inf))
+    unit, none = np.ones_like(request.theta2_rad), np.zeros_like(request.theta2_rad)
+    a, b = _approach_through(request, unit, none), _approach_through(request, none, unit)
+    # B' A - B A': the terms of the fifth power cancel.
+    turning = np.stack([_product_term(a, b, power) for power in range(5)])
+    roots = real_roots(turning)
+    inside = (roots >= 0.0) & (roots <= request.theta2_rad)
+    angles = np.concatenate([none[None, :], np.where(inside, roots, 0.0)])
+    below, above = (polynomial_at(part[:, None], angles) for part in (a, b))
+    limits = np.where(below < 0.0, -above / below, inf)
+    # Where A is nowhere negative, it touches zero, and its rounding errors tell nothing.
+    share = request.theta1_rad / request.theta2_rad
+    most: Array = np.where((share >= 0.25) & (share <= 0.5), inf, limits.min(axis=0))
+    return most
 
 
-def _free_theta1(request: StrokeRequests[float]) -> str:
-    low, high = request.theta2_rad / 4.0, request.theta2_rad / 2.0
-    return f"theta1 from {low / pi:.4g} to {high / pi:.4g} pi (a quarter to a half of theta2), which suits any v1"
+def _product_term(a: Array, b: Array, power: int) -> Array:
+    """The coefficient of a power in b' a - b a', of cubics of shape (4, n)."""
+    pairs = ((i, power + 1 - i) for i in range(4) if 0 <= power + 1 - i < 4)
+    total: Array = np.sum([(i - k) * b[i] * a[k] for i, k in pairs], axis=0)
+    return total
 
 
-def _closing_speeds(request: StrokeRequest) -> str:
-    """The law speeds at which a v1 or v2 that is solved for is one that advances; empty where there are none."""
-    most = _most_of_v1(request)
-    ends: dict[str, tuple[Any, ...]]
+def _closing_speeds(request: StrokeRequests[Array], most: Array) -> list[Array]:
+    """The law speeds in rad/s at both ends of a v1 or v2 that is solved for and advances; NaN where there is no end."""
+    ends: dict[str, tuple[Array, ...]] = {}
     if request.v1_mm_s is None:
-        ends = {"v1_mm_s": (0.0, most * _known(request.v2_mm_s))}
+        ends = {"v1_mm_s": (np.zeros_like(most), most * _known(request.v2_mm_s))}
     elif request.v2_mm_s is None:
-        ends = {"v2_mm_s": (request.v1_mm_s / most, inf)}
-    else:
-        return ""
-    name, values = next(iter(ends.items()))
-    with np.errstate(all="ignore"):
-        speeds = [
-            _known(_closed(replace(request, law_speed_rad_s=None, **{name: value})).law_speed_rad_s) / RAD_S_PER_RPM
-            for value in values
-            if value < inf
-        ]
-    if not all(0.0 < speed < inf for speed in speeds):
-        return ""
-    words = " and ".join(f"{side} {speed:.5g}" for side, speed in zip(("over", "under"), sorted(speeds), strict=False))
-    return f", or a law speed {words} r/min"
+        ends = {"v2_mm_s": (request.v1_mm_s / most,)}
+    return [
+        np.where(
+            values < inf,
+            np.nan_to_num(_known(_closed(replace(request, law_speed_rad_s=None, **{name: values})).law_speed_rad_s)),
+            np.nan,
+        )
+        for name, both in ends.items()
+        for values in both
+    ]
 
 
-def _remedy_of_v1(request: StrokeRequest) -> str:
-    """The words for what gives the approach a part of the stroke to cover, or lets it cover one."""
-    if _stroke_sensitivities(request)[0] > 0.0:
-        return "lower v2, shorten the stretch at v2 (theta2 to theta3), bring a1 nearer to zero or lengthen the stroke"
-    return f"theta1 lies too near 0 or theta2; take {_free_theta1(request)}"
-
-
-def _first_zero(coefficients: Array, end: float) -> float | None:
-    """Smallest zero in [0, end], 0 if the polynomial starts negative, None if it is positive throughout."""
-    if not coefficients[0] > 0.0:
-        return 0.0
-    zeros = Polynomial(coefficients).roots()
-    real = zeros.real[(np.abs(zeros.imag) <= 1e-12 * (1.0 + np.abs(zeros.real)))]
-    inside = real[(real >= 0.0) & (real <= end)]
-    return float(inside.min()) if inside.size else None
-
-
-def _reversal(request: StrokeRequest, angle: float, reason: str, key: str) -> NoSuchMechanism:
-    return NoSuchMechanism(
-        f"the {request.output.name} stops or reverses inside the working stroke at phi1 = {in_words(angle)}, "
-        f"{angle / pi:.4g} pi: {reason}",
-        key=f"motion.{key}",
-    )
+def _first_zeros(coefficients: Array, end: Array) -> Array:
+    """Smallest zero of each cubic (shape (4, n)) in [0, end], 0 where it starts negative, NaN where it is positive."""
+    zeros = np.where(coefficients[0] > 0.0, np.nan, 0.0)
+    constant, slope, bend, last = coefficients
+    # The places where its slope is zero, by the form of the quadratic's roots that does not cancel.
+    half = -(bend + np.copysign(np.sqrt(np.maximum(bend**2 - 3.0 * last * slope, 0.0)), bend))
+    turns = np.stack([np.zeros_like(end), half / (3.0 * last), slope / half, end])
+    at = np.clip(np.where(np.isfinite(turns), turns, 0.0), 0.0, end)
+    values = polynomial_at(coefficients[:, None], at)
+    doubtful = np.nonzero((constant > 0.0) & ~(values.min(axis=0) > CLEAR * np.abs(values).max(axis=0)))[0]
+    roots = real_roots(coefficients[:, doubtful], 1e-12)
+    inside = np.where((roots >= 0.0) & (roots <= end[doubtful]), roots, inf).min(axis=0, initial=inf)
+    zeros[doubtful] = np.where(inside < inf, inside, np.nan)
+    return zeros

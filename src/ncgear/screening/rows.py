@@ -6,27 +6,30 @@ keys.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import degrees, radians
+from functools import partial
+from math import degrees, pi, radians
 
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.gears import Gears
-from ncgear.errors import DesignError, WrongInput
+from ncgear.design.keys.gears import SIZES
+from ncgear.design.mechanisms import entry_of
+from ncgear.errors import DesignError
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import extremes, integrated, tails
+from ncgear.numerics.sampled import extremes, integrated, integration, sums_at, tails, turning_points
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import driven_curvature, driving_curvature, length_rate, tangent
-from ncgear.pitch.pair import STRAIGHT, solved_size
+from ncgear.pitch.pair import AS_STEEP, CONSISTENT, MOST_TEETH, STRAIGHT, refuse_many_teeth, solved_size
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.tooth_form import RIGHT_ANGLE_DEG, require_pushing_flanks
+from ncgear.project.tooth_form import RIGHT_ANGLE_DEG, require_pushing, require_pushing_flanks
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
-from ncgear.screening.samples import Kind, Sampled, Samples, sampled
+from ncgear.screening.batch import Batch, Kind
+from ncgear.screening.samples import Fineness, Sampled, Samples, sampled
 
 RESOLVED = 1e-12
 """Last coefficients, relative to a quantity's largest value, up to which a law counts as resolved: its least value, a
@@ -36,6 +39,10 @@ SEEN = 2
 """Fewest samples of a law on a panel of the force; peaks between two samples make panels that are narrower still."""
 
 Ranges = dict[str, tuple[Array, Array]]
+
+
+ROUNDED_RAD = 1e-9
+"""Driving angle that messages round to zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +89,9 @@ def _quantities(samples: Samples, force_n: Callable[[Array], Array]) -> dict[str
 
 
 def _resolved(samples: Samples, quantities: dict[str, Array]) -> Mask:
-    """Which laws are sound and close, with the last coefficients of all quantities and lengths died away."""
+    """Which laws close, with the last coefficients of all quantities and lengths died away."""
     rates = samples.turning * length_rate(samples.at)
-    resolved = samples.sound.copy()
+    resolved = np.ones(len(samples.there), dtype=bool)
     for values in (*quantities.values(), rates, samples.turning):
         there = samples.there[:, : values.shape[1]]
         size = np.where(there, np.abs(values).max(axis=2), 0.0)
@@ -114,9 +121,12 @@ def single_figures(design: Design) -> dict[str, float]:
     """Every figure of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
     drive = Drive(design)
     low, high = drive.transmission.ratio_range
+    # With two stages each pair has its own curves, and only a build tells them apart.  Whether teeth can roll on the
+    # curves is asked before the peaks of the motion, which take longest.
+    pitch = {} if design.gears is None or design.stages > 1 else _pitch(drive)
     check, output = drive.check, drive.linkage.OUTPUT
     speed, acceleration = output.speed.ending, output.acceleration.ending
-    figures = {
+    return {
         "drive.law_speed_rpm": drive.law_speed_rpm,
         "closure.residual_rad": abs(drive.transmission.closure_error_rad),
         **{f"closure.{key}": value for key, value in drive.told_stroke_residual.items()},
@@ -127,9 +137,42 @@ def single_figures(design: Design) -> dict[str, float]:
         f"check.peak_speed_{speed}": check.peak_speed.value,
         f"check.peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
         f"check.peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
+        **pitch,
     }
-    # With two stages each pair has its own curves, and only a build tells them apart.
-    return figures if design.gears is None or design.stages > 1 else {**figures, **_pitch(drive)}
+
+
+PITCH = (
+    "pitch.center_distance_mm",
+    "pitch.length_driving_mm",
+    "pitch.length_driven_mm",
+    "pitch.driving_convex",
+    "pitch.driven_convex",
+    "pitch.min_radius_driving_mm",
+    "pitch.min_radius_driven_mm",
+    "pitch.max_tangent_angle_deg",
+    "pitch.max_pressure_angle_deg",
+)
+"""Keys of the figures of a pair of pitch curves."""
+
+
+def figure_names(design: Design) -> tuple[str, ...]:
+    """The keys of the figures of a design and of those that differ from it in numbers, in their order."""
+    mechanism = entry_of(design.linkage).load()
+    output = mechanism.OUTPUT
+    stroke = (f"closure.stroke_residual_{output.place.ending}",) if mechanism.RETURNS else ()
+    names = (
+        "drive.law_speed_rpm",
+        "closure.residual_rad",
+        *stroke,
+        "ratio.min",
+        "ratio.max",
+        "check.peak_power_w",
+        "check.mean_power_w",
+        f"check.peak_speed_{output.speed.ending}",
+        f"check.peak_acceleration_working_{output.acceleration.ending}",
+        f"check.peak_acceleration_cycle_{output.acceleration.ending}",
+    )
+    return names if design.gears is None or design.stages > 1 else (*names, *PITCH)
 
 
 def _pitch(drive: Drive) -> dict[str, float]:
@@ -148,12 +191,18 @@ def _pitch(drive: Drive) -> dict[str, float]:
     }
 
 
-Row = dict[str, float] | DesignError
-"""Figures of a design, or why it cannot be made."""
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a batch is sure of: rows of the designs that are made and their figures, shape (m,) each, and refusals."""
+
+    made: IndexArray
+    figures: dict[str, Array]
+    refused: dict[int, DesignError]
 
 
-def rows_of(kind: Kind, designs: Sequence[Design], count: int) -> list[Row | None]:
-    """The row of each design of a batch; None where the batch is not sure of it."""
+def found_of(batch: Batch, fineness: Fineness) -> Found:
+    """The figures and refusals of a batch of the designs that it is sure of when sampled so finely."""
+    kind = batch.kind
 
     def fitted_n(displacement_mm: Array) -> Array:
         """The curve of the force with its negative stretches, as the exact peak of power uses it."""
@@ -161,20 +210,42 @@ def rows_of(kind: Kind, designs: Sequence[Design], count: int) -> list[Row | Non
 
     # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
     with np.errstate(all="ignore"):
-        found = sampled(kind, designs, count)
+        found = sampled(batch, fineness)
         figures = law_figures(found.samples, fitted_n)
-    known = figures.resolved & found.sound
-    sure = np.nonzero(known & _force_is_seen(kind.resistance, found, known))[0]
-    rows: list[Row | None] = [None] * len(designs)
-    if sure.size:
-        speed = np.array([designs[number].operation.speed_rpm for number in sure.tolist()]) * RAD_S_PER_RPM
-        columns = {**_law_of_rows(found, figures, sure), **_check_of_rows(kind, found, figures, sure, speed)}
-        shapes = _shapes(figures, sure)
-        for place, number in enumerate(sure.tolist()):
-            row = {name: float(column[place]) for name, column in columns.items()}
-            shape = {name: float(column[place]) for name, column in shapes.items()}
-            rows[number] = _sized(row, shape, designs[number].gears, kind.lobes)
-    return rows
+    sure = np.nonzero(figures.resolved & _force_is_seen(kind.resistance, found, figures.resolved))[0]
+    if not sure.size:
+        return Found(sure, {}, {})
+    speed = batch.column("operation.speed_rpm")[sure] * RAD_S_PER_RPM
+    columns = {**_law_of_rows(found, figures, sure), **_check_of_rows(kind, found, figures, sure, speed)}
+    gears = batch.written[0].gears
+    if gears is None:
+        return Found(sure, columns, {})
+    pitch, unsized = _pitch_of_rows(batch.kept(sure), figures, sure)
+    tangent = np.arctan(figures.largest("tangent"))[sure]
+    racks = [design.gears.rack for design in batch.written if design.gears is not None]
+    steeper = np.array([max(rack.angles_deg) for rack in racks])[batch.follows[sure]]
+    steep = np.nonzero((np.degrees(tangent) + steeper >= RIGHT_ANGLE_DEG) & ~unsized)[0]
+    refused: dict[int, DesignError] = {}
+    for place in np.nonzero(unsized)[0].tolist():
+        if (error := _refusal(partial(_require_size, batch, figures, int(sure[place])))) is not None:
+            refused[int(sure[place])] = error
+    where = _steepest(found.samples.kept(sure[steep]), kind.lobes)
+    for place, at_rad in zip(steep.tolist(), where.tolist(), strict=True):
+        rack = racks[batch.follows[sure[place]]]
+        if (error := _refusal(partial(require_pushing, float(tangent[place]), at_rad, rack))) is not None:
+            refused[int(sure[place])] = error
+    made = ~unsized
+    made[steep] = False
+    return Found(sure[made], {name: values[made] for name, values in {**columns, **pitch}.items()}, refused)
+
+
+def _refusal(require: Callable[[], object]) -> DesignError | None:
+    """The error that a demand raises; None where it is met after all, which a single computation decides."""
+    try:
+        require()
+    except DesignError as error:
+        return error
+    return None
 
 
 def _force_is_seen(resistance: Resistance, found: Sampled, known: Mask) -> Mask:
@@ -212,45 +283,77 @@ def _check_of_rows(
     }
 
 
-def _shapes(figures: LawFigures, sure: IndexArray) -> dict[str, Array]:
-    """Figures of the pitch curves at unit centre distance."""
-    ranges = figures.ranges
-    return {
-        "length": figures.length[sure],
-        "tangent_rad": np.arctan(figures.largest("tangent"))[sure],
-        "driving_low": ranges["driving_curvature"][0][sure],
-        "driving_high": ranges["driving_curvature"][1][sure],
-        "driven_low": ranges["driven_curvature"][0][sure],
-        "driven_high": ranges["driven_curvature"][1][sure],
-    }
+def _pitch_of_rows(batch: Batch, figures: LawFigures, sure: IndexArray) -> tuple[dict[str, Array], Mask]:
+    """Figures of the pitch curves at their size, and whose teeth do not fill them.
 
-
-def _sized(row: dict[str, float], shape: dict[str, float], gears: Gears | None, lobes: Lobes) -> Row | None:
-    """The row with its pitch curves at their size; the refusal where no teeth fill them.
-
-    None where the pressure angle is too large, which only the exact computation says with its place.
+    The formulas are those of ``pitch.pair.solved_size``, which refuses one pair.
     """
-    if gears is None:
-        return row
-    driving_length = shape["length"] * lobes.driving / lobes.driven
-    try:
-        size = solved_size(driving_length, lobes, gears.teeth, gears.module_mm, gears.center_distance_mm)
-    except WrongInput as error:
-        return error
-    tangent_deg = degrees(shape["tangent_rad"])
-    pressure_deg = tangent_deg + gears.carrying_angle_deg
-    if tangent_deg + max(gears.rack.angles_deg) >= RIGHT_ANGLE_DEG:
-        return None
-    distance = size.center_distance_mm
-    return {
-        **row,
+    lobes, ranges = batch.kind.lobes, figures.ranges
+    length = figures.length[sure]
+    driving_length = length * lobes.driving / lobes.driven
+    teeth, module_mm, distance_mm = (batch.given(f"gears.{name}") for name in SIZES)
+    fits = np.ones(sure.size, dtype=bool)
+    if teeth is None:
+        assert module_mm is not None
+        assert distance_mm is not None
+        exact = driving_length * distance_mm / (pi * module_mm)
+        teeth = np.maximum(np.round(exact), 1.0)
+        fits &= np.abs(exact - teeth) <= CONSISTENT * np.maximum(exact, teeth)
+    if module_mm is None:
+        assert distance_mm is not None
+        module_mm = driving_length * distance_mm / (teeth * pi)
+    distance = teeth * pi * module_mm / driving_length
+    if distance_mm is not None:
+        fits &= np.abs(distance - distance_mm) <= CONSISTENT * np.maximum(distance, distance_mm)
+    fits &= (teeth * lobes.driven % lobes.driving == 0.0) & (teeth <= MOST_TEETH)
+    gears = [design.gears for design in batch.written if design.gears is not None]
+    carrying = np.array([one.carrying_angle_deg for one in gears])[batch.follows]
+    tangent_deg = np.degrees(np.arctan(figures.largest("tangent")))[sure]
+    driving, driven = ([side[sure] for side in ranges[f"{gear}_curvature"]] for gear in ("driving", "driven"))
+    found = {
         "pitch.center_distance_mm": distance,
         "pitch.length_driving_mm": driving_length * distance,
-        "pitch.length_driven_mm": shape["length"] * distance,
-        "pitch.driving_convex": float(shape["driving_low"] >= -STRAIGHT),
-        "pitch.driven_convex": float(shape["driven_low"] >= -STRAIGHT),
-        "pitch.min_radius_driving_mm": distance / shape["driving_high"],
-        "pitch.min_radius_driven_mm": distance / shape["driven_high"],
-        "pitch.max_tangent_angle_deg": degrees(shape["tangent_rad"]),
-        "pitch.max_pressure_angle_deg": pressure_deg,
+        "pitch.length_driven_mm": length * distance,
+        "pitch.driving_convex": (driving[0] >= -STRAIGHT).astype(float),
+        "pitch.driven_convex": (driven[0] >= -STRAIGHT).astype(float),
+        "pitch.min_radius_driving_mm": distance / driving[1],
+        "pitch.min_radius_driven_mm": distance / driven[1],
+        "pitch.max_tangent_angle_deg": tangent_deg,
+        "pitch.max_pressure_angle_deg": tangent_deg + carrying,
     }
+    return found, ~fits
+
+
+def _require_size(batch: Batch, figures: LawFigures, row: int) -> None:
+    """Refuse teeth that do not fill the pitch curves of one design; raises WrongInput."""
+    lobes = batch.kind.lobes
+    given = [batch.given(f"gears.{name}") for name in SIZES]
+    teeth, module_mm, distance_mm = (None if values is None else float(values[row]) for values in given)
+    length = float(figures.length[row]) * lobes.driving / lobes.driven
+    size = solved_size(length, lobes, None if teeth is None else int(teeth), module_mm, distance_mm)
+    refuse_many_teeth(size.driving_teeth)
+
+
+def _steepest(samples: Samples, lobes: Lobes) -> Array:
+    """The first driving angle in rad at which the pitch curves of each law are steepest, shape (n,)."""
+    laws, pieces, count = samples.at.ratio.shape
+    law, piece = np.nonzero(samples.there)
+    steepness = tangent(samples.at)[law, piece]
+    # dphi1 per share of a piece is i times dphi2 per share.
+    widths = (samples.turning * samples.at.ratio)[law, piece]
+    ends = np.zeros((laws, pieces))
+    ends[law, piece] = widths @ integration(count)[-1]
+    starts = (np.cumsum(ends, axis=1) - ends)[law, piece]
+    row, share, values = turning_points(steepness)
+    values = np.abs(values)
+    largest = np.full(laws, -np.inf)
+    np.maximum.at(largest, law[row], values)
+    steepest = values >= largest[law[row]] * (1.0 - AS_STEEP)
+    row, share = row[steepest], share[steepest]
+    at = starts[row] + sums_at(widths[row] @ integration(count).T, share)
+    # The end of a period is the beginning of the next one.
+    period = lobes.driving_period_rad
+    at = np.where(period - at % period > ROUNDED_RAD, at % period, 0.0)
+    first = np.full(laws, np.inf)
+    np.minimum.at(first, law[row], at)
+    return first

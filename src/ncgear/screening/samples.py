@@ -8,40 +8,34 @@ of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import log, pi
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
-from ncgear.design.keys.base import Model
-from ncgear.design.keys.design import Design
-from ncgear.design.laws.harmonic_ratio import HarmonicRatio
-from ncgear.design.laws.three_segment_stroke import SAME_STROKE, ThreeSegmentStroke
-from ncgear.design.mechanisms import entry_of, mechanisms_of
+from ncgear.errors import DesignError
 from ncgear.mechanisms.mechanism import Mechanisms
-from ncgear.mechanisms.resistance import Resistance, TableResistance
-from ncgear.numerics.arrays import Array, Mask, repeated
+from ncgear.numerics.arrays import Array, IndexArray, Mask, repeated
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import extremes, integrated, integration, shares
+from ncgear.numerics.sampled import integrated, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
-from ncgear.project.law import load_of, lobes_of
-from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
+from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, require_return
 from ncgear.ratio.sampled_strokes import (
-    Motion,
+    PEAK_PIECES,
     Points,
     ReturnSamples,
+    edges_about,
+    peaked_returns,
     return_samples,
     returns_with_constant,
-    working_motions,
+    working_motions_at,
 )
 from ncgear.ratio.transmission import Lobes
-from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at
-
-STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
+from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at, stroke_refusals
+from ncgear.screening.batch import Batch
 
 RETURN_PIECES = 3
 """Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
@@ -49,9 +43,14 @@ RETURN_PIECES = 3
 CLOSING_STEPS = 24
 """Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
 
-CLEAR = 1e-9
-"""Share of its largest value by which v/phi1 must stay over zero: a million rounding errors.  What is nearer to zero is
-left to the solver of one stroke."""
+WORKING_QUARTERINGS = 6
+"""Quarterings of approach and braking towards where the slider hardly moves."""
+
+GUESSES = 65
+"""Even places of the approach among which the first guess is of where it moves least."""
+
+SLOWEST_STEPS = 4
+"""Newton's steps from there."""
 
 HARMONIC_PIECES = 4
 """Equal pieces of the working stroke, and of the return."""
@@ -64,51 +63,13 @@ EVEN_PLACES, OFF = 16, 0.618
 harmonic law closes."""
 
 
-@dataclass(frozen=True)
-class Kind:
-    """What the designs of one batch share; ``linkage`` is the model of its mechanism's keys."""
-
-    linkage: type[Model]
-    law: tuple[Hashable, ...]
-    lobes: Lobes
-    resistance: Resistance
-
-
-def kind_of(design: Design) -> Kind | None:
-    """The batch that a design belongs to; None where it must be computed by itself."""
-    law = _law(design)
-    # Batches know outputs that slide and return.
-    if law is None or entry_of(design.linkage).turns or (design.gears is not None and design.gears.mesh == "internal"):
-        return None
-    load = load_of(design)
-    if load.loads_return or isinstance(load.working, TableResistance):
-        # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,
-        # which no series along a piece resolves.
-        return None
-    return Kind(type(design.linkage), law, lobes_of(design), load.working)
-
-
-def _law(design: Design) -> tuple[Hashable, ...] | None:
-    motion = design.motion
-    if isinstance(motion, ThreeSegmentStroke):
-        if motion.solve_for == "stroke" or motion.return_.e == "least_acceleration":
-            return None
-        return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
-    if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
-        # A batch of harmonic laws shares the working angle; None stands for cranks that cannot turn.
-        linkage = mechanisms_of([design.linkage])
-        return HARMONIC, float(linkage.working_angle_rad[0]) if linkage.turns_fully[0] else None
-    return None
-
-
 @dataclass(frozen=True, eq=False)
 class Samples:
     """n laws over one cycle of the slider, cut into p pieces of m points each; arrays have shape (n, p, m).
 
     ``at`` holds ln i12 and what follows from it; velocities are in mm/rad and accelerations in mm/rad^2 of the driving
     angle.  ``displacement_mm`` (shape (n, w, m)) covers the first w pieces, which make the working stroke.
-    ``turning`` is the driven angle per share of the piece, ``there`` (shape (n, p)) where a piece has any length,
-    ``sound`` (shape (n,)) where the law is known to be one.
+    ``turning`` is the driven angle per share of the piece, ``there`` (shape (n, p)) where a piece has any length.
     """
 
     at: Place
@@ -117,93 +78,198 @@ class Samples:
     displacement_mm: Array
     turning: Array
     there: Mask
-    sound: Mask
+
+    def kept(self, rows: IndexArray) -> Samples:
+        """Some of the laws."""
+        arrays = {name: values[rows] for name, values in vars(self).items() if name != "at"}
+        return Samples(Place(*(values[rows] for values in self.at)), **arrays)
 
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
     """Samples of n laws and what is known of them besides, shape (n,) each.
 
-    ``sound`` says where the design is known to be one.  ``closing_error_rad`` is by how much a cycle misses its angle,
-    from other points than the samples.
+    ``closing_error_rad`` is by how much a cycle misses its angle, from other points than the samples.
     """
 
     samples: Samples
-    sound: Mask
     stroke_mm: Array
     law_speed_rpm: Array
     stroke_error_mm: Array
     closing_error_rad: Array
 
 
-def sampled(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
-    """The laws of a batch at ``count`` points a piece."""
-    return _strokes(kind, designs, count) if kind.law[0] == STROKE else _harmonics(kind, designs, count)
+def refused_at_once(batch: Batch) -> dict[int, DesignError]:
+    """Why designs of a batch are refused before their law is closed, by their rows."""
+    found = batch.refused_mechanisms()
+    if not batch.kind.has_return:
+        return found
+    found = {**batch.refused_strokes(), **found, **batch.refused_angles()}
+    rows = np.setdiff1d(np.arange(len(batch)), list(found))
+    if not rows.size:
+        return found
+    left = _Strokes(batch.kept(rows))
+    reasons: dict[int, DesignError] = dict(stroke_refusals(left.requests, left.strokes, batch.output))
+    for place in np.nonzero(~(left.strokes.theta4_rad < left.period_rad))[0].tolist():
+        if place not in reasons:
+            try:
+                require_return(float(left.strokes.theta4_rad[place]), batch.kind.lobes)
+            except DesignError as error:
+                reasons[place] = error
+    return {**found, **{int(rows[place]): error for place, error in reasons.items()}}
 
 
-def _strokes(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
-    """Three-segment strokes; a stroke that ``project/law.py`` would refuse is not ``sound``."""
-    linkage = mechanisms_of([design.linkage for design in designs])
-    stroke_mm, period = linkage.stroke_mm, kind.lobes.driving_period_rad
-    strokes = closed_strokes(_requests(designs, stroke_mm))
-    points = Points(RETURN_PIECES, count, CLOSING_STEPS)
-    returns = returns_with_constant(strokes, linkage, period, _column(designs, "motion.return_.e"), points)
-    sound = linkage.turns_fully & (strokes.theta4_rad < period)
-    given_mm = _given(designs, "stroke_mm")
-    if given_mm is not None:
-        sound &= np.isclose(given_mm, stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
-    samples = _stroke_samples(strokes, linkage, return_samples(returns, linkage, points, 2), returns.length_rad)
-    judge = replace(points, count=count + OTHER)
-    judged = _stroke_samples(strokes, linkage, return_samples(returns, linkage, judge, 2), returns.length_rad)
-    closing = integrated(judged.turning) - 2.0 * pi
+@dataclass(frozen=True)
+class Fineness:
+    """How finely laws are sampled: points of a piece, and whether strokes are cut towards where their ratio is extreme.
+
+    There the driven gear's speed may have a peak that even pieces do not resolve.
+    """
+
+    count: int
+    towards_peak: bool = False
+
+
+def sampled(batch: Batch, fineness: Fineness) -> Sampled:
+    """The laws of a batch."""
+    if batch.kind.has_return:
+        return _stroke_laws(_Strokes(batch), fineness)
+    return _harmonics(batch, fineness.count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Strokes:
+    """The working strokes of a batch, closed."""
+
+    batch: Batch
+
+    @property
+    def period_rad(self) -> float:
+        """Driving angle of a cycle."""
+        return self.batch.kind.lobes.driving_period_rad
+
+    @cached_property
+    def requests(self) -> StrokeRequests[Array]:
+        """What the files ask for."""
+        batch = self.batch
+        return StrokeRequests(
+            theta1_rad=batch.angle_rad("theta1"),
+            theta2_rad=batch.angle_rad("theta2"),
+            theta3_rad=batch.angle_rad("theta3"),
+            theta4_rad=batch.angle_rad("theta4"),
+            v1_mm_s=batch.given("motion.v1_mm_s"),
+            v2_mm_s=batch.given("motion.v2_mm_s"),
+            a1_mm_s2=batch.given("motion.a1_mm_s2"),
+            law_speed_rad_s=batch.given("motion.law_speed_rpm", RAD_S_PER_RPM),
+            stroke_mm=batch.mechanisms.stroke_mm,
+            a1_speed_rad_s=batch.given("motion.a1_speed_rpm", RAD_S_PER_RPM),
+        )
+
+    @cached_property
+    def strokes(self) -> WorkingStrokes[Array]:
+        """The strokes with their free quantity solved for."""
+        return closed_strokes(self.requests)
+
+
+def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
+    """Three-segment strokes that advance."""
+    strokes, linkage, count = laws.strokes, laws.batch.mechanisms, fineness.count
+    pieces, closed = (PEAK_PIECES, peaked_returns) if fineness.towards_peak else (RETURN_PIECES, returns_with_constant)
+    points = Points(pieces, count, CLOSING_STEPS)
+    returns = closed(strokes, linkage, laws.period_rad, laws.batch.column("motion.return.e"), points)
+    segments = _segments(strokes, fineness.towards_peak)
+    back = return_samples(returns, linkage, points, 2)
+    samples = _stroke_samples(strokes, linkage, segments, back, returns.widths_rad(points))
+    # Other points than those of the samples tell whether the law closes.
+    judges = replace(points, count=count + OTHER)
+    slopes = [
+        segment.widths_rad[..., None] * segment.driven(strokes, linkage, judges.count, 1)[0] for segment in segments
+    ]
+    ratio = returns.polynomial(judges, 1).value.reshape(-1, judges.pieces, judges.count)
+    slopes.append(returns.widths_rad(judges)[..., None] / ratio)
+    closing = integrated(np.concatenate(slopes, axis=1)) - 2.0 * pi
     speed_rpm = strokes.law_speed_rad_s / RAD_S_PER_RPM
-    return Sampled(samples, sound, stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
+    return Sampled(samples, linkage.stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
 
 
-def _requests(designs: Sequence[Design], stroke_mm: Array) -> StrokeRequests[Array]:
-    theta1, theta2, theta3, theta4 = (_column(designs, f"motion.theta{number}") for number in (1, 2, 3, 4))
-    return StrokeRequests(
-        theta1_rad=theta1,
-        theta2_rad=theta2,
-        theta3_rad=theta3,
-        theta4_rad=theta4,
-        v1_mm_s=_given(designs, "v1_mm_s"),
-        v2_mm_s=_given(designs, "v2_mm_s"),
-        a1_mm_s2=_given(designs, "a1_mm_s2"),
-        law_speed_rad_s=_given(designs, "law_speed_rpm", RAD_S_PER_RPM),
-        stroke_mm=stroke_mm,
-        a1_speed_rad_s=_given(designs, "a1_speed_rpm", RAD_S_PER_RPM),
-    )
+@dataclass(frozen=True, eq=False)
+class _Segment:
+    """A segment of the working strokes, cut into p pieces; ``edges_rad`` are the driving angles of their ends."""
+
+    angle: Any
+    edges_rad: Array
+
+    def phi1_rad(self, count: int) -> Array:
+        """The driving angles at the points of the pieces, shape (n, p, count)."""
+        found: Array = self.edges_rad[:, :-1, None] + self.widths_rad[..., None] * shares(count)
+        return found
+
+    @property
+    def widths_rad(self) -> Array:
+        """The pieces' widths, shape (n, p)."""
+        widths: Array = np.diff(self.edges_rad, axis=1)
+        return widths
+
+    def driven(self, strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], count: int, order: int) -> list[Array]:
+        """Derivatives of the driven angle from the first up to ``order``, shape (n, p, count) each."""
+        phi1 = self.phi1_rad(count)
+        each = phi1.shape[1] * count
+        driven = self.angle(repeated(strokes, each), repeated(linkage, each), phi1.ravel(), order)
+        return [driven.derivative(k).reshape(phi1.shape) for k in range(1, order + 1)]
 
 
-def _given(designs: Sequence[Design], name: str, unit: float = 1.0) -> Array | None:
-    """A value of the motion, shape (n,); None where no design of the batch gives it, for all do or none does."""
-    if getattr(designs[0].motion, name) is None:
-        return None
-    return _column(designs, f"motion.{name}") * unit
+def _segments(strokes: WorkingStrokes[Array], towards_peak: bool) -> list[_Segment]:
+    """Approach, pressing and braking, whole, or cut towards where v/phi1 is least and towards theta4.
+
+    There the ratio may be nearly singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
+    """
+    theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
+    cuts = [np.array([0.0, 1.0])[None, :]] * 3
+    if towards_peak:
+        for segment, about in ((0, _slowest(strokes)), (2, np.ones_like(theta2))):
+            cuts[segment] = about[:, None] + edges_about(about, WORKING_QUARTERINGS)
+    ends = zip((0.0 * theta2, theta2, theta3), (theta2, theta3, theta4), strict=True)
+    angles = approach_angle, pressing_angle, braking_angle
+    return [
+        _Segment(angle, start[:, None] + (end - start)[:, None] * cut)
+        for angle, (start, end), cut in zip(angles, ends, cuts, strict=True)
+    ]
+
+
+def _slowest(strokes: WorkingStrokes[Array]) -> Array:
+    """The share of theta2 at which v/phi1 is least, shape (n,)."""
+    share = np.linspace(0.0, 1.0, GUESSES)
+    slope, end = strokes.approach_slope, strokes.theta2_rad
+    guess = share[np.argmin(polynomial_at(slope[..., None], end[:, None] * share), axis=1)]
+    _, linear, square, cube = slope
+    found = guess
+    for _ in range(SLOWEST_STEPS):
+        at = end * found
+        step = (linear + at * (2.0 * square + 3.0 * cube * at)) / (2.0 * square + 6.0 * cube * at) / end
+        found = np.clip(np.where(np.isfinite(step), found - step, found), guess - share[1], guess + share[1])
+    slowest: Array = np.clip(found, 0.0, 1.0)
+    return slowest
 
 
 def _stroke_samples(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], back: ReturnSamples, length_rad: Array
+    strokes: WorkingStrokes[Array],
+    linkage: Mechanisms[Array],
+    segments: list[_Segment],
+    back: ReturnSamples,
+    back_rad: Array,
 ) -> Samples:
-    """The working stroke's segments and the pieces of a return of ``length_rad``, as many points each."""
-    pieces, count = back.velocity.shape[1:]
-    width2, width3 = strokes.theta3_rad - strokes.theta2_rad, strokes.theta4_rad - strokes.theta3_rad
-    starts, widths = (0.0 * width2, strokes.theta2_rad, strokes.theta3_rad), (strokes.theta2_rad, width2, width3)
-    angles = (approach_angle, pressing_angle, braking_angle)
-    many, linkages = repeated(strokes, count), repeated(linkage, count)
-    places = []
-    for angle, start, width in zip(angles, starts, widths, strict=True):
-        phi1 = start[:, None] + width[:, None] * shares(count)
-        driven = angle(many, linkages, phi1.ravel(), 3)
-        places.append(_place_of(*(driven.derivative(k).reshape(phi1.shape) for k in (1, 2, 3))))
-    out = (np.stack(column, axis=1) for column in zip(*places, strict=True))
-    home = _place_of(*back.slopes)
-    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(out, home, strict=True)))
-    approach, pressing, braking = working_motions(strokes, (count, count, count))
-    forwards = Motion(*(values[:, ::-1] for values in braking))
-    displacement, speed, change = (np.stack(parts, axis=1) for parts in zip(approach, pressing, forwards, strict=True))
-    every = np.stack([*widths, *[length_rad / pieces] * pieces], axis=1)
+    """The segments of the working stroke, and the pieces of a return of widths ``back_rad``, as many points each."""
+    laws, _, count = back.velocity.shape
+    places = [_place_of(*segment.driven(strokes, linkage, count, 3)) for segment in segments]
+    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(*places, _place_of(*back.slopes), strict=True)))
+    phi1, pressing, braking = (segment.phi1_rad(count) for segment in segments)
+    beyond, before = pressing - strokes.theta2_rad[:, None, None], strokes.theta4_rad[:, None, None] - braking
+    motions = working_motions_at(strokes, *(angles.reshape(laws, -1) for angles in (phi1, beyond, before)))
+    displacement, speed, change = (
+        np.concatenate([part.reshape(laws, -1, count) for part in parts], axis=1)
+        for parts in zip(*motions, strict=True)
+    )
+    every = np.concatenate([*(segment.widths_rad for segment in segments), back_rad], axis=1)
     return Samples(
         at=at,
         velocity=np.concatenate([speed, back.velocity], axis=1),
@@ -211,7 +277,6 @@ def _stroke_samples(
         displacement_mm=displacement,
         turning=at.slope * every[..., None],
         there=every > 0.0,
-        sound=_sound(strokes, count),
     )
 
 
@@ -227,37 +292,21 @@ def _place_of(slope: Array, first: Array, second: Array) -> Place:
     )
 
 
-def _sound(strokes: WorkingStrokes[Array], count: int) -> Mask:
-    """Whether the slider advances all the way, by far more than rounding, as ``ratio/working_stroke.py`` demands."""
-    positive = (strokes.v1_mm_s > 0.0) & (strokes.v2_mm_s > 0.0) & (strokes.a1_mm_s2 < 0.0)
-    finite = (strokes.law_speed_rad_s > 0.0) & np.isfinite(strokes.law_speed_rad_s)
-    slope = polynomial_at(strokes.approach_slope[..., None], strokes.theta2_rad[:, None] * shares(count))
-    known = positive & finite & np.isfinite(slope).all(axis=1)
-    low, high = extremes(np.where(known[:, None], slope, 1.0), np.arange(known.size))
-    sound: Mask = known & (low > CLEAR * high)
-    return sound
-
-
-def _harmonics(kind: Kind, designs: Sequence[Design], count: int) -> Sampled:
+def _harmonics(batch: Batch, count: int) -> Sampled:
     """Harmonics of the ratio; the law holds at any speed, so its own speed is the speed of operation."""
-    cosine, sine = _padded(designs, "motion.cosine", "motion.sine")
-    linkage = mechanisms_of([design.linkage for design in designs])
-    samples = _harmonic_samples(cosine, sine, linkage, kind.lobes, count)
-    speed = _column(designs, "operation.speed_rpm")
+    cosine, sine = batch.series("cosine"), batch.series("sine")
+    longest = max(cosine.shape[1], sine.shape[1])
+    cosine, sine = (np.pad(one, ((0, 0), (0, longest - one.shape[1]))) for one in (cosine, sine))
+    linkage, lobes = batch.mechanisms, batch.kind.lobes
+    samples = _harmonic_samples(cosine, sine, linkage, lobes, count)
+    speed = batch.column("operation.speed_rpm")
     # The samples' ln i12 at phi2 = 0 holds the constant that closes the law; even places around a turn judge it.
     places = 2.0 * pi * (np.arange(EVEN_PLACES * count) + OFF) / (EVEN_PLACES * count)
     constant = samples.at.log[:, 0, 0] - cosine.sum(axis=1)
-    turned = np.arange(1.0, cosine.shape[1] + 1.0)[:, None] * kind.lobes.driven * places
+    turned = np.arange(1.0, cosine.shape[1] + 1.0)[:, None] * lobes.driven * places
     mean = np.exp(constant[:, None] + cosine @ np.cos(turned) + sine @ np.sin(turned)).mean(axis=1)
-    closing = 2.0 * pi * (1.0 - mean * kind.lobes.driving / kind.lobes.driven)
-    return Sampled(samples, linkage.turns_fully, linkage.stroke_mm, speed, 0.0 * speed, closing)
-
-
-def _padded(designs: Sequence[Design], *names: str) -> list[Array]:
-    """Lists of numbers as rows, shape (n, longest of them) for each name, zeros where they are shorter."""
-    lists = [[attrgetter(name)(design) for design in designs] for name in names]
-    longest = max(len(values) for column in lists for values in column)
-    return [np.array([[*values, *[0.0] * (longest - len(values))] for values in column]) for column in lists]
+    closing = 2.0 * pi * (1.0 - mean * lobes.driving / lobes.driven)
+    return Sampled(samples, linkage.stroke_mm, speed, 0.0 * speed, closing)
 
 
 def _harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
@@ -279,7 +328,6 @@ def _harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lo
         displacement[:, :HARMONIC_PIECES],
         np.broadcast_to(width[:, None], everywhere.shape),
         there,
-        there[:, 0],
     )
 
 
@@ -303,9 +351,3 @@ def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array)
     mean = (np.exp(series) @ integration(phi2.shape[1])[-1]) @ width / (2.0 * pi)
     log_ratio = series + (log(lobes.driven / lobes.driving) - np.log(mean))[:, None, None]
     return Place(log_ratio, np.exp(log_ratio), np.exp(-log_ratio), first, second)
-
-
-def _column(designs: Sequence[Design], name: str) -> Array:
-    """The values at a dotted name, shape (n,)."""
-    value: Callable[[Any], float] = attrgetter(name)
-    return np.array([value(design) for design in designs], dtype=float)

@@ -5,6 +5,7 @@ All quantities together would over-determine the stroke, so a file leaves one of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import degrees, isclose, pi, radians
 from sys import float_info
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -181,25 +182,12 @@ class ThreeSegmentStroke(LawKeys):
 
     @model_validator(mode="after")
     def _angles_rise(self) -> Self:
-        for quantity in ("theta1", "theta2", "theta3", "theta4"):
+        for quantity in THETAS:
             require_one(self, spellings(quantity))
-        if self.theta1 <= 0.0:
-            raise self._out_of_order("theta1", "over 0")
-        if self.theta2 <= self.theta1:
-            raise self._out_of_order("theta2", "over theta1")
-        if self.theta3 < self.theta2:
-            raise self._out_of_order("theta3", "theta2 or over")
-        if not self.theta3 < self.theta4 < 2.0 * pi:
-            raise self._out_of_order("theta4", "between theta3 and 2 pi")
+        if wrong := out_of_order([angle_rad(self, quantity) for quantity in THETAS]):
+            quantity, problem = wrong
+            raise fault(given(self, spellings(quantity))[0], problem)
         return self
-
-    def _out_of_order(self, quantity: str, needed: str) -> Exception:
-        in_pi = [f"{angle_rad(self, f'theta{i}') / pi:.6g}" for i in (1, 2, 3, 4)]
-        return fault(
-            given(self, spellings(quantity))[0],
-            f"{quantity} must be {needed}; the angles, in multiples of pi, are {', '.join(in_pi)}; "
-            "0 < theta1 < theta2 <= theta3 < theta4 < 2 is right",
-        )
 
     @model_validator(mode="after")
     def _only_the_solved_one_is_absent(self) -> Self:
@@ -287,7 +275,7 @@ class ThreeSegmentStroke(LawKeys):
 
         self._refuse_other_units(type(linkage))
         if not self.gives_stroke:
-            self._refuse_other_stroke(linkage)
+            require_stroke_of(self.stroke, linkage)
         return stroke_law(
             self._stroke(None if self.gives_stroke else linkage.stroke_mm, linkage.OUTPUT),
             linkage,
@@ -316,17 +304,6 @@ class ThreeSegmentStroke(LawKeys):
         )
         return solved_stroke(request)
 
-    def _refuse_other_stroke(self, linkage: Mechanism) -> None:
-        """Refuse a stroke in the file that differs from that of the mechanism."""
-        if self.stroke is not None and not isclose(self.stroke, linkage.stroke_mm, rel_tol=SAME_STROKE):
-            relation, place = "longer" if self.stroke > linkage.stroke_mm else "shorter", linkage.OUTPUT.place
-            told, right = (f"{place.factor * stroke:.9g} {place.text}" for stroke in (self.stroke, linkage.stroke_mm))
-            raise WrongInput(
-                f"{told} is {relation} than the linkage's stroke of {right}; give "
-                f"that one, leave the key out, or change linkage.{linkage.STROKE_KEY}",
-                key=f"motion.stroke_{place.ending}",
-            )
-
     def _refuse_other_units(self, mechanism: type[Mechanism]) -> None:
         """Refuse speeds in mm/s of an output that turns, and in rad/s of one that slides; raises WrongInput."""
         output = mechanism.OUTPUT
@@ -340,6 +317,41 @@ class ThreeSegmentStroke(LawKeys):
                     f"given, but the {output.name} of {mechanism.NAME} {does}; {right} is right",
                     key=f"motion.{wrong}",
                 )
+
+
+def require_stroke_of(stroke: float | None, linkage: Mechanism) -> None:
+    """Refuse a stroke in the file, in mm or rad, that differs from that of the mechanism; raises WrongInput."""
+    if stroke is not None and not isclose(stroke, linkage.stroke_mm, rel_tol=SAME_STROKE):
+        relation, place = "longer" if stroke > linkage.stroke_mm else "shorter", linkage.OUTPUT.place
+        told, right = (f"{place.factor * one:.9g} {place.text}" for one in (stroke, linkage.stroke_mm))
+        raise WrongInput(
+            f"{told} is {relation} than the linkage's stroke of {right}; give "
+            f"that one, leave the key out, or change linkage.{linkage.STROKE_KEY}",
+            key=f"motion.stroke_{place.ending}",
+        )
+
+
+THETAS = ("theta1", "theta2", "theta3", "theta4")
+
+
+def out_of_order(angles_rad: Sequence[float]) -> tuple[str, str] | None:
+    """Which of theta1 to theta4, in rad, is out of order, and the words for it; None where they rise."""
+    theta1, theta2, theta3, theta4 = angles_rad
+    if theta1 <= 0.0:
+        wrong, needed = "theta1", "over 0"
+    elif theta2 <= theta1:
+        wrong, needed = "theta2", "over theta1"
+    elif theta3 < theta2:
+        wrong, needed = "theta3", "theta2 or over"
+    elif not theta3 < theta4 < 2.0 * pi:
+        wrong, needed = "theta4", "between theta3 and 2 pi"
+    else:
+        return None
+    in_pi = [f"{angle / pi:.6g}" for angle in angles_rad]
+    return wrong, (
+        f"{wrong} must be {needed}; the angles, in multiples of pi, are {', '.join(in_pi)}; "
+        "0 < theta1 < theta2 <= theta3 < theta4 < 2 is right"
+    )
 
 
 LAW = DesignLaw(

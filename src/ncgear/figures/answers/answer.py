@@ -176,7 +176,16 @@ def _fault(fault: Fault) -> str:
     return next((line for line in lines if len(line) <= COLUMNS), what)
 
 
-OPENED = ("report.html", "tooth_pair.png", "data_sheet.md", "pair.step", "gears.3mf", "pair.dxf", "summary.json")
+OPENED = (
+    "report.html",
+    "tooth_pair.png",
+    "data_sheet.md",
+    "pair.step",
+    "gears.3mf",
+    "pair.dxf",
+    "summary.json",
+    "sweep.parquet",
+)
 """The files that people look for first, after a design file."""
 
 
@@ -188,7 +197,8 @@ def _written(paths: Sequence[Path]) -> list[str]:
         return [f"Written: {paths[0]}"]
     folder = Path(os.path.commonpath([path.parent for path in paths]))
     names = [path.relative_to(folder).as_posix() for path in paths]
-    first = [*(name for name in names if name.endswith(".yaml")), *(name for name in OPENED if name in names)]
+    plain = [name for name in names if name.endswith(".yaml") and "/" not in name]
+    first = [*plain, *(name for name in OPENED if name in names)]
     where = "Written: " if folder == Path() else f"Written to {folder}: "
     return [_listed(where, [*first, *(name for name in names if name not in first)])]
 

@@ -1,41 +1,36 @@
-"""The answer of a sweep: the best designs by each figure, and why others cannot be made."""
+"""The answer of a sweep: the best designs by each objective, and why others cannot be made."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from ncgear.design.varied import Varied
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.quantities import name_of
-from ncgear.figures.sweep import best_cells, ranked, refusals
-from ncgear.numerics.units import label_and_unit
-from ncgear.screening.screen import Screened
+from ncgear.figures.sweep import REFUSALS, cells_of, counts_of, head_of, title_of
+from ncgear.screening.overview import Overview
 
 BEST = 3
-"""Designs that are told for each figure."""
+"""Designs that are told for each objective."""
 
 
-def swept_answer(varied: Sequence[Varied], found: Screened) -> Answer:
+def swept_answer(screened: Overview, deeper: Overview | None, stage: str, then: str) -> Answer:
     """How many can be made, the best of them, and why the others cannot."""
-    made, figures = int(found.made.sum()), ranked(found) if found.made.any() else {}
-    keys = [name.rpartition(".")[2] for name in figures.values()]
-    heads = [one.key.rpartition(".")[2] for one in varied] + [
-        f"{name_of(key)}, {label_and_unit(key)[1]}" for key in keys
-    ]
+    last = deeper or screened
+    head, *more = counts_of(screened, deeper, stage)
+    heads = [key.rpartition(".")[2] for key in last.space.keys] + [head_of(one.name) for one in last.wanted.objectives]
     rows = [
-        Row(title if place == 0 else "", tuple(cells))
-        for title, figure in figures.items()
-        for place, cells in enumerate(best_cells(figure, varied, found)[:BEST])
+        Row(title_of(objective) if place == 0 else "", tuple(cells))
+        for objective, best in zip(last.wanted.objectives, last.best, strict=False)
+        for place, cells in enumerate(cells_of(best, last.wanted)[:BEST])
     ]
     refused = [
-        Fault(f"{count} {'design' if count == 1 else 'designs'}: {said}") for count, _, said in refusals(varied, found)
+        Fault(f"{one.count} {'design' if one.count == 1 else 'designs'}: {one.verdict}")
+        for one in last.frequent_refusals[:REFUSALS]
     ]
     return Answer(
-        f"{len(found.made)} designs, of which {made} can be made",
+        head,
         tuple(rows),
         tuple(refused),
+        about="; ".join(more),
         heads=tuple(heads),
         good="",
-        wrong=f"{len(found.made) - made} are refused",
-        then="sweep.csv has every design",
+        wrong=f"{last.count - last.made} are refused",
+        then=then,
     )

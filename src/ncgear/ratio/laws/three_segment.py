@@ -79,13 +79,7 @@ def stroke_law(
     Raises WrongInput when theta4 leaves no room for the return, NoSuchMechanism when no return closes the cycle.
     """
     lobes.require_one_cycle()
-    if not stroke.theta4_rad < lobes.driving_period_rad:
-        raise WrongInput(
-            f"theta4 is {degrees(stroke.theta4_rad):g} deg and one cycle takes "
-            f"{degrees(lobes.driving_period_rad):g} deg "
-            "of the driving gear, so nothing is left for the return",
-            key="motion",
-        )
+    require_return(stroke.theta4_rad, lobes)
     working = working_pieces(stroke, linkage)
     ends = _return_ends(working, lobes)
     if constant is None:
@@ -94,6 +88,16 @@ def stroke_law(
         return_law = return_with_constant(ends, constant)
     closing = Piece(ends.start_rad, ends.end_rad, return_law.driven_angle)
     return StrokeLaw(Transmission((*working, closing), lobes), stroke, return_law)
+
+
+def require_return(theta4_rad: float, lobes: Lobes) -> None:
+    """Refuse a theta4 that leaves no room for the return; raises WrongInput."""
+    if not theta4_rad < lobes.driving_period_rad:
+        raise WrongInput(
+            f"theta4 is {degrees(theta4_rad):g} deg and one cycle takes {degrees(lobes.driving_period_rad):g} deg "
+            "of the driving gear, so nothing is left for the return",
+            key="motion",
+        )
 
 
 def _return_ends(working: tuple[Piece, ...], lobes: Lobes) -> ReturnEnds:

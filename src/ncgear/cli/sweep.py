@@ -1,0 +1,127 @@
+"""The command that screens many designs, and follows the best of them deeper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ncgear.cli.arguments import EXPORT, DesignFile, Processes, Scheduler, Verbose, opened
+from ncgear.cli.progress import counted
+from ncgear.errors import WrongInput
+
+
+class Sampling(StrEnum):
+    """How points are sampled."""
+
+    SOBOL = "sobol"
+    LATIN_HYPERCUBE = "latin-hypercube"
+
+
+class Stage(StrEnum):
+    """How far designs are followed."""
+
+    CHECK = "check"
+    PITCH = "pitch"
+    TEETH = "teeth"
+    CONTACT = "contact"
+    STRENGTH = "strength"
+
+
+@contextmanager
+def _about_options(design_file: Path) -> Iterator[None]:
+    """A context whose errors are about options for a file, and have no place in it."""
+    try:
+        yield
+    except WrongInput as error:
+        error.location = str(design_file)
+        raise
+
+
+def sweep(
+    design_file: DesignFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            metavar="KEY=VALUES",
+            help="A key of the file and its values: FROM:TO:COUNT, A,B,C, or FROM:TO to be sampled; again for others.",
+        ),
+    ],
+    samples: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Points sampled of all ranges FROM:TO together.")
+    ] = None,
+    sampling: Annotated[Sampling, typer.Option(help="How points are sampled.")] = Sampling.SOBOL,
+    seed: Annotated[int, typer.Option(min=0, help="Another seed samples other points.")] = 1,
+    keep_if: Annotated[
+        list[str] | None,
+        typer.Option(metavar="'FIGURE < NUMBER'", help="What a design must keep to count; again for more."),
+    ] = None,
+    objective: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FIGURE",
+            help="What is to be least, or greatest with max: before it; again for more.",
+            show_default="peak acceleration and peak power",
+        ),
+    ] = None,
+    stage: Annotated[Stage, typer.Option(help="How far the best designs are followed.")] = Stage.PITCH,
+    keep: Annotated[int, typer.Option(metavar="N", min=1, help="Best designs that go on beyond pitch curves.")] = 100,
+    scheduler: Scheduler = None,
+    processes: Processes = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-sweep")
+    ] = None,
+    verbose: Verbose = False,
+) -> None:
+    """Screen many designs, up to millions: grids, lists or samples of some keys' values; the best go on to teeth.
+
+    Uses all cores; finished parts are kept in the folder, so that a run that was interrupted goes on from there.
+    """
+    from ncgear.workers import one_thread_each
+
+    # Several threads of linear algebra sum in another order: figures would differ in their last digits from those of
+    # processes with one thread.  Nothing is imported yet that would have begun them.
+    with one_thread_each():
+        from ncgear.design.space import space_of, varied_of
+
+        varied = [varied_of(text) for text in vary]
+    with one_thread_each(), opened(design_file) as loaded:
+        from ncgear.files.publish import prepare
+
+        with _about_options(design_file):
+            space = space_of(loaded, varied, samples, sampling.value, seed)
+        folder = out or EXPORT / f"{loaded.design.name}-sweep"
+        prepare(folder)
+
+        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.answers.swept import swept_answer
+        from ncgear.figures.sweep import sweep_text
+        from ncgear.files.manifest import publish_run
+        from ncgear.files.sweep_run import Order, names_of, screening_of, swept
+        from ncgear.screening.wanted import Wanted, constraint_of, objectives_of
+
+        order = Order(space, stage.value, keep)
+        screening = screening_of(loaded.design, loaded.data, order)
+        names = names_of(screening, stage.value)
+        with _about_options(design_file):
+            constraints = tuple(constraint_of(text, names) for text in keep_if or ())
+            wanted = Wanted(constraints, objectives_of(objective or (), names))
+        with counted("designs") as on_done:
+            found = swept(loaded, order, screening, wanted, folder, on_done, scheduler, processes)
+
+        from ncgear.files.sweep import first_best, sweep_files
+
+        files = sweep_files(loaded, found.last, found.screened)
+        run = publish_run(folder, files, "sweep")
+        run.paths.extend(found.tables)
+        if verbose:
+            typer.echo(sweep_text(found.screened, found.deeper, stage.value, run.paths, run.kept))
+        else:
+            best = first_best(files)
+            then = f"ncgear build {folder / best}" if best else "give other values, or fewer constraints"
+            answer = swept_answer(found.screened, found.deeper, stage.value, then)
+            typer.echo(answer_text(answer, run.paths, run.kept))

@@ -1,0 +1,238 @@
+"""The space of a sweep: some keys of a design file, and the values that they take together.
+
+A key has a grid, a list, or a range of which points are sampled.  All combinations of grids and lists are tried, each
+with all the sampled points, which are the same for every combination.  A design is known by its number alone: whoever
+has the space computes the values of any numbers without those before them.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import lru_cache
+from itertools import pairwise
+from math import isfinite, prod
+from typing import Any, Literal
+
+import numpy as np
+
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.reading.text import plain_number, quoted
+from ncgear.design.varied import checked_design
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array, IndexArray
+
+OPTION = "--vary"
+FORM = "KEY=FROM:TO:COUNT, KEY=A,B,C or KEY=FROM:TO, as motion.v1_mm_s=1500:1700:21, is right"
+
+MOST_DESIGNS = 100_000_000
+"""Largest number of designs in a sweep."""
+
+MOST_VALUES = 1_000_000
+"""Largest number of values of one key."""
+
+Sampling = Literal["sobol", "latin-hypercube"]
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A dotted key of the design file, and its values in the sweep."""
+
+    key: str
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Ranged:
+    """A dotted key of the design file, and the ends of the range in which its values are sampled."""
+
+    key: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Space:
+    """What varies in a sweep; ``samples`` points are drawn of all ranges together.
+
+    Sobol points are scrambled after Owen by ``scipy.stats.qmc.Sobol``, whose first 2^m points are evenly spread for
+    each m.  A Latin hypercube by ``scipy.stats.qmc.LatinHypercube`` has one point in each of ``samples`` layers of each
+    range.  The same seed gives the same points.
+    """
+
+    varied: tuple[Listed | Ranged, ...]
+    samples: int = 1
+    sampling: Sampling = "sobol"
+    seed: int = 1
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys that vary."""
+        return tuple(one.key for one in self.varied)
+
+    @property
+    def lists(self) -> tuple[Listed, ...]:
+        """The keys with grids or lists; of their combinations the last key varies fastest."""
+        return tuple(one for one in self.varied if isinstance(one, Listed))
+
+    @property
+    def ranges(self) -> tuple[Ranged, ...]:
+        """The keys that are sampled, which vary faster than all lists."""
+        return tuple(one for one in self.varied if isinstance(one, Ranged))
+
+    @property
+    def count(self) -> int:
+        """The number of designs."""
+        return prod(len(one.values) for one in self.lists) * self.samples
+
+    def values(self, first: int, count: int) -> Array:
+        """The values of all keys, shape (count, keys), in the designs from number ``first`` on."""
+        numbers = np.arange(first, first + count)
+        columns = dict(self._listed(numbers // self.samples))
+        if self.ranges:
+            shares = self._shares(numbers % self.samples)
+            for one, share in zip(self.ranges, shares.T, strict=True):
+                columns[one.key] = one.low + (one.high - one.low) * share
+        return np.column_stack([columns[key] for key in self.keys])
+
+    def _listed(self, combination: IndexArray) -> Iterator[tuple[str, Array]]:
+        left = combination
+        for one in reversed(self.lists):
+            left, place = np.divmod(left, len(one.values))
+            yield one.key, np.array(one.values)[place]
+
+    def _shares(self, sample: IndexArray) -> Array:
+        """Places in the ranges, 0 to 1, shape (n, ranges), of samples whose numbers run on, and begin anew at the end.
+
+        Only the points that are asked for are computed of a Sobol sequence; a Latin hypercube is one piece.
+        """
+        dimensions = len(self.ranges)
+        if self.sampling == "latin-hypercube":
+            return _latin_hypercube(dimensions, self.samples, self.seed)[sample]
+        if len(sample) >= self.samples:
+            return _sobol(dimensions, self.seed, 0, self.samples)[sample]
+        begins = np.concatenate([[0], np.flatnonzero(np.diff(sample) < 0) + 1, [len(sample)]]).tolist()
+        runs = [sample[begin:end] for begin, end in pairwise(begins)]
+        return np.vstack([_sobol(dimensions, self.seed, int(run[0]), len(run)) for run in runs])
+
+
+def _sobol(dimensions: int, seed: int, first: int, count: int) -> Array:
+    """Points of a scrambled Sobol sequence from number ``first`` on."""
+    from scipy.stats.qmc import Sobol
+
+    sequence = Sobol(dimensions, rng=np.random.default_rng(seed))
+    with warnings.catch_warnings():
+        # It says that only powers of two are balanced, which docs/commands/sweep.md says as well.
+        warnings.simplefilter("ignore", UserWarning)
+        points: Array = (sequence.fast_forward(first) if first else sequence).random(count)
+    return points
+
+
+@lru_cache(maxsize=1)
+def _latin_hypercube(dimensions: int, count: int, seed: int) -> Array:
+    """All points, which each process computes once."""
+    from scipy.stats.qmc import LatinHypercube
+
+    points: Array = LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count)
+    return points
+
+
+def varied_of(text: str) -> Listed | Ranged:
+    """A key and what it takes: ``KEY=FROM:TO:COUNT`` even values, both ends included; ``KEY=A,B,C``; ``KEY=FROM:TO``.
+
+    Raises WrongInput for anything else.
+    """
+    key, _, given = text.partition("=")
+    listed = "," in given
+    found = [plain_number(part) for part in given.split("," if listed else ":")]
+    parts = [part for part in found if part is not None and isfinite(part)]
+    if not key or len(parts) != len(found) or not (listed or len(parts) in (2, 3)):
+        raise WrongInput(f"{text!r} given; {FORM}", key=OPTION)
+    if listed:
+        return _list(key, parts)
+    low, high, *count = parts
+    if not isfinite(float(high) - float(low)):
+        raise WrongInput(f"{text!r} given; values nearer to each other are right", key=OPTION)
+    if not count:
+        if not low < high:
+            raise WrongInput(f"{text!r} given; a range from a smaller to a greater value is right", key=OPTION)
+        return Ranged(key, float(low), float(high))
+    if not isinstance(count[0], int) or not 2 <= count[0] <= MOST_VALUES:
+        raise WrongInput(f"{count[0]} values of {key} asked for; 2 to {MOST_VALUES} are right", key=OPTION)
+    steps = range(count[0])
+    return Listed(key, tuple(float(low + (high - low) * step / (count[0] - 1)) for step in steps))
+
+
+def _list(key: str, values: Sequence[float]) -> Listed:
+    for value in values:
+        if values.count(value) > 1:
+            raise WrongInput(f"{key} is given {value} twice; keep one", key=OPTION)
+    return Listed(key, tuple(map(float, values)))
+
+
+def space_of(
+    loaded: LoadedDesign,
+    varied: Sequence[Listed | Ranged],
+    samples: int | None = None,
+    sampling: Sampling = "sobol",
+    seed: int = 1,
+) -> Space:
+    """The space of some keys of a file.
+
+    Raises WrongInput for a key given twice, a key at which the file has no number, ranges without a number of samples
+    or the other way round, a range of a key that takes whole numbers only, and too many designs.
+    """
+    for one in varied:
+        if sum(other.key == one.key for other in varied) > 1:
+            raise WrongInput(f"{one.key} is given twice; keep one", key=OPTION)
+        _require_number(loaded, one.key)
+    ranges = [one for one in varied if isinstance(one, Ranged)]
+    if ranges and samples is None:
+        raise WrongInput(
+            f"missing; {ranges[0].key} has a range, of which so many points are sampled, as --samples 1024; or give "
+            f"{ranges[0].key} a number of even values, as {ranges[0].low:g}:{ranges[0].high:g}:11",
+            key="--samples",
+        )
+    if samples is not None and not ranges:
+        problem = "nothing is sampled, since every key has a grid or a list; leave it out, or give a range, KEY=FROM:TO"
+        raise WrongInput(problem, key="--samples")
+    for one in ranges:
+        _require_fractions(loaded, one)
+    space = Space(tuple(varied), samples or 1, sampling, seed)
+    if space.count > MOST_DESIGNS:
+        problem = f"{space.count} designs asked for; {MOST_DESIGNS} or fewer are right"
+        raise WrongInput(problem, key=OPTION)
+    return space
+
+
+def _require_number(loaded: LoadedDesign, key: str) -> None:
+    """Refuse a key at which the file has no number."""
+    numbers = dict(_numbers(loaded.data, ""))
+    if key in numbers:
+        return
+    close = get_close_matches(key, list(numbers), n=1)
+    hint = f"; did you mean {close[0]}?" if close else "; a key that holds one in the file is right"
+    raise WrongInput(f"the file has no number at {quoted(key)}{hint}", key=OPTION)
+
+
+def _require_fractions(loaded: LoadedDesign, ranged: Ranged) -> None:
+    """Refuse the range of a key that takes whole numbers only, of which nearly no sample would be one."""
+    tried = checked_design(loaded.data, [ranged.key], [int(ranged.low) + 0.5])
+    if isinstance(tried, WrongInput) and tried.key == ranged.key and "whole number" in tried.problem:
+        low, high = round(ranged.low), round(ranged.high)
+        raise WrongInput(
+            f"{ranged.key} takes whole numbers only, and a range is sampled between them too; "
+            f"{ranged.key}={low}:{high}:{high - low + 1} is right",
+            key=OPTION,
+        )
+
+
+def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
+    """Dotted keys that hold numbers, and the numbers."""
+    if isinstance(data, dict | list):
+        for name, value in data.items() if isinstance(data, dict) else enumerate(data):
+            yield from _numbers(value, f"{key}.{name}" if key else str(name))
+    elif isinstance(data, int | float) and not isinstance(data, bool):
+        yield key, data

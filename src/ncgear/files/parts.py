@@ -1,0 +1,168 @@
+"""A table of designs in parts: a folder of Parquet files, each written at one instant, by which a run goes on.
+
+A part's bytes depend on its rows alone: no time, no name of a computer, no order in which parts were finished.  A file
+that is cut off or damaged, or belongs to another run, is known by its checksums and by the digest of its run.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from hashlib import sha256
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ncgear.errors import WrongInput
+from ncgear.files.publish import UNFINISHED, is_there, put_in_place
+from ncgear.screening.designs import Designs
+
+if TYPE_CHECKING:
+    import pyarrow
+
+NUMBER, VERDICT = "number", "verdict"
+
+RUN = b"ncgear.run"
+"""Key of a file's metadata that holds the digest of its run."""
+
+PLAN = "_run.json"
+"""The file that tells what a folder's parts belong to; readers of Parquet folders leave out names that begin so."""
+
+
+def table_bytes(designs: Designs, digest: str) -> bytes:
+    """Designs as a Parquet file: number, keys, figures (null where not known), verdict."""
+    import pyarrow as arrow
+    from pyarrow import parquet
+
+    columns = {
+        NUMBER: arrow.array(designs.numbers, arrow.int64()),
+        **{key: arrow.array(values, arrow.float64()) for key, values in designs.values.items()},
+        **{
+            name: arrow.array(values, arrow.float64(), mask=np.isnan(values))
+            for name, values in designs.figures.items()
+        },
+        VERDICT: arrow.array(designs.verdicts, arrow.string()),
+    }
+    table = arrow.table(columns).replace_schema_metadata({RUN: digest.encode()})
+    made = BytesIO()
+    # Figures of designs hardly repeat: a dictionary would be tried for each column, and given up.
+    parquet.write_table(table, made, compression="zstd", use_dictionary=[VERDICT], write_page_checksum=True)
+    return made.getvalue()
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The parts of one run in a folder; ``plan`` tells in words and numbers what the run is."""
+
+    folder: Path
+    plan: Mapping[str, Any]
+    keys: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """The plan as text."""
+        return json.dumps(dict(self.plan), indent=2, ensure_ascii=False) + "\n"
+
+    @property
+    def digest(self) -> str:
+        """What all parts of this run have in common with no other."""
+        return sha256(self.text.encode()).hexdigest()[:16]
+
+    def path(self, part: int) -> Path:
+        """The file of a part."""
+        return self.folder / f"part-{part:06d}.parquet"
+
+    def add(self, part: int, content: bytes) -> None:
+        """Write a part; raises WrongInput when that cannot be done."""
+        put_in_place(self.path(part), content)
+
+    def begun(self, counts: Sequence[int]) -> list[int]:
+        """Make the folder ready, and return the numbers of the parts that it lacks; part i has ``counts[i]`` rows.
+
+        Files that are no whole part of this run are lacking.  Raises WrongInput where the folder has another run.
+        """
+        path = self.folder / PLAN
+        if is_there(path):
+            self._require_same(path)
+        elif is_there(self.folder) and any(self.folder.iterdir()):
+            raise WrongInput(
+                f"is no folder of a sweep; choose another folder with --out, or remove {self.folder.name}",
+                location=str(self.folder),
+            )
+        else:
+            put_in_place(path, self.text.encode())
+        for left in self.folder.glob(f".part-*{UNFINISHED}"):
+            left.unlink(missing_ok=True)
+        return [part for part, count in enumerate(counts) if not self._is_whole(part, count)]
+
+    def _require_same(self, path: Path) -> None:
+        remedy = f"choose another folder with --out, or remove {self.folder.name} there"
+        try:
+            there = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise WrongInput(f"cannot be read ({error}); {remedy}", location=str(path)) from error
+        other = [
+            f"{key} {_brief(there.get(key))} there, {_brief(self.plan.get(key))} now"
+            for key in dict.fromkeys([*self.plan, *there])
+            if there.get(key) != self.plan.get(key)
+        ]
+        if other:
+            raise WrongInput(f"holds another run ({'; '.join(other)}); {remedy}", location=str(self.folder))
+
+    def _is_whole(self, part: int, count: int) -> bool:
+        if not is_there(self.path(part)):
+            return False
+        table = self._table(part)
+        return table is not None and len(table) == count
+
+    def _table(self, part: int) -> pyarrow.Table | None:
+        """A part as a table; None where its file is damaged or of another run."""
+        import pyarrow as arrow
+        from pyarrow import parquet
+
+        try:
+            with parquet.ParquetFile(self.path(part), page_checksum_verification=True) as file:
+                known = (file.schema_arrow.metadata or {}).get(RUN)
+                return file.read(use_threads=False) if known == self.digest.encode() else None
+        except (OSError, arrow.ArrowException, ValueError):
+            return None
+
+    def designs(self, part: int) -> Designs:
+        """The rows of a part; raises WrongInput where its file has been changed since the run began."""
+        table = self._table(part)
+        if table is None:
+            raise WrongInput("has changed while the sweep ran; run it again", location=str(self.path(part)))
+        columns = {name: table.column(name) for name in table.column_names}
+        numbers = columns.pop(NUMBER).to_numpy()
+        verdicts = columns.pop(VERDICT).to_numpy(zero_copy_only=False)
+        values = {name: column.to_numpy(zero_copy_only=False) for name, column in columns.items()}
+        return Designs(numbers, {key: values.pop(key) for key in self.keys}, values, verdicts)
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """A context that one run at a time can be in for a folder; raises WrongInput where another one is at work there."""
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    with (folder / PLAN).open("rb") as held:
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            problem = "another run is at work here; wait for it, or choose another folder with --out"
+            raise WrongInput(problem, location=str(folder)) from error
+        except OSError:
+            # Some file systems have no locks.
+            pass
+        yield
+
+
+def _brief(value: Any) -> str:
+    text = json.dumps(value, ensure_ascii=False) if value is not None else "none"
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,242 @@
+"""The run of a sweep: parts on processes or on a cluster, each written as it comes; a run after a killed one goes on.
+
+Workers send finished parts as the bytes of their files, and this process alone writes: workers of a cluster need no
+common disk.  What is chosen and shown is gathered afterwards from the files, in the order of their numbers.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from hashlib import sha256
+from math import ceil, log2
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ncgear import __version__
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.space import Ranged, Space
+from ncgear.extras import require
+from ncgear.files.parts import Parts, alone_in, table_bytes
+from ncgear.screening.batch import kind_of
+from ncgear.screening.deeper import deepened, deeper_names, require_stage
+from ncgear.screening.designs import Counted, Designs, Screening, figure_names, joined, screened_part
+from ncgear.screening.overview import Overview, no_overview
+from ncgear.screening.wanted import Wanted, best_rows
+from ncgear.workers import finished
+
+TABLE = "sweep.parquet"
+"""The folder of all designs in the output folder."""
+
+ROWS = 4096
+"""Designs in a part where they are computed together: about a second of work, and under a megabyte."""
+
+MOST_ROWS = 16384
+"""Designs in a part of the largest sweeps."""
+
+PARTS = 1024
+"""Parts from which on parts become larger."""
+
+ROWS_ALONE = 16
+"""Fewest designs in a part where each is computed by itself: a second or two of work."""
+
+ROWS_DEEPER = 4
+"""Fewest designs in a part that are followed deeper: half a second of work, or a few."""
+
+STAGES = ("check", "pitch", "teeth", "contact", "strength")
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a sweep is asked for: ``keep`` is the number of designs that go on to a stage beyond the pitch curves."""
+
+    space: Space
+    stage: str = "pitch"
+    keep: int = 100
+
+
+def screening_of(design: Design, data: dict[str, Any], order: Order) -> Screening:
+    """What the first two stages screen; a stage ``check`` leaves the gears out."""
+    check_only = order.stage == "check"
+    screened = {key: value for key, value in data.items() if not (check_only and key == "gears")}
+    names = figure_names(design, with_gears=design.gears is not None and not check_only)
+    rows = rows_of_part(order.space.count, ROWS if kind_of(design) is not None else ROWS_ALONE)
+    return Screening(screened, order.space, names, rows)
+
+
+def rows_of_part(count: int, fewest: int) -> int:
+    """Designs in a part: it depends on nothing but the sweep, so that parts are the same wherever they are computed."""
+    for_parts = 1 << max(0, ceil(log2(max(count, 1) / PARTS)))
+    return max(fewest, min(for_parts, MOST_ROWS))
+
+
+def names_of(screening: Screening, stage: str) -> tuple[str, ...]:
+    """All figures of a sweep down to a stage, and the keys that vary."""
+    return (*screening.figures, *(deeper_names(stage) if _is_deep(stage) else ()), *screening.space.keys)
+
+
+def _is_deep(stage: str) -> bool:
+    return STAGES.index(stage) > STAGES.index("pitch")
+
+
+def plan_of(loaded: LoadedDesign, screening: Screening, stage: str) -> dict[str, Any]:
+    """What the parts of a sweep depend on, in words and numbers."""
+    space = screening.space
+    varied = {
+        one.key: [one.low, one.high] if isinstance(one, Ranged) else _few(list(one.values)) for one in space.varied
+    }
+    sampled = {"samples": space.samples, "sampling": space.sampling, "seed": space.seed} if space.ranges else {}
+    return {
+        "ncgear": __version__,
+        "design": loaded.design.name,
+        "design_sha256": _digest(loaded.data),
+        "varied": varied,
+        **sampled,
+        "stage": "check" if stage == "check" else "pitch",
+        "designs": space.count,
+        "designs_in_a_part": screening.rows,
+    }
+
+
+def _few(values: list[float]) -> Any:
+    """The values, or of very many only what tells them from others."""
+    if len(values) <= 100:
+        return values
+    return {"first": values[0], "last": values[-1], "count": len(values), "sha256": _digest(values)}
+
+
+def _digest(content: Any) -> str:
+    return sha256(json.dumps(content, ensure_ascii=False, default=str).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Swept:
+    """A sweep that is done: all designs, and those that went on deeper, if any; each with the folder of its parts."""
+
+    screened: Overview
+    screened_parts: Parts
+    deeper: Overview | None = None
+    deeper_parts: Parts | None = None
+
+    @property
+    def last(self) -> Overview:
+        """The overview of the last stage."""
+        return self.deeper or self.screened
+
+    @property
+    def tables(self) -> list[Path]:
+        """The folders of the tables."""
+        return [parts.folder for parts in (self.screened_parts, self.deeper_parts) if parts is not None]
+
+
+def swept(
+    loaded: LoadedDesign,
+    order: Order,
+    screening: Screening,
+    wanted: Wanted,
+    folder: Path,
+    on_done: Counted,
+    scheduler: str | None = None,
+    processes: int | None = None,
+) -> Swept:
+    """Run a sweep in a folder, or what is left of it.
+
+    All designs are screened.  Those that are made and keep the constraints on figures known by then go on to a later
+    stage: the ``keep`` best by the objectives known by then.  ``scheduler`` and ``processes`` say where they are
+    computed, as in ``ncgear.workers``.  Raises WrongInput where pyarrow is not installed, where the folder has another
+    run or cannot be written, and where no design could get to the stage.
+    """
+    require("pyarrow", "sweep", "ncgear sweep")
+    if _is_deep(order.stage):
+        require_stage(loaded.design, order.stage)
+    plan = plan_of(loaded, screening, order.stage)
+    parts = Parts(folder / TABLE, plan, screening.space.keys)
+    counts = [min(screening.rows, screening.space.count - part * screening.rows) for part in range(screening.parts)]
+    on = partial(finished, scheduler=scheduler, processes=processes)
+    with ExitStack() as held:
+        known = wanted.of((*screening.figures, *screening.space.keys))
+        compute = partial(_screened_bytes, screening, parts.digest)
+        _computed(parts, counts, compute, range(screening.parts), on, on_done, held)
+        overview, choice = _gathered(parts, len(counts), screening.space, known, chosen=_is_deep(order.stage))
+        if not _is_deep(order.stage):
+            return Swept(overview, parts)
+        numbers = np.sort(choice[0][best_rows(choice[1], order.keep)])
+        rows = rows_of_part(len(numbers), ROWS_DEEPER)
+        deep_plan = {**plan, "stage": order.stage, "chosen": len(numbers), "chosen_sha256": _digest(numbers.tolist())}
+        deep = Parts(folder / f"{order.stage}.parquet", {**deep_plan, "designs_in_a_part": rows}, parts.keys)
+        taken = [numbers[first : first + rows] for first in range(0, len(numbers), rows)]
+        tasks = _Chosen(parts, screening.rows, taken)
+        compute = partial(_deeper_bytes, screening.data, order.stage, deep.digest)
+        _computed(deep, [len(one) for one in taken], compute, tasks, on, on_done, held)
+        below, _ = _gathered(deep, len(taken), screening.space, wanted)
+    return Swept(overview, parts, below, deep)
+
+
+def _screened_bytes(screening: Screening, digest: str, task: tuple[int, int]) -> bytes:
+    return table_bytes(screened_part(screening, task[1]), digest)
+
+
+def _deeper_bytes(data: dict[str, Any], stage: str, digest: str, task: tuple[int, Designs]) -> bytes:
+    return table_bytes(deepened(data, stage, task[1]), digest)
+
+
+@dataclass(frozen=True)
+class _Chosen:
+    """The designs that go deeper, part by part, read from the table of all as they are asked for."""
+
+    parts: Parts
+    rows: int
+    taken: Sequence[Any]
+
+    def __getitem__(self, part: int) -> Designs:
+        numbers = self.taken[part]
+        found = []
+        for screened in np.unique(numbers // self.rows).tolist():
+            designs = self.parts.designs(screened)
+            found.append(designs.at(np.isin(designs.numbers, numbers)))
+        return joined(found)
+
+
+def _computed(
+    parts: Parts,
+    counts: Sequence[int],
+    compute: Callable[[tuple[int, Any]], bytes],
+    tasks: Any,
+    on: Callable[..., Iterator[tuple[tuple[int, Any], bytes]]],
+    on_done: Counted,
+    held: ExitStack,
+) -> None:
+    """Compute and write the parts that the folder lacks."""
+    missing = parts.begun(counts)
+    held.enter_context(alone_in(parts.folder))
+    total, done = sum(counts), sum(counts) - sum(counts[part] for part in missing)
+    on_done(done, total)
+    if len(missing) <= 1 and on.keywords["scheduler"] is None:  # type: ignore[attr-defined]
+        # A process of its own would take longer to begin than a single part takes.
+        on = partial(on, processes=1)
+    for (part, _), content in on(compute, ((part, tasks[part]) for part in missing)):
+        parts.add(part, content)
+        done += counts[part]
+        on_done(done, total)
+
+
+def _gathered(
+    parts: Parts, count: int, space: Space, wanted: Wanted, chosen: bool = False
+) -> tuple[Overview, tuple[Any, Any]]:
+    """The overview of all parts, and the numbers and costs of the designs that may go deeper, where that is asked."""
+    overview = no_overview(space, wanted)
+    numbers, costs = [np.empty(0, dtype=np.intp)], [np.empty((0, len(wanted.objectives)))]
+    for part in range(count):
+        designs = parts.designs(part)
+        overview = overview.with_part(designs)
+        if chosen:
+            kept = designs.at(wanted.kept(designs))
+            numbers.append(kept.numbers)
+            costs.append(wanted.costs(kept))
+    return overview, (np.concatenate(numbers), np.vstack(costs))

@@ -1,0 +1,235 @@
+"""Designs of one kind that are computed together: a few written out, and columns of numbers by which the others differ.
+
+No model is made for a row that differs from a written design only in numbers that a batch reads as columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ncgear.design.keys.base import UNITS, Model, angle_rad, given, spellings
+from ncgear.design.keys.design import Design
+from ncgear.design.laws.harmonic_ratio import HarmonicRatio
+from ncgear.design.laws.three_segment_stroke import (
+    SAME_STROKE,
+    THETAS,
+    ThreeSegmentStroke,
+    out_of_order,
+    require_stroke_of,
+)
+from ncgear.design.mechanisms import Entry, entry_of, lengths_of
+from ncgear.errors import DesignError, WrongInput
+from ncgear.mechanisms.mechanism import Mechanism, Mechanisms, Output
+from ncgear.mechanisms.resistance import Resistance, TableResistance
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.project.law import load_of, lobes_of
+from ncgear.ratio.transmission import Lobes
+
+STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
+
+COLUMNS = {
+    "linkage",
+    "operation.speed_rpm",
+    "gears.teeth",
+    "gears.module_mm",
+    "gears.center_distance_mm",
+}
+"""Keys, or groups of them, whose numbers a batch of any law reads as columns."""
+
+LAW_COLUMNS = {
+    STROKE: {
+        *(f"motion.{name}" for number in (1, 2, 3, 4) for name in spellings(f"theta{number}")),
+        "motion.v1_mm_s",
+        "motion.v2_mm_s",
+        "motion.a1_mm_s2",
+        "motion.a1_speed_rpm",
+        "motion.law_speed_rpm",
+        "motion.stroke_mm",
+        "motion.return.e",
+    },
+    HARMONIC: {"motion.cosine", "motion.sine"},
+}
+"""Those that a batch of a law reads besides."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What the designs of one batch share; ``linkage`` is the model of its mechanism's keys."""
+
+    linkage: type[Model]
+    law: tuple[Hashable, ...]
+    lobes: Lobes
+    resistance: Resistance
+
+    @property
+    def has_return(self) -> bool:
+        """Whether a polynomial return closes the laws."""
+        return self.law[0] == STROKE
+
+    def reads(self, key: str) -> bool:
+        """Whether a batch reads the numbers at a key of the file as a column."""
+        known = COLUMNS | LAW_COLUMNS[str(self.law[0])]
+        return key in known or key.rpartition(".")[0] in known
+
+
+def kind_of(design: Design) -> Kind | None:
+    """The batch that a design belongs to; None where it must be computed by itself."""
+    law = _law(design)
+    # Batches know outputs that slide and return.
+    if law is None or entry_of(design.linkage).turns or (design.gears is not None and design.gears.mesh == "internal"):
+        return None
+    load = load_of(design)
+    if load.loads_return or isinstance(load.working, TableResistance):
+        # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,
+        # which no series along a piece resolves.
+        return None
+    return Kind(type(design.linkage), law, lobes_of(design), load.working)
+
+
+def _law(design: Design) -> tuple[Hashable, ...] | None:
+    motion = design.motion
+    if isinstance(motion, ThreeSegmentStroke):
+        if motion.turns or motion.solve_for == "stroke" or motion.return_.e == "least_acceleration":
+            return None
+        return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
+    if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):
+        return (HARMONIC,)
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """n designs of one kind, which all give the same keys.
+
+    ``follows`` (shape (n,)) numbers the ``written`` design that each follows; ``columns`` (shape (n,) each) are the
+    numbers at keys of the file that take the place of its own.
+    """
+
+    kind: Kind
+    written: tuple[Design, ...]
+    follows: IndexArray
+    columns: Mapping[str, Array]
+
+    def __len__(self) -> int:
+        return self.follows.size
+
+    def kept(self, rows: IndexArray) -> Batch:
+        """Some of the designs."""
+        columns = {key: values[rows] for key, values in self.columns.items()}
+        used, follows = np.unique(self.follows[rows], return_inverse=True)
+        return replace(self, written=tuple(self.written[number] for number in used), follows=follows, columns=columns)
+
+    def column(self, key: str) -> Array:
+        """The numbers at a key, shape (n,)."""
+        if key in self.columns:
+            return self.columns[key]
+        values = np.array([_value(design, key) for design in self.written], dtype=float)
+        found: Array = values[self.follows]
+        return found
+
+    def given(self, key: str, unit: float = 1.0) -> Array | None:
+        """The numbers at a key in a unit, shape (n,); None where the designs leave it out."""
+        return None if _value(self.written[0], key) is None else self.column(key) * unit
+
+    def angle_rad(self, name: str) -> Array:
+        """An angle of the motion in rad, shape (n,), however its key spells it."""
+        factors = {"rad": 1.0, "deg": np.pi / 180.0, "pi": np.pi}
+        for unit in UNITS:
+            if (key := f"motion.{name}_{unit}") in self.columns:
+                return self.columns[key] * factors[unit]
+        found: Array = np.array([angle_rad(design.motion, name) for design in self.written])[self.follows]
+        return found
+
+    def series(self, name: str) -> Array:
+        """A list of numbers of the motion as rows, shape (n, longest of them), zeros where it is shorter."""
+        lists = [getattr(design.motion, name) for design in self.written]
+        rows = np.zeros((len(lists), max(map(len, lists))))
+        for row, values in zip(rows, lists, strict=True):
+            row[: len(values)] = values
+        found: Array = rows[self.follows]
+        for key, values in self.columns.items():
+            group, _, place = key.rpartition(".")
+            if group == f"motion.{name}":
+                found[:, int(place)] = values
+        return found
+
+    def parts(self) -> list[IndexArray]:
+        """The rows of batches that can be sampled together: those of harmonic laws share one working angle."""
+        rows = np.arange(len(self))
+        if self.kind.has_return or not len(self):
+            return [rows]
+        with np.errstate(all="ignore"):
+            angles = np.broadcast_to(self.mechanisms.working_angle_rad, rows.shape)
+        _, number = np.unique(angles, return_inverse=True)
+        return [rows[number == one] for one in range(number.max() + 1)]
+
+    @property
+    def _entry(self) -> Entry:
+        return entry_of(self.written[0].linkage)
+
+    @property
+    def output(self) -> Output:
+        """What the mechanisms move."""
+        return self._entry.load().OUTPUT
+
+    @cached_property
+    def _lengths(self) -> dict[str, Array]:
+        return {name: self.column(f"linkage.{name}") for name in lengths_of(self.written[0].linkage)}
+
+    @cached_property
+    def mechanisms(self) -> Mechanisms[Array]:
+        """The mechanisms; those whose crank cannot turn fully are not refused."""
+        with np.errstate(all="ignore"):
+            return self._entry.load().many(**self._lengths)
+
+    def _mechanism(self, row: int) -> Mechanism:
+        return self._entry.load()(**{name: float(values[row]) for name, values in self._lengths.items()})
+
+    def refused_angles(self) -> dict[int, DesignError]:
+        """Why theta1 to theta4 are out of order, by the rows."""
+        angles = np.stack([self.angle_rad(name) for name in THETAS])
+        rising = (angles[0] > 0.0) & (angles[1] > angles[0]) & (angles[2] >= angles[1]) & (angles[3] > angles[2])
+        refused: dict[int, DesignError] = {}
+        for row in np.nonzero(~(rising & (angles[3] < 2.0 * np.pi)))[0].tolist():
+            if (wrong := out_of_order(angles[:, row].tolist())) is not None:
+                name, problem = wrong
+                key = given(self.written[0].motion, spellings(name))[0]
+                refused[row] = WrongInput(problem, key=f"motion.{key}")
+        return refused
+
+    def refused_mechanisms(self) -> dict[int, DesignError]:
+        """Why cranks cannot turn, by the rows."""
+        refused: dict[int, DesignError] = {}
+        for row in np.nonzero(~self.mechanisms.turns_fully)[0].tolist():
+            try:
+                self._mechanism(row)
+            except DesignError as error:
+                refused[row] = error
+        return refused
+
+    def refused_strokes(self) -> dict[int, DesignError]:
+        """Why strokes in the file are not those of mechanisms that turn, by the rows."""
+        given = self.given("motion.stroke_mm")
+        if given is None:
+            return {}
+        refused: dict[int, DesignError] = {}
+        doubtful = ~np.isclose(given, self.mechanisms.stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
+        for row in np.nonzero(doubtful & self.mechanisms.turns_fully)[0].tolist():
+            try:
+                require_stroke_of(float(given[row]), self._mechanism(row))
+            except DesignError as error:
+                refused[row] = error
+        return refused
+
+
+def _value(design: Design, key: str) -> Any:
+    """The value at a dotted key of a design; None where it is left out."""
+    value: Any = design
+    for part in key.split("."):
+        value = value[int(part)] if isinstance(value, tuple) else getattr(value, part, getattr(value, f"{part}_", None))
+    return value

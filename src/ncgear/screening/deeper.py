@@ -1,0 +1,111 @@
+"""The later stages of a sweep: teeth, contact and strength of one design after the other, each by its drive.
+
+Nothing is made that no figure needs: no solids, no written outlines, no motion in time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from ncgear.design.keys.design import Design
+from ncgear.design.varied import checked_design
+from ncgear.errors import DesignError, WrongInput
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.screening.block import MADE
+from ncgear.screening.designs import Designs, as_in_file, with_figures
+
+Figures = dict[str, float]
+
+
+def _strength_of(gear: Gear) -> dict[str, Callable[[Drive], float]]:
+    def contact(drive: Drive) -> float:
+        found = drive.strength.of(gear).contact
+        # Of some materials nothing is known of pitting.
+        return found.safety_min if found else nan
+
+    return {
+        f"strength.bending_safety_{gear.value}_min": lambda drive: drive.strength.of(gear).bending.safety_min,
+        f"strength.contact_safety_{gear.value}_min": contact,
+    }
+
+
+STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
+    "teeth": {
+        "teeth.driving": lambda drive: drive.pitch.size.driving_teeth,
+        "teeth.driven": lambda drive: drive.pitch.size.driven_teeth,
+        "teeth.module_mm": lambda drive: drive.pitch.size.module_mm,
+        "teeth.backlash_mm": lambda drive: drive.play.least_normal_mm.value,
+        "teeth.undercut_driving": lambda drive: len(drive.teeth.driving.undercut),
+        "teeth.undercut_driven": lambda drive: len(drive.teeth.driven.undercut),
+    },
+    "contact": {
+        "contact.contact_ratio_mean": lambda drive: drive.designed_contact.contact_ratio,
+        "contact.contact_ratio_min": lambda drive: drive.designed_contact.least_arc,
+        "contact.transmission_error_rad": lambda drive: drive.contact_extremes.pushing_error_rad.width,
+        "contact.backlash_min_rad": lambda drive: drive.contact_extremes.backlash_rad.low.value,
+        "contact.sliding_velocity_max_mm_s": lambda drive: drive.contact_extremes.sliding_mm_s.value,
+    },
+    "strength": {
+        "strength.peak_tooth_force_n": lambda drive: float(drive.strength.contacts.force_n.max()),
+        **_strength_of(Gear.DRIVING),
+        **_strength_of(Gear.DRIVEN),
+    },
+}
+"""The later stages in their order: the names of their figures, as in summary.json, and what computes each."""
+
+
+def stages_up_to(stage: str) -> tuple[str, ...]:
+    """The stages that a design goes through, up to this one."""
+    names = list(STAGES)
+    return tuple(names[: names.index(stage) + 1])
+
+
+def deeper_names(stage: str) -> tuple[str, ...]:
+    """The names of all figures up to a stage."""
+    return tuple(name for one in stages_up_to(stage) for name in STAGES[one])
+
+
+def require_stage(design: Design, stage: str) -> None:
+    """Raise WrongInput where no design of a file could get to a stage."""
+    if design.gears is None:
+        raise WrongInput(f"missing; without gears there is no stage {stage}, and --stage check is right", key="gears")
+    if design.stages > 1:
+        problem = f"two pairs of gears; the stage {stage} knows one pair, and --stage pitch is right for both"
+        raise WrongInput(problem, key="motion.second_stage")
+    if stage == "strength" and design.masses is None and design.resistance is None:
+        raise WrongInput("missing, and so are masses; the load of the teeth follows from them", key="resistance")
+
+
+def deepened(data: dict[str, Any], stage: str, designs: Designs) -> Designs:
+    """The same designs with the figures of the stages up to this one, as far as each of them gets."""
+    rows: list[Figures] = []
+    verdicts: list[str] = []
+    for place in range(len(designs.numbers)):
+        values = [column[place] for column in designs.values.values()]
+        row, verdict = _followed(checked_design(data, tuple(designs.values), map(float, values)), stage)
+        rows.append(row)
+        verdicts.append(as_in_file(data, verdict))
+    more = {name: np.array([row.get(name, np.nan) for row in rows]) for name in deeper_names(stage)}
+    return with_figures(designs, more, verdicts)
+
+
+def _followed(design: Design | WrongInput, stage: str) -> tuple[Figures, str]:
+    """The figures of one design up to where it is refused, and its verdict."""
+    found: Figures = {}
+    try:
+        if isinstance(design, WrongInput):
+            raise design
+        drive = Drive(design)
+        for one in stages_up_to(stage):
+            found |= {name: float(figure(drive)) for name, figure in STAGES[one].items()}
+    except DesignError as error:
+        return found, str(error)
+    except ArithmeticError as error:
+        # A search that found no place of contact: such gears cannot be rated.
+        return found, f"gears: the strength could not be computed: {error}"
+    return found, MADE

@@ -1,0 +1,187 @@
+"""What is wanted of the designs of a sweep: constraints that they keep, and objectives; which designs are best.
+
+A design dominates another if it is no worse in any objective and better in one.  The Pareto set are the designs that
+none dominates.  Objectives count to ``DIGITS`` digits: figures of the same size differ by rounding, and a design that
+is better by rounding alone is no other choice.
+"""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from ncgear.design.reading.text import plain_number, quoted
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.screening.designs import Designs
+
+DIGITS = 9
+"""Digits to which objectives differ; rounding errors of a screening change the thirteenth (benchmarks/screening.md)."""
+
+KEEP, OBJECTIVE = "--keep-if", "--objective"
+
+MOST_OBJECTIVES = 4
+"""Objectives beyond which nearly every design is in the Pareto set."""
+
+COMPARISONS: dict[str, Callable[[Array, float], Any]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+
+SENTENCE = re.compile(r"\s*([A-Za-z_][\w.]*)\s*(<=|>=|==|!=|<|>)\s*(\S+)\s*")
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A figure or key, a comparison, and a number."""
+
+    name: str
+    comparison: str
+    number: float
+
+    def kept(self, designs: Designs) -> Mask:
+        """Which designs keep it; none whose figure is not known."""
+        values = designs.column(self.name)
+        kept: Mask = COMPARISONS[self.comparison](values, self.number) & ~np.isnan(values)
+        return kept
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A figure that is to be least, or greatest."""
+
+    name: str
+    greatest: bool = False
+
+    def cost(self, designs: Designs) -> Array:
+        """What is to be least, shape (n,), to ``DIGITS`` digits."""
+        return rounded_to(designs.column(self.name), DIGITS) * (-1.0 if self.greatest else 1.0)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Constraints and objectives."""
+
+    constraints: tuple[Constraint, ...]
+    objectives: tuple[Objective, ...]
+
+    def kept(self, designs: Designs) -> Mask:
+        """Which designs are made and keep all constraints."""
+        kept = designs.made
+        for constraint in self.constraints:
+            kept = kept & constraint.kept(designs)
+        return kept
+
+    def costs(self, designs: Designs) -> Array:
+        """What is to be least, shape (n, objectives)."""
+        costs = [one.cost(designs) for one in self.objectives]
+        return np.array(costs).reshape(len(costs), len(designs.numbers)).T
+
+    def of(self, names: Iterable[str]) -> Wanted:
+        """Those that can be judged where only these columns are known."""
+        known = set(names)
+        return Wanted(
+            tuple(one for one in self.constraints if one.name in known),
+            tuple(one for one in self.objectives if one.name in known),
+        )
+
+
+def constraint_of(text: str, names: Sequence[str]) -> Constraint:
+    """``check.peak_power_w < 9000``; raises WrongInput for anything but a known name, a comparison and a number."""
+    found = SENTENCE.fullmatch(text)
+    number = plain_number(found[3]) if found else None
+    if found is None or number is None or not isfinite(number):
+        form = "a name, one of < <= > >= == != and a number, as check.peak_power_w < 9000, are right"
+        raise WrongInput(f"{quoted(text)} given; {form}", key=KEEP)
+    return Constraint(_known(found[1], names, KEEP), found[2], float(number))
+
+
+def objective_of(text: str, names: Sequence[str]) -> Objective:
+    """A figure's name, which is to be least; greatest with ``max:`` or a minus before it.
+
+    Raises WrongInput for a name that is not known.
+    """
+    for start, greatest in (("max:", True), ("min:", False), ("-", True), ("", False)):
+        if text.startswith(start):
+            return Objective(_known(text.removeprefix(start), names, OBJECTIVE), greatest)
+    raise AssertionError
+
+
+def objectives_of(texts: Sequence[str], names: Sequence[str]) -> tuple[Objective, ...]:
+    """Objectives; without any, least acceleration and least power."""
+    starts = ("check.peak_acceleration_cycle_", "check.peak_power_")
+    objectives = [objective_of(text, names) for text in texts]
+    if not objectives:
+        return tuple(Objective(name) for start in starts for name in names if name.startswith(start))
+    if len({one.name for one in objectives}) < len(objectives):
+        raise WrongInput("a figure is given twice; keep one", key=OBJECTIVE)
+    if len(objectives) > MOST_OBJECTIVES:
+        problem = f"{len(objectives)} given; {MOST_OBJECTIVES} or fewer are right, or nearly every design is a best one"
+        raise WrongInput(problem, key=OBJECTIVE)
+    return tuple(objectives)
+
+
+def _known(name: str, names: Sequence[str], option: str) -> str:
+    """A name of a column, which may be the last part of one alone."""
+    full = [one for one in names if one == name or one.endswith(f".{name}")]
+    if name in full:
+        return name
+    if len(full) == 1:
+        return full[0]
+    close = get_close_matches(name, names, n=1) or get_close_matches(
+        name, [one.rpartition(".")[2] for one in names], n=1
+    )
+    hint = f"did you mean {close[0]}?" if close else f"one of {', '.join(names)} is right"
+    raise WrongInput(f"no figure {quoted(name)}; {hint}", key=option)
+
+
+def rounded_to(values: Array, digits: int) -> Array:
+    """Values to so many significant digits; NaN and zero stay."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = np.floor(np.log10(np.abs(values)))
+    factor = 10.0 ** (digits - 1 - np.where(np.isfinite(size), size, 0.0))
+    rounded: Array = np.round(values * factor) / factor
+    return rounded
+
+
+def non_dominated(costs: Array) -> IndexArray:
+    """The rows of ``costs``, shape (n, m), that no other row dominates, in rising order; the first of equal rows."""
+    # In this order no row is dominated by a later one, so each row that is reached stays.
+    order = np.lexsort((np.arange(len(costs)), *costs.T[::-1]))
+    left, stay = order, list[int]()
+    while left.size:
+        best, rest = left[0], left[1:]
+        stay.append(int(best))
+        left = rest[(costs[rest] < costs[best]).any(axis=1)]
+    return np.array(sorted(stay), dtype=np.intp)
+
+
+def best_rows(costs: Array, count: int) -> IndexArray:
+    """At most ``count`` rows of ``costs``, shape (n, m), the best first.
+
+    With several objectives the rank comes first: rank 0 is the Pareto set, rank 1 that of the others, and so on.  Rows
+    of a rank are in the order of the first objective, then of the next ones, then of the rows.  Without objectives the
+    rows are spread evenly.
+    """
+    if not costs.shape[1]:
+        return np.unique(np.linspace(0, len(costs) - 1, min(count, len(costs))).astype(np.intp))
+    left, found = np.arange(len(costs)), list[IndexArray]()
+    if costs.shape[1] == 1:
+        return np.lexsort((left, costs[:, 0]))[:count]
+    while left.size and sum(map(len, found)) < count:
+        rank = non_dominated(costs[left])
+        rows = left[rank]
+        found.append(rows[np.lexsort((rows, *costs[rows].T[::-1]))])
+        left = np.delete(left, rank)
+    return np.concatenate([*found, np.empty(0, dtype=np.intp)])[:count]
