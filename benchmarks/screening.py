@@ -62,7 +62,7 @@ COUNT, ALONE = 512, 8
 COUNTS = (1, 10, 100, 1000)
 RESIDUALS = ("closure.residual_rad", "closure.stroke_residual_mm")
 TOGETHER = (64, 256, 1024)
-MANY, PART, MILLION = 6000, 1000, 1_000_000
+MANY, PART, MILLION = 4000, 1000, 1_000_000
 
 
 @cache
@@ -176,7 +176,7 @@ def long_rows() -> list[str]:
     return [
         f"{MANY} designs at the border on two processes: {1000.0 * busy / MANY:.3f} ms of processor time each, "
         f"{busy / MANY / single:.4f} of what one design takes by itself in the same run; {took:.0f} s by the clock "
-        f"({100.0 * busy / 2.0 / took:.0f} % of two cores were to be had). "
+        f"(they had {100.0 * busy / 2.0 / took:.0f} % of two cores, their start included). "
         f"Two cores of their own take {busy / 2.0 / MANY * MILLION:.0f} s for a million. "
         f"Memory: {max(memory for _, _, memory in parts):.0f} MB for each process, whatever the number; "
         f"{sum(made for made, _, _ in parts)} can be made."

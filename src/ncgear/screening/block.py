@@ -23,7 +23,7 @@ from ncgear.screening.samples import Fineness, refused_at_once
 
 MADE = "made"
 
-FINENESSES = (Fineness(65), Fineness(41, True), Fineness(65, True), Fineness(129), Fineness(257), Fineness(513))
+FINENESSES = (Fineness(65), Fineness(65, True), Fineness(97, True), Fineness(129), Fineness(257), Fineness(513))
 """The next one is tried where the one before does not resolve a law."""
 
 TOGETHER = 256

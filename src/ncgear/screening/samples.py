@@ -43,7 +43,7 @@ RETURN_PIECES = 3
 CLOSING_STEPS = 24
 """Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
 
-WORKING_QUARTERINGS = 6
+WORKING_QUARTERINGS = 5
 """Quarterings of approach and braking towards where the slider hardly moves."""
 
 GUESSES = 65
@@ -226,8 +226,11 @@ def _segments(strokes: WorkingStrokes[Array], towards_peak: bool) -> list[_Segme
     theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
     cuts = [np.array([0.0, 1.0])[None, :]] * 3
     if towards_peak:
-        for segment, about in ((0, _slowest(strokes)), (2, np.ones_like(theta2))):
-            cuts[segment] = about[:, None] + edges_about(about, WORKING_QUARTERINGS)
+        slowest = _slowest(strokes)
+        cuts[0] = slowest[:, None] + edges_about(slowest, WORKING_QUARTERINGS)
+        # The pieces beyond the end of the braking have no length in any stroke.
+        last = edges_about(np.ones(1), WORKING_QUARTERINGS)
+        cuts[2] = 1.0 + np.unique(last)[None, :]
     ends = zip((0.0 * theta2, theta2, theta3), (theta2, theta3, theta4), strict=True)
     angles = approach_angle, pressing_angle, braking_angle
     return [
