@@ -9,6 +9,7 @@ import typer
 from ncgear import __version__
 from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
+from ncgear.cli.measured import measured
 from ncgear.cli.new import new
 from ncgear.cli.search import frontier, optimize, size, sweep
 from ncgear.cli.studio import studio
@@ -34,6 +35,7 @@ COMMANDS = (
     optimize,
     frontier,
     sweep,
+    measured,
     balance,
     new,
     explain,

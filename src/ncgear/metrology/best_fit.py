@@ -218,5 +218,11 @@ def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
     flank = np.where(on_flank, outline.flank[feet.row], 0)
     deep = -outline.gear.tips.met_depth_mm[flank]
     works = outline.height_mm(feet.row, feet.share) >= deep
-    found: Mask = on_flank & works & ~feet.at_end & (np.abs(feet.distance_mm) < _astray_mm(outline))
+    found: Mask = on_flank & works & ~feet.at_end & ~is_astray(outline, feet)
     return found
+
+
+def is_astray(outline: ExactOutline, feet: Feet) -> Mask:
+    """Which points are so far from the outline that they are of bore, hub or something else."""
+    astray: Mask = np.abs(feet.distance_mm) >= _astray_mm(outline)
+    return astray
