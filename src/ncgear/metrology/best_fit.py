@@ -33,10 +33,10 @@ ASTRAY_IN_MODULES = 0.25
 BEGUN_PER_TOOTH = 12
 """Angles per tooth pitch from which a fit may begin."""
 
-FEW = 400
+FEW = 250
 """Points by which the best of these angles is found."""
 
-BEGINNINGS = 4
+BEGINNINGS = 3
 """Best angles from which the fit is made, and as many of those that turn least among the nearly as good."""
 
 NEARLY = 1.5
@@ -57,8 +57,8 @@ STEP_TOLERANCE = 1e-11
 WORST_CONDITION = 1e8
 """Condition of the normal equations, in lengths, beyond which angle and shift cannot be told apart."""
 
-ROUNDS = 12
-"""Most rounds of choosing the points that count."""
+TRIED_ROUNDS, ROUNDS = 2, 12
+"""Most rounds of choosing the points that count: where a beginning is tried, and of the fit itself."""
 
 
 @dataclass(frozen=True)
@@ -101,12 +101,14 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
     NoSuchMechanism where the points are not those of this gear.
     """
     some = points[:: max(1, points.size // FEW)]
-    tried = (_fitted(outline, some, probe_mm, pose, rigid) for pose in _beginnings(outline, some, probe_mm))
+    tried = (
+        _fitted(outline, some, probe_mm, pose, rigid, TRIED_ROUNDS) for pose in _beginnings(outline, some, probe_mm)
+    )
     fits = [fit for fit in tried if fit is not None]
     least = min((fit.rms_mm for fit in fits), default=0.0)
     alike = [fit for fit in fits if fit.rms_mm <= ALIKE * least + ROUNDING_MM]
     nearest = min(alike, key=lambda fit: abs(fit.pose.angle_rad), default=None)
-    found = _fitted(outline, points, probe_mm, nearest.pose, rigid) if nearest else None
+    found = _fitted(outline, points, probe_mm, nearest.pose, rigid, ROUNDS) if nearest else None
     if found is None:
         raise WrongInput(
             f"fewer than {FEWEST} of {points.size} points lie on working flanks, however the gear is turned; points "
@@ -117,7 +119,17 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
 
 def nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float) -> float:
     """How near points come to an outline at the best of many angles: r.m.s. distance, each up to a quarter module."""
-    return min(worth for worth, _ in _begun(outline, points[:: max(1, points.size // FEW)], probe_mm))
+    some = points[:: max(1, points.size // FEW)]
+    begun = _begun(outline, some, probe_mm)
+    best = min(begun, key=lambda pair: pair[0])[1].angle_rad
+    step = 2.0 * pi / len(begun)
+    finer = best + step * np.linspace(-1.0, 1.0, 2 * BEGUN_PER_TOOTH + 1)
+    return min(_nearness_mm(outline, some, probe_mm, Pose(float(angle))) for angle in finer)
+
+
+def _nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose) -> float:
+    away = np.minimum(np.abs(outline.near_mm(pose.of_gear(points)) - probe_mm), _astray_mm(outline))
+    return sqrt(float(np.mean(away**2)))
 
 
 def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float) -> list[Pose]:
@@ -134,31 +146,34 @@ def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float) ->
 def _begun(outline: ExactOutline, points: ComplexArray, probe_mm: float) -> list[tuple[float, Pose]]:
     """Poses at many angles from -pi to pi, each with its nearness; angle 0 is one of them."""
     count = BEGUN_PER_TOOTH * (outline.gear.flanks.count // 2)
-    found = []
-    for step in range(-(count // 2), count - count // 2):
-        pose = Pose(step * 2.0 * pi / count)
-        away = np.minimum(np.abs(outline.near_mm(pose.of_gear(points)) - probe_mm), _astray_mm(outline))
-        found.append((sqrt(float(np.mean(away**2))), pose))
-    return found
+    poses = [Pose(step * 2.0 * pi / count) for step in range(-(count // 2), count - count // 2)]
+    return [(_nearness_mm(outline, points, probe_mm, pose), pose) for pose in poses]
 
 
 def _astray_mm(outline: ExactOutline) -> float:
     return ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm
 
 
-def _fitted(outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose, rigid: bool) -> BestFit | None:
+def _fitted(
+    outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose, rigid: bool, rounds: int
+) -> BestFit | None:
     """The best fit near a pose; None where too few points are on flanks."""
     from scipy.optimize import least_squares
 
+    last: list[tuple[Array, Feet]] = []
+
     def feet(values: Array, some: ComplexArray) -> Feet:
-        return outline.feet(_pose(values).of_gear(some)).less(probe_mm)
+        """The feet in a pose; those of the last one are kept, since slopes are asked for where distances were."""
+        if not last or last[0][1].point.size != some.size or not np.array_equal(last[0][0], values):
+            last[:] = [(values.copy(), outline.feet(_pose(values).of_gear(some)).less(probe_mm))]
+        return last[0][1]
 
     # Turning a gear moves its flanks by about their distance from the axis.
     size = float(np.abs(outline.gear.outline_mm).max())
     scale = np.array([1.0 / size, 1.0, 1.0] if rigid else [1.0 / size])
     values = np.array([pose.angle_rad, pose.shift_mm.real, pose.shift_mm.imag])[: scale.size]
     counted = on_flanks(outline, feet(values, points))
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         if np.count_nonzero(counted) < FEWEST:
             return None
         solved = least_squares(

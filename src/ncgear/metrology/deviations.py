@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.metrology.best_fit import BestFit, is_astray
-from ncgear.metrology.exact_outline import FLANK_CURVE, ExactOutline
+from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOutline
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 
 FEWEST_OF_PROFILE = 4
@@ -153,7 +153,7 @@ def _beside(outline: ExactOutline, fit: BestFit) -> dict[str, int]:
     """Points on no working flank, by where they are."""
     rest = fit.feet.kept(~fit.counted)
     astray = is_astray(outline, rest)
-    on_tip = (outline.part[rest.row] == FLANK_CURVE + 2) | (
+    on_tip = (outline.part[rest.row] == TIP_LAND_CURVE) | (
         (outline.part[rest.row] == FLANK_CURVE) & (outline.height_mm(rest.row, rest.share) > 0.0)
     )
     return {

@@ -27,8 +27,8 @@ from ncgear.teeth.stretch import Stretch
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-FLANK_CURVE = 0
-"""The number of the flanks among ``exact_curves``."""
+FLANK_CURVE, TIP_LAND_CURVE = 0, 2
+"""The numbers of flanks and tip lands among ``exact_curves``."""
 
 PROBES = 33
 """Places of each curve between which its length is measured."""
@@ -68,9 +68,7 @@ class Feet(Columns):
 
     def less(self, radius_mm: float) -> Feet:
         """The same of the places that a ball about each point touches: nearer to the material by its radius."""
-        return replace(
-            self, point=self.point - radius_mm * self.outwards, distance_mm=self.distance_mm - radius_mm
-        )
+        return replace(self, point=self.point - radius_mm * self.outwards, distance_mm=self.distance_mm - radius_mm)
 
 
 @dataclass(frozen=True, eq=False)

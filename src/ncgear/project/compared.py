@@ -8,7 +8,7 @@ Helical gears are compared in the section that is measured (``project.measured.m
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -116,12 +116,39 @@ def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, pr
     exact = {gear: teeth.of(gear).outline_mm for gear in Gear}
     found = {**exact, **{one.gear: one.outline_mm for one in gears}}
     both = (
-        as_written(Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN]), teeth, placement, reach)
+        _contact(Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN]), teeth, placement, reach)
         for name, of in (("measured points", found), ("exact outlines", exact))
     )
     angle = 1e-6
     lever = play_of(pitch, drive.rack, Backlash(0.0, angle, drive.gears.backlash_share)).least_normal_mm.value / angle
     return ComparedPair(gears, teeth, placement, *both, lever)
+
+
+NEIGHBOURS = 5
+"""Positions from whose middle the play is looked for again."""
+
+
+def _contact(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach: float) -> AsWritten:
+    """Contact of outlines that may overlap at the law's angle, as those of thick teeth do.
+
+    Play is looked for on both sides of an angle.  Where the gears overlap at that angle, a corner that has passed what
+    it would touch looks as if it touched.  So play is looked for a second time, on both sides of the middle of the play
+    that was found around each position; of both, what is wider is the play: it is free all along.
+    """
+    from scipy.ndimage import median_filter
+
+    first = as_written(outlines, teeth, placement, reach)
+    if not np.any(first.overlap_mm > 0.0):
+        return first
+    mode = "nearest" if placement.toothed else "wrap"
+    middle = median_filter((first.pushing_rad + first.back_rad) / 2.0, size=NEIGHBOURS, mode=mode)
+    again = as_written(outlines, teeth, replace(placement, phi2_rad=placement.phi2_rad + middle), reach)
+    wider = again.backlash_rad > first.backlash_rad
+    return replace(
+        first,
+        pushing_rad=np.where(wider, again.pushing_rad + middle, first.pushing_rad),
+        back_rad=np.where(wider, again.back_rad + middle, first.back_rad),
+    )
 
 
 def compared_gear(
@@ -139,9 +166,7 @@ def compared_gear(
         raise
     away = found.rms_mm / module
     astray = 1.0 - np.count_nonzero(np.abs(found.feet.distance_mm) < SUSPECT_IN_MODULES * module) / points.size
-    if (away > SUSPECT_IN_MODULES or astray > 0.5) and (
-        reading := _other_reading(outlines, gear, points, probe_mm)
-    ):
+    if (away > SUSPECT_IN_MODULES or astray > 0.5) and (reading := _other_reading(outlines, gear, points, probe_mm)):
         problem = f"the points are {found.rms_mm:.3g} mm off the {gear.value} gear after best fit: {reading}"
         raise WrongInput(problem, location=file.file)
     if away > MOST_IN_MODULES:
@@ -151,7 +176,12 @@ def compared_gear(
             "rigid, are right",
             location=file.file,
         )
-    return ComparedGear(gear, file, outline, found, deviations(outline, found), outline_as_measured(outline, found))
+    try:
+        outline_mm = outline_as_measured(outline, found)
+    except WrongInput as error:
+        error.location = file.file
+        raise
+    return ComparedGear(gear, file, outline, found, deviations(outline, found), outline_mm)
 
 
 def _other_reading(

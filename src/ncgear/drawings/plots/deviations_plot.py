@@ -62,10 +62,12 @@ def deviations_png(one: ComparedGear, title: str) -> bytes:
 def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
     axes = made.add_axes((0.02, 0.335, 0.96, 0.61))
     outline = one.outline.gear.outline_mm
-    size = float(np.linalg.norm(outline, axis=1).max()) * 1.07
+    low, high = np.minimum(outline.min(axis=0), 0.0), np.maximum(outline.max(axis=0), 0.0)
+    middle, size = (low + high) / 2.0, float((high - low).max()) / 2.0 * 1.05
     module = one.outline.gear.flanks.rack.module_mm
     if one.outline.gear.flanks.curve.is_ring:
-        ring_area(axes, outline, (0.0, 0.0), size - module, REFERENCE, 0.8)
+        size += 2.0 * module
+        ring_area(axes, outline, (0.0, 0.0), size - module / 2.0, REFERENCE, 0.8)
     else:
         area(axes, outline, REFERENCE, 0.8)
     counted, norm = one.fit.feet.kept(one.fit.counted), Normalize(-worst_mm, worst_mm)
@@ -78,8 +80,8 @@ def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
         axes.plot(*lines.T, color=color, linewidth=0.7)
     axes.plot([0.0], [0.0], "+", color=INK, markersize=9)
     _number(axes, one, module)
-    axes.set_xlim(-size, size)
-    axes.set_ylim(-size, size)
+    axes.set_xlim(middle[0] - size, middle[0] + size)
+    axes.set_ylim(middle[1] - size, middle[1] + size)
     axes.set_aspect("equal")
     axes.set_axis_off()
     bar = made.colorbar(
