@@ -86,7 +86,7 @@ class TestFiles:
     def test_what_is_no_point_is_named_with_its_line(self, text: str, said: str, tmp_path: Path) -> None:
         path = tmp_path / "p.csv"
         path.write_text(text)
-        with pytest.raises(WrongInput, match="^.*$") as error:
+        with pytest.raises(WrongInput) as error:
             read_measured(path)
         assert said in str(error.value)
 
@@ -108,7 +108,7 @@ def solved(levers: np.ndarray, errors: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.judges("metrology")
-@pytest.mark.parametrize("rigid", [False, True])
+@pytest.mark.parametrize("rigid", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_what_was_done_to_a_gear_is_found(rigid: bool) -> None:
     """Turning, shift and the error of every flank, within 4.5 standard deviations of the noise, sigma / sqrt(n).
 
@@ -147,7 +147,7 @@ def test_an_eccentric_circular_gear_has_the_pitch_error_of_the_closed_form() -> 
     found = deviations(outline, best_fit(outline, at + eccentricity, 0.0, rigid=False)).flanks
     expected = 2.0 * eccentricity / np.cos(np.radians(20.0))
     for front in (False, True):
-        # Forty teeth meet the greatest and the least within 1 - cos(pi / 40), and the error of a flank along its height.
+        # Forty teeth meet both extremes within 1 - cos(pi / 40); along its height a flank turns.
         assert found.cumulative_mm(front) == pytest.approx(expected, rel=0.01)
     assert best_fit(outline, at + eccentricity, 0.0, rigid=True).pose.shift_mm == pytest.approx(eccentricity, abs=1e-9)
 
@@ -161,15 +161,8 @@ def test_a_probe_of_a_ball_and_a_slope_are_found() -> None:
     found = deviations(outline, fit).flanks
     assert found.slope_mm == pytest.approx(np.full(found.slope_mm.size, 0.01), abs=1e-5)
     assert np.abs(found.form_mm).max() < 1e-5
-    # Negative control: taken as points of the surface, the balls lie half a millimetre outside.
-    with pytest.raises(WrongInput):
-        compared_gear(
-            {gear: outline_of("ellipse", gear) for gear in Gear},
-            Gear.DRIVING,
-            file_of(at + 2.0 * normal),
-            Fit.ROTATION,
-            0.0,
-        )
+    # Negative control: taken as points of the surface, the balls lie outside.
+    assert np.nanmin(deviations(outline, best_fit(outline, at + 0.1 * normal, 0.0, rigid=False)).thickness_mm) > 0.2
 
 
 class TestForeignPoints:
@@ -182,7 +175,7 @@ class TestForeignPoints:
             compared_gear(outlines, gear, file_of(points), Fit.ROTATION, 0.0)
         return str(error.value)
 
-    @pytest.mark.thorough
+    @pytest.mark.slow
     def test_of_the_other_gear_mirrored_or_in_inches(self) -> None:
         at, _, _ = flank_points(outline_of("asymmetric-ellipse").gear)
         assert "they fit the driving gear; give the file as --driving" in self.said_of(at, Gear.DRIVEN)
@@ -234,7 +227,7 @@ def test_a_thick_tooth_jams_where_polygons_overlap() -> None:
     outlines = {one.gear: one.outline_mm for one in found.gears}
     assert not turns(found, outlines, place, play)
     assert turns(found, outlines, free, play)
-    # A tooth that is thicker by 0.05 mm on both sides takes 0.1 mm, over the arm of its normals, from the angle of play.
+    # A tooth thicker by 0.05 mm on both sides takes 0.1 mm, over the arm of its normals, from the angle of play.
     play = drive("ellipse").play
     arms = play.least_normal_mm.value / play.largest_normal_mm.value
     least, most = (0.1 * share - play.least_normal_mm.value for share in (arms, 1.0))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.figures.csv_text import csv_text, rows_text
-from ncgear.figures.numbers import micrometres
+from ncgear.figures.numbers import fixed, micrometres
 from ncgear.figures.tables import aligned
 from ncgear.numerics.arrays import Array
 from ncgear.project.compared import ComparedGear, ComparedPair
@@ -171,4 +171,4 @@ def _plain(value: object) -> str:
 
 def turned_words(one: ComparedGear) -> str:
     """The angle of best fit in degrees."""
-    return f"{degrees(one.fit.pose.angle_rad):.4f} deg"
+    return f"{fixed(degrees(one.fit.pose.angle_rad), 4)} deg"

@@ -15,7 +15,7 @@ from shapely import Polygon, is_valid_reason
 from ncgear.errors import WrongInput
 from ncgear.metrology.best_fit import BestFit, is_astray
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOutline
-from ncgear.numerics.arrays import Array, ComplexArray, Mask
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import as_complex, as_points, signed_area
 
 ALIKE_MM = 1e-6
@@ -53,8 +53,8 @@ def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
     return found[::-1].copy() if signed_area(found) < 0.0 else found
 
 
-def _flank_ends(outline: ExactOutline, row: Array, place: Array, error: Array) -> tuple[Array, ComplexArray]:
-    """Both ends of each flank's curves, and by how much they move: as the nearest point of that flank, or not at all."""
+def _flank_ends(outline: ExactOutline, row: IndexArray, place: Array, error: Array) -> tuple[Array, ComplexArray]:
+    """Both ends of each flank's curves, and how they move: as the nearest point of that flank, or not at all."""
     flanks = np.flatnonzero(outline.part == FLANK_CURVE)
     rows, share = np.repeat(flanks, 2), np.tile([0.0, 1.0], flanks.size)
     ends = outline.begin_mm[rows] + share * outline.length_mm[rows]

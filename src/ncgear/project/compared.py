@@ -115,13 +115,13 @@ def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, pr
     placement, reach = placed(pitch), reach_mm(pitch, teeth)
     exact = {gear: teeth.of(gear).outline_mm for gear in Gear}
     found = {**exact, **{one.gear: one.outline_mm for one in gears}}
-    both = (
+    both = [
         _contact(Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN]), teeth, placement, reach)
         for name, of in (("measured points", found), ("exact outlines", exact))
-    )
+    ]
     angle = 1e-6
     lever = play_of(pitch, drive.rack, Backlash(0.0, angle, drive.gears.backlash_share)).least_normal_mm.value / angle
-    return ComparedPair(gears, teeth, placement, *both, lever)
+    return ComparedPair(gears, teeth, placement, both[0], both[1], lever)
 
 
 NEIGHBOURS = 5

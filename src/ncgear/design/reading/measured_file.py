@@ -110,5 +110,6 @@ def _point(cells: Sequence[str], columns: tuple[int, int], location: str) -> tup
     for cell, number in zip((cells[column] for column in columns), (x, y), strict=True):
         if number is None or not isfinite(number):
             raise WrongInput(f"{quoted(cell)} is not a finite number; x and y in mm are right", location=location)
-    assert x is not None and y is not None
+    assert x is not None
+    assert y is not None
     return float(x), float(y)

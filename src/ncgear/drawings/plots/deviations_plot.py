@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import floor, log10
 
 import numpy as np
@@ -109,7 +110,7 @@ def _along_flanks(one: ComparedGear, points: Array) -> list[tuple[Array, str]]:
     ends = np.searchsorted(flank[order], np.arange(one.deviations.flanks.points.size + 1))
     return [
         (points[order[low:high]], (DRIVING, DRIVEN)[number % 2])
-        for number, (low, high) in enumerate(zip(ends[:-1], ends[1:], strict=True))
+        for number, (low, high) in enumerate(pairwise(ends.tolist()))
         if high > low
     ]
 
@@ -135,7 +136,7 @@ def _draw_bars(axes: Axes, one: ComparedGear) -> None:
         )
         axes.bar(place, np.nan_to_num(mean), 0.38, color=color, alpha=0.75, label=name)
         axes.vlines(place, least, greatest, color=INK, linewidth=0.8)
-    unmeasured = [tooth for tooth in one.deviations.missing_teeth]
+    unmeasured = one.deviations.missing_teeth
     if unmeasured:
         axes.plot(unmeasured, np.zeros(len(unmeasured)), "x", color=INK, markersize=6, label="without points")
     axes.axhline(0.0, color=INK, linewidth=0.8)
