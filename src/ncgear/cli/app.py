@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from ncgear import __version__
+from ncgear.cli.bench import bench
 from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.measured import measured
@@ -36,6 +37,7 @@ COMMANDS = (
     frontier,
     sweep,
     measured,
+    bench,
     balance,
     new,
     explain,
