@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
 from ncgear.drawings.plots.canvas import (
     DRIVING,
     HIGHLIGHT,
@@ -57,6 +59,9 @@ def stage_png(stage: Stage, name: str) -> bytes:
         )
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlim(min(times) / ROOM, max(times) * ROOM)
     axes.set_ylim(min(*errors, stage.asked) / ROOM, max(*errors, stage.asked) * ROOM)
     for time, error, trial in zip(times, errors, stage.trials, strict=True):

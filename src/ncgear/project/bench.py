@@ -26,6 +26,8 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
+    from trimesh import Trimesh
+
     from ncgear.contact.written.as_written import AsWritten
     from ncgear.solids.mesh.pair import SolidPair
     from ncgear.strength.elements.teeth import Elements
@@ -61,8 +63,8 @@ class Stage:
     """One stage at several settings, from coarse to fine.
 
     ``varied`` is what is set, ``counted`` what its size counts; ``error_of`` and ``unit`` tell the error, ``reference``
-    what it was measured against.  ``asked`` is the error that the file asks for, ``key`` the key that says so, or empty.
-    ``used`` is the setting of a build.
+    what it was measured against.  ``asked`` is the error that the file asks for, ``key`` the key that says so or empty,
+    and ``used`` the setting of a build.
     """
 
     name: str
@@ -111,7 +113,11 @@ def benched(drive: Drive, on_step: Callable[[str], None]) -> list[Stage]:
     """
     if drive.design.stages > 1:
         raise WrongInput("two pairs of gears; the speed and error of one are measured", key="motion.second_stage")
-    return [stage() for name, stage in _stages(drive) if on_step(name) is None]
+    found = []
+    for name, stage in _stages(drive):
+        on_step(name)
+        found.append(stage())
+    return found
 
 
 def step_count(drive: Drive) -> int:
@@ -184,7 +190,7 @@ def _motion(drive: Drive) -> Stage:
     trials = _tried([125.0, 250.0, 500.0, 1000.0, 2000.0], _twice, compute, judge, PEAK_SHARE)
     return Stage(
         "motion",
-        "rows of the law in a cycle",
+        "rows a cycle",
         "",
         "rows",
         "peak acceleration among the rows",
@@ -213,7 +219,7 @@ def _pitch_curves(drive: Drive) -> Stage:
     trials = _tried([50.0, 100.0, 200.0, 400.0, 800.0], _twice, compute, judge, asked)
     return Stage(
         "pitch curves",
-        "points of a pitch curve",
+        "points",
         "",
         "points",
         "length of the driving pitch curve by chords",
@@ -221,7 +227,7 @@ def _pitch_curves(drive: Drive) -> Stage:
         "the length by Gauss-Legendre quadrature, piece by piece",
         asked,
         "output.chord_tolerance_mm",
-        400.0,
+        720.0,
         trials,
     )
 
@@ -255,7 +261,7 @@ def _teeth(drive: Drive) -> Stage:
     compute = partial(_toothed, drive)
     return Stage(
         "teeth",
-        "chord tolerance",
+        "tolerance",
         "mm",
         "points",
         "farthest exact point from both outlines",
@@ -288,10 +294,8 @@ def _contact(drive: Drive) -> Stage:
     arm = float(placed(pitch, 2).driven_radius_mm.max())
 
     def judge(found: AsWritten) -> tuple[float, int]:
-        missed = (
-            abs(float(extreme(found) - extreme(finest)))
-            for extreme in (lambda one: np.ptp(one.pushing_rad), lambda one: one.backlash_rad.min())
-        )
+        error = abs(found.transmission_error_rad - finest.transmission_error_rad)
+        missed = error, abs(float(found.backlash_rad.min() - finest.backlash_rad.min()))
         return arm * max(missed), found.pushing_rad.size
 
     def finer(per_tooth: float) -> float | None:
@@ -299,7 +303,7 @@ def _contact(drive: Drive) -> Stage:
 
     return Stage(
         "contact",
-        "positions per tooth",
+        "positions a tooth",
         "",
         "positions",
         "transmission error and least play of the outlines, at the driven pitch radius",
@@ -317,7 +321,8 @@ FINER_SOLIDS = 16.0
 
 
 def _solids(drive: Drive) -> Stage:
-    """The volume of the meshes by chord tolerance, as a distance of their faces, beside much finer meshes."""
+    """The meshes by chord tolerance: sections of them beside points of the exact curves, volumes beside finer meshes."""
+    from ncgear.metrology.chord_error import exact_points
     from ncgear.project.gear_solids import crank_pin_hole, straight_solids
 
     asked, gears, pitch = drive.design.output.chord_tolerance_mm, drive.gears, drive.pitch
@@ -326,6 +331,7 @@ def _solids(drive: Drive) -> Stage:
     def compute(tolerance: float, teeth: ToothedPair) -> SolidPair:
         return straight_solids(gears, pitch, teeth, tolerance, crank_pin)
 
+    exact = {gear: exact_points(drive.teeth.of(gear)) for gear in Gear}
     reference_mm = max(asked / FINER_SOLIDS, LEAST_TOLERANCE_MM)
     teeth = {tolerance: _toothed(drive, tolerance) for tolerance in (*_tolerances(drive), reference_mm)}
     finest = compute(reference_mm, teeth[reference_mm])
@@ -340,21 +346,30 @@ def _solids(drive: Drive) -> Stage:
             / (length[gear] * gears.face_width_mm)
             for gear in Gear
         ]
-        return max(missed), sum(len(found.of(gear).mesh.faces) for gear in Gear)
+        away = (_section_error_mm(exact[gear], found.of(gear).mesh, gears.face_width_mm / 2.0) for gear in Gear)
+        return max(*missed, *away), sum(len(found.of(gear).mesh.faces) for gear in Gear)
 
     return Stage(
         "solids",
-        "chord tolerance",
+        "tolerance",
         "mm",
         "triangles",
-        "volume, as the mean distance of the tooth faces",
+        "section halfway up, and volume as the mean distance of the tooth faces",
         "mm",
-        f"meshes of a chord tolerance of {reference_mm:g} mm",
+        f"points of the exact curves, and meshes of a tolerance of {reference_mm:g} mm",
         asked,
         "output.chord_tolerance_mm",
         asked,
         _tried(_tolerances(drive), lambda _: None, lambda mm: compute(mm, teeth[mm]), judge, asked),
     )
+
+
+def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
+    """The farthest of exact points of a tooth outline from a section of a mesh: from that line of it which is nearest."""
+    from ncgear.metrology.chord_error import farthest_mm
+
+    section = mesh.section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
+    return min(farthest_mm(exact, np.asarray(line)[:-1, :2]) for line in section.discrete)
 
 
 PARTS, REFERENCE_PARTS = (1.0, 2.0, 3.0), 5
@@ -385,7 +400,7 @@ def _elements(drive: Drive) -> Stage:
 
     return Stage(
         "elements",
-        "parts of each side of the coarsest elements",
+        "parts a side",
         "",
         "elements",
         "largest root stress of each tooth of the driving gear",
