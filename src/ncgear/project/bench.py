@@ -321,7 +321,7 @@ FINER_SOLIDS = 16.0
 
 
 def _solids(drive: Drive) -> Stage:
-    """The meshes by chord tolerance: sections of them beside points of the exact curves, volumes beside finer meshes."""
+    """The meshes by chord tolerance: a section beside points of the exact curves, the volume beside finer meshes."""
     from ncgear.metrology.chord_error import exact_points
     from ncgear.project.gear_solids import crank_pin_hole, straight_solids
 
@@ -365,10 +365,12 @@ def _solids(drive: Drive) -> Stage:
 
 
 def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
-    """The farthest of exact points of a tooth outline from a section of a mesh: from that line of it which is nearest."""
+    """The farthest of exact points of a tooth outline from a section of a mesh, from its line that is nearest."""
     from ncgear.metrology.chord_error import farthest_mm
 
     section = mesh.section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
+    if section is None:
+        raise ArithmeticError(f"a gear's mesh has no section at z = {height_mm:g} mm")
     return min(farthest_mm(exact, np.asarray(line)[:-1, :2]) for line in section.discrete)
 
 
