@@ -75,7 +75,7 @@ def test_errors_fall_as_theory_says() -> None:
         order = stages()[name].order
         assert order is not None
         assert least < order < most, name
-    elements = bench._elements(drive("printed-pump"))
+    elements = bench._elements(drive("baler"))
     assert elements.order is not None
     assert elements.order > 2.0
     assert elements.recommended is not None
