@@ -35,7 +35,7 @@ from ncgear.project.compared import ComparedGear
 
 WIDTH_IN, HEIGHT_IN = 8.6, 10.6
 
-ENLARGED_IN_MODULES = 0.6
+ENLARGED_IN_MODULES = 1.0
 """The worst deviation is drawn about so many modules long."""
 
 EXCESS_SCALE = LinearSegmentedColormap.from_list("excess", EXCESS)
@@ -77,8 +77,8 @@ def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
     colors = EXCESS_SCALE(norm(counted.distance_mm))
     spikes = np.stack([as_points(counted.foot), as_points(drawn)], axis=1)
     axes.add_collection(LineCollection(list(spikes), colors=colors, linewidths=0.9), autolim=False)
-    for lines, color in _along_flanks(one, as_points(drawn)):
-        axes.plot(*lines.T, color=color, linewidth=0.7)
+    for line in _along_flanks(one, as_points(drawn)):
+        axes.plot(*line.T, color=INK, linewidth=0.6)
     axes.plot([0.0], [0.0], "+", color=INK, markersize=9)
     _number(axes, one, module)
     axes.set_xlim(middle[0] - size, middle[0] + size)
@@ -102,17 +102,13 @@ def _round_factor(factor: float) -> float:
     return float(floor(factor / digit + 1e-9) * digit)
 
 
-def _along_flanks(one: ComparedGear, points: Array) -> list[tuple[Array, str]]:
-    """The enlarged deviations of each flank as a line along it, back and front flanks each in their colour."""
+def _along_flanks(one: ComparedGear, points: Array) -> list[Array]:
+    """The enlarged deviations of each flank as a line along it."""
     counted = one.fit.feet.kept(one.fit.counted)
     flank = one.outline.flank[counted.row]
     order = np.lexsort((counted.place_mm, flank))
     ends = np.searchsorted(flank[order], np.arange(one.deviations.flanks.points.size + 1))
-    return [
-        (points[order[low:high]], (DRIVING, DRIVEN)[number % 2])
-        for number, (low, high) in enumerate(pairwise(ends.tolist()))
-        if high > low
-    ]
+    return [points[order[low:high]] for low, high in pairwise(ends.tolist()) if high > low]
 
 
 def _number(axes: Axes, one: ComparedGear, module_mm: float) -> None:
