@@ -102,7 +102,8 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
     """
     some = points[:: max(1, points.size // FEW)]
     tried = (
-        _fitted(outline, some, probe_mm, pose, rigid, TRIED_ROUNDS) for pose in _beginnings(outline, some, probe_mm)
+        _fitted(outline, some, probe_mm, pose, rigid, TRIED_ROUNDS)
+        for pose in _beginnings(outline, some, probe_mm, rigid)
     )
     fits = [fit for fit in tried if fit is not None]
     least = min((fit.rms_mm for fit in fits), default=0.0)
@@ -132,9 +133,16 @@ def _nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float, p
     return sqrt(float(np.mean(away**2)))
 
 
-def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float) -> list[Pose]:
-    """The poses from which fits are made: the best of many, each better than those beside it."""
-    begun = _begun(outline, points, probe_mm)
+def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float, rigid: bool) -> list[Pose]:
+    """The poses from which fits are made: the best of many, each better than those beside it.
+
+    With ``rigid`` the axis is looked for too where the middle of the points says that it is.
+    """
+    poses = _chosen(_begun(outline, points, probe_mm))
+    return poses + (_chosen(_begun(outline, points, probe_mm, by_middle=True)) if rigid else [])
+
+
+def _chosen(begun: list[tuple[float, Pose]]) -> list[Pose]:
     worth = np.array([pair[0] for pair in begun])
     lowest = np.flatnonzero((worth <= np.roll(worth, 1)) & (worth <= np.roll(worth, -1)))
     best = lowest[np.argsort(worth[lowest], kind="stable")][:BEGINNINGS]
@@ -143,10 +151,17 @@ def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float) ->
     return [begun[place][1] for place in dict.fromkeys([*best.tolist(), *least.tolist()])]
 
 
-def _begun(outline: ExactOutline, points: ComplexArray, probe_mm: float) -> list[tuple[float, Pose]]:
-    """Poses at many angles from -pi to pi, each with its nearness; angle 0 is one of them."""
+def _begun(
+    outline: ExactOutline, points: ComplexArray, probe_mm: float, *, by_middle: bool = False
+) -> list[tuple[float, Pose]]:
+    """Poses at many angles from -pi to pi, each with its nearness; angle 0 is one of them.
+
+    The axis is at the origin or, by the middle, where the mean of the points is that of the outline.
+    """
     count = BEGUN_PER_TOOTH * (outline.gear.flanks.count // 2)
-    poses = [Pose(step * 2.0 * pi / count) for step in range(-(count // 2), count - count // 2)]
+    angles = [step * 2.0 * pi / count for step in range(-(count // 2), count - count // 2)]
+    middle, own = (complex(points.mean()), outline.middle_mm) if by_middle else (0j, 0j)
+    poses = [Pose(angle, middle - own * complex(np.exp(1j * angle))) for angle in angles]
     return [(_nearness_mm(outline, points, probe_mm, pose), pose) for pose in poses]
 
 

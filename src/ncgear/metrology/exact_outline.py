@@ -94,6 +94,11 @@ class ExactOutline:
         return float(self.length_mm.sum())
 
     @cached_property
+    def middle_mm(self) -> complex:
+        """The mean of places that are evenly spread over the outline."""
+        return complex(self.at(*self._sampled)[0].mean())
+
+    @cached_property
     def flank(self) -> IndexArray:
         """The flank that each row belongs to: its own, or the one that its land follows."""
         owners = [stretch.owner for stretch in self.stretches]
