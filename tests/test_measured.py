@@ -154,6 +154,17 @@ def test_an_eccentric_circular_gear_has_the_pitch_error_of_the_closed_form() -> 
         assert best_fit(outline, at + shift, 0.0, rigid=True).pose.shift_mm == pytest.approx(shift, abs=1e-9)
 
 
+@pytest.mark.slow
+def test_a_nearly_round_gear_is_not_a_tooth_off() -> None:
+    """The pusher's gear is nearly round about its middle: a tooth on, with its axis moved, it nearly fits too."""
+    outline = outline_of("pusher")
+    at, _, normal = flank_points(outline.gear)
+    noise = 0.01 * np.random.default_rng(5).normal(size=at.size)
+    pose = best_fit(outline, (at + noise * normal) * np.exp(0.3j) + 7.0, 0.0, rigid=True).pose
+    assert pose.angle_rad == pytest.approx(0.3, abs=1e-4)
+    assert pose.shift_mm == pytest.approx(7.0, abs=2e-3)
+
+
 @pytest.mark.thorough
 def test_a_probe_of_a_ball_and_a_slope_are_found() -> None:
     outline, radius = outline_of("ellipse"), 0.5

@@ -109,6 +109,8 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
     least = min((fit.rms_mm for fit in fits), default=0.0)
     alike = [fit for fit in fits if fit.rms_mm <= ALIKE * least + ROUNDING_MM]
     nearest = min(alike, key=lambda fit: abs(fit.pose.angle_rad), default=None)
+    if nearest is not None and rigid:
+        nearest = _by_teeth(outline, some, probe_mm, nearest)
     found = _fitted(outline, points, probe_mm, nearest.pose, rigid, ROUNDS) if nearest else None
     if found is None:
         raise WrongInput(
@@ -116,6 +118,24 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
             "of the flanks of this gear in mm, with its axis at (0, 0), are right"
         )
     return found
+
+
+def _by_teeth(outline: ExactOutline, points: ComplexArray, probe_mm: float, fit: BestFit) -> BestFit:
+    """The best of a rigid fit and those a tooth farther on, and on from there, as long as they are better.
+
+    A gear that is nearly round about its middle nearly fits a tooth farther on, its axis moved, wherever its bore is.
+    """
+    count = outline.gear.flanks.count // 2
+    for _ in range(count):
+        middle = fit.pose.shift_mm + outline.middle_mm * complex(np.exp(1j * fit.pose.angle_rad))
+        angles = [fit.pose.angle_rad + step * 2.0 * pi / count for step in (-1, 1)]
+        poses = (Pose(angle, middle - outline.middle_mm * complex(np.exp(1j * angle))) for angle in angles)
+        beside = [_fitted(outline, points, probe_mm, pose, True, TRIED_ROUNDS) for pose in poses]
+        best = min((one for one in beside if one is not None), key=lambda one: one.rms_mm, default=fit)
+        if best.rms_mm * ALIKE >= fit.rms_mm:
+            break
+        fit = best
+    return fit
 
 
 def nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float) -> float:
