@@ -17,8 +17,8 @@ BALANCES = {path.stem: path for path in sorted((ROOT / "designs" / "balance").gl
 CASES = {path.stem: path for path in sorted((ROOT / "tests" / "cases").glob("*.yaml"))}
 
 COMMANDS = (
-    "build report animate check simulate strength tolerance size optimize frontier sweep bench balance new explain "
-    "reproduce schema"
+    "build report animate check simulate strength tolerance size optimize frontier sweep measured bench balance "
+    "new explain reproduce schema"
 )
 LAWS = (
     "three_segment_stroke", "ratio_expression", "harmonic_ratio", "spline_ratio", "ellipse", "table", "pitch_curve",
@@ -189,7 +189,7 @@ frontier designs/ellipse.yaml --points 1 | simulate designs/ellipse.yaml --level
 sweep designs/pusher.yaml --vary motion.theta9_pi=1:2:3 | sweep designs/pusher.yaml --vary gears.teeth
 sweep designs/pusher.yaml --vary gears.teeth=9:3:x | sweep designs/pusher.yaml --vary name=1:2:3
 sweep designs/pusher.yaml --vary linkage.rod_mm=1:2:0 | sweep designs/pusher.yaml --vary linkage.rod_mm=1:2:99999999
-optimize none.yaml | explain teeht | explain zzz | explain --of none | schema --of none | bench --only none
+optimize none.yaml | explain teeht | explain zzz | explain --of none | schema --of none | bench none.yaml
 reproduce --out designs/baler.yaml | new | new a --law circle | new a --teeth 2.5 | new a b | check designs/baler.yaml x
 """
 

@@ -7,8 +7,10 @@ from typing import Annotated
 import typer
 
 from ncgear import __version__
+from ncgear.cli.bench import bench
 from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
+from ncgear.cli.measured import measured
 from ncgear.cli.new import new
 from ncgear.cli.search import frontier, optimize, size
 from ncgear.cli.studio import studio
@@ -37,6 +39,8 @@ COMMANDS = (
     optimize,
     frontier,
     sweep,
+    measured,
+    bench,
     balance,
     new,
     explain,

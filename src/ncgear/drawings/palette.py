@@ -60,6 +60,9 @@ Brown against blue differ for any colour vision, and both ends are dark on light
 STRESS = ("#e9edf0", "#a6c8de", "#f0c98a", "#d5702a", "#7a2a00")
 """Colours of a scale of stress from none to the largest, from light to dark; they differ for any colour vision."""
 
+EXCESS = ("#7a2a00", "#d5702a", "#c9ced4", "#3f8cc4", "#004a78")
+"""Colours of a scale from metal that is missing to metal in excess; they differ for any colour vision."""
+
 
 def style_of_colors() -> str:
     """The colours as custom properties of CSS, for light and for dark ground."""

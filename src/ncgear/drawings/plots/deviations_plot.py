@@ -1,0 +1,147 @@
+"""A measured gear: its deviations, enlarged, on the exact outline, and the mean of every flank as bars."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import floor, log10
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+
+from ncgear.drawings.palette import EXCESS
+from ncgear.drawings.plots.canvas import (
+    DRIVEN,
+    DRIVING,
+    INK,
+    NORMAL,
+    REFERENCE,
+    SMALL,
+    area,
+    dress,
+    figure,
+    legend_above,
+    png,
+    ring_area,
+)
+from ncgear.figures.numbers import micrometres
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import as_points
+from ncgear.pitch.shape import Gear
+from ncgear.project.compared import ComparedGear
+
+WIDTH_IN, HEIGHT_IN = 8.6, 10.6
+
+ENLARGED_IN_MODULES = 1.0
+"""The worst deviation is drawn about so many modules long."""
+
+EXCESS_SCALE = LinearSegmentedColormap.from_list("excess", EXCESS)
+
+MANY_TEETH = 40
+"""From so many teeth on only every fifth has its number."""
+
+BELOW_IN_MODULES = 3.2
+"""Distance of a tooth's number from its tip, into the gear."""
+
+NOISE_MM = 1e-6
+"""Deviations up to a nanometre are drawn on the scale of one: rounding is no deviation."""
+
+
+def deviations_png(one: ComparedGear, title: str) -> bytes:
+    """The gear in its own frame, points on working flanks coloured by their deviation, and bars for every flank."""
+    made = figure(WIDTH_IN, HEIGHT_IN, title)
+    counted = one.fit.feet.kept(one.fit.counted)
+    worst = max(float(np.abs(counted.distance_mm).max()), NOISE_MM)
+    _draw_gear(made, one, worst)
+    _draw_bars(made.add_axes((0.1, 0.06, 0.86, 0.2)), one)
+    return png(made)
+
+
+def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
+    axes = made.add_axes((0.02, 0.335, 0.96, 0.61))
+    outline = one.outline.gear.outline_mm
+    low, high = np.minimum(outline.min(axis=0), 0.0), np.maximum(outline.max(axis=0), 0.0)
+    middle, size = (low + high) / 2.0, float((high - low).max()) / 2.0 * 1.05
+    module = one.outline.gear.flanks.rack.module_mm
+    if one.outline.gear.flanks.curve.is_ring:
+        size += 2.0 * module
+        ring_area(axes, outline, (0.0, 0.0), size - module / 2.0, REFERENCE, 0.8)
+    else:
+        area(axes, outline, REFERENCE, 0.8)
+    counted, norm = one.fit.feet.kept(one.fit.counted), Normalize(-worst_mm, worst_mm)
+    factor = _round_factor(ENLARGED_IN_MODULES * module / worst_mm)
+    drawn = counted.foot + factor * counted.distance_mm * counted.outwards
+    colors = EXCESS_SCALE(norm(counted.distance_mm))
+    spikes = np.stack([as_points(counted.foot), as_points(drawn)], axis=1)
+    axes.add_collection(LineCollection(list(spikes), colors=colors, linewidths=0.9), autolim=False)
+    for line in _along_flanks(one, as_points(drawn)):
+        axes.plot(*line.T, color=INK, linewidth=0.6)
+    axes.plot([0.0], [0.0], "+", color=INK, markersize=9)
+    _number(axes, one, module)
+    axes.set_xlim(middle[0] - size, middle[0] + size)
+    axes.set_ylim(middle[1] - size, middle[1] + size)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    bar = made.colorbar(
+        ScalarMappable(Normalize(-1e3 * worst_mm, 1e3 * worst_mm), EXCESS_SCALE),
+        cax=made.add_axes((0.25, 0.318, 0.5, 0.013)),
+        orientation="horizontal",
+    )
+    bar.ax.tick_params(labelsize=SMALL, colors=INK)
+    bar.set_label(
+        f"deviation in \u00b5m, drawn {factor:g} times as long (right: metal in excess)", size=NORMAL, color=INK
+    )
+
+
+def _round_factor(factor: float) -> float:
+    """A factor of one digit, not greater."""
+    digit = 10.0 ** floor(log10(factor))
+    return float(floor(factor / digit + 1e-9) * digit)
+
+
+def _along_flanks(one: ComparedGear, points: Array) -> list[Array]:
+    """The enlarged deviations of each flank as a line along it."""
+    counted = one.fit.feet.kept(one.fit.counted)
+    flank = one.outline.flank[counted.row]
+    order = np.lexsort((counted.place_mm, flank))
+    ends = np.searchsorted(flank[order], np.arange(one.deviations.flanks.points.size + 1))
+    return [points[order[low:high]] for low, high in pairwise(ends.tolist()) if high > low]
+
+
+def _number(axes: Axes, one: ComparedGear, module_mm: float) -> None:
+    """The number of every tooth below its root, on the side of the material."""
+    flanks, teeth = one.outline.gear.flanks, one.deviations.flanks.teeth
+    middle = flanks.crossing_mm.reshape(-1, 2)[:teeth].mean(axis=1)
+    places, _ = flanks.offset(middle, (1.0 - BELOW_IN_MODULES) * module_mm)
+    for number, (x, y) in enumerate(places, 1):
+        if teeth < MANY_TEETH or number % 5 == 0:
+            axes.text(float(x), float(y), str(number), size=SMALL - 1.0, color=INK, ha="center", va="center")
+
+
+def _draw_bars(axes: Axes, one: ComparedGear) -> None:
+    """The mean deviation of back and front flank of every tooth, with the range of its points."""
+    flanks = one.deviations.flanks
+    numbers = np.arange(1, flanks.teeth + 1)
+    for front, (color, name) in enumerate(((DRIVING, "back flanks"), (DRIVEN, "front flanks"))):
+        place = numbers + (0.2 if front else -0.2)
+        mean, least, greatest = (
+            1e3 * flanks.side(values, bool(front)) for values in (flanks.mean_mm, flanks.least_mm, flanks.greatest_mm)
+        )
+        axes.bar(place, np.nan_to_num(mean), 0.38, color=color, alpha=0.75, label=name)
+        axes.vlines(place, least, greatest, color=INK, linewidth=0.8)
+    unmeasured = one.deviations.missing_teeth
+    if unmeasured:
+        axes.plot(unmeasured, np.zeros(len(unmeasured)), "x", color=INK, markersize=6, label="without points")
+    axes.axhline(0.0, color=INK, linewidth=0.8)
+    axes.set_xlim(0.3, flanks.teeth + 0.7)
+    dress(axes, f"tooth of the {one.gear.value} gear", "mean deviation in \u00b5m")
+    legend_above(axes)
+
+
+def heading(one: ComparedGear, name: str) -> str:
+    """The heading of the picture."""
+    gear = "driving" if one.gear is Gear.DRIVING else "driven"
+    return f"{name}: {gear} gear as measured, r.m.s. deviation {micrometres(one.fit.rms_mm)}"

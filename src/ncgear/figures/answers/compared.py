@@ -1,0 +1,109 @@
+"""The answer about measured gears: what each is like, and whether the pair as measured turns."""
+
+from __future__ import annotations
+
+from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.compared import SIDES, gear_figures, length_words, turned_words
+from ncgear.figures.numbers import micrometres
+from ncgear.figures.quantities import figure
+from ncgear.project.compared import ComparedGear, ComparedPair, Fit
+
+MOST_TEETH = 5
+"""Teeth that a fault names."""
+
+
+def compared_answer(pair: ComparedPair, name: str, fit: Fit, then: str) -> Answer:
+    """Deviations of each gear in columns, the contact of both, and where they jam."""
+    told = {one.gear: gear_figures(one) for one in pair.gears}
+    found = list(told.values())
+    both = [
+        Row(label, tuple(_sides(one, key) for one in found))
+        for label, key in (
+            ("single pitch", "single_pitch"),
+            ("cumulative pitch", "cumulative_pitch"),
+            ("profile slope", "profile_slope"),
+            ("profile form", "profile_form"),
+        )
+    ]
+    moved = (
+        [Row("axis at", tuple(f"{one['shift_x_mm']:.4f}, {one['shift_y_mm']:.4f} mm" for one in found))]
+        if fit is Fit.RIGID
+        else []
+    )
+    rows = (
+        Row("points on flanks", tuple(f"{one['points_on_flanks']} of {one['points']}" for one in found)),
+        Row("turned by", tuple(turned_words(one) for one in pair.gears)),
+        *moved,
+        Row("r.m.s. deviation", tuple(length_words(one["rms_mm"]) for one in found)),
+        *both,
+        Row("thickness, mean", tuple(length_words(one["thickness_mean_mm"]) for one in found)),
+        Row(
+            "thickness, range",
+            tuple(
+                f"{length_words(one['thickness_least_mm'])} to {length_words(one['thickness_greatest_mm'])}"
+                for one in found
+            ),
+        ),
+        Row("least play", (f"{_play(pair, measured=True)}; {_play(pair, measured=False)} of the exact outlines",)),
+        Row("transmission error", (_errors(pair),)),
+    )
+    # A single column stands under its head as several do.
+    heads = tuple(one.gear.value for one in pair.gears)
+    if len(heads) == 1:
+        heads, rows = (*heads, ""), tuple(_widened(row, rows) for row in rows)
+    return Answer(
+        f"{name}: measured gears against the exact ones, best fit by {fit.value}",
+        rows,
+        (*_jams(pair), *(fault for one in pair.gears for fault in _missing(one))),
+        "Deviations are positive where there is metal in excess; back and front flanks are told apart",
+        heads=heads,
+        good="The pair as measured turns; all flanks were measured.",
+        then=then,
+    )
+
+
+def _widened(row: Row, rows: tuple[Row, ...]) -> Row:
+    return row if row in rows[-2:] else Row(row.name, (*row.texts, ""))
+
+
+def _sides(found: dict[str, object], key: str) -> str:
+    """The worst deviation of back and of front flanks."""
+    return " / ".join(length_words(found[f"{key}_{side}_mm"]) for side in SIDES)  # type: ignore[arg-type]
+
+
+def _play(pair: ComparedPair, *, measured: bool) -> str:
+    play = (pair.measured if measured else pair.exact).backlash_rad
+    place = int(play.argmin())
+    length = float(play[place]) * pair.lever_mm
+    driving, driven = pair.placement.teeth_at(place)
+    teeth = f" at driving tooth {driving}, driven tooth {driven}" if measured else ""
+    return f"{micrometres(length)}{teeth}"
+
+
+def _errors(pair: ComparedPair) -> str:
+    key = "transmission_error_rad"
+    measured, exact = (figure(key, one.transmission_error_rad) for one in (pair.measured, pair.exact))
+    return f"{measured}; {exact} of the exact outlines"
+
+
+def _jams(pair: ComparedPair) -> list[Fault]:
+    jams = pair.jams
+    if not jams:
+        return []
+    named = ", ".join(f"{driving}/{driven}" for driving, driven in jams[:MOST_TEETH])
+    more = f" and {len(jams) - MOST_TEETH} more" if len(jams) > MOST_TEETH else ""
+    return [
+        Fault(
+            f"jams by {micrometres(pair.needed_backlash_mm)} at teeth {named}{more}",
+            (f"gears.backlash_mm: {pair.needed_backlash_mm:.2g} more", "more backlash"),
+        )
+    ]
+
+
+def _missing(one: ComparedGear) -> list[Fault]:
+    teeth = one.deviations.missing_teeth
+    if not teeth:
+        return []
+    named = ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
+    what = f"{one.gear.value} gear: flanks without points at {len(teeth)} teeth ({named}), taken as exact"
+    return [Fault(what, ("measure them",))]

@@ -1,0 +1,106 @@
+"""What is told of the speed and error of a design's stages: figures, a table with a row per trial, text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ncgear.figures.csv_text import rows_text
+from ncgear.figures.numbers import micrometres, to_digits
+from ncgear.figures.tables import aligned
+from ncgear.project.bench import Stage, Trial, dominating
+
+
+def bench_figures(stages: Sequence[Stage], name: str) -> dict[str, Any]:
+    """Plain values; a recommendation is None where no trial was fine enough."""
+    slowest = dominating(list(stages))
+    return {
+        "design": {"name": name},
+        "dominating_stage": slowest.name if slowest else None,
+        "stages": {stage.name.replace(" ", "_"): _stage_figures(stage) for stage in stages},
+    }
+
+
+def _stage_figures(stage: Stage) -> dict[str, Any]:
+    best = stage.recommended
+    return {
+        "varied": stage.varied,
+        "varied_unit": stage.varied_unit,
+        "error_of": stage.error_of,
+        "error_unit": stage.unit,
+        "reference": stage.reference,
+        "asked_error": stage.asked,
+        "asked_by": stage.key or None,
+        "used": stage.used,
+        "order": stage.order,
+        "recommended": _trial_figures(best) if best else None,
+        "trials": [_trial_figures(trial) for trial in stage.trials],
+    }
+
+
+def _trial_figures(trial: Trial) -> dict[str, Any]:
+    return {"setting": trial.setting, "time_s": trial.time_s, "error": trial.error, "size": trial.size}
+
+
+COLUMNS = ("stage", "varied", "setting", "size", "time_s", "error", "error_unit", "asked_error", "recommended")
+
+
+def bench_csv(stages: Sequence[Stage]) -> str:
+    """A row for each trial; ``recommended`` is 1 for the one that is."""
+    return rows_text(COLUMNS, _rows(stages))
+
+
+def _rows(stages: Sequence[Stage]) -> list[list[object]]:
+    return [
+        [
+            stage.name,
+            stage.varied,
+            trial.setting,
+            trial.size,
+            trial.time_s,
+            trial.error,
+            stage.unit,
+            stage.asked,
+            int(trial is stage.recommended),
+        ]
+        for stage in stages
+        for trial in stage.trials
+    ]
+
+
+def setting_words(stage: Stage, setting: float) -> str:
+    """A setting with its unit."""
+    return f"{to_digits(setting, 3)} {stage.varied_unit}".rstrip()
+
+
+def error_words(stage: Stage, error: float) -> str:
+    """An error as a length or as a share."""
+    return micrometres(error) if stage.unit == "mm" else f"{to_digits(100.0 * error, 2)} %"
+
+
+def time_words(time_s: float) -> str:
+    """A time in s or ms."""
+    return f"{to_digits(time_s, 3)} s" if time_s >= 1.0 else f"{to_digits(1e3 * time_s, 2)} ms"
+
+
+def bench_text(stages: Sequence[Stage], name: str, written: Sequence[str]) -> str:
+    """Every trial of every stage, with what its error was measured against."""
+    blocks = [f"{name}: speed against error"]
+    for stage in stages:
+        order = "" if stage.order is None else f"; the error falls with the power {to_digits(stage.order, 2)}"
+        rows = [
+            [stage.varied, stage.counted, "time", "error", ""],
+            *(
+                [
+                    setting_words(stage, trial.setting),
+                    str(trial.size),
+                    time_words(trial.time_s),
+                    error_words(stage, trial.error),
+                    "recommended" if trial is stage.recommended else "",
+                ]
+                for trial in stage.trials
+            ),
+        ]
+        head = f"{stage.name}: {stage.error_of}, against {stage.reference}; asked: {error_words(stage, stage.asked)}"
+        blocks.append("\n".join([head + order, *aligned(rows)]))
+    return "\n\n".join([*blocks, "\n".join(written)])

@@ -1,0 +1,174 @@
+"""What is told of measured gears: figures, a table with a row per flank, a table of all points, and text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import degrees, isfinite
+from typing import Any
+
+import numpy as np
+
+from ncgear.figures.csv_text import csv_text, rows_text
+from ncgear.figures.numbers import fixed, micrometres
+from ncgear.figures.tables import aligned
+from ncgear.numerics.arrays import Array
+from ncgear.project.compared import ComparedGear, ComparedPair
+
+SIDES = ("back", "front")
+"""Flanks of a tooth in their order; the driving gear pushes with its back flanks onto the driven front ones."""
+
+
+def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
+    """Plain values whose keys end in their unit."""
+    place = pair.least_play
+    driving, driven = pair.placement.teeth_at(place)
+    measured, exact = pair.measured, pair.exact
+    return {
+        "design": {"name": name},
+        **{one.gear.value: gear_figures(one) for one in pair.gears},
+        "contact": {
+            "positions": pair.placement.count,
+            "least_play_rad": float(measured.backlash_rad.min()),
+            "least_play_exact_rad": float(exact.backlash_rad.min()),
+            "least_play_at_rad": float(pair.placement.phi1_rad[place]),
+            "least_play_driving_tooth": driving,
+            "least_play_driven_tooth": driven,
+            "transmission_error_rad": measured.transmission_error_rad,
+            "transmission_error_exact_rad": exact.transmission_error_rad,
+            "jams": [{"driving_tooth": one, "driven_tooth": other} for one, other in pair.jams],
+            "needed_backlash_mm": pair.needed_backlash_mm,
+            "driving_tip_clearance_mm": measured.driving_tips_mm,
+            "driven_tip_clearance_mm": measured.driven_tips_mm,
+        },
+    }
+
+
+def gear_figures(one: ComparedGear) -> dict[str, Any]:
+    """The fit of a gear, its worst deviations, and what its points miss."""
+    fit, found = one.fit, one.deviations
+    flanks, thickness = found.flanks, found.thickness_mm[np.isfinite(found.thickness_mm)]
+    shift = fit.pose.shift_mm
+    moved = (
+        {}
+        if fit.shift_error_mm is None
+        else {
+            "shift_x_mm": shift.real,
+            "shift_y_mm": shift.imag,
+            "shift_standard_deviation_mm": fit.shift_error_mm,
+        }
+    )
+    return {
+        "file": one.file.file,
+        "points": len(one.file.lines),
+        "points_on_flanks": int(np.count_nonzero(fit.counted)),
+        "points_on_root": found.beside["root"],
+        "points_on_tip": found.beside["tip"],
+        "points_astray": found.beside["astray"],
+        "teeth_with_missing_points": found.missing_teeth,
+        "turned_rad": fit.pose.angle_rad,
+        "turned_standard_deviation_rad": fit.angle_error_rad,
+        **moved,
+        "rms_mm": fit.rms_mm,
+        **{
+            f"{name}_{side}_mm": value
+            for front, side in enumerate(SIDES)
+            for name, value in (
+                ("single_pitch", flanks.largest(flanks.side(flanks.single_pitch_mm, bool(front)))),
+                ("cumulative_pitch", flanks.cumulative_mm(bool(front))),
+                ("profile_slope", flanks.largest(flanks.side(flanks.slope_mm, bool(front)))),
+                ("profile_form", flanks.largest(flanks.side(flanks.form_mm, bool(front)))),
+                ("profile_total", flanks.largest(flanks.side(flanks.total_mm, bool(front)))),
+            )
+        },
+        "thickness_mean_mm": float(thickness.mean()) if thickness.size else None,
+        "thickness_least_mm": float(thickness.min()) if thickness.size else None,
+        "thickness_greatest_mm": float(thickness.max()) if thickness.size else None,
+    }
+
+
+COLUMNS = (
+    "gear",
+    "tooth",
+    "side",
+    "points",
+    "mean_mm",
+    "least_mm",
+    "greatest_mm",
+    "slope_mm",
+    "form_mm",
+    "position_mm",
+    "single_pitch_mm",
+    "thickness_mm",
+)
+
+
+def compared_csv(pair: ComparedPair) -> str:
+    """A row for each flank; cells are empty where its points do not tell."""
+    return rows_text(COLUMNS, (row for one in pair.gears for row in _rows(one)))
+
+
+def _rows(one: ComparedGear) -> Iterable[list[object]]:
+    flanks = one.deviations.flanks
+    columns: list[Array] = [getattr(flanks, name) for name in COLUMNS[4:-1]]
+    for flank in range(flanks.points.size):
+        values = [_or_none(column[flank]) for column in columns]
+        thickness = _or_none(one.deviations.thickness_mm[flank // 2])
+        yield [one.gear.value, flank // 2 + 1, SIDES[flank % 2], int(flanks.points[flank]), *values, thickness]
+
+
+def points_csv(one: ComparedGear) -> str:
+    """All points of a gear in its own frame with their deviations, in the order of the file.
+
+    ``flank`` is the number of the tooth with the sign of the side (+ front, - back), 0 on no working flank.
+    """
+    feet, fit = one.fit.feet, one.fit
+    flank = one.outline.flank[feet.row]
+    tooth = np.where(fit.counted, (flank // 2 + 1) * np.where(flank % 2 == 1, 1, -1), 0)
+    columns = [np.array(one.file.lines), feet.point.real, feet.point.imag, feet.distance_mm, tooth]
+    return csv_text(("line", "x_mm", "y_mm", "deviation_mm", "flank"), columns)
+
+
+def _or_none(value: float) -> float | None:
+    return float(value) if isfinite(value) else None
+
+
+def length_words(value_mm: float | None) -> str:
+    """A deviation in micrometres, or a dash where the points do not tell."""
+    return "-" if value_mm is None else micrometres(value_mm)
+
+
+HEADS = ("gear", "tooth", "side", "points", "mean", "least", "greatest", "slope", "form", "pitch", "thickness")
+
+
+def compared_text(pair: ComparedPair, name: str, written: Sequence[str]) -> str:
+    """Every flank of every measured gear in micrometres, and all figures."""
+    found = compared_figures(pair, name)
+    blocks = [f"{name}: measured gears against the exact ones"]
+    for one in pair.gears:
+        lines = [f"{key}: {_plain(value)}" for key, value in found[one.gear.value].items()]
+        rows = [HEADS, *([_cell(cell) for cell in _short(row)] for row in _rows(one))]
+        blocks.append("\n".join([f"{one.gear.value} gear", *(f"  {line}" for line in lines)]))
+        blocks.append("\n".join(["deviations in micrometres", *aligned(rows, left=3)]))
+    contact = [f"  {key}: {_plain(value)}" for key, value in found["contact"].items()]
+    return "\n\n".join([*blocks, "\n".join(["contact of the pair as measured", *contact]), "\n".join(written)])
+
+
+def _short(row: list[object]) -> list[object]:
+    """A row of the table without the position along the pitch curve."""
+    place = COLUMNS.index("position_mm")
+    return row[:place] + row[place + 1 :]
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return "-"
+    return f"{1e3 * value:.1f}" if isinstance(value, float) else str(value)
+
+
+def _plain(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def turned_words(one: ComparedGear) -> str:
+    """The angle of best fit in degrees."""
+    return f"{fixed(degrees(one.fit.pose.angle_rad), 4)} deg"

@@ -1,0 +1,94 @@
+"""The outline of a gear as it was measured: the exact one, moved by the deviations of its points.
+
+Where a point was measured the outline goes through it.  Between the points of a flank its deviation along the normal is
+interpolated along the outline, and up to the flank's ends it stays that of the nearest point.  Between flanks, at tip
+and root, the outline moves evenly from the one flank's deviation to the other's, unless points were measured there.
+Of a tip land only the middle third counts: a flank that stands back takes the land's ends with it.  Flanks without
+points are as exact.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from shapely import Polygon, is_valid_reason
+
+from ncgear.errors import WrongInput
+from ncgear.metrology.best_fit import BestFit, is_astray
+from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOutline
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.plane import as_complex, as_points, signed_area
+
+ALIKE_MM = 1e-6
+"""Points whose feet are nearer to each other along the outline count as one, their mean; so do vertices."""
+
+
+def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
+    """The outline in mm, shape (n, 2), counter-clockwise, in the gear's own frame with the axis of the fit.
+
+    Raises WrongInput where it crosses itself.
+    """
+    feet = fit.feet
+    beside_edge = (outline.part[feet.row] == TIP_LAND_CURVE) & (np.abs(feet.share - 0.5) > 1.0 / 6.0)
+    sound = feet.kept(~is_astray(outline, feet) & ~feet.at_end & ~beside_edge)
+    place, moved = sound.place_mm, sound.distance_mm * sound.outwards
+    end_place, end_moved = _flank_ends(outline, sound.row, sound.place_mm, sound.distance_mm)
+    places, shifts = _in_order(np.concatenate([place, end_place]), np.concatenate([moved, end_moved]))
+    vertex, at = _vertices(outline)
+    every_place, exact = np.concatenate([at, places]), np.concatenate([vertex, _on_outline(outline, places)])
+    order = np.argsort(every_place, kind="stable")
+    every_place, exact, period = every_place[order], exact[order], outline.around_mm
+    # Of vertices that nearly coincide one is kept: a chord between them would have no direction.
+    apart = np.diff(every_place, append=every_place[0] + period) > ALIKE_MM
+    every_place, exact = every_place[apart], exact[apart]
+    shift = np.interp(every_place, places, shifts.real, period=period) + 1j * np.interp(
+        every_place, places, shifts.imag, period=period
+    )
+    found = as_points(exact + shift)
+    polygon = Polygon(found)
+    if not polygon.is_valid:
+        raise WrongInput(
+            f"the outline through the points crosses itself ({is_valid_reason(polygon)} in mm of the gear's frame); "
+            "points that follow each other along the flanks, and no faulty ones, are right"
+        )
+    return found[::-1].copy() if signed_area(found) < 0.0 else found
+
+
+def _flank_ends(outline: ExactOutline, row: IndexArray, place: Array, error: Array) -> tuple[Array, ComplexArray]:
+    """Both ends of each flank's curves, and how they move: as the nearest point of that flank, or not at all."""
+    flanks = np.flatnonzero(outline.part == FLANK_CURVE)
+    rows, share = np.repeat(flanks, 2), np.tile([0.0, 1.0], flanks.size)
+    ends = outline.begin_mm[rows] + share * outline.length_mm[rows]
+    _, slope = outline.at(rows, share)
+    outwards = -1j * outline.material * slope / np.maximum(np.abs(slope), 1e-300)
+    on_flank: Mask = outline.part[row] == FLANK_CURVE
+    order = np.lexsort((place[on_flank], outline.flank[row[on_flank]]))
+    owner, places, errors = outline.flank[row[on_flank]][order], place[on_flank][order], error[on_flank][order]
+    found = np.zeros(rows.size)
+    for end, flank in enumerate(outline.flank[rows]):
+        low, high = np.searchsorted(owner, [flank, flank + 1])
+        if high > low:
+            found[end] = np.interp(ends[end], places[low:high], errors[low:high])
+    return ends, found * outwards
+
+
+def _in_order(place: Array, shift: ComplexArray) -> tuple[Array, ComplexArray]:
+    """Places in growing order and their shifts; those of places that are alike are averaged."""
+    order = np.argsort(place, kind="stable")
+    place, shift = place[order], shift[order]
+    group = np.cumsum(np.append(0, np.diff(place) > ALIKE_MM))
+    count = np.bincount(group)
+    real, imag = (np.bincount(group, part) / count for part in (shift.real, shift.imag))
+    return np.bincount(group, place) / count, real + 1j * imag
+
+
+def _vertices(outline: ExactOutline) -> tuple[ComplexArray, Array]:
+    """The vertices of the gear's own outline, and their places along the exact one."""
+    points = as_complex(outline.gear.outline_mm)
+    return points, outline.feet(points).place_mm
+
+
+def _on_outline(outline: ExactOutline, place: Array) -> ComplexArray:
+    """The points of the exact outline at places along it."""
+    row = np.clip(np.searchsorted(outline.begin_mm, place, side="right") - 1, 0, outline.part.size - 1)
+    share = np.clip((place - outline.begin_mm[row]) / np.maximum(outline.length_mm[row], 1e-300), 0.0, 1.0)
+    return outline.at(row, share)[0]

@@ -1,0 +1,278 @@
+"""Where a measured gear stands: the turning, and the shift where its bore does not tell, that fit its flanks best.
+
+The sum of squares of the points' distances along the normals of the exact flanks is made least over the angle theta and
+the shift (x, y).  With n the unit normal away from the material at the foot of a point p,
+
+    d distance / d shift = n,    d distance / d theta = n . (i p) = cross(p, n)
+
+hold exactly, so that the steps of scipy.optimize.least_squares have exact slopes.  Only points on working flanks count:
+root, tip lands, bore and points astray do not turn the gear.  Which points these are follows from the fit, and is found
+again until it stays the same.
+
+The fit begins at the best of many angles: the outline of a gear with z teeth nearly repeats itself from tooth to tooth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.metrology.exact_outline import FLANK_CURVE, ExactOutline, Feet
+from ncgear.numerics.arrays import Array, ComplexArray, Mask
+from ncgear.numerics.plane import across
+
+FEWEST = 12
+"""Fewest points on working flanks that a fit is made of."""
+
+ASTRAY_IN_MODULES = 0.25
+"""A point farther from the outline is one of bore, hub or something else."""
+
+BEGUN_PER_TOOTH = 12
+"""Angles per tooth pitch from which a fit may begin."""
+
+FEW = 250
+"""Points by which the best of these angles is found."""
+
+BEGINNINGS = 3
+"""Best angles from which the fit is made, and as many of those that turn least among the nearly as good."""
+
+NEARLY = 1.5
+"""An angle is nearly as good as the best where points are at most this many times as far away on average."""
+
+ALIKE = 1.02
+"""A fit is as good as the best one where its r.m.s. is at most this many times that; the one that turns least is taken.
+
+A gear that repeats itself fits as often as it has lobes, and its noise must not choose among them.
+"""
+
+ROUNDING_MM = 1e-9
+"""What rounding leaves of the distances of exact points."""
+
+STEP_TOLERANCE = 1e-11
+"""Relative steps and gains at which a fit ends: far below a nanometre at the teeth."""
+
+WORST_CONDITION = 1e8
+"""Condition of the normal equations, in lengths, beyond which angle and shift cannot be told apart."""
+
+TRIED_ROUNDS, ROUNDS = 2, 12
+"""Most rounds of choosing the points that count: where a beginning is tried, and of the fit itself."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where the gear stands in the coordinates of its points: turned by an angle in rad and moved by a shift in mm."""
+
+    angle_rad: float
+    shift_mm: complex = 0j
+
+    def of_gear(self, points: ComplexArray) -> ComplexArray:
+        """Points of the file in the gear's own frame."""
+        moved: ComplexArray = (points - self.shift_mm) * np.exp(-1j * self.angle_rad)
+        return moved
+
+
+@dataclass(frozen=True, eq=False)
+class BestFit:
+    """The pose of best fit, and the feet of all n points in the gear's own frame, less the probe's radius.
+
+    ``counted`` tells which points the fit is made of (shape (n,)).  ``angle_error_rad`` and ``shift_error_mm`` are the
+    standard deviations that the scatter of these points leaves; the shift is None where the bore was kept.
+    """
+
+    pose: Pose
+    feet: Feet
+    counted: Mask
+    angle_error_rad: float
+    shift_error_mm: float | None
+
+    @property
+    def rms_mm(self) -> float:
+        """Root mean square of the distances that the fit left."""
+        return sqrt(float(np.mean(self.feet.distance_mm[self.counted] ** 2)))
+
+
+def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, rigid: bool) -> BestFit:
+    """The pose of points, shape (n,), which are centres of a probe's ball of radius ``probe_mm``; 0 for surface points.
+
+    With ``rigid`` the shift is fitted besides the angle.  Raises WrongInput where too few points lie on the flanks, and
+    NoSuchMechanism where the points are not those of this gear.
+    """
+    some = points[:: max(1, points.size // FEW)]
+    tried = (
+        _fitted(outline, some, probe_mm, pose, rigid, TRIED_ROUNDS)
+        for pose in _beginnings(outline, some, probe_mm, rigid)
+    )
+    fits = [fit for fit in tried if fit is not None]
+    least = min((fit.rms_mm for fit in fits), default=0.0)
+    alike = [fit for fit in fits if fit.rms_mm <= ALIKE * least + ROUNDING_MM]
+    nearest = min(alike, key=lambda fit: abs(fit.pose.angle_rad), default=None)
+    if nearest is not None and rigid:
+        nearest = _by_teeth(outline, some, probe_mm, nearest)
+    found = _fitted(outline, points, probe_mm, nearest.pose, rigid, ROUNDS) if nearest else None
+    if found is None:
+        raise WrongInput(
+            f"fewer than {FEWEST} of {points.size} points lie on working flanks, however the gear is turned; points "
+            "of the flanks of this gear in mm, with its axis at (0, 0), are right"
+        )
+    return found
+
+
+def _by_teeth(outline: ExactOutline, points: ComplexArray, probe_mm: float, fit: BestFit) -> BestFit:
+    """The best of a rigid fit and those a tooth farther on, and on from there, as long as they are better.
+
+    A gear that is nearly round about its middle nearly fits a tooth farther on, its axis moved, wherever its bore is.
+    """
+    count = outline.gear.flanks.count // 2
+    for _ in range(count):
+        middle = fit.pose.shift_mm + outline.middle_mm * complex(np.exp(1j * fit.pose.angle_rad))
+        angles = [fit.pose.angle_rad + step * 2.0 * pi / count for step in (-1, 1)]
+        poses = (Pose(angle, middle - outline.middle_mm * complex(np.exp(1j * angle))) for angle in angles)
+        beside = [_fitted(outline, points, probe_mm, pose, True, TRIED_ROUNDS) for pose in poses]
+        best = min((one for one in beside if one is not None), key=lambda one: one.rms_mm, default=fit)
+        if best.rms_mm * ALIKE >= fit.rms_mm:
+            break
+        fit = best
+    return fit
+
+
+def nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float) -> float:
+    """How near points come to an outline at the best of many angles: r.m.s. distance, each up to a quarter module."""
+    some = points[:: max(1, points.size // FEW)]
+    begun = _begun(outline, some, probe_mm)
+    best = min(begun, key=lambda pair: pair[0])[1].angle_rad
+    step = 2.0 * pi / len(begun)
+    finer = best + step * np.linspace(-1.0, 1.0, 2 * BEGUN_PER_TOOTH + 1)
+    return min(_nearness_mm(outline, some, probe_mm, Pose(float(angle))) for angle in finer)
+
+
+def _nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose) -> float:
+    away = np.minimum(np.abs(outline.near_mm(pose.of_gear(points)) - probe_mm), _astray_mm(outline))
+    return sqrt(float(np.mean(away**2)))
+
+
+def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float, rigid: bool) -> list[Pose]:
+    """The poses from which fits are made: the best of many, each better than those beside it.
+
+    With ``rigid`` the axis is looked for too where the middle of the points says that it is.
+    """
+    poses = _chosen(_begun(outline, points, probe_mm))
+    return poses + (_chosen(_begun(outline, points, probe_mm, by_middle=True)) if rigid else [])
+
+
+def _chosen(begun: list[tuple[float, Pose]]) -> list[Pose]:
+    worth = np.array([pair[0] for pair in begun])
+    lowest = np.flatnonzero((worth <= np.roll(worth, 1)) & (worth <= np.roll(worth, -1)))
+    best = lowest[np.argsort(worth[lowest], kind="stable")][:BEGINNINGS]
+    nearly = lowest[worth[lowest] <= NEARLY * worth.min()]
+    least = nearly[np.argsort([abs(begun[place][1].angle_rad) for place in nearly], kind="stable")][:BEGINNINGS]
+    return [begun[place][1] for place in dict.fromkeys([*best.tolist(), *least.tolist()])]
+
+
+def _begun(
+    outline: ExactOutline, points: ComplexArray, probe_mm: float, *, by_middle: bool = False
+) -> list[tuple[float, Pose]]:
+    """Poses at many angles from -pi to pi, each with its nearness; angle 0 is one of them.
+
+    The axis is at the origin or, by the middle, where the mean of the points is that of the outline.
+    """
+    count = BEGUN_PER_TOOTH * (outline.gear.flanks.count // 2)
+    angles = [step * 2.0 * pi / count for step in range(-(count // 2), count - count // 2)]
+    middle, own = (complex(points.mean()), outline.middle_mm) if by_middle else (0j, 0j)
+    poses = [Pose(angle, middle - own * complex(np.exp(1j * angle))) for angle in angles]
+    return [(_nearness_mm(outline, points, probe_mm, pose), pose) for pose in poses]
+
+
+def _astray_mm(outline: ExactOutline) -> float:
+    return ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm
+
+
+def _fitted(
+    outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose, rigid: bool, rounds: int
+) -> BestFit | None:
+    """The best fit near a pose; None where too few points are on flanks."""
+    from scipy.optimize import least_squares
+
+    last: list[tuple[Array, Feet]] = []
+
+    def feet(values: Array, some: ComplexArray) -> Feet:
+        """The feet in a pose; those of the last one are kept, since slopes are asked for where distances were."""
+        if not last or last[0][1].point.size != some.size or not np.array_equal(last[0][0], values):
+            last[:] = [(values.copy(), outline.feet(_pose(values).of_gear(some)).less(probe_mm))]
+        return last[0][1]
+
+    # Turning a gear moves its flanks by about their distance from the axis.
+    size = float(np.abs(outline.gear.outline_mm).max())
+    scale = np.array([1.0 / size, 1.0, 1.0] if rigid else [1.0 / size])
+    values = np.array([pose.angle_rad, pose.shift_mm.real, pose.shift_mm.imag])[: scale.size]
+    counted = on_flanks(outline, feet(values, points))
+    for _ in range(rounds):
+        if np.count_nonzero(counted) < FEWEST:
+            return None
+        solved = least_squares(
+            lambda tried, own: feet(tried, own).distance_mm,
+            values,
+            jac=lambda tried, own: _slopes(feet(tried, own), tried),
+            x_scale=scale,
+            xtol=STEP_TOLERANCE,
+            ftol=STEP_TOLERANCE,
+            gtol=STEP_TOLERANCE,
+            args=(points[counted],),
+        )
+        if not solved.success:
+            raise ArithmeticError(f"the best fit of measured points was not found: {solved.message}")
+        values, before = solved.x, counted
+        counted = on_flanks(outline, feet(values, points))
+        if np.array_equal(before, counted):
+            break
+    if np.count_nonzero(counted) < FEWEST:
+        return None
+    found = feet(values, points)
+    spread = _spread(_slopes(found.kept(counted), values), found.distance_mm[counted], scale)
+    return BestFit(_pose(values), found, counted, float(spread[0]), float(spread[1:].max()) if rigid else None)
+
+
+def _pose(values: Array) -> Pose:
+    return Pose(float(values[0]), complex(*values[1:])) if values.size > 1 else Pose(float(values[0]))
+
+
+def _slopes(feet: Feet, values: Array) -> Array:
+    """Slopes of the distances by the pose's numbers, shape (n, 1 or 3)."""
+    # Where the gear stands turned farther, points stand turned back in its own frame.
+    turning = -across(feet.point, feet.outwards)
+    if values.size == 1:
+        return turning[:, None]
+    shifting = feet.outwards * np.exp(1j * values[0])
+    return np.column_stack([turning, -shifting.real, -shifting.imag])
+
+
+def _spread(slopes: Array, left: Array, scale: Array) -> Array:
+    """Standard deviations of the pose's numbers from the scatter that is left."""
+    scaled = slopes * scale
+    normal = scaled.T @ scaled
+    if np.linalg.cond(normal) > WORST_CONDITION:
+        raise NoSuchMechanism(
+            "the points do not tell where the gear stands: they lie on flanks of one direction; points of teeth all "
+            "around, or --fit rotation, are right"
+        )
+    free = max(left.size - scale.size, 1)
+    spread: Array = scale * np.sqrt(np.diag(np.linalg.inv(normal)) * float(left @ left) / free)
+    return spread
+
+
+def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
+    """Which points lie on working flanks: no deeper than the mate reaches, and not at the edge of the tip."""
+    on_flank = outline.part[feet.row] == FLANK_CURVE
+    flank = np.where(on_flank, outline.flank[feet.row], 0)
+    deep = -outline.gear.tips.met_depth_mm[flank]
+    works = outline.height_mm(feet.row, feet.share) >= deep
+    found: Mask = on_flank & works & ~feet.at_end & ~is_astray(outline, feet)
+    return found
+
+
+def is_astray(outline: ExactOutline, feet: Feet) -> Mask:
+    """Which points are so far from the outline that they are of bore, hub or something else."""
+    astray: Mask = np.abs(feet.distance_mm) >= _astray_mm(outline)
+    return astray

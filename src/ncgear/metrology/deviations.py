@@ -1,0 +1,163 @@
+"""Deviations of a measured gear, flank by flank: pitch, thickness, profile, and the points beside the flanks.
+
+A flank's deviation is that of its points along the exact normals, positive where there is metal in excess.  Its mean e
+moves the flank along the pitch curve by e / cos(alpha), and so
+
+    tooth thickness   t = e_front / cos(alpha_front) + e_back / cos(alpha_back)
+    position          d = side e / cos(alpha)            in the sense of growing arc length
+    single pitch      f_p = d - d of the flank before    F_p = greatest d less least d, of the flanks of one side
+
+as ISO 1328-1 defines f_p and F_p for circular gears; here they are along the pitch curve.  Of the profile a line over
+the height is taken: its rise from the lowest to the highest working place is the slope deviation, what remains on both
+sides of it the form deviation, and both together, from least to greatest, the total deviation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncgear.metrology.best_fit import BestFit, is_astray
+from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOutline
+from ncgear.numerics.arrays import Array, IndexArray, Mask
+
+FEWEST_OF_PROFILE = 4
+"""Points of a flank from which on its slope and form are told."""
+
+LEAST_SPREAD = 0.3
+"""Share of the working height that these points must cover."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlankDeviations:
+    """Deviations in mm of the 2 z made flanks (back and front flank of tooth 1, of tooth 2, ...), shape (2 z,) each.
+
+    What the points of a flank do not tell is NaN: all of one without points, slope and form of one with few.
+    """
+
+    points: IndexArray
+    mean_mm: Array
+    least_mm: Array
+    greatest_mm: Array
+    slope_mm: Array
+    form_mm: Array
+    position_mm: Array
+    single_pitch_mm: Array
+
+    @property
+    def teeth(self) -> int:
+        """Number of teeth."""
+        return self.points.size // 2
+
+    @property
+    def total_mm(self) -> Array:
+        """Total profile deviation of each flank: greatest less least, shape (2 z,)."""
+        return self.greatest_mm - self.least_mm
+
+    @property
+    def measured(self) -> Mask:
+        """Which flanks have points."""
+        found: Mask = self.points > 0
+        return found
+
+    def side(self, values: Array, front: bool) -> Array:
+        """The values of one side's flanks, shape (z,)."""
+        return values[int(front) :: 2]
+
+    def largest(self, values: Array) -> float | None:
+        """The value that is largest in size, None where none is known."""
+        known = values[np.isfinite(values)]
+        return float(known[np.argmax(np.abs(known))]) if known.size else None
+
+    def cumulative_mm(self, front: bool) -> float | None:
+        """Cumulative pitch deviation F_p of one side; None where fewer than two of its flanks have points."""
+        known = self.side(self.position_mm, front)
+        known = known[np.isfinite(known)]
+        return float(np.ptp(known)) if known.size > 1 else None
+
+
+@dataclass(frozen=True, eq=False)
+class GearDeviations:
+    """What a measured gear is like: its flanks, its tooth thicknesses (shape (z,), NaN where a side is missing).
+
+    ``beside`` counts the points that are on no working flank, by where they are: ``root``, ``tip``, ``astray`` (bore,
+    hub and whatever is far from the outline).
+    """
+
+    flanks: FlankDeviations
+    thickness_mm: Array
+    beside: dict[str, int]
+
+    @property
+    def missing_teeth(self) -> list[int]:
+        """Numbers, from 1, of the teeth with a flank that has no points."""
+        both = self.flanks.measured.reshape(-1, 2).all(axis=1)
+        return [int(tooth) + 1 for tooth in np.flatnonzero(~both)]
+
+
+def deviations(outline: ExactOutline, fit: BestFit) -> GearDeviations:
+    """The deviations of a gear in its pose of best fit."""
+    gear, feet = outline.gear, fit.feet
+    count = 2 * gear.teeth
+    counted = feet.kept(fit.counted)
+    flank, error = outline.flank[counted.row], counted.distance_mm
+    points = np.bincount(flank, minlength=count)
+    known = points > 0
+    mean = np.where(known, np.bincount(flank, error, count) / np.maximum(points, 1), np.nan)
+    least, greatest = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(least, flank, error)
+    np.maximum.at(greatest, flank, error)
+    slope, form = _profiles(outline, flank, outline.height_mm(counted.row, counted.share), error)
+    cosine = np.broadcast_to(gear.flanks.slant.cosine, gear.flanks.side.shape)[:count]
+    along = mean / cosine
+    position = gear.flanks.side[:count] * along
+    single = position - np.roll(position, 2)
+    if gear.flanks.made is not None:
+        single[:2] = np.nan
+    flanks = FlankDeviations(
+        points,
+        mean,
+        np.where(known, least, np.nan),
+        np.where(known, greatest, np.nan),
+        slope,
+        form,
+        position,
+        single,
+    )
+    return GearDeviations(flanks, along[0::2] + along[1::2], _beside(outline, fit))
+
+
+def _profiles(outline: ExactOutline, flank: IndexArray, height_mm: Array, error_mm: Array) -> tuple[Array, Array]:
+    """Slope and form deviation of each flank, by a line of least squares over the height; shape (2 z,) each."""
+    gear = outline.gear
+    count = 2 * gear.teeth
+    highest, lowest = (values[:count] for values in gear.sides.flank_range())
+    working = highest - np.maximum(lowest, -gear.tips.met_depth_mm[:count])
+    points = np.maximum(np.bincount(flank, minlength=count), 1)
+    middle, mean = (np.bincount(flank, values, count) / points for values in (height_mm, error_mm))
+    high, error = height_mm - middle[flank], error_mm - mean[flank]
+    squares = np.bincount(flank, high * high, count)
+    rise = np.bincount(flank, high * error, count) / np.maximum(squares, 1e-300)
+    left = error - rise[flank] * high
+    low_left, high_left, low, top = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count)
+    np.minimum.at(low_left, flank, left)
+    np.maximum.at(high_left, flank, left)
+    np.minimum.at(low, flank, high)
+    np.maximum.at(top, flank, high)
+    told = (points >= FEWEST_OF_PROFILE) & (top - low >= LEAST_SPREAD * working)
+    return np.where(told, rise * working, np.nan), np.where(told, high_left - low_left, np.nan)
+
+
+def _beside(outline: ExactOutline, fit: BestFit) -> dict[str, int]:
+    """Points on no working flank, by where they are."""
+    rest = fit.feet.kept(~fit.counted)
+    astray = is_astray(outline, rest)
+    on_tip = (outline.part[rest.row] == TIP_LAND_CURVE) | (
+        (outline.part[rest.row] == FLANK_CURVE) & (outline.height_mm(rest.row, rest.share) > 0.0)
+    )
+    return {
+        "root": int(np.count_nonzero(~astray & ~on_tip)),
+        "tip": int(np.count_nonzero(~astray & on_tip)),
+        "astray": int(np.count_nonzero(astray)),
+    }

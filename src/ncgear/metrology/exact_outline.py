@@ -1,0 +1,195 @@
+"""How far points are from the exact outline of a gear: along its own normals, not from the chords of a file.
+
+The outline is a closed chain of smooth curves (flanks, fillets, lands).  For each point the nearest samples of the
+chain tell on which curves its foot may lie; there it is found by steps along the tangent,
+
+    share += (point - curve(share)) . slope(share) / |slope(share)|^2
+
+which is Gauss and Newton's method for the least distance.  Each step leaves of the error the distance over the radius
+of curvature; points of a measured gear are some hundredths of that away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.plane import across, along, as_complex, square
+from ncgear.pitch.shape import Gear
+from ncgear.teeth.gear import ToothedGear
+from ncgear.teeth.outline import exact_curves
+from ncgear.teeth.stretch import Stretch
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+FLANK_CURVE, TIP_LAND_CURVE = 0, 2
+"""The numbers of flanks and tip lands among ``exact_curves``."""
+
+PROBES = 33
+"""Places of each curve between which its length is measured."""
+
+SAMPLES_PER_MODULE = 20.0
+"""Samples of all curves in a module's length, by which those near a point are found."""
+
+NEAR_SAMPLES, CANDIDATES = 16, 3
+"""Nearest samples that are looked at, and the most of their curves on which a foot is looked for: near a corner, and in
+a thin tip, several compete."""
+
+STEPS = 30
+"""Most steps along the tangent."""
+
+SETTLED = 1e-11
+"""A share that moves less has settled: some 1e-10 mm on the curves of teeth."""
+
+
+@dataclass(frozen=True, eq=False)
+class Feet(Columns):
+    """The nearest places of the outline to n points, shape (n,) each.
+
+    ``distance_mm`` is positive on the side away from the material.  ``row`` numbers the curve, ``share`` is how far
+    along it the foot lies, and ``place_mm`` how far along the whole outline.  ``outwards`` is the unit normal away from
+    the material.  ``at_end`` tells which feet are at an end of their curve, where the distance may not be along the
+    normal.
+    """
+
+    point: ComplexArray
+    foot: ComplexArray
+    outwards: ComplexArray
+    distance_mm: Array
+    row: IndexArray
+    share: Array
+    place_mm: Array
+    at_end: Mask
+
+    def less(self, radius_mm: float) -> Feet:
+        """The same of the places that a ball about each point touches: nearer to the material by its radius."""
+        return replace(self, point=self.point - radius_mm * self.outwards, distance_mm=self.distance_mm - radius_mm)
+
+
+@dataclass(frozen=True, eq=False)
+class ExactOutline:
+    """The exact curves of a gear's outline as rows of one chain, in the sense of growing arc length.
+
+    ``part`` and ``number`` tell of which stretch each row is, and which of its curves; ``begin_mm`` is the way along
+    the outline at which it begins and ``length_mm`` its length, shape (rows,) each.  ``material`` is the side of the
+    material as seen along the chain, +1 to the left.
+    """
+
+    gear: ToothedGear
+    stretches: tuple[Stretch, ...]
+    part: IndexArray
+    number: IndexArray
+    begin_mm: Array
+    length_mm: Array
+    material: float
+
+    @property
+    def around_mm(self) -> float:
+        """Length of the whole outline."""
+        return float(self.length_mm.sum())
+
+    @cached_property
+    def middle_mm(self) -> complex:
+        """The mean of places that are evenly spread over the outline."""
+        return complex(self.at(*self._sampled)[0].mean())
+
+    @cached_property
+    def flank(self) -> IndexArray:
+        """The flank that each row belongs to: its own, or the one that its land follows."""
+        owners = [stretch.owner for stretch in self.stretches]
+        return np.array([owners[part][number] for part, number in zip(self.part, self.number, strict=True)])
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        from scipy.spatial import cKDTree
+
+        samples, _ = self.at(*self._sampled)
+        return cKDTree(np.column_stack([samples.real, samples.imag]))
+
+    @cached_property
+    def _sampled(self) -> tuple[IndexArray, Array]:
+        """Rows and shares of the samples: both ends of each row and as many between as its length asks for."""
+        steps = np.ceil(self.length_mm * SAMPLES_PER_MODULE / self.gear.flanks.rack.module_mm).astype(np.intp)
+        row, number = counted_up(np.zeros_like(steps), steps + 1)
+        return row, number / steps[row]
+
+    def near_mm(self, points: ComplexArray) -> Array:
+        """Distances from the samples of the outline, which are never less than those from the outline; shape (n,)."""
+        return np.asarray(self._tree.query(np.column_stack([points.real, points.imag]))[0])
+
+    def at(self, row: IndexArray, share: Array) -> tuple[ComplexArray, ComplexArray]:
+        """Points of rows at shares of their way, and derivatives by the share; shape (n,) each."""
+        point, slope = np.empty(row.size, dtype=complex), np.empty(row.size, dtype=complex)
+        for part, stretch in enumerate(self.stretches):
+            here = np.flatnonzero(self.part[row] == part)
+            if here.size:
+                found = stretch.at(self.number[row[here]], share[here])
+                point[here], slope[here] = (as_complex(values) for values in found)
+        return point, slope
+
+    def height_mm(self, row: IndexArray, share: Array) -> Array:
+        """Height over the rack's pitch line of feet on flanks, shape (n,); means nothing elsewhere."""
+        flanks, number = self.stretches[FLANK_CURVE], np.where(self.part[row] == FLANK_CURVE, self.number[row], 0)
+        height: Array = flanks.start[number] + share * (flanks.end - flanks.start)[number]
+        return height
+
+    def feet(self, points: ComplexArray) -> Feet:
+        """The nearest places of the outline to points, shape (n,)."""
+        row, share = self._candidates(points)
+        many = np.repeat(points, CANDIDATES)
+        moving = np.arange(many.size)
+        for _ in range(STEPS):
+            point, slope = self.at(row[moving], share[moving])
+            step = along(slope, many[moving] - point) / np.maximum(square(slope), 1e-300)
+            moved = np.clip(share[moving] + step, 0.0, 1.0)
+            open_still = np.abs(moved - share[moving]) > SETTLED
+            share[moving] = moved
+            moving = moving[open_still]
+            if not moving.size:
+                break
+        foot, slope = self.at(row, share)
+        outwards = -1j * self.material * slope / np.maximum(np.abs(slope), 1e-300)
+        away = np.abs(many - foot).reshape(-1, CANDIDATES)
+        best = np.arange(points.size) * CANDIDATES + np.argmin(away, axis=1)
+        row, share, foot, outwards = row[best], share[best], foot[best], outwards[best]
+        sense = np.where(self.material * across(slope[best], points - foot) > 0.0, -1.0, 1.0)
+        at_end = (share <= 0.0) | (share >= 1.0)
+        distance = np.where(at_end, sense * np.abs(points - foot), along(outwards, points - foot))
+        place = self.begin_mm[row] + share * self.length_mm[row]
+        return Feet(points, foot, outwards, distance, row, share, place, at_end)
+
+    def _candidates(self, points: ComplexArray) -> tuple[IndexArray, Array]:
+        """Curves and shares from which feet are looked for, shape (CANDIDATES * n,): the nearest sample of each curve.
+
+        Where the nearest samples belong to fewer curves, the nearest one comes again.
+        """
+        _, nearest = self._tree.query(np.column_stack([points.real, points.imag]), k=NEAR_SAMPLES)
+        sampled_row, sampled_share = self._sampled
+        row = sampled_row[nearest]
+        chosen = np.zeros((points.size, CANDIDATES), dtype=np.intp)
+        for place in range(1, CANDIDATES):
+            taken = np.take_along_axis(row, chosen[:, :place], axis=1)
+            others = np.all(row[:, :, None] != taken[:, None, :], axis=2)
+            chosen[:, place] = np.argmax(others, axis=1)
+        first = np.take_along_axis(row, chosen, axis=1).ravel()
+        return first, np.take_along_axis(sampled_share[nearest], chosen, axis=1).ravel()
+
+
+def exact_outline(gear: ToothedGear) -> ExactOutline:
+    """The exact outline of a gear."""
+    stretches = tuple(stretch for stretch in exact_curves(gear.tips, gear.sides))
+    part = np.repeat(np.arange(len(stretches)), [stretch.owner.size for stretch in stretches])
+    number = np.concatenate([np.arange(stretch.owner.size) for stretch in stretches])
+    order = np.argsort(np.concatenate([stretch.rank for stretch in stretches]), kind="stable")
+    part, number = part[order], number[order]
+    share = np.linspace(0.0, 1.0, PROBES)
+    by_part = [as_complex(one.at(np.arange(one.owner.size)[:, None], share[None, :])[0]) for one in stretches]
+    length = np.abs(np.diff(np.concatenate(by_part)[order], axis=1)).sum(axis=1)
+    begin = np.append(0.0, np.cumsum(length)[:-1])
+    material = -1.0 if gear.flanks.curve.gear is Gear.DRIVING else 1.0
+    return ExactOutline(gear, stretches, part, number, begin, length, material)

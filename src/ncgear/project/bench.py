@@ -1,0 +1,421 @@
+"""Speed against error of a person's own design: each stage at several finenesses, its time, and its error.
+
+Errors are measured against what the stage does not know: exact peaks from closed forms, lengths by quadrature, points
+of the exact curves between the chords, or the same stage much finer.  From these the coarsest fineness is recommended
+whose measured error is within what the file asks for; where none of those tried is, finer ones are tried.
+
+What the file asks for is ``output.chord_tolerance_mm``: how far what is written may be from the exact teeth.  Errors
+that are lengths are held against it.  Those that are shares have no key, and are held against a thousandth of a peak
+and a hundredth of a stress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from statistics import median
+from time import perf_counter
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
+    from ncgear.contact.written.as_written import AsWritten
+    from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.strength.elements.teeth import Elements
+    from ncgear.teeth.gear import ToothedPair
+
+Result = TypeVar("Result")
+
+PEAK_SHARE, STRESS_SHARE = 1e-3, 1e-2
+"""Errors of peaks and of stresses that are taken as asked for, as shares."""
+
+REPEATS, SHORT_S = 3, 0.5
+"""The median of so many times is told of what takes less than this; what takes longer is timed once."""
+
+MOST_FINER = 4
+"""Finer settings that are tried where none of the first is fine enough."""
+
+LEAST_TOLERANCE_MM = 1e-5
+"""The least chord tolerance that a design file may ask for."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A stage at one setting: its time, its error, and its size in points, positions, triangles or elements."""
+
+    setting: float
+    time_s: float
+    error: float
+    size: int
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage at several settings, from coarse to fine.
+
+    ``varied`` is what is set, ``counted`` what its size counts; ``error_of`` and ``unit`` tell the error, ``reference``
+    what it was measured against.  ``asked`` is the error that the file asks for, ``key`` the key that says so or empty,
+    and ``used`` the setting of a build.
+    """
+
+    name: str
+    varied: str
+    varied_unit: str
+    counted: str
+    error_of: str
+    unit: str
+    reference: str
+    asked: float
+    key: str
+    used: float
+    trials: tuple[Trial, ...]
+
+    @property
+    def recommended(self) -> Trial | None:
+        """The coarsest trial whose error, and that of all finer ones, is within what is asked; None where none is.
+
+        Extremes among samples may be met by luck at one setting.
+        """
+        found = None
+        for trial in reversed(self.trials):
+            if trial.error > self.asked:
+                break
+            found = trial
+        return found
+
+    @property
+    def order(self) -> float | None:
+        """The power of the fineness by which the error falls, by least squares in logarithms; None where none shows.
+
+        The fineness is the inverse of a tolerance, and any other setting itself.
+        """
+        rows = [(trial.setting, trial.error) for trial in self.trials if trial.error > 0.0]
+        if len({error for _, error in rows}) < 2:
+            return None
+        setting, error = np.log(np.array(rows)).T
+        falls = float(np.polyfit(setting, error, 1)[0])
+        return falls if self.varied_unit else -falls
+
+
+def benched(drive: Drive, on_step: Callable[[str], None]) -> list[Stage]:
+    """All stages that a design has, from its motion to its finite elements.
+
+    Raises WrongInput for two pairs of gears, and what the stages of the drive raise.
+    """
+    if drive.design.stages > 1:
+        raise WrongInput("two pairs of gears; the speed and error of one are measured", key="motion.second_stage")
+    found = []
+    for name, stage in _stages(drive):
+        on_step(name)
+        found.append(stage())
+    return found
+
+
+def step_count(drive: Drive) -> int:
+    """Number of stages."""
+    return sum(1 for _ in _stages(drive))
+
+
+def _stages(drive: Drive) -> Iterator[tuple[str, Callable[[], Stage]]]:
+    yield "motion", partial(_motion, drive)
+    if drive.design.gears is None:
+        return
+    yield "pitch curves", partial(_pitch_curves, drive)
+    yield "teeth", partial(_teeth, drive)
+    yield "contact", partial(_contact, drive)
+    if drive.helix is None:
+        yield "solids", partial(_solids, drive)
+        if drive.design.masses is not None or drive.design.resistance is not None:
+            yield "elements", partial(_elements, drive)
+
+
+def _timed(compute: Callable[[], Result]) -> tuple[Result, float]:
+    """A result, and the median of its times."""
+    start = perf_counter()
+    result = compute()
+    times = [perf_counter() - start]
+    while times[0] < SHORT_S and len(times) < REPEATS:
+        start = perf_counter()
+        compute()
+        times.append(perf_counter() - start)
+    return result, median(times)
+
+
+def _tried(
+    settings: list[float],
+    finer: Callable[[float], float | None],
+    compute: Callable[[float], Result],
+    judge: Callable[[Result], tuple[float, int]],
+    asked: float,
+) -> tuple[Trial, ...]:
+    """Trials at settings and, while none is good enough, at finer ones; ``finer`` gives None where there is none."""
+    trials: list[Trial] = []
+    waiting = list(settings)
+    while waiting:
+        setting = waiting.pop(0)
+        result, time_s = _timed(partial(compute, setting))
+        error, size = judge(result)
+        trials.append(Trial(setting, time_s, error, size))
+        enough = any(trial.error <= asked for trial in trials)
+        following = finer(setting)
+        if not waiting and not enough and following is not None and len(trials) < len(settings) + MOST_FINER:
+            waiting = [following]
+    return tuple(trials)
+
+
+def _twice(setting: float) -> float:
+    return 2.0 * setting
+
+
+def _motion(drive: Drive) -> Stage:
+    """The peak acceleration among samples, beside the peak between zeros of its derivative."""
+    machine, exact = drive.machine, drive.check.peak_acceleration_cycle.value
+    cycle = drive.transmission.cycle_rad
+
+    def judge(accelerations: Array) -> tuple[float, int]:
+        return abs(float(np.abs(accelerations).max()) / exact - 1.0), accelerations.size
+
+    def compute(count: float) -> Array:
+        return machine.motion(np.linspace(0.0, cycle, int(count) + 1)).acceleration
+
+    trials = _tried([125.0, 250.0, 500.0, 1000.0, 2000.0], _twice, compute, judge, PEAK_SHARE)
+    return Stage(
+        "motion",
+        "rows a cycle",
+        "",
+        "rows",
+        "peak acceleration among the rows",
+        "of the peak",
+        "the exact peak, from zeros of the derivative in closed form",
+        PEAK_SHARE,
+        "",
+        2000.0,
+        trials,
+    )
+
+
+def _pitch_curves(drive: Drive) -> Stage:
+    """The length of the driving pitch curve by chords, beside its length by quadrature."""
+    pitch, asked = drive.pitch, drive.design.output.chord_tolerance_mm
+    length = pitch.driving.length_mm
+
+    def compute(count: float) -> tuple[float, int]:
+        points = pitch.driving.at_length(np.linspace(0.0, length, int(count) + 1)).position
+        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()), int(count)
+
+    def judge(found: tuple[float, int]) -> tuple[float, int]:
+        # The rounding of a sum of lengths is no error of the chords.
+        return max(length - found[0], np.finfo(float).eps * length), found[1]
+
+    trials = _tried([50.0, 100.0, 200.0, 400.0, 800.0], _twice, compute, judge, asked)
+    return Stage(
+        "pitch curves",
+        "points",
+        "",
+        "points",
+        "length of the driving pitch curve by chords",
+        "mm",
+        "the length by Gauss-Legendre quadrature, piece by piece",
+        asked,
+        "output.chord_tolerance_mm",
+        720.0,
+        trials,
+    )
+
+
+def _tolerances(drive: Drive) -> list[float]:
+    asked = drive.design.output.chord_tolerance_mm
+    return [asked * times for times in (16.0, 8.0, 4.0, 2.0, 1.0)]
+
+
+def _finer_tolerance(tolerance: float) -> float | None:
+    return tolerance / 2.0 if tolerance / 2.0 >= LEAST_TOLERANCE_MM else None
+
+
+def _toothed(drive: Drive, tolerance_mm: float) -> ToothedPair:
+    from ncgear.teeth.gear import toothed_pair
+
+    return toothed_pair(drive.pitch, drive.tooth_form, tolerance_mm)
+
+
+def _teeth(drive: Drive) -> Stage:
+    """The outlines by chord tolerance, beside points of the exact curves between all chords."""
+    from ncgear.metrology.chord_error import exact_points, farthest_mm
+
+    asked = drive.design.output.chord_tolerance_mm
+    exact = {gear: exact_points(drive.teeth.of(gear)) for gear in Gear}
+
+    def judge(teeth: ToothedPair) -> tuple[float, int]:
+        found = [farthest_mm(exact[gear], teeth.of(gear).outline_mm) for gear in Gear]
+        return max(found), sum(len(teeth.of(gear).outline_mm) for gear in Gear)
+
+    compute = partial(_toothed, drive)
+    return Stage(
+        "teeth",
+        "tolerance",
+        "mm",
+        "points",
+        "farthest exact point from both outlines",
+        "mm",
+        "points of the exact flanks, fillets and lands, beside all places that chords go by",
+        asked,
+        "output.chord_tolerance_mm",
+        asked,
+        _tried(_tolerances(drive), _finer_tolerance, compute, judge, asked),
+    )
+
+
+PER_TOOTH, REFERENCE_PER_TOOTH = (4.0, 8.0, 16.0, 32.0), 96
+"""Positions per tooth that are tried, and of what they are held against."""
+
+
+def _contact(drive: Drive) -> Stage:
+    """The extremes of the contact of the outlines, which lie between positions, beside many more positions."""
+    from ncgear.contact.placement import placed
+    from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
+
+    pitch, teeth, asked = drive.pitch, drive.teeth, drive.design.output.chord_tolerance_mm
+    reach = reach_mm(pitch, teeth)
+    outlines = Outlines("bench", teeth.driving.outline_mm, teeth.driven.outline_mm)
+
+    def compute(per_tooth: float) -> AsWritten:
+        return as_written(outlines, teeth, placed(pitch, int(per_tooth)), reach)
+
+    finest = compute(REFERENCE_PER_TOOTH)
+    arm = float(placed(pitch, 2).driven_radius_mm.max())
+
+    def judge(found: AsWritten) -> tuple[float, int]:
+        error = abs(found.transmission_error_rad - finest.transmission_error_rad)
+        missed = error, abs(float(found.backlash_rad.min() - finest.backlash_rad.min()))
+        return arm * max(missed), found.pushing_rad.size
+
+    def finer(per_tooth: float) -> float | None:
+        return 2.0 * per_tooth if 2.0 * per_tooth <= REFERENCE_PER_TOOTH / 1.5 else None
+
+    return Stage(
+        "contact",
+        "positions a tooth",
+        "",
+        "positions",
+        "transmission error and least play of the outlines, at the driven pitch radius",
+        "mm",
+        f"{REFERENCE_PER_TOOTH} positions per tooth",
+        asked,
+        "output.chord_tolerance_mm",
+        placed(pitch).per_tooth,
+        _tried(list(PER_TOOTH), finer, compute, judge, asked),
+    )
+
+
+FINER_SOLIDS = 16.0
+"""The reference of solids is so many times finer than the finest that is tried first."""
+
+
+def _solids(drive: Drive) -> Stage:
+    """The meshes by chord tolerance: a section beside points of the exact curves, the volume beside finer meshes."""
+    from ncgear.metrology.chord_error import exact_points
+    from ncgear.project.gear_solids import crank_pin_hole, straight_solids
+
+    asked, gears, pitch = drive.design.output.chord_tolerance_mm, drive.gears, drive.pitch
+    crank_pin = crank_pin_hole(gears, drive.linkage) if drive.turns_crank else None
+
+    def compute(tolerance: float, teeth: ToothedPair) -> SolidPair:
+        return straight_solids(gears, pitch, teeth, tolerance, crank_pin)
+
+    exact = {gear: exact_points(drive.teeth.of(gear)) for gear in Gear}
+    reference_mm = max(asked / FINER_SOLIDS, LEAST_TOLERANCE_MM)
+    teeth = {tolerance: _toothed(drive, tolerance) for tolerance in (*_tolerances(drive), reference_mm)}
+    finest = compute(reference_mm, teeth[reference_mm])
+    length = {
+        gear: float(np.linalg.norm(np.diff(teeth[reference_mm].of(gear).outline_mm, axis=0), axis=1).sum())
+        for gear in Gear
+    }
+
+    def judge(found: SolidPair) -> tuple[float, int]:
+        missed = [
+            abs(float(found.of(gear).mesh.volume) - float(finest.of(gear).mesh.volume))
+            / (length[gear] * gears.face_width_mm)
+            for gear in Gear
+        ]
+        away = (_section_error_mm(exact[gear], found.of(gear).mesh, gears.face_width_mm / 2.0) for gear in Gear)
+        return max(*missed, *away), sum(len(found.of(gear).mesh.faces) for gear in Gear)
+
+    return Stage(
+        "solids",
+        "tolerance",
+        "mm",
+        "triangles",
+        "section halfway up, and volume as the mean distance of the tooth faces",
+        "mm",
+        f"points of the exact curves, and meshes of a tolerance of {reference_mm:g} mm",
+        asked,
+        "output.chord_tolerance_mm",
+        asked,
+        _tried(_tolerances(drive), lambda _: None, lambda mm: compute(mm, teeth[mm]), judge, asked),
+    )
+
+
+def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
+    """The farthest of exact points of a tooth outline from a section of a mesh, from its line that is nearest."""
+    from ncgear.metrology.chord_error import farthest_mm
+
+    section = mesh.section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
+    if section is None:
+        raise ArithmeticError(f"a gear's mesh has no section at z = {height_mm:g} mm")
+    return min(farthest_mm(exact, np.asarray(line)[:-1, :2]) for line in section.discrete)
+
+
+PARTS, REFERENCE_PARTS = (1.0, 2.0, 3.0), 5
+"""How many parts the elements of the coarsest mesh are cut in along each side, and those of the reference."""
+
+
+def _elements(drive: Drive) -> Stage:
+    """The largest root stress of the driving gear's teeth by mesh size, beside a finer mesh."""
+    from ncgear.strength.elements.mesh import MeshSize, topology_of
+    from ncgear.strength.elements.teeth import elements_of
+
+    gear, material = drive.teeth.driving, drive.materials[0]
+
+    def compute(parts: float) -> tuple[Elements, int]:
+        size = MeshSize().times(int(parts))
+        cells = len(topology_of(size).cells)
+        return elements_of(gear, material, size), cells * gear.teeth
+
+    finest, _ = compute(REFERENCE_PARTS)
+    largest = finest.tension_mpa.reshape(gear.teeth, -1).max(axis=1)
+
+    def judge(found: tuple[Elements, int]) -> tuple[float, int]:
+        stress = found[0].tension_mpa.reshape(gear.teeth, -1).max(axis=1)
+        return float(np.abs(stress / largest - 1.0).max()), found[1]
+
+    def finer(parts: float) -> float | None:
+        return parts + 1.0 if parts + 1.0 < REFERENCE_PARTS else None
+
+    return Stage(
+        "elements",
+        "parts a side",
+        "",
+        "elements",
+        "largest root stress of each tooth of the driving gear",
+        "of the stress",
+        f"{REFERENCE_PARTS} parts of each side",
+        STRESS_SHARE,
+        "",
+        3.0,
+        _tried(list(PARTS), finer, compute, judge, STRESS_SHARE),
+    )
+
+
+def dominating(stages: list[Stage]) -> Stage | None:
+    """The stage that takes longest as recommended; None where nothing is recommended."""
+    known = [(stage.recommended.time_s, stage) for stage in stages if stage.recommended is not None]
+    return max(known, key=lambda pair: pair[0])[1] if known else None

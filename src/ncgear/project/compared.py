@@ -1,0 +1,214 @@
+"""Gears as a coordinate measuring machine found them: held against the exact ones, and run together.
+
+Each gear is brought into the pose of best fit; what its points then tell is compared flank by flank.  The pair as
+measured is run through the contact of written outlines, as the outlines of files are, beside the exact outlines.
+Helical gears are compared in the section that is measured (``project.measured.measured_section``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+
+from ncgear.contact.placement import Placement, placed
+from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
+from ncgear.design.reading.measured_file import MeasuredFile
+from ncgear.errors import DesignError, WrongInput
+from ncgear.metrology.as_measured import outline_as_measured
+from ncgear.metrology.best_fit import BestFit, best_fit, nearness_mm
+from ncgear.metrology.deviations import GearDeviations, deviations
+from ncgear.metrology.exact_outline import ExactOutline, exact_outline
+from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.plane import as_complex
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.project.measured import measured_section
+from ncgear.teeth.backlash import play_of
+from ncgear.teeth.form import Backlash
+from ncgear.teeth.gear import ToothedPair
+
+
+class Fit(StrEnum):
+    """What is fitted: the angle alone, about the bore at (0, 0) of the file, or the place of the axis too."""
+
+    ROTATION = "rotation"
+    RIGID = "rigid"
+
+
+SUSPECT_IN_MODULES = 0.02
+"""R.m.s. distance, or that of a file whose points are mostly astray, from which on other readings are tried."""
+
+MOST_IN_MODULES = 0.1
+"""R.m.s. distance of a gear that is not the design's, whatever else it is."""
+
+MUCH_NEARER = 0.5
+"""Another reading is named where the points are at most this share as far from it."""
+
+INCH_MM = 25.4
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedGear:
+    """A measured gear in its pose of best fit: its deviations, and its outline as measured (mm, shape (n, 2))."""
+
+    gear: Gear
+    file: MeasuredFile
+    outline: ExactOutline
+    fit: BestFit
+    deviations: GearDeviations
+    outline_mm: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedPair:
+    """Measured gears, and the contact of the pair as measured beside that of the exact outlines.
+
+    A gear that was not measured is exact.  ``lever_mm`` is the arm by which an angle of the driven gear is the least
+    normal backlash of the design.
+    """
+
+    gears: tuple[ComparedGear, ...]
+    teeth: ToothedPair
+    placement: Placement
+    measured: AsWritten
+    exact: AsWritten
+    lever_mm: float
+
+    @property
+    def least_play(self) -> int:
+        """The position with the least play of the pair as measured."""
+        return int(np.argmin(self.measured.backlash_rad))
+
+    @property
+    def jams(self) -> list[tuple[int, int]]:
+        """Driving and driven tooth, from 1, of each pitch in which the teeth have no room, the tightest first."""
+        play = self.measured.backlash_rad
+        tight = np.flatnonzero(play < -JAM_RAD)
+        pairs = (self.placement.teeth_at(int(place)) for place in tight[np.argsort(play[tight], kind="stable")])
+        return list(dict.fromkeys(pairs))
+
+    @property
+    def needed_backlash_mm(self) -> float:
+        """How much more ``backlash_mm`` the pair as measured needs in order to turn; 0 where it does."""
+        return max(0.0, -float(self.measured.backlash_rad.min()) * self.lever_mm)
+
+
+JAM_RAD = 1e-9
+"""Overlap in rad that rounding may leave: a tenth of a nanometre at 100 mm."""
+
+
+def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, probe_mm: float) -> ComparedPair:
+    """Hold measured gears against the exact ones and run the pair as measured.
+
+    Raises WrongInput with a file's name where it does not hold points of its gear in mm, NoSuchMechanism where the
+    outlines as measured do not reach each other.
+    """
+    if drive.design.stages > 1:
+        raise WrongInput("two pairs of gears; measured gears are compared of one", key="motion.second_stage")
+    teeth, pitch = measured_section(drive), drive.pitch
+    outlines = {gear: exact_outline(teeth.of(gear)) for gear in Gear}
+    gears = tuple(compared_gear(outlines, gear, file, fit, probe_mm) for gear, file in files.items())
+    placement, reach = placed(pitch), reach_mm(pitch, teeth)
+    exact = {gear: teeth.of(gear).outline_mm for gear in Gear}
+    found = {**exact, **{one.gear: one.outline_mm for one in gears}}
+    both = [
+        _contact(Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN]), teeth, placement, reach)
+        for name, of in (("measured points", found), ("exact outlines", exact))
+    ]
+    angle = 1e-6
+    lever = play_of(pitch, drive.rack, Backlash(0.0, angle, drive.gears.backlash_share)).least_normal_mm.value / angle
+    return ComparedPair(gears, teeth, placement, both[0], both[1], lever)
+
+
+NEIGHBOURS = 5
+"""Positions from whose middle the play is looked for again."""
+
+
+def _contact(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach: float) -> AsWritten:
+    """Contact of outlines that may overlap at the law's angle, as those of thick teeth do.
+
+    Play is looked for on both sides of an angle.  Where the gears overlap at that angle, a corner that has passed what
+    it would touch looks as if it touched.  So play is looked for a second time, on both sides of the middle of the play
+    that was found around each position; of both, what is wider is the play: it is free all along.
+    """
+    from scipy.ndimage import median_filter
+
+    first = as_written(outlines, teeth, placement, reach)
+    if not np.any(first.overlap_mm > 0.0):
+        return first
+    mode = "nearest" if placement.toothed else "wrap"
+    middle = median_filter((first.pushing_rad + first.back_rad) / 2.0, size=NEIGHBOURS, mode=mode)
+    again = as_written(outlines, teeth, replace(placement, phi2_rad=placement.phi2_rad + middle), reach)
+    wider = again.backlash_rad > first.backlash_rad
+    return replace(
+        first,
+        pushing_rad=np.where(wider, again.pushing_rad + middle, first.pushing_rad),
+        back_rad=np.where(wider, again.back_rad + middle, first.back_rad),
+    )
+
+
+def compared_gear(
+    outlines: Mapping[Gear, ExactOutline], gear: Gear, file: MeasuredFile, fit: Fit, probe_mm: float
+) -> ComparedGear:
+    """Hold one measured gear against its exact outline; raises as ``compared_pair`` does."""
+    outline, points = outlines[gear], as_complex(file.points_mm)
+    module = outline.gear.flanks.rack.module_mm
+    try:
+        found = best_fit(outline, points, probe_mm, rigid=fit is Fit.RIGID)
+    except DesignError as error:
+        error.location = error.location or file.file
+        if reading := _other_reading(outlines, gear, points, probe_mm):
+            raise WrongInput(f"the points do not fit the {gear.value} gear: {reading}", location=file.file) from error
+        raise
+    away = found.rms_mm / module
+    astray = 1.0 - np.count_nonzero(np.abs(found.feet.distance_mm) < SUSPECT_IN_MODULES * module) / points.size
+    if (away > SUSPECT_IN_MODULES or astray > 0.5) and (reading := _other_reading(outlines, gear, points, probe_mm)):
+        problem = f"the points are {found.rms_mm:.3g} mm off the {gear.value} gear after best fit: {reading}"
+        raise WrongInput(problem, location=file.file)
+    if away > MOST_IN_MODULES:
+        raise WrongInput(
+            f"the points are {found.rms_mm:.3g} mm off the {gear.value} gear after best fit (r.m.s.), more than a "
+            f"tenth of its module of {module:g} mm; points of this gear, in mm, with its axis at (0, 0) or by --fit "
+            "rigid, are right",
+            location=file.file,
+        )
+    try:
+        outline_mm = outline_as_measured(outline, found)
+    except WrongInput as error:
+        error.location = file.file
+        raise
+    return ComparedGear(gear, file, outline, found, deviations(outline, found), outline_mm)
+
+
+def _other_reading(
+    outlines: Mapping[Gear, ExactOutline], gear: Gear, points: ComplexArray, probe_mm: float
+) -> str | None:
+    """What the points are more likely to be, and what to do; None where nothing else fits much better."""
+    other = Gear.DRIVEN if gear is Gear.DRIVING else Gear.DRIVING
+    own = outlines[gear]
+    readings = {
+        f"they fit the {other.value} gear; give the file as --{other.value}": (outlines[other], points),
+        "they fit its mirror image; look at the gear from its other side, or change the sign of x": (
+            own,
+            -points.conj(),
+        ),
+        "they fit it in inches; give x and y in mm": (own, INCH_MM * points),
+    }
+    away = nearness_mm(own, points, probe_mm)
+    tried = {words: nearness_mm(outline, some, probe_mm) for words, (outline, some) in readings.items()}
+    best = min(tried, key=lambda words: tried[words])
+    return best if tried[best] < MUCH_NEARER * away else None
+
+
+def read_files(paths: Mapping[Gear, Path | None]) -> dict[Gear, MeasuredFile]:
+    """The files that are given; raises WrongInput where none is, and as ``read_measured`` does."""
+    from ncgear.design.reading.measured_file import read_measured
+
+    files = {gear: read_measured(path) for gear, path in paths.items() if path is not None}
+    if not files:
+        raise WrongInput("missing; points of one gear or both are needed", key="--driving, --driven")
+    return files

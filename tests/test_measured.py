@@ -1,0 +1,284 @@
+"""Measured gears: files, distances from the exact outline, best fit, deviations, and the pair as measured.
+
+Synthetic measurements are made from the formulas of the flanks, turned, moved, and moved along normals that are taken
+from differences of points; what must come out is known beforehand, or follows from linear algebra written here.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from shapely import Polygon, affinity
+
+from commands import Run
+from drives import DESIGNS, drive
+from ncgear.design.reading.measured_file import MeasuredFile, read_measured
+from ncgear.errors import WrongInput
+from ncgear.figures.answers.answer import COLUMNS, LINES
+from ncgear.metrology.best_fit import best_fit
+from ncgear.metrology.deviations import deviations
+from ncgear.metrology.exact_outline import ExactOutline, exact_outline
+from ncgear.numerics.plane import as_complex, as_points
+from ncgear.pitch.shape import Gear
+from ncgear.project.compared import ComparedPair, Fit, compared_gear, compared_pair
+from ncgear.teeth.gear import ToothedGear
+
+OF_FLANK = 12
+SIGMA_MM = 0.002
+
+
+@cache
+def outline_of(name: str, gear: Gear = Gear.DRIVING) -> ExactOutline:
+    return exact_outline(drive(name).teeth.of(gear))
+
+
+def flank_points(gear: ToothedGear, count: int = OF_FLANK) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points in the middle of every working flank, their flanks, and unit normals away from the tooth."""
+    high, low = gear.sides.flank_range()
+    low = np.maximum(low, -gear.tips.met_depth_mm)
+    share = np.linspace(0.1, 0.9, count)
+    flank = np.repeat(np.arange(2 * gear.teeth), count)
+    height = low[flank] + (high - low)[flank] * np.tile(share, 2 * gear.teeth)
+    before, at, after = (as_complex(gear.flanks.flank(flank, height + step)[0]) for step in (-1e-4, 0.0, 1e-4))
+    # Along growing arc length a front flank faces forwards, a back flank backwards.
+    tangent = as_complex(gear.flanks.curve.at_length(gear.flanks.crossing_mm[flank]).tangent)
+    normal = 1j * (after - before) / np.abs(after - before)
+    facing = gear.flanks.side[flank] * (normal.real * tangent.real + normal.imag * tangent.imag)
+    return at, flank, np.where(facing > 0.0, normal, -normal)
+
+
+def file_of(points: np.ndarray) -> MeasuredFile:
+    return MeasuredFile("p.csv", as_points(points), tuple(range(1, points.size + 1)))
+
+
+class TestFiles:
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "x_mm,y_mm\n1.5,-2\n3,4e0\n",
+            "# of the machine\n1.5 -2\n\n3 4\n",
+            "1,5;-2\n3;4,0;\n",
+            "Z\tY\tX\n9\t-2\t1,5\n9\t4\t3\n",
+        ],
+        ids=["commas", "spaces", "decimal-commas", "named"],
+    )
+    def test_a_point_a_line(self, text: str, tmp_path: Path) -> None:
+        path = tmp_path / "p.csv"
+        path.write_text(text)
+        assert read_measured(path).points_mm.tolist() == [[1.5, -2.0], [3.0, 4.0]]
+
+    @pytest.mark.parametrize(
+        ("text", "said"),
+        [
+            ("1,2\n3,abc\n", "p.csv:2:1: 'abc' is not a finite number"),
+            ("1,2\n3\n", "p.csv:2:1: 1 value"),
+            ("x_in,y_in\n1,2\n", "p.csv:1:1: the header names inches"),
+            ("a,b\n1,2\n", "must name one column x"),
+            ("1,5,2,5\n", "separated by semicolons"),
+            ("x,y\n", "holds no point"),
+        ],
+    )
+    def test_what_is_no_point_is_named_with_its_line(self, text: str, said: str, tmp_path: Path) -> None:
+        path = tmp_path / "p.csv"
+        path.write_text(text)
+        with pytest.raises(WrongInput) as error:
+            read_measured(path)
+        assert said in str(error.value)
+
+
+@pytest.mark.judges("metrology")
+def test_distances_are_those_of_shapely() -> None:
+    """From the chords of the outline, which stray from it by their tolerance at most; inside is negative."""
+    outline = outline_of("ellipse")
+    chords = Polygon(outline.gear.outline_mm)
+    spread = np.random.default_rng(1).normal(scale=0.05, size=outline.gear.outline_mm.shape)
+    points = outline.gear.outline_mm + spread
+    places = shapely.points(points)
+    expected = np.where(chords.contains(places), -1.0, 1.0) * chords.exterior.distance(places)
+    assert outline.feet(as_complex(points)).distance_mm == pytest.approx(expected, abs=0.005)
+
+
+def solved(levers: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    return np.linalg.lstsq(levers, errors, rcond=None)[0]
+
+
+@pytest.mark.judges("metrology")
+@pytest.mark.parametrize("rigid", [False, pytest.param(True, marks=pytest.mark.thorough)])
+def test_what_was_done_to_a_gear_is_found(rigid: bool) -> None:
+    """Turning, shift and the error of every flank, within 4.5 standard deviations of the noise, sigma / sqrt(n).
+
+    Errors of flanks turn the gear of best fit by what linear least squares say.
+    """
+    outline = outline_of("ellipse")
+    at, flank, normal = flank_points(outline.gear)
+    random = np.random.default_rng(2)
+    given = random.normal(scale=0.01, size=2 * outline.gear.teeth)
+    noise = random.normal(scale=SIGMA_MM, size=at.size)
+    turned, shift = 0.7, (0.3 - 0.2j if rigid else 0j)
+    points = (at + (given[flank] + noise) * normal) * np.exp(1j * turned) + shift
+    fit = best_fit(outline, points, 0.0, rigid=rigid)
+    # By small steps of the pose, points move along their normals.
+    moves = np.stack([1j * at, np.exp(-1j * turned) * np.ones(at.size), 1j * np.exp(-1j * turned) * np.ones(at.size)])
+    levers = np.real(moves * normal.conj()).T[:, : 3 if rigid else 1]
+    expected = solved(levers, given[flank])
+    spread = SIGMA_MM * np.sqrt(np.diag(np.linalg.inv(levers.T @ levers)))
+    moved = fit.pose.shift_mm - shift
+    found = np.array([fit.pose.angle_rad - turned, moved.real, moved.imag])[: expected.size]
+    # The second order of a step of 1e-4 is 1e-8 of a tooth's place.
+    assert np.all(np.abs(found - expected) < 4.5 * spread + 1e-6)
+    left = np.bincount(flank, given[flank] - levers @ expected) / OF_FLANK
+    told = deviations(outline, fit).flanks
+    assert told.points.tolist() == [OF_FLANK] * left.size
+    assert np.abs(told.mean_mm - left).max() < 4.5 * SIGMA_MM / np.sqrt(OF_FLANK) + 1e-6
+    # Negative control: without what was given, the flanks would be told wrong.
+    assert np.abs(told.mean_mm).max() > 0.01
+
+
+@pytest.mark.thorough
+def test_an_eccentric_circular_gear_has_the_pitch_error_of_the_closed_form() -> None:
+    """F_p = 2 e / cos(alpha) of circular gears about an axis that is e away (ISO 1328-1 states it of runout)."""
+    outline, eccentricity = outline_of("uniform-crank"), 0.02
+    at, _, _ = flank_points(outline.gear)
+    found = deviations(outline, best_fit(outline, at + eccentricity, 0.0, rigid=False)).flanks
+    expected = 2.0 * eccentricity / np.cos(np.radians(20.0))
+    for front in (False, True):
+        # Forty teeth meet both extremes within 1 - cos(pi / 40); along its height a flank turns.
+        assert found.cumulative_mm(front) == pytest.approx(expected, rel=0.01)
+    # The axis is found wherever the origin of the machine is.
+    for shift in (eccentricity, 300.0 - 200.0j):
+        assert best_fit(outline, at + shift, 0.0, rigid=True).pose.shift_mm == pytest.approx(shift, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_a_nearly_round_gear_is_not_a_tooth_off() -> None:
+    """The pusher's gear is nearly round about its middle: a tooth on, with its axis moved, it nearly fits too."""
+    outline = outline_of("pusher")
+    at, _, normal = flank_points(outline.gear)
+    noise = 0.01 * np.random.default_rng(5).normal(size=at.size)
+    pose = best_fit(outline, (at + noise * normal) * np.exp(0.3j) + 7.0, 0.0, rigid=True).pose
+    assert pose.angle_rad == pytest.approx(0.3, abs=1e-4)
+    assert pose.shift_mm == pytest.approx(7.0, abs=2e-3)
+
+
+@pytest.mark.thorough
+def test_a_probe_of_a_ball_and_a_slope_are_found() -> None:
+    outline, radius = outline_of("ellipse"), 0.5
+    at, _, normal = flank_points(outline.gear)
+    share = np.tile(np.linspace(0.1, 0.9, OF_FLANK), 2 * outline.gear.teeth)
+    fit = best_fit(outline, at + (radius + 0.01 * (share - 0.5)) * normal, radius, rigid=False)
+    found = deviations(outline, fit).flanks
+    assert found.slope_mm == pytest.approx(np.full(found.slope_mm.size, 0.01), abs=1e-5)
+    assert np.abs(found.form_mm).max() < 1e-5
+    # Negative control: taken as points of the surface, the balls lie outside.
+    assert np.nanmin(deviations(outline, best_fit(outline, at + 0.1 * normal, 0.0, rigid=False)).thickness_mm) > 0.2
+
+
+class TestForeignPoints:
+    """Negative controls: points of something else are refused, and told what they are."""
+
+    @staticmethod
+    def said_of(points: np.ndarray, gear: Gear = Gear.DRIVING) -> str:
+        outlines = {one: outline_of("asymmetric-ellipse", one) for one in Gear}
+        with pytest.raises(WrongInput) as error:
+            compared_gear(outlines, gear, file_of(points), Fit.ROTATION, 0.0)
+        return str(error.value)
+
+    @pytest.mark.slow
+    def test_of_the_other_gear_mirrored_or_in_inches(self) -> None:
+        at, _, _ = flank_points(outline_of("asymmetric-ellipse").gear)
+        assert "they fit the driving gear; give the file as --driving" in self.said_of(at, Gear.DRIVEN)
+        assert "p.csv: " in self.said_of(at.conj() * np.exp(0.4j))
+        assert "mirror image" in self.said_of(at.conj() * np.exp(0.4j))
+        assert "in inches" in self.said_of(at / 25.4)
+
+    def test_too_few(self) -> None:
+        at, _, _ = flank_points(outline_of("asymmetric-ellipse").gear)
+        assert "fewer than 12 of 8 points" in self.said_of(at[:8])
+
+
+def dense(gear: ToothedGear, given: np.ndarray) -> np.ndarray:
+    """Sixty points of every flank, each flank moved along its normals by what is given."""
+    at, flank, normal = flank_points(gear, 60)
+    return (at + given[flank] * normal) * np.exp(0.3j)
+
+
+@cache
+def pair(thick: int) -> ComparedPair:
+    """The ellipse as measured; a tooth of the driving gear (from 1; 0 for none) is 0.05 mm thicker on both sides."""
+    own = drive("ellipse")
+    given = {gear: np.zeros(2 * own.teeth.of(gear).teeth) for gear in Gear}
+    if thick:
+        given[Gear.DRIVING][2 * thick - 2 : 2 * thick] = 0.05
+    files = {gear: file_of(dense(own.teeth.of(gear), given[gear])) for gear in Gear}
+    return compared_pair(own, files, Fit.ROTATION, 0.0)
+
+
+@pytest.mark.slow
+def test_measured_as_designed_has_the_contact_of_the_design() -> None:
+    """The play of the exact teeth is the same angle everywhere, and they follow the law without error."""
+    found = pair(0)
+    play = drive("ellipse").play.driven_rad
+    # A tenth of a micrometre at the teeth.
+    assert found.measured.backlash_rad == pytest.approx(np.full(found.placement.count, play), abs=4e-6)
+    assert found.measured.transmission_error_rad < 5e-6
+    assert found.jams == []
+
+
+@pytest.mark.slow
+def test_a_thick_tooth_jams_where_polygons_overlap() -> None:
+    thick = 7
+    found = pair(thick)
+    assert {driving for driving, _ in found.jams} <= {thick - 1, thick, thick + 1}
+    assert thick in {driving for driving, _ in found.jams}
+    place, play = found.least_play, float(found.measured.backlash_rad.min())
+    free = int(np.argmax(found.measured.backlash_rad))
+    outlines = {one.gear: one.outline_mm for one in found.gears}
+    assert not turns(found, outlines, place, play)
+    assert turns(found, outlines, free, play)
+    # A tooth thicker by 0.05 mm on both sides takes 0.1 mm, over the arm of its normals, from the angle of play.
+    play = drive("ellipse").play
+    arms = play.least_normal_mm.value / play.largest_normal_mm.value
+    least, most = (0.1 * share - play.least_normal_mm.value for share in (arms, 1.0))
+    assert least < found.needed_backlash_mm < most
+
+
+def turns(found: ComparedPair, outlines: dict[Gear, np.ndarray], place: int, play_rad: float) -> bool:
+    """Whether there is a driven angle near the law's at which the polygons are apart."""
+    pose = found.placement
+    first = affinity.rotate(Polygon(outlines[Gear.DRIVING]), pose.phi1_rad[place], origin=(0, 0), use_radians=True)
+    for more in np.linspace(-3.0 * abs(play_rad), 3.0 * abs(play_rad), 61):
+        angle = -(pose.phi2_rad[place] + more)
+        second = affinity.rotate(Polygon(outlines[Gear.DRIVEN]), angle, origin=(0, 0), use_radians=True)
+        if first.intersection(affinity.translate(second, pose.center_distance_mm)).area == 0.0:
+            return True
+    return False
+
+
+@pytest.mark.slow
+def test_the_command(run: Run) -> None:
+    """A screen, the files, and a gear of which some teeth were not measured."""
+    gear = drive("ellipse").teeth.driving
+    points = as_points(dense(gear, np.zeros(2 * gear.teeth))[: 60 * 2 * (gear.teeth - 3)])
+    np.savetxt("points.csv", points, delimiter=";", header="x_mm;y_mm", comments="")
+    arguments = "measured", str(DESIGNS / "ellipse.yaml"), "--driving", "points.csv"
+    status, out, err = run(*arguments)
+    assert (status, err) == (0, "")
+    assert len(out.splitlines()) <= LINES
+    assert max(map(len, out.splitlines())) <= COLUMNS
+    assert "flanks without points at 3 teeth" in out
+    told = json.loads(Path("export/ellipse-measured/measured.json").read_text())
+    assert told["driving"]["teeth_with_missing_points"] == [gear.teeth - 2, gear.teeth - 1, gear.teeth]
+    assert told["driving"]["turned_rad"] == pytest.approx(0.3, abs=1e-9)
+    rows = Path("export/ellipse-measured/measured.csv").read_text().splitlines()
+    assert len(rows) == 1 + 2 * gear.teeth
+    status, out, _ = run(*arguments, "--verbose")
+    assert status == 0
+    assert "deviations in micrometres" in out
+    status, _, err = run("measured", str(DESIGNS / "ellipse.yaml"))
+    assert status == 2
+    assert "points of one gear or both are needed" in err
