@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from math import floor
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
@@ -140,6 +139,8 @@ def _free(point: Array, normal: Array, other: Array, left: float) -> Array:
 
 def _smallest_disc(outline: _Outline, most: float, left: float) -> tuple[float, tuple[float, float]]:
     """Radius of the least of all discs, at most ``most``, and the places of its point and of the one that it clears."""
+    from scipy.spatial import KDTree
+
     place, step = outline.everywhere()
     point, normal = outline.at(place)
     tree = KDTree(point)

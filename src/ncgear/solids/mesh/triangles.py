@@ -49,7 +49,9 @@ class TriangleMesh:
         """Unit normals, shape (t, 3); as good as zero for a triangle without area."""
         length = np.sqrt(np.dot(self.crosses * self.crosses, np.ones(3)))
         directed = length > NO_AREA_MM2
-        return np.asarray(np.where(directed[:, None], self.crosses * (1.0 / np.where(directed, length, 1.0))[:, None], 0.0))
+        return np.asarray(
+            np.where(directed[:, None], self.crosses * (1.0 / np.where(directed, length, 1.0))[:, None], 0.0)
+        )
 
     @property
     def bounds(self) -> Array:
