@@ -48,7 +48,8 @@ Numbers = Annotated[tuple[float, ...], Strict(False)]
 class Model(BaseModel):
     """Base of every model: what a person wrote, checked and unchangeable."""
 
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+    # The schema of a model is made when a file is checked by it: most models are only parts of others.
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
 
 FAULT_TYPE = "ncgear"
