@@ -17,7 +17,7 @@ from markupsafe import Markup
 from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.drawings.page.chart_svg import drawn
+from ncgear.drawings.beside import HERE, PAGE_CHARTS, Drawer
 from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.page_charts import gear_charts, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
@@ -50,16 +50,15 @@ SHARED_SCRIPTS = ("shafts", "clock", "charts", "views", "find", "readouts", "con
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 
 
-def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact]) -> bytes:
+def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact], drawer: Drawer = HERE) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 
-    The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
+    ``drawer`` draws the charts.  The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     scene = scene_of(drive)
     charts = [*motion_charts(drive, scene.loop_rad), *chain.from_iterable(gear_charts(*pair) for pair in pairs)]
-    figures = [drawn(chart) for chart in charts]
-    data = page_data(scene, figures)
+    drawn = drawer.begun(PAGE_CHARTS, charts)
     about_pairs = {
         "facts": [
             *typeset(machine_facts(drive)),
@@ -95,13 +94,17 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "plain": ToothLinks(),
         "ncgear_version": __version__,
     }
+    solids = [solid_view(pair, stage_name(pair)) for pair, _ in pairs]
+    svg = Markup(scene_svg(scene))
+    figures = drawn()
+    data = page_data(scene, figures)
     moving = {
         "figures": figures,
         "data": data,
         "cycle_deg": data["cycle_deg"],
-        "scene": Markup(scene_svg(scene)),
+        "scene": svg,
         "views": list(views(scene)),
-        "solids": [solid_view(pair, stage_name(pair)) for pair, _ in pairs],
+        "solids": solids,
         "gears": [
             (gear.body.name, gear.body.name.replace("-", " of stage "), len(gear.teeth_mm)) for gear in scene.gears
         ],
