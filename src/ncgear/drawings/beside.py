@@ -1,8 +1,9 @@
 """Pictures drawn by a second process, which loads matplotlib while this one still computes what they show.
 
-A drawing is a function named in text, ``module:function``, so that this process need not load it; what it is given and
-what it returns can be pickled.  The second process takes one request after the other from its standard input, ignores
-Ctrl-C, which its parent hears, and ends with its parent.  Where it dies, or cannot begin, this process draws.
+A drawing is a function named in text, ``module:function``, so that this process need not load it.  The second process
+takes one request after the other from its standard input, ignores Ctrl-C, which its parent hears, and ends with its
+parent.  Where it dies or cannot begin, and where what shall be drawn cannot be pickled (the scene of a law that is made
+of functions), this process draws.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ class _Beside:
         def wait() -> Any:
             try:
                 return asked.result()[0]
-            except _Died:
+            except _Unanswered:
                 return HERE.begun(drawing, *given)()
 
         return wait
@@ -83,18 +84,22 @@ class _Beside:
             for answer in self._answers(drawing, given, whole=False):
                 yield answer
                 count += 1
-        except _Died:
+        except _Unanswered:
             for number, answer in enumerate(HERE.each(drawing, *given)):
                 if number >= count:
                     yield answer
 
     def _answers(self, drawing: str, given: tuple[Any, ...], *, whole: bool) -> Iterator[Any]:
-        """What the process answers to a request; raises what the drawing raised, and _Died where it does not answer."""
+        """What the process answers to a request; raises what the drawing raised, and _Unanswered."""
         requests, answers = self._process.stdin, self._process.stdout
         assert requests is not None
         assert answers is not None
         try:
-            pickle.dump((drawing, given, whole), requests, pickle.HIGHEST_PROTOCOL)
+            asked = pickle.dumps((drawing, given, whole), pickle.HIGHEST_PROTOCOL)
+        except (AttributeError, TypeError, pickle.PicklingError) as error:
+            raise _Unanswered from error
+        try:
+            requests.write(asked)
             requests.flush()
             while True:
                 kind, answer = pickle.load(answers)
@@ -104,11 +109,11 @@ class _Beside:
                     raise answer
                 yield answer
         except (EOFError, BrokenPipeError, pickle.UnpicklingError) as error:
-            raise _Died from error
+            raise _Unanswered from error
 
 
-class _Died(Exception):
-    """The second process answers no more."""
+class _Unanswered(Exception):
+    """The second process could not be asked, or answers no more."""
 
 
 @contextmanager
