@@ -53,8 +53,8 @@ JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact], drawer: Drawer = HERE) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 
-    ``drawer`` draws the charts.  The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive
-    does.
+    ``drawer`` draws the charts.  The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the
+    drive does.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     scene = scene_of(drive)
