@@ -86,7 +86,13 @@ def build(
         from ncgear.drawings.page.page import report_page
 
         with _timed(drive, "report", on_step):
-            files[REPORT_FILE] = report_page(drive, reported, [pair.contact for pair in pairs.values()], drawer)
+            files[REPORT_FILE] = report_page(
+                drive,
+                reported,
+                [pair.contact for pair in pairs.values()],
+                drawer,
+                [pair.advices for pair in pairs.values()],
+            )
     run = publish_run(folder, files, "build")
     found = pairs.values()
     return Built(
