@@ -160,11 +160,12 @@ def serve(drawings: Sequence[str]) -> None:
         _function(drawing)
     with suppress(EOFError, BrokenPipeError):
         while True:
-            _answer(*pickle.load(requests), answers)
+            drawing, given, whole = pickle.load(requests)
+            _answer(drawing, given, answers, whole=whole)
     os._exit(0)
 
 
-def _answer(drawing: str, given: tuple[Any, ...], whole: bool, answers: BinaryIO) -> None:
+def _answer(drawing: str, given: tuple[Any, ...], answers: BinaryIO, *, whole: bool) -> None:
     def say(kind: str, answer: Any = None) -> None:
         pickle.dump((kind, answer), answers, pickle.HIGHEST_PROTOCOL)
         answers.flush()

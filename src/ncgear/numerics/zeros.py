@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import chebyshev as series
 
 from ncgear.numerics import chebyshev
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 
 NEGLIGIBLE = 1e-14
@@ -59,7 +59,7 @@ def all_zeros(form: PiecewiseChebyshev) -> Array:
     for panel in np.nonzero(doubtful & np.any(form.coefficients != 0.0, axis=0))[0]:
         start, end = form.breaks[panel], form.breaks[panel + 1]
         found.append(start + (end - start) * (_real_roots(form.coefficients[:, panel]) + 1.0) / 2.0)
-    return np.unique(np.concatenate(found))
+    return distinct(np.concatenate(found))
 
 
 EVEN = 0.3

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, distinct
 
 SAME_PER_MM = 1e8
 """Vertices whose coordinates agree when they are rounded to this many parts of a mm are one vertex."""
@@ -74,7 +74,7 @@ class TriangleMesh:
     def is_winding_consistent(self) -> bool:
         """Whether no two triangles run along an edge in the same sense."""
         edges = self._edges(either_way=False)
-        return np.unique(edges).size == edges.size
+        return distinct(edges).size == edges.size
 
     def _edges(self, *, either_way: bool) -> IndexArray:
         """A number for each edge of each triangle, the same for an edge and its reverse if ``either_way``."""
