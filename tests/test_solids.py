@@ -86,7 +86,7 @@ def test_a_lost_facet_is_noticed() -> None:
 
 def test_another_solid_is_noticed() -> None:
     mesh = extruded(wavy(400), 20.0, None, TOLERANCE)
-    moved = replace(mesh, vertices=mesh.vertices + [0.0, 0.0, 0.01])
+    moved = replace(mesh, vertices=mesh.vertices + np.array([0.0, 0.0, 0.01]))
     with pytest.raises(RuntimeError, match="spans"):
         read_back(stl_bytes(moved), mesh)
     with pytest.raises(RuntimeError, match="mm3"):

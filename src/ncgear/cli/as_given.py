@@ -1,12 +1,12 @@
 """Commands that take what needs no conversion as it is given, so that they begin without loading pydantic.
 
 typer converts every value of the command line by an adapter of pydantic, which takes longer to load than typer itself.
-Text, a choice by default, and what is left out are right without one.
+Text, a name to choose, and what is left out are right without one.
 """
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import StrEnum
 from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
@@ -41,9 +41,12 @@ def _as_given(parameter: Any) -> Any:
 
     def process_value(context: Any, value: Any) -> Any:
         several, asked = parameter.multiple or parameter.nargs == -1, parameter.type_descriptor.annotation
+        kind = asked if isinstance(asked, type) and not several else object
         if value is None:
             value = () if several else None
-        elif several or not isinstance(asked, type) or not issubclass(asked, str | Enum) or type(value) is not asked:
+        elif issubclass(kind, StrEnum) and value in list(kind):
+            value = kind(value)
+        elif kind is not str or type(value) is not str:
             return processed(context, value)
         return value if parameter.callback is None else parameter.callback(context, parameter, value)
 
