@@ -143,9 +143,11 @@ def report(folder: Path, runs: int) -> str:
         "# How long commands take",
         "",
         f"Written by `python benchmarks/timing.py --runs {runs}`: {os.cpu_count()} cores, "
-        f"Python {platform.python_version()}. Seconds of processors are those of a command and of the process that draws",
-        "for it; a ratio is the median of those of rounds, by the clock and by processors. On a machine that is busy with",
-        "other work, the clock says more of that work than of ncgear.",
+        f"Python {platform.python_version()}.",
+        "",
+        "Seconds of processors are those of a command and of the process that draws for it. A ratio is the median of those",
+        "of the rounds, by the clock and by processors. On a machine that is busy with other work, the clock says more of",
+        "that work than of ncgear.",
         "",
         "| whole process | median, ms | range, ms | processors, ms | over the import of its libraries |",
         "|---|---|---|---|---|",
@@ -159,8 +161,8 @@ def report(folder: Path, runs: int) -> str:
         lines.append(f"| {step} | {statistics.median(times):.0f} | {min(times):.0f} .. {max(times):.0f} |")
     lines += [
         "",
-        "Growth with the number of teeth, on gears of the same size; the load of every tooth, which the baler's resistance",
-        "makes known, is most of it:",
+        "Growth with the number of teeth, on gears of the same size. The load of every tooth, which is known since the",
+        "baler has a resistance, is most of it:",
         "",
         "| teeth of each gear | build, processors, ms | load of every tooth, ms by the clock |",
         "|---|---|---|",
