@@ -145,9 +145,9 @@ def report(folder: Path, runs: int) -> str:
         f"Written by `python benchmarks/timing.py --runs {runs}`: {os.cpu_count()} cores, "
         f"Python {platform.python_version()}.",
         "",
-        "Seconds of processors are those of a command and of the process that draws for it. A ratio is the median of those",
-        "of the rounds, by the clock and by processors. On a machine that is busy with other work, the clock says more of",
-        "that work than of ncgear.",
+        "Seconds of processors are those of a command and of the process that draws for it. A ratio is the median of",
+        "those of the rounds, by the clock and by processors. On a machine that is busy with other work, the clock says",
+        "more of that work than of ncgear.",
         "",
         "| whole process | median, ms | range, ms | processors, ms | over the import of its libraries |",
         "|---|---|---|---|---|",
