@@ -58,7 +58,7 @@ STEPS = {
     "waiting for the pictures": ("plots",),
 }
 
-TEETH = (25, 50, 100)
+TEETH = (25, 50)
 """Numbers of teeth of the baler's gears, whose size stays."""
 
 
@@ -89,7 +89,7 @@ def command_seconds(arguments: list[str], folder: Path) -> Seconds:
     if arguments == ["new"]:
         (folder / "mine.yaml").unlink(missing_ok=True)
         return run(["-m", "ncgear", "new", "mine"], folder)
-    out = {"build": str(folder / "built"), "report": str(folder / "built"), "animate": str(folder / "moving.gif")}
+    out = {"build": str(folder / "built"), "report": str(folder / "reported"), "animate": str(folder / "moving.gif")}
     more = ["--out", out[arguments[0]]] if arguments[0] in out else []
     return run(["-m", "ncgear", *arguments, *more], ROOT)
 
