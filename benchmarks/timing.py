@@ -134,9 +134,9 @@ def report(folder: Path, runs: int) -> str:
         # The first round writes bytecode and fills the caches of the disk.
         for name in found:
             code = name in (LIBRARIES, SOLVERS)
-            seconds = run(["-c", name], ROOT) if code else command_seconds(COMMANDS[name], folder)
+            taken = run(["-c", name], ROOT) if code else command_seconds(COMMANDS[name], folder)
             if round_number:
-                found[name].append(seconds)
+                found[name].append(taken)
             if name == f"ncgear build {BALER}" and round_number:
                 steps.append(step_seconds(folder))
     lines = [
@@ -168,9 +168,9 @@ def report(folder: Path, runs: int) -> str:
         "|---|---|---|",
     ]
     for count in TEETH:
-        seconds = run(["-m", "ncgear", "build", str(with_teeth(count, folder)), "--out", str(folder / "built")], ROOT)
+        whole = run(["-m", "ncgear", "build", str(with_teeth(count, folder)), "--out", str(folder / "built")], ROOT)
         load = 1000 * step_seconds(folder)["load of every tooth"]
-        lines.append(f"| {count} | {1000 * seconds.processor:.0f} | {load:.0f} |")
+        lines.append(f"| {count} | {1000 * whole.processor:.0f} | {load:.0f} |")
     return "\n".join([*lines, ""])
 
 

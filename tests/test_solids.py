@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import asin, hypot, pi, sqrt
 
 import numpy as np
 import pytest
 import trimesh.creation
 from shapely import Point, Polygon
+from trimesh import Trimesh
 
-from meshes import as_trimesh
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.assembly import Placed, assembled_pose, met_at, outline_radius_mm
 from ncgear.files.meshes import read_back, stl_bytes
@@ -18,7 +17,6 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import gear_solid
 from ncgear.solids.mesh.slabs import slab_mesh
-from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.body import Blank, Bore, Keyway, Slab, bore_points, circle_points
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, full_disc, index_hole, largest_bore_mm
 from plane import wave_ring
@@ -35,7 +33,7 @@ def wavy(points: int = 40_000, phase: float = 0.0) -> Array:
     return wave_ring(RADIUS, WAVE, TEETH, points, phase)
 
 
-def extruded(outline: Array, width: float, bore: Bore | None, tolerance: float) -> TriangleMesh:
+def extruded(outline: Array, width: float, bore: Bore | None, tolerance: float) -> Trimesh:
     return gear_solid(Gear.DRIVING, outline, Blank(width, bore), MODULE, tolerance).mesh
 
 
@@ -62,7 +60,7 @@ def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
     # Chords of 8 um on the outline, a chord tolerance of 0.1 um on a bore of 100 mm around at most.
     assert mesh.volume == pytest.approx(20.0 * area, rel=3e-6)
     assert mesh.is_watertight
-    assert as_trimesh(mesh).euler_number == (0 if bore else 2)
+    assert mesh.euler_number == (0 if bore else 2)
     np.testing.assert_allclose(mesh.bounds[:, 2], [0.0, 20.0], rtol=0.0, atol=0.0)
 
 
@@ -86,7 +84,8 @@ def test_a_lost_facet_is_noticed() -> None:
 
 def test_another_solid_is_noticed() -> None:
     mesh = extruded(wavy(400), 20.0, None, TOLERANCE)
-    moved = replace(mesh, vertices=mesh.vertices + np.array([0.0, 0.0, 0.01]))
+    moved = mesh.copy()
+    moved.apply_translation([0.0, 0.0, 0.01])
     with pytest.raises(RuntimeError, match="spans"):
         read_back(stl_bytes(moved), mesh)
     with pytest.raises(RuntimeError, match="mm3"):
@@ -163,9 +162,7 @@ def test_outline_that_crosses_itself_is_refused_where_it_does() -> None:
 
 
 def test_a_section_whose_mesh_is_wrong_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    box = trimesh.creation.box((1.0, 1.0, 1.0))
-    small = TriangleMesh(np.array(box.vertices), np.array(box.faces))
-    monkeypatch.setattr("ncgear.solids.mesh.slabs.joined", lambda _: small)
+    monkeypatch.setattr("ncgear.solids.mesh.slabs.joined", lambda _: trimesh.creation.box((1.0, 1.0, 1.0)))
     with pytest.raises(RuntimeError, match="mm3"):
         slab_mesh((Slab(Polygon(wavy(100)), 0.0, 20.0),))
 
@@ -218,7 +215,7 @@ def test_index_holes_face_each_other_on_the_line_of_centres() -> None:
     assert 0.0 < driving.index_hole.x_mm < 2.0 * RADIUS + driven.index_hole.x_mm
     assert abs(driving.index_hole.y_mm) + abs(driven.index_hole.y_mm) < 1e-12
     for solid in (driving, driven):
-        assert as_trimesh(solid.mesh).euler_number == -2
+        assert solid.mesh.euler_number == -2
         hole = solid.index_hole
         assert hole is not None
         # The mesh really has the hole, at the place that is reported.

@@ -7,17 +7,19 @@ are read back from tables and, as sections, from STL files, so that the contact 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from io import StringIO
+from io import BytesIO, StringIO
 
 import numpy as np
+import trimesh
 from shapely import Polygon
+from trimesh import Trimesh
+from trimesh.exchange.stl import export_stl
 
 from ncgear.contact.written.as_written import Outlines
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
-from ncgear.solids.mesh.triangles import TriangleMesh, from_stl
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
 
@@ -44,23 +46,23 @@ FOOT_MM = 1e-6
 """Height of the section of helical teeth: here it is the outline, and farther up it has turned."""
 
 
-def stl_bytes(mesh: TriangleMesh) -> bytes:
+def stl_bytes(mesh: Trimesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
     Raises RuntimeError, a fault of ncgear, when the bytes do not hold the same closed solid.
     """
-    data = mesh.as_stl()
+    data = export_stl(mesh)
     read_back(data, mesh)
     return data
 
 
-def read_back(data: bytes, original: TriangleMesh) -> TriangleMesh:
+def read_back(data: bytes, original: Trimesh) -> Trimesh:
     """The solid in an STL file, its vertices merged.
 
     Raises RuntimeError unless it is closed and has the volume and the bounds of ``original`` to single precision.
     """
-    mesh = from_stl(data)
-    require_sound(mesh, original.volume, VOLUME_TOLERANCE)
+    mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
+    require_sound(mesh, float(original.volume), VOLUME_TOLERANCE)
     allowed = BOUNDS_TOLERANCE * float(np.abs(original.bounds).max())
     if not np.allclose(mesh.bounds, original.bounds, rtol=0.0, atol=allowed):
         raise RuntimeError(f"a written solid spans {mesh.bounds.tolist()} instead of {original.bounds.tolist()} mm")
@@ -105,8 +107,8 @@ def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Arra
     The boundary runs counter-clockwise.  The section is at a height above z = 0.  Raises ValueError unless the mesh is
     closed there.
     """
-    mesh = from_stl(data)
-    found = section_rings(mesh.vertices, mesh.faces, height_mm)
+    mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
+    found = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
     chosen = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
     return _without_straight_points(chosen)
 

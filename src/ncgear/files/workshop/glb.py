@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from ncgear.drawings.solid_pair import glb_bytes, linear_light, placed_gears
+from trimesh.exchange.gltf import export_glb
+
+from ncgear.drawings.solid_pair import linear_light, solid_pair
 from ncgear.project.drive import Drive
 
 
 def glb_files(drive: Drive) -> dict[str, bytes]:
     """``pair.glb`` with the nodes ``driving`` and ``driven``."""
-    return {"pair.glb": glb_bytes(placed_gears(drive, linear_light))}
+    # Without normals, viewers shade each triangle by itself, so that edges stay sharp.
+    return {"pair.glb": export_glb(solid_pair(drive, linear_light), include_normals=False)}
