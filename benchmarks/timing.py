@@ -1,30 +1,51 @@
-"""How long builds take: whole processes, and the steps inside them.  Writes benchmarks/timing.md.
+"""How long commands take: whole processes beside the import of their libraries, steps of a build, growth with teeth.
 
-Run as ``make bench`` or ``python benchmarks/timing.py``.  Medians of several runs; the machine's noise is shown by the
-range.  Whole processes include the interpreter's start and every import.
+Run as ``make bench`` or ``python benchmarks/timing.py``; ``--runs`` says how often each process is run.  Writes
+benchmarks/timing.md.  Processes run in turn, each round once all of them, and ratios are taken round by round, so that
+a machine whose speed drifts counts for all alike.  Beside the seconds of the clock stand those of processors, user and
+system, of a process and its children, which other work on the machine changes less.  Bytecode is written before.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import platform
+import resource
 import statistics
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
 ROOT = Path(__file__).parents[1]
 RUNS = 7
 
+LIBRARIES = "import numpy, scipy, trimesh, shapely, matplotlib"
+SOLVERS = "import numpy, scipy.optimize"
+
+BALER = "designs/baler.yaml"
 COMMANDS = {
     "ncgear --help": ["--help"],
-    "ncgear check designs/baler.yaml": ["check", "designs/baler.yaml"],
-    "ncgear build designs/baler.yaml": ["build", "designs/baler.yaml"],
-    "ncgear build designs/baler-86.yaml": ["build", "designs/baler-86.yaml"],
+    "ncgear explain gears.module_mm": ["explain", "gears.module_mm"],
+    "ncgear new NAME": ["new"],
+    "completion of ncgear explain": [],
+    f"ncgear check {BALER}": ["check", BALER],
+    f"ncgear build {BALER}": ["build", BALER],
+    f"ncgear report {BALER}": ["report", BALER],
+    f"ncgear animate {BALER}": ["animate", BALER],
 }
+
+YARDSTICKS = {
+    f"ncgear build {BALER}": LIBRARIES,
+    f"ncgear report {BALER}": LIBRARIES,
+    f"ncgear animate {BALER}": LIBRARIES,
+    f"ncgear check {BALER}": SOLVERS,
+}
+"""What a command's time is divided by."""
 
 STEPS = {
     "design file to pitch curves": ("law", "pitch curves"),
@@ -32,54 +53,131 @@ STEPS = {
     "contact analysis": ("contact", "written contact"),
     "peaks of power and acceleration": ("check",),
     "solids": ("solids",),
-    "plots": ("plots",),
+    "load of every tooth": ("load of every tooth",),
+    "files for the workshop": ("workshop files",),
+    "waiting for the pictures": ("plots",),
 }
 
-
-def wall_seconds(arguments: list[str]) -> float:
-    """One run of the program, its output thrown away."""
-    start = perf_counter()
-    subprocess.run([sys.executable, "-m", "ncgear", *arguments], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-    return perf_counter() - start
+TEETH = (25, 50)
+"""Numbers of teeth of the baler's gears, whose size stays."""
 
 
-def step_seconds(design: str, folder: Path) -> dict[str, float]:
-    """Steps of one build, from its summary."""
-    wall_seconds(["build", f"designs/{design}.yaml", "--out", str(folder)])
-    timing = json.loads((folder / "summary.json").read_text())["timing_s"]
+@dataclass(frozen=True)
+class Seconds:
+    """Of a whole process: by the clock, and of processors, user and system together, its children included."""
+
+    wall: float
+    processor: float
+
+
+def run(arguments: list[str], folder: Path, **variables: str) -> Seconds:
+    """One run of Python, its output thrown away."""
+    inherited = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment = {**inherited, "PYTHONPATH": str(ROOT / "src"), **variables}
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter()
+    quiet = subprocess.DEVNULL
+    subprocess.run([sys.executable, *arguments], cwd=folder, check=True, env=environment, stdout=quiet, stderr=quiet)
+    wall, after = perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return Seconds(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+
+
+def command_seconds(arguments: list[str], folder: Path) -> Seconds:
+    """One run of the program; without arguments, of what the shell asks it after ``ncgear explain gea``."""
+    if not arguments:
+        typed = {"COMP_WORDS": "ncgear explain gea", "COMP_CWORD": "2", "_NCGEAR_COMPLETE": "complete_bash"}
+        return run(["-c", "import sys; sys.argv = ['ncgear']; from ncgear.cli import main; main()"], folder, **typed)
+    if arguments == ["new"]:
+        (folder / "mine.yaml").unlink(missing_ok=True)
+        return run(["-m", "ncgear", "new", "mine"], folder)
+    out = {"build": str(folder / "built"), "report": str(folder / "reported"), "animate": str(folder / "moving.gif")}
+    more = ["--out", out[arguments[0]]] if arguments[0] in out else []
+    return run(["-m", "ncgear", *arguments, *more], ROOT)
+
+
+def step_seconds(folder: Path) -> dict[str, float]:
+    """Steps of the last build, from its summary."""
+    timing = json.loads((folder / "built" / "summary.json").read_text())["timing_s"]
     return {name: sum(timing[step] for step in steps) for name, steps in STEPS.items()}
 
 
-def row(name: str, seconds: list[float]) -> str:
-    """One line of a table: median, smallest and largest, in milliseconds."""
-    low, middle, high = min(seconds), statistics.median(seconds), max(seconds)
-    return f"| {name} | {1000 * middle:.0f} | {1000 * low:.0f} .. {1000 * high:.0f} |"
+def with_teeth(count: int, folder: Path) -> Path:
+    """The baler with so many teeth on gears of the same size."""
+    text = (ROOT / BALER).read_text()
+    assert text.count("  teeth: 25\n") == 1
+    assert text.count("  module_mm: 3 ") == 1
+    path = folder / f"teeth-{count}.yaml"
+    path.write_text(
+        text.replace("teeth: 25\n", f"teeth: {count}\n").replace("module_mm: 3 ", f"module_mm: {75 / count} ")
+    )
+    return path
 
 
-def report(folder: Path) -> str:
+def row(name: str, seconds: list[Seconds], ratio: str = "") -> str:
+    """One line of a table: medians in milliseconds, and the range of the clock's."""
+    wall, processor = ([getattr(one, kind) for one in seconds] for kind in ("wall", "processor"))
+    middle = f"{1000 * statistics.median(wall):.0f} | {1000 * min(wall):.0f} .. {1000 * max(wall):.0f}"
+    return f"| {name} | {middle} | {1000 * statistics.median(processor):.0f} | {ratio} |"
+
+
+def ratios(one: list[Seconds], other: list[Seconds]) -> str:
+    """Medians of the ratios of rounds, by the clock and by processors."""
+    pairs = list(zip(one, other, strict=True))
+    kinds = ([getattr(a, kind) / getattr(b, kind) for a, b in pairs] for kind in ("wall", "processor"))
+    return ", ".join(f"{statistics.median(kind):.2f}" for kind in kinds)
+
+
+def report(folder: Path, runs: int) -> str:
     """The whole page."""
-    head = ["| median, ms | range, ms |", "|---|---|---|"]
+    found: dict[str, list[Seconds]] = {name: [] for name in (*COMMANDS, LIBRARIES, SOLVERS)}
+    steps = []
+    for round_number in range(runs + 1):
+        # The first round writes bytecode and fills the caches of the disk.
+        for name in found:
+            code = name in (LIBRARIES, SOLVERS)
+            taken = run(["-c", name], ROOT) if code else command_seconds(COMMANDS[name], folder)
+            if round_number:
+                found[name].append(taken)
+            if name == f"ncgear build {BALER}" and round_number:
+                steps.append(step_seconds(folder))
     lines = [
-        "# How long builds take",
+        "# How long commands take",
         "",
-        f"Written by `python benchmarks/timing.py`: {RUNS} runs each, {os.cpu_count()} cores, "
+        f"Written by `python benchmarks/timing.py --runs {runs}`: {os.cpu_count()} cores, "
         f"Python {platform.python_version()}.",
         "",
-        f"| whole process {head[0]}",
-        head[1],
+        "Seconds of processors are those of a command and of the process that draws for it. A ratio is the median of",
+        "those of the rounds, by the clock and by processors. On a machine busy with other work, the clock says more",
+        "of that work than of ncgear.",
+        "",
+        "| whole process | median, ms | range, ms | processors, ms | over the import of its libraries |",
+        "|---|---|---|---|---|",
     ]
-    for name, arguments in COMMANDS.items():
-        extra = ["--out", str(folder)] if arguments[0] == "build" else []
-        lines.append(row(f"`{name}`", [wall_seconds(arguments + extra) for _ in range(RUNS)]))
-    for design in ("baler", "baler-86"):
-        lines += ["", f"| step of `{design}` {head[0]}", head[1]]
-        runs = [step_seconds(design, folder) for _ in range(RUNS)]
-        lines += [row(step, [run[step] for run in runs]) for step in STEPS]
+    for name, seconds in found.items():
+        yardstick = YARDSTICKS.get(name)
+        lines.append(row(f"`{name}`", seconds, ratios(seconds, found[yardstick]) if yardstick else ""))
+    lines += ["", "| step of a build of `baler` | median, ms | range, ms |", "|---|---|---|"]
+    for step in STEPS:
+        times = [1000 * one[step] for one in steps]
+        lines.append(f"| {step} | {statistics.median(times):.0f} | {min(times):.0f} .. {max(times):.0f} |")
+    lines += [
+        "",
+        "Growth with the number of teeth, on gears of the same size. The load of every tooth, which is known since the",
+        "baler has a resistance, is most of it:",
+        "",
+        "| teeth of each gear | build, processors, ms | load of every tooth, ms by the clock |",
+        "|---|---|---|",
+    ]
+    for count in TEETH:
+        whole = run(["-m", "ncgear", "build", str(with_teeth(count, folder)), "--out", str(folder / "built")], ROOT)
+        load = 1000 * step_seconds(folder)["load of every tooth"]
+        lines.append(f"| {count} | {1000 * whole.processor:.0f} | {load:.0f} |")
     return "\n".join([*lines, ""])
 
 
 if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=RUNS, help="rounds, besides the one that fills caches")
     with tempfile.TemporaryDirectory() as place:
-        page = report(Path(place))
+        page = report(Path(place), parser.parse_args().runs)
     (ROOT / "benchmarks" / "timing.md").write_text(page, encoding="utf-8")
     print(page)

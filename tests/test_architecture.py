@@ -12,6 +12,7 @@ import pytest
 
 from commands import ROOT, loaded_by
 from drives import loaded
+from every_command import completing
 from ncgear import shown
 from ncgear.figures.terminal import check_text
 from ncgear.project.drive import Drive
@@ -147,6 +148,7 @@ def test_the_page_of_the_house_has_every_room_in_order() -> None:
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
 WRITERS = {
+    "drawings/beside.py",
     "files/publish.py",
     "cli/new.py",
     "project/frontier_run.py",
@@ -203,6 +205,28 @@ def test_a_check_loads_neither_meshes_nor_plots_nor_solvers(name: str) -> None:
 def test_a_check_of_a_table_loads_splines_and_nothing_more() -> None:
     """So the list above can be failed by what a design needs."""
     assert loaded_by("check", "designs/feeder-table.yaml") & LIBRARIES == {"scipy"}
+
+
+@pytest.mark.parametrize(
+    "arguments", [("explain", "gears.module_mm"), ("explain", "--of", "balance"), ("new", "mine")], ids=" ".join
+)
+def test_what_looks_up_and_begins_loads_no_library_at_all(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    """Nor do completions, which read the same table of keys: pydantic alone takes as long as all of it."""
+    assert loaded_by(*arguments, folder=tmp_path) & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
+
+
+@pytest.mark.thorough
+def test_completion_loads_no_library_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in completing("ncgear explain gears.").items():
+        monkeypatch.setenv(name, value)
+    assert loaded_by() & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("command", ["build", "report"])
+def test_a_build_leaves_plots_to_a_second_process(command: str, tmp_path: Path) -> None:
+    loaded = loaded_by(command, "designs/baler.yaml", "--out", str(tmp_path))
+    assert loaded & {"matplotlib", "sympy", "casadi", "clarabel", "OCP", "skfem"} == set()
 
 
 @pytest.mark.thorough

@@ -15,7 +15,8 @@ from ncgear.design.keys.base import FAULT_TYPE, folded, listed, quantity
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.reference import Key, allowed, example, keys_of, unit_of
+from ncgear.design.reference import Key, allowed, example, keys_of, told_keys_of, unit_of
+from ncgear.design.told_keys import told_keys
 from ncgear.figures.explained import IDEAS, explained
 
 FILES = [*ROOT.glob("designs/*.yaml"), *ROOT.glob("designs/balance/*.yaml")]
@@ -124,10 +125,17 @@ def test_the_last_part_finds_every_key_of_that_name(run: Run) -> None:
     assert "a whole number, 3 or over, up to 10000" in out
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize(("kind", "root"), [("design", Design), ("balance", Balance)])
+def test_the_table_of_keys_is_that_of_the_models(kind: str, root: type[BaseModel]) -> None:
+    """Otherwise `PYTHONPATH=docs:src python -m made` writes it anew."""
+    assert told_keys(kind) == told_keys_of(root)
+
+
 def test_many_keys_of_one_name_are_listed() -> None:
-    keys = keys_of(Balance)
+    keys = told_keys("balance")
     found = [key for key in keys if key.name in ("name", "speed_rpm", "mass_kg")]
-    text = explained(keys, found, Balance)
+    text = explained(keys, found)
     assert text.splitlines()[0] == f"{len(found)} keys; one of them by its whole name:"
     assert all(key.path in text for key in found)
 

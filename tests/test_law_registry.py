@@ -10,6 +10,7 @@ import pytest
 from commands import ROOT
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
+from ncgear.design.laws.templates import TEMPLATES
 from ncgear.design.laws.uniform_crank import UniformCrank
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import law_of
@@ -32,7 +33,7 @@ def test_every_law_has_a_reference_of_its_own() -> None:
 def test_the_module_of_a_law_describes_the_law_of_its_name(law: LawName) -> None:
     found = design_law(law)
     assert law_of(found.keys) == law
-    assert found.template.startswith("motion: ")
+    assert TEMPLATES[law].startswith("motion: ")
     assert found.choice
 
 

@@ -17,7 +17,7 @@ import ncgear
 import ncgear.plots
 from commands import ROOT, modules_after, python
 from ncgear.design.template import template
-from ncgear.drawings.plots.assembled_pair import Assembled
+from ncgear.drawings.assembled import Assembled
 
 BALER = ROOT / "designs" / "baler.yaml"
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import sys
+from dataclasses import asdict
 
 from made.command_heads import FOLDER, NAMES, with_head
 from made.gallery import NAME as GALLERY
@@ -12,12 +14,15 @@ from made.kinds_page import NAME as KINDS
 from made.kinds_page import kinds_page
 from made.material_page import NAME as MATERIALS
 from made.material_page import material_page
+from ncgear.cli.arguments import FileKind, model_of
+from ncgear.design.reference import told_keys_of
+from ncgear.design.told_keys import FILE as TOLD_KEYS
 
 DOCS = FOLDER.parent
 
 
 def write_pages() -> None:
-    """Put today's head on every command's page, and write the pages of keys and of materials."""
+    """Put today's head on every command's page, and write the pages of keys and of materials, and the keys in words."""
     for name in NAMES:
         page = FOLDER / f"{name}.md"
         page.write_text(with_head(page.read_text(encoding="utf-8") if page.exists() else "", name), encoding="utf-8")
@@ -26,6 +31,16 @@ def write_pages() -> None:
     (DOCS / MATERIALS).write_text(material_page(), encoding="utf-8")
     (DOCS / GALLERY).write_text(gallery_page(), encoding="utf-8")
     (DOCS / KINDS).write_text(kinds_page(), encoding="utf-8")
+    TOLD_KEYS.write_text(told_keys_text(), encoding="utf-8")
+
+
+def told_keys_text() -> str:
+    """The keys of both kinds of files in words, a line for each."""
+    kinds = [
+        f'"{kind}": [\n' + ",\n".join(json.dumps(asdict(key)) for key in told_keys_of(model_of(kind))) + "\n]"
+        for kind in FileKind
+    ]
+    return "{\n" + ",\n".join(kinds) + "\n}\n"
 
 
 if __name__ == "__main__":

@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import ncgear
-from ncgear.drawings.plots.assembled_pair import assembled_teeth, draw_mesh, positions_at, turned
+from ncgear.drawings.pictures import assembled_teeth, positions_at
+from ncgear.drawings.plots.assembled_pair import draw_mesh, turned
 from ncgear.drawings.plots.canvas import (
     DRIVEN,
     DRIVING,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
-from multiprocessing import active_children
 from threading import current_thread, main_thread
 from types import FrameType
 
@@ -46,5 +45,7 @@ def deaf_processes() -> Iterator[None]:
 
 def end_processes() -> None:
     """End the processes that this one has started, at once and without a message."""
+    from multiprocessing import active_children
+
     for process in active_children():
         process.terminate()

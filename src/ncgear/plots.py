@@ -20,14 +20,12 @@ from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import Chart
 from ncgear.drawings.charts.drawer import CONTACT_LOOK, MOTION_LOOK, Look, angle_scale, draw
 from ncgear.drawings.charts.slider_charts import Quantity, slider_chart
+from ncgear.drawings.pictures import assembled_pitch_curves, assembled_teeth, positions_at
 from ncgear.drawings.plots.assembled_pair import (
     ZOOM_IN_MODULES,
-    assembled_pitch_curves,
-    assembled_teeth,
     draw_mesh,
     draw_pitch_curves,
     draw_whole,
-    positions_at,
 )
 from ncgear.project.drive import Drive
 

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from ncgear import __version__
+from ncgear.cli.as_given import PlainCommand, PlainGroup
 from ncgear.cli.bench import bench
 from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
@@ -19,6 +20,7 @@ from ncgear.cli.tolerance import tolerance
 
 app = typer.Typer(
     name="ncgear",
+    cls=PlainGroup,
     help="Non-circular gears from the motion of a slider. A design file says how it should move.",
     epilog="Exit status: 0 done, 2 wrong input, 3 no such mechanism exists, 1 a fault in ncgear.",
     no_args_is_help=True,
@@ -50,7 +52,7 @@ COMMANDS = (
 """All commands, in the order in which the help lists them."""
 
 for command in COMMANDS:
-    app.command()(command)
+    app.command(cls=PlainCommand)(command)
 
 
 def _print_version(wanted: bool) -> None:

@@ -48,9 +48,9 @@ def model_of(kind: FileKind) -> type[Model]:
 
 def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:
     """Keys of the kind of file in the command line, by their whole path or their last part."""
-    from ncgear.design.reference import keys_of
+    from ncgear.design.told_keys import told_keys
 
-    keys = keys_of(model_of(FileKind(context.params.get("of") or FileKind.DESIGN)))
+    keys = told_keys(FileKind(context.params.get("of") or FileKind.DESIGN))
     words = dict.fromkeys(word for key in keys for word in (key.path, key.name))
     return [word for word in words if word.startswith(incomplete)]
 

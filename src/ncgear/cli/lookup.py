@@ -25,12 +25,11 @@ def explain(
     of: Annotated[FileKind, typer.Option(help="The kind of file.")] = FileKind.DESIGN,
 ) -> None:
     """Say what a key of a design or a balance file means: unit, values, default, an example."""
-    from ncgear.design.reference import keys_of
+    from ncgear.design.told_keys import told_keys
     from ncgear.figures.explained import told, tree
 
-    root = model_of(of)
-    keys = keys_of(root)
-    typer.echo(tree(keys) if key is None else told(keys, key, root))
+    keys = told_keys(of)
+    typer.echo(tree(keys) if key is None else told(keys, key))
 
 
 def schema(

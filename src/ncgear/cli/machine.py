@@ -74,9 +74,10 @@ def build(
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
+    from ncgear.drawings.beside import PAGE_CHARTS, PAIR_PICTURES, drawing_beside
     from ncgear.files.publish import prepare
 
-    with opened(design_file) as given:
+    with drawing_beside(PAIR_PICTURES, *([PAGE_CHARTS] if report else [])) as drawer, opened(design_file) as given:
         prepare(out or EXPORT / given.design.name)
         if given.design.gears is None:
             raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
@@ -97,7 +98,7 @@ def build(
         # The report of an earlier design would lie beside gears that it does not show.
         report = report or holds_as_written(folder, REPORT_FILE)
         with naming_what_helps(drive), steps_shown(step_count(drive, report=report)) as on_step:
-            built = build_files(drive, folder, on_step, kinds or USUAL, loaded if report else None)
+            built = build_files(drive, folder, on_step, kinds or USUAL, loaded if report else None, drawer)
         design = made.kept_in(folder)
         # Both runs wrote the manifest.
         paths = list(dict.fromkeys([*built.paths, *design.paths]))
@@ -122,9 +123,10 @@ def report(
     timing: Timing = False,
 ) -> None:
     """Write report.html: the machine running, its curves, comparison, warnings, data sheet and design file."""
+    from ncgear.drawings.beside import PAGE_CHARTS, drawing_beside
     from ncgear.files.publish import prepare
 
-    with opened(design_file) as loaded:
+    with drawing_beside(PAGE_CHARTS) as drawer, opened(design_file) as loaded:
         folder = out or EXPORT / loaded.design.name
         prepare(folder)
 
@@ -141,7 +143,7 @@ def report(
         with naming_what_helps(drive, BUILD), steps_shown(steps) as on_step:
             contacts = contacts_as_written(drive, on_step) if has_gears else []
             on_step("report")
-            page = report_page(drive, loaded, contacts)
+            page = report_page(drive, loaded, contacts, drawer)
         run = publish_run(folder, {REPORT_FILE: page}, "report")
         said = f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser"
         typer.echo("\n".join([said, *kept_lines(run.kept)]))
@@ -163,11 +165,12 @@ def animate(
 ) -> None:
     """Show the mechanism moving: gears, crank, rod and slider over a whole cycle, as a GIF or MP4."""
     from ncgear.drawings.animation import AnimationFormat, format_of, require_shown
+    from ncgear.drawings.beside import MOVING_FRAMES, drawing_beside
     from ncgear.files.publish import prepare_file
 
     kind = format_of(out) if out else AnimationFormat.GIF
     require_shown(kind, frames, seconds)
-    with opened(design_file) as loaded:
+    with drawing_beside(MOVING_FRAMES) as drawer, opened(design_file) as loaded:
         path = out or EXPORT / loaded.design.name / "mechanism.gif"
         prepare_file(path)
 
@@ -182,7 +185,7 @@ def animate(
             drive.require_sound_pairs()
             scene = scene_of(drive)
         with counted("frames") as on_frame:
-            content = animated(scene, kind, Loop(frames, seconds, width), on_frame)
+            content = animated(scene, kind, Loop(frames, seconds, width), on_frame, drawer)
         # Another animation in the same folder stays.
         run = publish_run(path.parent, {path.name: content}, f"animate {path.name}")
         said = f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB"

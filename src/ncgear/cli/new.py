@@ -11,7 +11,7 @@ import typer
 
 from ncgear.cli.progress import steps_shown
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
-from ncgear.design.machines import CHOICES, MachineName
+from ncgear.design.machines import CHOICES, MachineName, machine_template
 from ncgear.design.naming import NAME_RULE, is_name
 from ncgear.design.reading.text import plain_value, whole
 from ncgear.errors import DesignError, WrongInput
@@ -64,16 +64,22 @@ def new(
     }
     if machine is not None and law is not None:
         raise WrongInput("a machine begins with its own law; give --machine or --law", key="--machine")
-    from ncgear.design.told import wishes_told
-
     beginning, wishes = machine or law, wish or []
-    wishes_told(wishes)
+    _require_wishes(wishes)
     given = _sound({answer: value for answer, value in sizes.items() if value is not None})
     person_can_answer = sys.stdin.isatty() and sys.stderr.isatty()
     if person_can_answer and not yes:
         _ask_and_write(name, beginning, given, wishes)
     else:
         _write(_free(name), beginning or DEFAULT_LAW, given, wishes)
+
+
+def _require_wishes(wishes: Sequence[str]) -> None:
+    """Raise WrongInput for a wish that no design can have."""
+    if wishes:
+        from ncgear.design.told import wishes_told
+
+        wishes_told(wishes)
 
 
 def _sound(given: dict[str, float]) -> dict[str, float]:
@@ -141,12 +147,14 @@ def _create(path: Path, text: str) -> None:
 
 def _buildable(name: str, beginning: Beginning, sizes: dict[str, float], wishes: Sequence[str]) -> str:
     """The text of a design; with sizes of its own its gears are made once as a proof, with wishes these are read."""
+    if not sizes and not wishes:
+        from ncgear.design.template import template
+
+        return template(name, beginning) if isinstance(beginning, LawName) else machine_template(name, beginning)
     from ncgear.design.beginning import begun
     from ncgear.design.told import wishes_told
 
     text = begun(name, beginning, sizes, wishes_told(wishes))
-    if not sizes and not wishes:
-        return text
     from ncgear.design.reading.design_file import parsed
     from ncgear.project.drive import Drive
 

@@ -77,6 +77,8 @@ def main() -> NoReturn:
     """Run the command line and exit with its status; at the end the process ignores Ctrl-C."""
     _open_streams()
     _collect_rarely()
+    # To look for plugins of other packages, pydantic would read what is installed: a tenth of a check.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     ctrl_c = _CtrlC()
     signal.signal(signal.SIGINT, ctrl_c)
     sys.unraisablehook = _quiet_of_ctrl_c

@@ -1,23 +1,20 @@
 """The explanation of every key of a file, from the models of its keys.
 
-``keys_of`` lists the keys, and ``looked_up`` finds those that a person may mean.  The explanation of a key has its
+``keys_of`` lists the keys, and ``told_keys_of`` tells them as ``ncgear explain`` does.  A key's explanation has its
 meaning and the laws that have it, its unit, the allowed values and the default in words, and an example.  The example
 is the template's value, or else an allowed value.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from ncgear.design.keys.base import listed, spellings
 from ncgear.design.keys.design import Design, design_models
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.naming import NAME_PATTERN, NAME_RULE
@@ -25,7 +22,8 @@ from ncgear.design.reading.messages import fields_of, models_in
 from ncgear.design.reading.places import Document
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
-from ncgear.errors import WrongInput
+from ncgear.design.told_keys import ToldKey
+from ncgear.design.words import listed
 from ncgear.numerics.units import label_and_unit
 
 
@@ -93,6 +91,24 @@ def keys_of(root: type[BaseModel]) -> list[Key]:
     return list(found.values())
 
 
+def told_keys_of(root: type[BaseModel]) -> list[ToldKey]:
+    """All keys of a file whose model is ``root``, in words."""
+    return [
+        ToldKey(
+            path=key.path,
+            law=key.law,
+            meaning=key.meaning,
+            is_group=bool(key.group),
+            is_law_name=key.is_law_name,
+            unit=unit_of(key.name),
+            allowed=allowed(key),
+            default=default_words(key),
+            example=example(key, root),
+        )
+        for key in keys_of(root)
+    ]
+
+
 def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:
     for name, field in fields_of(model).items():
         path = f"{above}.{name}" if above else name
@@ -111,60 +127,6 @@ def law_of(model: type[BaseModel]) -> str:
 @cache
 def _schema(model: type[BaseModel]) -> dict[str, Any]:
     return model.model_json_schema()
-
-
-MOST_GUESSES = 3
-
-
-def looked_up(keys: Sequence[Key], asked: str) -> list[Key]:
-    """The keys that match best: by the whole path, else by its last parts, else by these without their unit.
-
-    A word that names no quantity finds the keys whose meaning has that word.  ``asked`` may have numbers of list items,
-    which messages have too.  Raises WrongInput for an unknown key; the message names the keys that a person may have
-    meant.
-    """
-    wanted = ".".join(part for part in asked.strip().replace(" ", "_").split(".") if not part.isdigit())
-    whole = [key for key in keys if key.path == wanted]
-    found = whole or _ending_in(keys, (wanted,)) or _ending_in(keys, spellings(wanted))
-    found = found or [key for key in keys if f".{_quantity(key.path)}".endswith(f".{wanted.lower()}")]
-    found = found or _meaning(keys, wanted.replace("_", " "))
-    if not found:
-        raise WrongInput(_unknown(keys, wanted), key=asked)
-    return found
-
-
-def _ending_in(keys: Sequence[Key], names: Sequence[str]) -> list[Key]:
-    return [key for key in keys if any(f".{key.path}".endswith(f".{name}") for name in names)]
-
-
-def _quantity(path: str) -> str:
-    """``motion.v2`` for ``motion.v2_mm_s``: a path without the unit at its end."""
-    above, dot, name = path.rpartition(".")
-    return f"{above}{dot}{label_and_unit(name)[0].replace(' ', '_')}"
-
-
-LEAST_WORD = 3
-"""Letters from which on a word is looked for in the meanings of keys."""
-
-
-def _meaning(keys: Sequence[Key], words: str) -> list[Key]:
-    """The keys whose meaning has these words, in singular or plural."""
-    if len(words) < LEAST_WORD:
-        return []
-    pattern = re.compile(rf"\b{re.escape(words)}s?\b", re.IGNORECASE)
-    return [key for key in keys if pattern.search(key.meaning)]
-
-
-def _unknown(keys: Sequence[Key], wanted: str) -> str:
-    """The message about an unknown key: first the keys that begin with the word, then those with a similar spelling."""
-    begun = [key.path for key in keys if key.name.startswith(f"{wanted.lower()}_")]
-    by_name = {key.name: key.path for key in reversed(keys)}
-    by_quantity = {_quantity(name): path for name, path in by_name.items() if label_and_unit(name)[1]}
-    known = {**by_quantity, **by_name, **{key.path: key.path for key in keys}}
-    close = [known[word] for word in get_close_matches(wanted.lower(), known, n=MOST_GUESSES)]
-    meant = list(dict.fromkeys([*begun, *close]))[:MOST_GUESSES]
-    hint = f"did you mean {' or '.join(meant)}?" if meant else "`ncgear explain` lists all keys"
-    return f"unknown key; {hint}"
 
 
 SPELT_OUT = {"deg": "degrees", "rad": "radians"}

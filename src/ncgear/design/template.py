@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName
+from ncgear.design.laws.templates import TEMPLATES
 from ncgear.design.reading.text import plain_value
 
 
@@ -16,7 +17,7 @@ def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | 
     that keeps them.
     """
     wished = _wished(wishes) if wishes else _WISHES
-    return "\n".join((f"{head(name)}{_LINKAGE}", design_law(law).template, _GEARS, _RESISTANCE, wished, _MACHINE))
+    return "\n".join((f"{head(name)}{_LINKAGE}", TEMPLATES[law], _GEARS, _RESISTANCE, wished, _MACHINE))
 
 
 def head(name: str) -> str:

@@ -9,8 +9,7 @@ import numpy as np
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.charts.drawer import STRENGTH_COLUMN, STRENGTH_LOOK, column_png
 from ncgear.drawings.charts.strength_charts import strength_charts
-from ncgear.drawings.pictures import titled
-from ncgear.drawings.plots.assembled_pair import positions_at
+from ncgear.drawings.pictures import positions_at, titled
 from ncgear.drawings.plots.coloured_teeth import ColouredGear, coloured_teeth_png, stress_field_png
 from ncgear.figures.numbers import to_digits
 from ncgear.numerics.arrays import largest_rows

@@ -16,7 +16,6 @@ from math import ceil, pi
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
@@ -285,6 +284,8 @@ def _leg(
     machine: ToothedMachine, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
 ) -> Any:
     """The solver's answer up to the next stop of the load, or to the end of the course."""
+    from scipy.integrate import solve_ivp
+
     stop_rad, way_rad = machine.load.next_stop_rad(float(state[2]))
     events = passing(0, target_rad), passing(2, stop_rad)
     accuracy, method = how

@@ -28,7 +28,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
 from ncgear.mechanisms.forces import CrankPace, EvenPace, JointForces
 from ncgear.mechanisms.masses import Masses
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array, Mask, distinct
 from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
 from ncgear.numerics.extrema import Extremum, extremes, grid_between
 from ncgear.numerics.jet import Jet
@@ -105,7 +105,7 @@ class RigidMachine:
         """Driving angles of a stretch, ends included, between which loads are smooth and the resistance is monotone."""
         corners = self.machine.load.corners_mm(self.machine.linkage.stroke_mm, not stretch.working)
         passed = angles_at(stretch, corners)
-        return np.unique([stretch.start_rad, *stretch.knots_rad, *passed, stretch.end_rad])
+        return distinct([stretch.start_rad, *stretch.knots_rad, *passed, stretch.end_rad])
 
     def _resistance_n(self, driven_angle: Jet, returning: Mask) -> Jet:
         """The load of the slider along -x, with derivatives."""

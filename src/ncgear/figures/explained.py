@@ -6,10 +6,9 @@ import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from textwrap import fill, wrap
-from typing import Any
 
-from ncgear.design.keys.base import folded, listed, quantity
-from ncgear.design.reference import Key, allowed, default_words, example, looked_up, unit_of
+from ncgear.design.told_keys import ToldKey, looked_up
+from ncgear.design.words import folded, listed, quantity
 
 WIDTH = 100
 PATH_WIDTH, NAME_WIDTH = 36, 13
@@ -39,18 +38,18 @@ IDEAS = {
 """Ideas that people look for, and which no key has by name."""
 
 
-def told(keys: Sequence[Key], asked: str, root: type[Any]) -> str:
+def told(keys: Sequence[ToldKey], asked: str) -> str:
     """The explanation of a key or an idea; raises WrongInput for a word that is neither."""
     idea = IDEAS.get(re.sub(r"[\s-]+", "_", asked.strip().lower()).replace("center", "centre").removesuffix("s"))
     if idea is not None:
         return f"{asked} (no key)\n{fill(idea, WIDTH, initial_indent='  ', subsequent_indent='  ')}"
-    return explained(keys, looked_up(keys, asked), root)
+    return explained(keys, looked_up(keys, asked))
 
 
-def explained(keys: Sequence[Key], found: Sequence[Key], root: type[Any]) -> str:
+def explained(keys: Sequence[ToldKey], found: Sequence[ToldKey]) -> str:
     """The explanation of the keys ``found`` in the order of the file, or a list of them where they are many.
 
-    ``keys`` are all keys of the file, and ``root`` is its model.
+    ``keys`` are all keys of the file.
     """
     ordered = sorted(found, key=_same)
     alike = [list(group) for _, group in groupby(ordered, _same)]
@@ -58,29 +57,29 @@ def explained(keys: Sequence[Key], found: Sequence[Key], root: type[Any]) -> str
     if len(alike) > MOST_EXPLAINED:
         lines = [_entry(group[0].path, group[0].meaning, PATH_WIDTH) for group in alike]
         return "\n".join([f"{len(alike)} keys; one of them by its whole name:", *lines])
-    return "\n\n".join(_one(keys, group, root) for group in alike)
+    return "\n\n".join(_one(keys, group) for group in alike)
 
 
-def tree(keys: Sequence[Key]) -> str:
+def tree(keys: Sequence[ToldKey]) -> str:
     """All groups with their meanings, and the keys in each."""
     return "\n".join(_level(keys, "", 0))
 
 
-def _same(key: Key) -> tuple[str, str, str]:
+def _same(key: ToldKey) -> tuple[str, str, str]:
     """A key to sort by; equal for one key of several laws, one angle in all its units, and the names of laws."""
     path = key.path.removesuffix(key.name)
     return path, quantity(key.name), "" if key.is_law_name or quantity(key.name) != key.name else key.meaning
 
 
-def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
+def _one(keys: Sequence[ToldKey], alike: Sequence[ToldKey]) -> str:
     first, names = alike[0], list(dict.fromkeys(key.path for key in alike))
     rows = {
-        "unit": "" if first.group else listed(dict.fromkeys(unit_of(key.name) for key in alike)),
-        "value": listed(dict.fromkeys(allowed(key) for key in alike)),
-        "default": "one of them is given, in each other's place" if _is_angle(alike) else default_words(first),
+        "unit": "" if first.is_group else listed(dict.fromkeys(key.unit for key in alike)),
+        "value": listed(dict.fromkeys(key.allowed for key in alike)),
+        "default": "one of them is given, in each other's place" if _is_angle(alike) else first.default,
         "laws": listed(dict.fromkeys(key.law for key in alike if key.law), "and"),
         "keys": listed(folded(key.name for key in keys if _above(key) == first.path), "and"),
-        "example": example(alike[-1], root),
+        "example": alike[-1].example,
         "beside it": listed(folded(key.name for key in _beside(keys, alike)), "and"),
     }
     meaning = fill(_meaning(keys, alike), WIDTH, initial_indent="  ", subsequent_indent="  ")
@@ -89,7 +88,7 @@ def _one(keys: Sequence[Key], alike: Sequence[Key], root: type[Any]) -> str:
     )
 
 
-def _meaning(keys: Sequence[Key], alike: Sequence[Key]) -> str:
+def _meaning(keys: Sequence[ToldKey], alike: Sequence[ToldKey]) -> str:
     """The meaning of the keys: for an angle, without its unit; for the key ``law``, the meaning of its group."""
     first = alike[0]
     if not first.is_law_name:
@@ -97,16 +96,16 @@ def _meaning(keys: Sequence[Key], alike: Sequence[Key]) -> str:
     return next(key.meaning for key in keys if key.path == _above(first))
 
 
-def _is_angle(alike: Sequence[Key]) -> bool:
+def _is_angle(alike: Sequence[ToldKey]) -> bool:
     return len({key.name for key in alike}) > 1
 
 
-def _above(key: Key) -> str:
+def _above(key: ToldKey) -> str:
     """The path of the group that a key is in."""
     return key.path.rpartition(".")[0]
 
 
-def _beside(keys: Sequence[Key], alike: Sequence[Key]) -> list[Key]:
+def _beside(keys: Sequence[ToldKey], alike: Sequence[ToldKey]) -> list[ToldKey]:
     """The other keys of the same group and the same law."""
     above, law, names = _above(alike[0]), alike[0].law, {key.name for key in alike}
     within = [key for key in keys if _above(key) == above and key.law == law]
@@ -119,16 +118,16 @@ def _entry(name: str, text: str, column: int) -> str:
     return "\n".join([f"  {name:<{column - 3}} {first}".rstrip(), *(" " * column + line for line in more)])
 
 
-def _level(keys: Sequence[Key], above: str, depth: int) -> Iterator[str]:
+def _level(keys: Sequence[ToldKey], above: str, depth: int) -> Iterator[str]:
     """The keys of a group, law by law where they belong to laws, and the groups in it."""
     own = [key for key in keys if _above(key) == above]
     for law, of_law in groupby(own, lambda key: key.law):
         members = list(of_law)
-        plain = ", ".join(folded(key.name for key in members if not key.group and not key.is_law_name))
+        plain = ", ".join(folded(key.name for key in members if not key.is_group and not key.is_law_name))
         title = law if any(key.is_law_name for key in members) else ""
         if plain or title:
             yield _indented(": ".join(part for part in (title, plain) if part), depth)
-    for key in {key.path: key for key in own if key.group}.values():
+    for key in {key.path: key for key in own if key.is_group}.values():
         yield _indented(f"{key.name}: {key.meaning}", depth)
         yield from _level(keys, key.path, depth + 1)
 

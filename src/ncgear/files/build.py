@@ -15,6 +15,7 @@ from typing import Any
 from ncgear.contact.pair import PairContact
 from ncgear.contact.written.as_written import Outlines
 from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.drawings.beside import HERE, PAIR_PICTURES, Drawer
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.pictures import pictures
 from ncgear.figures.advice.collected import build_advice
@@ -65,23 +66,33 @@ def build(
     on_step: Callable[[str], None],
     formats: Collection[Format] = (),
     reported: LoadedDesign | None = None,
+    drawer: Drawer = HERE,
 ) -> Built:
     """Compute everything, and write all files into ``folder``, which is created if need be.
 
     Files of the kinds ``formats`` are written beside CSV and STL.  A report is written if ``reported``, the design as
     loaded, is given.  Both pairs of two stages are written at the same instant.  Files that an earlier build wrote and
     this one does not write, of the other number of stages or of other kinds, are removed then; files of others stay.
-    ``on_step`` is called with the name of each step before the step begins.  Raises WrongInput or NoSuchMechanism from
+    ``on_step`` is called with the name of each step before the step begins.  ``drawer`` draws the pictures, and the
+    charts of the report.  Raises WrongInput or NoSuchMechanism from
     the steps, and WrongInput when the folder cannot be written; whatever fails, the last good build stays.
     """
     prepare(folder)
-    pairs = {folder_of(pair.stage): _made(pair, naming_stage(pair, on_step), formats) for pair in drive.by_stage}
+    pairs = {
+        folder_of(pair.stage): _made(pair, naming_stage(pair, on_step), formats, drawer) for pair in drive.by_stage
+    }
     files = {place + name: content for place, pair in pairs.items() for name, content in pair.files.items()}
     if reported is not None:
         from ncgear.drawings.page.page import report_page
 
         with _timed(drive, "report", on_step):
-            files[REPORT_FILE] = report_page(drive, reported, [pair.contact for pair in pairs.values()])
+            files[REPORT_FILE] = report_page(
+                drive,
+                reported,
+                [pair.contact for pair in pairs.values()],
+                drawer,
+                [pair.advices for pair in pairs.values()],
+            )
     run = publish_run(folder, files, "build")
     found = pairs.values()
     return Built(
@@ -123,16 +134,17 @@ class _Pair:
     advices: tuple[Advice, ...]
 
 
-def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format]) -> _Pair:
+def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format], drawer: Drawer) -> _Pair:
     """All files of one pair of gears."""
     files, contact, outlines = _written(drive, on_step)
+    drawn = drawer.begun(PAIR_PICTURES, pictures(drive, contact))
     with _timed(drive, "workshop files", on_step):
         files.update(workshop_files(drive, formats))
         errors_mm = outline_errors_mm(drive, files, outlines)
-    with _timed(drive, "plots", on_step):
-        files.update(pictures(drive, contact))
-    # The summary comes last: only now all timings are known, and a new summary is never beside older files.
     advices = build_advice(drive)
+    with _timed(drive, "plots", on_step):
+        files.update(drawn())
+    # The summary comes last: only now all timings are known, and a new summary is never beside older files.
     summary = build_summary(drive, contact, errors_mm, advices)
     return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact, advices)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ncgear.kinematics.motion import Machine, Stretch, stretches
 from ncgear.kinematics.wishes import Stroke, spread
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.extrema import grid_between, stationary_points
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.zeros import zeros_between
@@ -138,7 +138,7 @@ def _even(part: Stretch, levels: Array, count: int) -> Array:
         return grid
     wanted = levels[level]
     found = zeros_between(lambda phi1: velocity(part, phi1, 0).value - wanted, grid[cell], grid[cell + 1])
-    return np.union1d(grid, found)
+    return distinct(np.concatenate([grid, found]))
 
 
 def _reach(speed: Array, most: float) -> tuple[IndexArray, Array, Array]:

@@ -19,7 +19,7 @@ import numpy as np
 
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array, Mask, distinct
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import integrated_slope
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -147,7 +147,7 @@ def _corner_cuts_rad(machine: Machine) -> Array:
     corners = [_about(angle, width) for angle, width in machine.linkage.corners if width < SHARP_RAD]
     if not corners:
         return np.empty(0)
-    crank = np.unique(np.mod(np.concatenate(corners), 2.0 * pi))
+    crank = distinct(np.mod(np.concatenate(corners), 2.0 * pi))
     return machine.driving_angles(crank[crank > 0.0])
 
 
@@ -236,4 +236,4 @@ def angles_at(stretch: Stretch, displacements_mm: Array) -> Array:
     if not wanted_mm.size:
         return wanted_mm
     around = np.full(wanted_mm.shape, stretch.start_rad), np.full(wanted_mm.shape, stretch.end_rad)
-    return np.unique(zeros_between(lambda phi1: stretch.displacement(phi1, 0).value - wanted_mm, *around))
+    return distinct(zeros_between(lambda phi1: stretch.displacement(phi1, 0).value - wanted_mm, *around))

@@ -20,7 +20,7 @@ from numpy.polynomial import Polynomial
 
 from ncgear.errors import WrongInput
 from ncgear.numerics import jet
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev, joined, nodes
 from ncgear.numerics.formula import SHOWN, Formula, composed
 from ncgear.numerics.jet import Jet
@@ -96,7 +96,7 @@ class Resistance(ABC):
 
 def within(displacements_mm: Array, stroke_mm: float) -> Array:
     """The displacements that lie inside the stroke, in rising order, each once."""
-    return np.unique(displacements_mm[(displacements_mm > 0.0) & (displacements_mm < stroke_mm)])
+    return distinct(displacements_mm[(displacements_mm > 0.0) & (displacements_mm < stroke_mm)])
 
 
 @dataclass(frozen=True)
@@ -273,13 +273,13 @@ def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
             jump = f"from {factor * low:.6g} to {factor * high:.6g} {load} at x = {corner:.6g} {place}"
             raise WrongInput(f"{text!r} jumps {jump}; {right}", key=resistance.key)
     steepest = max(slope.steepest for slope in slopes)
-    turns = np.unique(np.concatenate([corners, *(slope.turns_mm(steepest) for slope in slopes)]))
+    turns = distinct(np.concatenate([corners, *(slope.turns_mm(steepest) for slope in slopes)]))
     # Forms that meet at a turn may both have it.
     turns = turns[np.diff(turns, prepend=-np.inf) > SAME * stroke_mm]
     if turns.size > MOST_TURNS:
         problem = f"{text!r} turns up or down {turns.size} times over the stroke of {stroke_mm:g} {place}"
         raise WrongInput(f"{problem}; at most {MOST_TURNS} turns are followed", key=resistance.key)
-    panels = np.unique(np.concatenate([slope.at_mm(slope.form.breaks) for slope in slopes]))
+    panels = distinct(np.concatenate([slope.at_mm(slope.form.breaks) for slope in slopes]))
     return _Forms(whole, turns, within(panels, stroke_mm))
 
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from math import floor
 
 import numpy as np
-from scipy.spatial import KDTree
+import shapely
 
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
@@ -142,28 +142,28 @@ def _smallest_disc(outline: _Outline, most: float, left: float) -> tuple[float, 
     """Radius of the least of all discs, at most ``most``, and the places of its point and of the one that it clears."""
     place, step = outline.everywhere()
     point, normal = outline.at(place)
-    tree = KDTree(point)
+    tree = shapely.STRtree(shapely.points(point))
 
-    def held(rows: IndexArray, radius: float) -> tuple[IndexArray, IndexArray]:
+    def holding(rows: IndexArray, radius: float) -> tuple[IndexArray, IndexArray]:
         """Which of the rows have discs of a radius that hold a point, and the point nearest to their centres."""
         center = point[rows] + (radius + left) * normal[rows]
-        found = tree.query(center, distance_upper_bound=radius * (1.0 - SETTLED))[1]
-        holding = found < len(point)
-        return rows[holding], found[holding]
+        near = radius * (1.0 - SETTLED)
+        held, found = tree.query_nearest(shapely.points(center), max_distance=near, all_matches=False)
+        return rows[held], found
 
     # The bottoms of spaces first: they leave little for all others to shrink.
     radius, bottoms = most, outline.kind[place.astype(int)] == ROOT_LAND
     for first in (np.nonzero(bottoms)[0], np.arange(len(point))):
         # As discs shrink, only those that hold a point now ever will.
-        rows = held(first, NEAR * radius)[0]
+        rows = holding(first, NEAR * radius)[0]
         for _ in range(ROUNDS):
-            own, other = held(rows, radius)
+            own, other = holding(rows, radius)
             if not own.size:
                 break
             # A disc that holds a point is larger than the one that clears all points there.
             least = own[np.argmin(_free(point[own], normal[own], point[other], left))]
             radius = float(_free(point[least], normal[least], point, left).min())
-    own, other = held(rows, NEAR * radius)
+    own, other = holding(rows, NEAR * radius)
     order = np.argsort(_free(point[own], normal[own], point[other], left))
     # The least disc of each curve, and for each of them the point that it clears by the least.
     worst = own[order[np.sort(np.unique(place[own[order]].astype(int), return_index=True)[1])][:WORST]]

@@ -25,6 +25,10 @@ Number = TypeVar("Number", float, Array)
 """One number, or an array of them for many points or designs, so that formulas for both are written once."""
 
 
+Kind = TypeVar("Kind", np.float64, np.complex128, np.intp)
+"""Kinds of numbers of an array."""
+
+
 def repeated(many: Any, count: int) -> Any:
     """Repeats each design ``count`` times in a row, in a dataclass whose arrays count designs along their last axis."""
     arrays = {name: np.repeat(value, count, axis=-1) for name, value in _arrays(many).items()}
@@ -48,6 +52,12 @@ class Columns:
 def _arrays(many: Any) -> dict[str, Any]:
     values = {field.name: getattr(many, field.name) for field in fields(many)}
     return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+
+
+def distinct(values: NDArray[Kind] | Sequence[float]) -> NDArray[Kind]:
+    """All different values in rising order, shape (n,): ``np.unique``, which loads numpy's masked arrays."""
+    ordered: NDArray[Kind] = np.sort(np.asarray(values), axis=None)
+    return ordered[np.concatenate([[True], ordered[1:] != ordered[:-1]])] if ordered.size else ordered
 
 
 def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexArray]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.zeros import zeros_between
 
@@ -60,10 +60,10 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]
     flat = grid[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])]
     if not change.size:
-        return np.unique(np.concatenate([[start, end], flat]))
+        return distinct(np.concatenate([[start, end], flat]))
     ends = slope[change], slope[change + 1]
     found = zeros_between(lambda points: function(points).derivative(1), grid[change], grid[change + 1], ends)
-    return np.unique(np.concatenate([[start, end], flat, found]))
+    return distinct(np.concatenate([[start, end], flat, found]))
 
 
 def grid_between(start: float, end: float, knots: Array) -> Array:

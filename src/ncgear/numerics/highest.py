@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, Columns, IndexArray
+from ncgear.numerics.arrays import Array, Columns, IndexArray, distinct
 from ncgear.numerics.extrema import Extremum
 
 SHARES = 8
@@ -91,7 +91,7 @@ def largest_from(functions: Callable[[Array], Array], places: Array, values: Arr
         inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, SHARES) / SHARES)
         found = _evaluated(functions, inner.ravel()).reshape(-1, *inner.shape)[left.owner, np.arange(left.owner.size)]
         left = _cut(left, inner, found)
-        for number in np.unique(left.owner):
+        for number in distinct(left.owner):
             own = np.nonzero(left.owner == number)[0]
             highest = own[left.at_low[own].argmax()]
             if left.at_low[highest] > top[number]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import chebyshev as series
 
 from ncgear.numerics import chebyshev
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 
 NEGLIGIBLE = 1e-14
@@ -59,7 +59,7 @@ def all_zeros(form: PiecewiseChebyshev) -> Array:
     for panel in np.nonzero(doubtful & np.any(form.coefficients != 0.0, axis=0))[0]:
         start, end = form.breaks[panel], form.breaks[panel + 1]
         found.append(start + (end - start) * (_real_roots(form.coefficients[:, panel]) + 1.0) / 2.0)
-    return np.unique(np.concatenate(found))
+    return distinct(np.concatenate(found))
 
 
 EVEN = 0.3
@@ -131,15 +131,33 @@ AT_AN_END = 1e-9
 may miss it by the function's rounding errors."""
 
 
-def zeros_between(
-    function: Callable[[Array], Array], low: Array, high: Array, known: tuple[Array, Array] | None = None
-) -> Array:
+Known = tuple[Array, Array] | None
+"""Values of a function at both ends of brackets, where they are known before."""
+
+
+def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, known: Known = None) -> Array:
     """A zero in each [low, high] (shape (n,)), at whose ends the function has different signs, or is zero at one.
 
     The function maps points of shape (n,), one of each bracket, to values; those at both ends may be ``known``.  Where
     the function is nothing but rounding errors, its sign at a point depends on the other points.  Raises
     ArithmeticError where it is not finite, or has one sign at both ends.
     """
+    (new, value), (old, old_value) = _closed_in(function, low, high, known)
+    return np.where(np.abs(value) < np.abs(old_value), new, old)
+
+
+def not_negative_beside_zeros(
+    function: Callable[[Array], Array], low: Array, high: Array, known: Known = None
+) -> Array:
+    """As ``zeros_between``, but points next to the zeros at which the function's values are not negative."""
+    (new, value), (old, _) = _closed_in(function, low, high, known)
+    return np.where(value >= 0.0, new, old)
+
+
+def _closed_in(
+    function: Callable[[Array], Array], low: Array, high: Array, known: Known
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Both ends of brackets closed in on zeros, each with the function's values; raises as ``zeros_between``."""
     new, old = low, high
     value, old_value = _zero_at_an_end(*(known or (function(low), function(high))))
     share = np.full(low.shape, 0.5)
@@ -157,7 +175,7 @@ def zeros_between(
             least = CLOSE * (np.abs(best) + CLOSE * np.abs(high - low)) / np.abs(old - new)
             done = (least > 0.5) | (value == 0.0) | (old_value == 0.0)
             if np.all(done):
-                return best
+                return (new, value), (old, old_value)
             share = _next_share((new, old, older), (value, old_value, older_value), least)
             # A zero that is found stays where it is: a step within so narrow a bracket could leave it.
             share = np.where(done, 0.0, share)

@@ -13,7 +13,7 @@ from math import atan, degrees, floor, isclose, pi
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.extrema import Extremum, stationary_points
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
@@ -187,7 +187,7 @@ class PitchPair(Shown):
         edges = points[[0, -1]]
         if change.size:
             zeros = zeros_between(lambda phi1: bulge(phi1).value, points[change], points[change + 1])
-            edges = np.unique(np.concatenate([edges, zeros]))
+            edges = distinct(np.concatenate([edges, zeros]))
         dented = bulge((edges[:-1] + edges[1:]) / 2.0).value < 0.0
         return [
             (low, high)

@@ -17,7 +17,7 @@ from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import WrongInput
 from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.masses import Masses
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
@@ -61,7 +61,7 @@ def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) ->
     Those given, those at which pairs of teeth are known, and those at which the law has a joint or the load turns.
     """
     breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
-    places = np.unique(np.concatenate([phi1_rad, meshing.gaps.table.breaks, *breaks]))
+    places = distinct(np.concatenate([phi1_rad, meshing.gaps.table.breaks, *breaks]))
     kept: Array = places[places <= phi1_rad[-1]]
     return kept
 

@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife
 from ncgear.strength.conditions import Conditions, Running, dynamic_factor, face_load_factor_of_roots
@@ -181,7 +181,7 @@ def meetings_of(
     largest = order[by_stress[np.append(np.diff(meeting[by_stress]) > 0, True)]] if order.size else order
     counted = np.zeros(renamed.size)
     np.maximum.at(counted, meeting, counted_mpa[order])
-    return Meetings(own[largest], stress_mpa[largest], contacts.phi1_rad[largest], counted[np.unique(meeting)])
+    return Meetings(own[largest], stress_mpa[largest], contacts.phi1_rad[largest], counted[distinct(meeting)])
 
 
 HALVINGS = 60

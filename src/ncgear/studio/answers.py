@@ -18,10 +18,11 @@ import numpy as np
 from ncgear.design.reading.design_file import parsed
 from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.data import paces, page_data, scene_data, shaft_tables
 from ncgear.drawings.page.page import stage_name
-from ncgear.drawings.page.page_charts import PageChart, charts_of_pair, motion_charts
+from ncgear.drawings.page.page_charts import charts_of_pair, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.tables import comparison_tables, strength_tables, typeset
 from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_without_gears

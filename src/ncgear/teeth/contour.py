@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, as_complex, square
@@ -220,6 +219,8 @@ def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> l
 
 
 def _interpolated(stretch: Stretch, rows: IndexArray, spans: int) -> Splines:
+    from scipy.interpolate import make_interp_spline
+
     share = np.linspace(0.0, 1.0, spans + 1)
     point, (start, end) = stretch.at(rows[:, None], share)[0], stretch.at(rows[:, None], INSIDE)[1].swapaxes(0, 1)
     spline = make_interp_spline(share, point.swapaxes(0, 1), k=DEGREE, bc_type=([(1, start)], [(1, end)]))

@@ -17,11 +17,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points
+from ncgear.numerics.zeros import not_negative_beside_zeros
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.teeth.flank import Flanks, Sweep, flank_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
@@ -143,15 +143,11 @@ def _largest_fitting(flats: Callable[[Array, IndexArray], Array], most_mm: Array
         return radii
     most = most_mm[tight]
 
-    def excess(trial: Array, number: Array) -> Array:
+    def excess(trial: Array) -> Array:
         # A tip too pointed for its radius counts as having no flat at all.
-        return np.nan_to_num(flats(trial, number.astype(int)), nan=-float(most.max())) - least_mm
+        return np.nan_to_num(flats(trial, tight), nan=-float(most.max())) - least_mm
 
-    found = elementwise.find_root(excess, (np.zeros(tight.size), most), args=(tight,))
-    if not np.all(found.success):
-        raise ArithmeticError("the rounding of a tool's tip was not found")
-    # The end of the bracket at which the flat is wide enough.
-    radii[tight] = np.minimum(*found.bracket)
+    radii[tight] = not_negative_beside_zeros(excess, np.zeros(tight.size), most)
     return radii
 
 

@@ -12,12 +12,12 @@ from enum import IntEnum
 from math import degrees
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.numerics.plane import turned
+from ncgear.numerics.zeros import zeros_between
 from ncgear.pitch.curve import LEAST_SHARE, nearest
 from ncgear.teeth.flank import Flanks, flank_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_height
@@ -250,16 +250,18 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
     tip = flanks.tip_height_mm[which]
     high = np.minimum(FAR * tip, regular_height(flanks, FAR * float(np.max(tip)))[which])
 
-    def excess(height: Array, number: Array) -> Array:
-        row = number.astype(int)
-        distance: Array = _foot(flanks, which[row], height)[1] - tip[row]
-        return distance
+    lost = np.zeros(which.size, dtype=bool)
 
-    every = np.arange(float(which.size))
-    met = (tip > 0.0) & (excess(high, every) >= 0.0)
-    height = np.where(met, 0.0, np.nan)
-    found = elementwise.find_root(excess, (height[met], high[met]), args=(every[met],))
-    height[met] = np.where(found.success, found.x, np.nan)
+    def excess(height: Array, row: IndexArray) -> Array:
+        distance = _foot(flanks, which[row], height)[1] - tip[row]
+        # Where no foot is found the search ends, and the flank does not count as met.
+        lost[row] |= np.isnan(distance)
+        return np.nan_to_num(distance)
+
+    met = (tip > 0.0) & (excess(high, np.arange(which.size)) >= 0.0) & ~lost
+    rows, height = np.nonzero(met)[0], np.full(which.size, np.nan)
+    height[rows] = zeros_between(lambda trial: excess(trial, rows), np.zeros(rows.size), high[rows])
+    height[lost] = np.nan
     sigma = _foot(flanks, which, height)[0]
     return height, sigma, np.isfinite(height) & np.isfinite(sigma)
 
@@ -280,24 +282,18 @@ def _with_lands(edges: _Edges, least: float) -> tuple[Array, Mask]:
 def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
     """Greatest tip heights at which the lands of the teeth with back flanks ``back`` have the width ``least``."""
 
-    def excess(height: Array, number: Array) -> Array:
-        row = number.astype(int)
+    def excess(height: Array) -> Array:
         most = np.full(flanks.count, np.inf)
-        most[back[row]] = most[back[row] + 1] = height
+        most[back] = most[back + 1] = height
         lower = replace(flanks, tip_height_mm=np.minimum(flanks.tip_height_mm, most))
-        return _land(lower, back[row]) - least
+        return _land(lower, back) - least
 
-    every = np.arange(float(back.size))
     high = np.maximum(flanks.tip_height_mm[back], flanks.tip_height_mm[back + 1])
     low = LOWEST * high
-    thick = excess(low, every)
+    thick = excess(low)
     if not np.all(thick > 0.0):
         raise no_tip(flanks, int(back[~(thick > 0.0)][0]))
-    found = elementwise.find_root(excess, (low, high), args=(every,))
-    if not np.all(found.success):
-        raise ArithmeticError("the height of a narrow tip was not found")
-    heights: Array = found.x
-    return heights
+    return zeros_between(excess, low, high, (thick, excess(high)))
 
 
 def _land(flanks: Flanks, back: IndexArray) -> Array:

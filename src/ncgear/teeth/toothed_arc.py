@@ -17,7 +17,7 @@ from math import asin, cos, degrees, pi, sin
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, distinct
 from ncgear.numerics.plane import as_points
 from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Gear
@@ -102,7 +102,7 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
     def curve(owner: IndexArray, share: Array) -> tuple[Array, Array]:
         owner, share = np.broadcast_arrays(owner, share)
         points, slopes = np.empty((*share.shape, 2)), np.empty((*share.shape, 2))
-        for number in np.unique(owner):
+        for number in distinct(owner):
             chosen = owner == number
             point, slope = parts[int(number)](share[chosen])
             points[chosen], slopes[chosen] = as_points(point), as_points(slope)

@@ -14,7 +14,7 @@ from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
 from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, PairsInContact, flank_contacts, foremost_two
 from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, IndexArray, Mask, largest_rows
+from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct, largest_rows
 from ncgear.numerics.units import in_words
 from ncgear.shown import Shown
 from ncgear.teeth.gear import ToothedPair
@@ -91,7 +91,7 @@ class SideContact(SideTouch):
         high, low = np.full(tooth.max() + 1, -np.inf), np.full(tooth.max() + 1, np.inf)
         np.maximum.at(high, tooth, error)
         np.minimum.at(low, tooth, error)
-        return {int(number): float(high[number] - low[number]) for number in np.unique(tooth)}
+        return {int(number): float(high[number] - low[number]) for number in distinct(tooth)}
 
 
 @dataclass(frozen=True, eq=False)

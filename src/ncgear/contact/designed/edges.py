@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from ncgear.contact.designed.curves import TINY, Contacts, SeenGear, SidePaths
 from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
 from ncgear.numerics.crossing import circle_crossings
 from ncgear.numerics.plane import along, angle_between, square
+from ncgear.numerics.zeros import zeros_between
 from ncgear.teeth.tool import AGREEMENT
 
 REACH_IN_PITCHES = 0.6
@@ -217,12 +217,10 @@ def _step_to_circle(point: ComplexArray, slope: ComplexArray, squared_radius: Ar
 def _bracketed(hits: EdgeHits) -> Array:
     """Parameters of the curves where they meet the corners' circles, by bracketing the radius on the chords."""
 
-    def missing(parameter: Array, row: IndexArray) -> Array:
-        chosen = hits.kept(row)
-        return square(chosen.curves.curve(chosen.run, parameter, chosen.position)[0]) - square(chosen.corner)
+    def missing(parameter: Array) -> Array:
+        return square(hits.curves.curve(hits.run, parameter, hits.position)[0]) - square(hits.corner)
 
-    # Rows that are found drop out on the way, so each row brings its number along.
-    parameter: Array = elementwise.find_root(missing, hits.ends, args=(np.arange(hits.position.size),)).x
+    parameter = zeros_between(missing, *hits.ends)
     radius = np.abs(hits.corner)
     if not np.all(
         np.abs(np.abs(hits.curves.curve(hits.run, parameter, hits.position)[0]) - radius) <= ON_CIRCLE * radius

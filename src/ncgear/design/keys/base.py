@@ -14,6 +14,12 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, Strict
 from pydantic_core import PydanticCustomError
 
+from ncgear.design.words import UNITS as UNITS
+from ncgear.design.words import folded as folded
+from ncgear.design.words import listed as listed
+from ncgear.design.words import quantity as quantity
+from ncgear.design.words import spellings as spellings
+
 LONGEST_MM = 1e7
 """Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
 
@@ -48,7 +54,8 @@ Numbers = Annotated[tuple[float, ...], Strict(False)]
 class Model(BaseModel):
     """Base of every model: what a person wrote, checked and unchangeable."""
 
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+    # The schema of a model is made when a file is checked by it: most models are only parts of others.
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
 
 FAULT_TYPE = "ncgear"
@@ -63,28 +70,7 @@ def fault(key: str, problem: str) -> PydanticCustomError:
     return PydanticCustomError(FAULT_TYPE, "{problem}", {"problem": problem, "key": key})
 
 
-UNITS = ("rad", "deg", "pi")
-
 FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
-
-
-def spellings(quantity: str) -> tuple[str, ...]:
-    """The keys that can hold ``quantity``: theta1 -> theta1_rad, theta1_deg, theta1_pi."""
-    return tuple(f"{quantity}_{unit}" for unit in UNITS)
-
-
-def quantity(name: str) -> str:
-    """A key without the unit of an angle at its end: theta1_deg -> theta1, but bore_mm -> bore_mm."""
-    stem, _, unit = name.rpartition("_")
-    return stem if unit in UNITS else name
-
-
-def folded(names: Iterable[str]) -> list[str]:
-    """``names`` once each; an angle with keys for all units is one name: theta1_rad/_deg/_pi."""
-    known = set(names := list(names))
-    units = "/_".join(UNITS)
-    shown = (f"{quantity(one)}_{units}" if known.issuperset(spellings(quantity(one))) else one for one in names)
-    return list(dict.fromkeys(shown))
 
 
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:
@@ -114,12 +100,6 @@ def require_rising(key: str, values: Sequence[float], least: float) -> None:
             raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the angles must rise strictly")
         if after - before < least:
             raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {least:.2g} apart is right")
-
-
-def listed(names: Iterable[str], word: str = "or") -> str:
-    """``a, b or c``."""
-    *most, last = list(names) or [""]
-    return f"{', '.join(most)} {word} {last}" if most else last
 
 
 def in_rad(value: float, unit: str) -> float:

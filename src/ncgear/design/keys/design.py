@@ -227,10 +227,9 @@ class Design(Model, Shown):
 
 def design_model(data: Any) -> type[Design]:
     """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names."""
-    models = design_models()
-    return models.get(
-        kind_named(data.get("linkage") if isinstance(data, Mapping) else None), next(iter(models.values()))
-    )
+    names = tuple(MECHANISMS)
+    name = kind_named(data.get("linkage") if isinstance(data, Mapping) else None)
+    return _design_of(name if name in names else names[0], names)
 
 
 def design_models() -> dict[str, type[Design]]:

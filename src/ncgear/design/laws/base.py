@@ -126,9 +126,6 @@ class DesignLaw:
     choice: str
     """The words for the law in the menu of ``ncgear new``."""
 
-    template: str
-    """The group ``motion`` of a new design file, with a comment on every value."""
-
     asked_length: Literal["crank_mm", "stroke_mm"] = "crank_mm"
     """The length that ``ncgear new`` asks for; the other length follows from it."""
 

@@ -53,10 +53,4 @@ class Ellipse(LawKeys):
 LAW = DesignLaw(
     keys=Ellipse,
     choice="elliptical gears",
-    template="""\
-motion:                    # equal ellipses, each turning about a focus
-  law: ellipse
-  eccentricity: 0.3        # 0 (a circle) to under 1
-  phase_deg: 0             # driving angle at which the driving radius is smallest
-""",
 )

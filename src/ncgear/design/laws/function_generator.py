@@ -57,14 +57,5 @@ class FunctionGenerator(LawKeys):
 LAW = DesignLaw(
     keys=FunctionGenerator,
     choice="a function y = f(x) that the gears compute, over a range of both angles",
-    template="""\
-motion:                    # the driving angle is a scale of x, the driven one of y
-  law: function_generator
-  function: "log(x)"       # y, as a formula of x
-  x_from: 1                # x at the beginning
-  x_to: 4                  # x at the end
-  driving_range_deg: 160   # what the driving gear turns from end to end
-  driven_range_deg: 160    # and the driven gear
-""",
     narrower_ratio="take a smaller range of x (motion.x_from, motion.x_to) or a function that is more even",
 )

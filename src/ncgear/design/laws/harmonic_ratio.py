@@ -82,12 +82,4 @@ class HarmonicRatio(LawKeys):
 LAW = DesignLaw(
     keys=HarmonicRatio,
     choice="the ratio by harmonics of the driven angle",
-    template="""\
-motion:                    # the law of the gears by harmonics; the form in which optimised laws are stored
-  law: harmonic_ratio
-  # ln(dphi1/dphi2) = c0 - 0.25 cos(phi2) + 0.05 cos(2 phi2) + 0.1 sin(phi2), phi2 being the driven angle; c0 is found,
-  # so that the driven gear comes round. With several lobes of the driven gear, phi2 stands for lobes.driven * phi2.
-  cosine: [-0.25, 0.05]
-  sine: [0.1]
-""",
 )

@@ -192,18 +192,6 @@ class PitchCurve(LawKeys):
 LAW = DesignLaw(
     keys=PitchCurve,
     choice="the pitch curve of one gear, whose mate follows",
-    template="""\
-motion:                    # the pitch curve of the driving gear; its mate follows
-  law: pitch_curve
-  ellipse:                 # or expression_mm, points, b_spline, dxf, modified_ellipse, rounded_polygon
-    semi_major_mm: 23
-    semi_minor_mm: 16.44
-    axis_x_mm: 4           # the ellipse turns about this point, counted from its centre
-    axis_y_mm: -4
-  solve_for: scale         # the curve grows to the size of the gears; or center_distance, semi_minor, ...
-  # center_distance_mm: 40 # the curve grows to this distance of the axes; teeth or module_mm is then left out below
-  # gear: driven           # the driven gear has the curve; left out: the driving gear
-""",
     examples={
         "expression_mm": '"30 + 4*cos(phi)"',
         "points": "{file: points.csv, tolerance_mm: 0.05}",

@@ -82,12 +82,4 @@ class RatioExpression(LawKeys):
 LAW = DesignLaw(
     keys=RatioExpression,
     choice="the ratio of the gears as a formula of the driving angle",
-    template="""\
-motion:                    # the law of the gears, as a formula of phi, the driving angle in rad
-  law: ratio_expression
-  ratio: "1 + 0.3*cos(phi)"  # transmission ratio dphi1/dphi2
-  scale_to_close: true     # multiply it by the constant that makes the driven gear come round
-  # driven_angle: "phi - 0.08*sin(2*phi)"   # instead of ratio: the driven angle in rad
-  # range_deg: 200         # gears that turn to and fro over these degrees, less than once; without scale_to_close
-""",
 )

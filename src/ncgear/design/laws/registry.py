@@ -3,8 +3,9 @@
 To add a law ``<name>``:
 
 1. its mathematics, a function that returns a ``Transmission``, in ``ratio/laws``;
-2. ``design/laws/<name>.py``: its keys, how the law is made from them, and a ``LAW`` that holds these keys, the law's
-   part of a new design file and the words of the menu (``design/laws/base.py`` says what each of them is);
+2. ``design/laws/<name>.py``: its keys, how the law is made from them, and a ``LAW`` that holds these keys and the words
+   of the menu (``design/laws/base.py`` says what each of them is); the law's part of a new design file in
+   ``design/laws/templates.py``;
 3. a line in ``LawName`` below;
 4. a line in ``REFERENCES`` of ``tests/oracles/laws.py``: the same law, computed independently of ncgear.
 
@@ -43,7 +44,7 @@ DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE
 
 
 def design_law(name: LawName) -> DesignLaw:
-    """The keys, the template and the questions of a law."""
+    """The keys and the questions of a law."""
     law: DesignLaw = import_module(f"{__package__}.{name}").LAW
     return law
 

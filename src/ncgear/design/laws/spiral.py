@@ -49,12 +49,5 @@ class Spiral(LawKeys):
 LAW = DesignLaw(
     keys=Spiral,
     choice="logarithmic spirals that turn less than once",
-    template="""\
-motion:                    # logarithmic spirals: gears that turn to and fro, less than once
-  law: spiral
-  range_deg: 160           # what the driving gear turns from end to end
-  ratio_start: 1.5         # transmission ratio dphi1/dphi2 at the beginning
-  ratio_end: 0.8           # and at the end; the pressure angle is the same all the way
-""",
     narrower_ratio="bring motion.ratio_start and motion.ratio_end nearer to each other",
 )

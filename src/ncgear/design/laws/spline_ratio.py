@@ -148,15 +148,6 @@ class SplineRatio(LawKeys):
 LAW = DesignLaw(
     keys=SplineRatio,
     choice="the ratio as a smooth curve over the driven angle",
-    template="""\
-motion:                    # the law of the gears as a smooth curve; the form in which optimised laws are stored
-  law: spline_ratio
-  # Ratios dphi1/dphi2 at the driven angles below. A common factor is found, so that the driven gear comes round.
-  ratio: [0.82, 0.9, 1.05, 1.2, 1.25, 1.18, 1.0, 0.86]
-  # Strictly rising from 0 to under 360, left out: even steps; driven_angle_rad or driven_angle_pi can take its place.
-  # With several lobes of the driven gear, they stand for lobes.driven times the driven angle.
-  driven_angle_deg: [0, 45, 90, 135, 180, 225, 270, 315]
-""",
     examples={
         "driven_angle_rad": "[0, 1.5, 3, 4.5]",
         "driven_angle_pi": "[0, 0.5, 1, 1.5]",

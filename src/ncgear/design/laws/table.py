@@ -130,16 +130,6 @@ class TableLaw(LawKeys):
 LAW = DesignLaw(
     keys=TableLaw,
     choice="the ratio or the displacement point by point",
-    template="""\
-motion:                    # the law point by point
-  law: table
-  # Driving angles of one cycle, strictly rising; phi1_rad or phi1_pi can take the place of phi1_deg.
-  phi1_deg: [0, 30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330]
-  # Transmission ratios dphi1/dphi2; displacement_mm (of the slider, from its retracted end) can take their place.
-  ratio: [1.2, 1.1732, 1.1, 1.0, 0.9, 0.8268, 0.8, 0.8268, 0.9, 1.0, 1.1, 1.1732]
-  scale_to_close: true     # multiply the ratio by the constant that makes the driven gear come round
-  # file: points.csv       # instead of the two lists: a CSV file whose header names the same columns
-""",
     examples={
         "phi1_rad": "[0, 1.5, 3, 4.5]",
         "phi1_deg": "[0, 90, 180, 270]",

@@ -357,24 +357,6 @@ def out_of_order(angles_rad: Sequence[float]) -> tuple[str, str] | None:
 LAW = DesignLaw(
     keys=ThreeSegmentStroke,
     choice="the slider works in three segments: it goes, presses at constant speed, slows down",
-    template="""\
-motion:                    # how the slider moves
-  law: three_segment_stroke
-  solve_for: law_speed     # law_speed, v1, v2, a1 or stroke: its own key is left out below
-  theta1_pi: 0.4           # the slider's speed is v1, its acceleration zero
-  theta2_pi: 0.7           # from here it presses at constant speed v2 ...
-  theta3_pi: 1.0           # ... to here, and then slows down
-  theta4_pi: 1.3           # extended dead centre; the rest of the turn is the return
-  v1_mm_s: 1600            # slider speeds, at the law speed
-  v2_mm_s: 1100
-  a1_mm_s2: -1500          # slider acceleration at theta4, negative
-  a1_speed_rpm: 20         # speed at which a1 is stated; left out: the law speed
-  # law_speed_rpm:         # speed at which v1 and v2 hold; found here
-  stroke_mm: 760           # left out: the stroke of the linkage
-  return:                  # the return stroke
-    basis: ratio           # ratio or inverse_ratio
-    e: least_acceleration  # a number (with basis ratio), or least_acceleration to have it found
-""",
     asked_length="stroke_mm",
     grows_with_stroke=("v1_mm_s", "v2_mm_s", "a1_mm_s2"),
     narrower_ratio="move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps",

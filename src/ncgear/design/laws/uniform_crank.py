@@ -28,8 +28,4 @@ class UniformCrank(LawKeys):
 LAW = DesignLaw(
     keys=UniformCrank,
     choice="circular gears",
-    template="""\
-motion:                    # circular gears, to compare with
-  law: uniform_crank
-""",
 )

@@ -13,8 +13,8 @@ from hashlib import sha256
 from markupsafe import Markup
 
 from ncgear.drawings.charts.chart import Line
+from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import drawn
-from ncgear.drawings.page.page_charts import PageChart
 from ncgear.drawings.palette import DARK, LIGHT
 from ncgear.errors import DesignError
 from ncgear.figures.tables import Table

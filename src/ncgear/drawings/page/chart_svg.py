@@ -1,4 +1,4 @@
-"""A chart on the page: an SVG element in the colours of the page, its cursor, its extremes.
+"""Draws a chart of the page: an SVG element in the colours of the page.
 
 Matplotlib draws the chart, as it does for every picture.  Its SVG is then reduced to what the page needs: it has no
 fonts, sizes or names of its own, and its colours are variables of the page's style sheet, which differ in light, dark
@@ -8,13 +8,11 @@ and print.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
 from io import StringIO
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
-from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -22,9 +20,8 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from ncgear.drawings.charts.chart import Chart, Role
 from ncgear.drawings.charts.drawer import DASHED, Look, draw
-from ncgear.drawings.page.page_charts import BETWEEN, DRIVING, PageChart
+from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, ChartFigure, PageChart
 from ncgear.drawings.plots.canvas import JOINT
-from ncgear.figures.numbers import fixed
 
 WIDTH, HEIGHT = 430.0, 190.0
 """Size of a chart in SVG units, which are CSS pixels where it is not scaled."""
@@ -60,8 +57,6 @@ NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
 ANGLE_NAMES = {DRIVING: "driving angle in deg", BETWEEN: "angle of the shaft between in deg"}
 
-END = "</svg>"
-
 
 def _dress(axes: Axes, chart: Chart, _: str) -> None:
     """Put the unit above the scale, few numbers, a faint grid, and no frame on sides without a scale."""
@@ -93,46 +88,9 @@ PAGE_LOOK = Look(
 )
 
 
-@dataclass(frozen=True)
-class ChartFigure:
-    """A chart of the page, its SVG element, and the places of its scales in it.
-
-    The horizontal scale runs from ``x[0]`` to ``x[1]`` in SVG units and over ``angle_deg``; the vertical scale runs
-    from ``y[0]`` to ``y[1]`` and over ``values``.
-    """
-
-    page_chart: PageChart
-    drawing: str
-    angle_deg: tuple[float, float]
-    x: tuple[float, float]
-    values: tuple[float, float]
-    y: tuple[float, float]
-
-    @property
-    def svg(self) -> Markup:
-        """The drawing with a cursor line and a dot for each line; the page's script puts them in their places.
-
-        The drawing holds only numbers and words of this package.
-        """
-        places = reversed(list(enumerate(self.page_chart.chart.lines)))
-        dots = "".join(f'<circle class="{line.role}" data-line="{place}" r="3.6"/>' for place, line in places)
-        low, high = self.y
-        cursor = f'<g class="cursor"><line y1="{low:g}" y2="{high:g}"/>{dots}</g>'
-        return Markup(f"{self.drawing.removesuffix(END)}{cursor}{END}")
-
-    @property
-    def uniform(self) -> int | None:
-        """Place of the uniform crank's line; None where there is none."""
-        roles = [line.role for line in self.page_chart.chart.lines]
-        return roles.index(Role.UNIFORM) if Role.UNIFORM in roles else None
-
-    @property
-    def extremes(self) -> str:
-        """Words for the least and greatest value of the first line, with their angles."""
-        line, decimals = self.page_chart.chart.lines[0], self.page_chart.decimals
-        places = int(np.argmin(line.values)), int(np.argmax(line.values))
-        texts = [f"{fixed(line.values[place], decimals)} at {fixed(line.x[place], 0)}\u00b0" for place in places]
-        return " to ".join(texts).replace("-", "\u2212")
+def all_drawn(page_charts: Sequence[PageChart]) -> list[ChartFigure]:
+    """Many drawn charts."""
+    return [drawn(page_chart) for page_chart in page_charts]
 
 
 def drawn(page_chart: PageChart) -> ChartFigure:

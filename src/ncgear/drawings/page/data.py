@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.drawings.charts.chart import Line
-from ncgear.drawings.page.chart_svg import ChartFigure
+from ncgear.drawings.page.chart_figure import ChartFigure
 from ncgear.drawings.scene.bodies import Chamber
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene

@@ -17,7 +17,7 @@ from markupsafe import Markup
 from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.drawings.page.chart_svg import drawn
+from ncgear.drawings.beside import HERE, PAGE_CHARTS, Drawer
 from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.page_charts import gear_charts, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
@@ -35,6 +35,7 @@ from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.advice.collected import build_advice, check_advice
+from ncgear.figures.advice.values import Advice
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
@@ -50,16 +51,23 @@ SHARED_SCRIPTS = ("shafts", "clock", "charts", "views", "find", "readouts", "con
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 
 
-def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact]) -> bytes:
+def report_page(
+    drive: Drive,
+    loaded: LoadedDesign,
+    contacts: Sequence[PairContact],
+    drawer: Drawer = HERE,
+    advices: Sequence[tuple[Advice, ...]] | None = None,
+) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 
-    The same design gives the same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
+    ``drawer`` draws the charts; ``advices`` are those of the pairs, where they are known.  The same design gives the
+    same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     scene = scene_of(drive)
     charts = [*motion_charts(drive, scene.loop_rad), *chain.from_iterable(gear_charts(*pair) for pair in pairs)]
-    figures = [drawn(chart) for chart in charts]
-    data = page_data(scene, figures)
+    drawn = drawer.begun(PAGE_CHARTS, charts)
+    of_pairs = [build_advice(pair) for pair, _ in pairs] if advices is None else advices
     about_pairs = {
         "facts": [
             *typeset(machine_facts(drive)),
@@ -77,7 +85,10 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         ],
         "advices": [
             ("", ToothLinks(), check_advice(drive)),
-            *((stage_name(pair), ToothLinks(pair.stage), build_advice(pair)) for pair, _ in pairs),
+            *(
+                (stage_name(pair), ToothLinks(pair.stage), told)
+                for (pair, _), told in zip(pairs, of_pairs, strict=True)
+            ),
         ],
     }
     about_design = {
@@ -95,13 +106,17 @@ def report_page(drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairConta
         "plain": ToothLinks(),
         "ncgear_version": __version__,
     }
+    solids = [solid_view(pair, stage_name(pair)) for pair, _ in pairs]
+    svg = Markup(scene_svg(scene))
+    figures = drawn()
+    data = page_data(scene, figures)
     moving = {
         "figures": figures,
         "data": data,
         "cycle_deg": data["cycle_deg"],
-        "scene": Markup(scene_svg(scene)),
+        "scene": svg,
         "views": list(views(scene)),
-        "solids": [solid_view(pair, stage_name(pair)) for pair, _ in pairs],
+        "solids": solids,
         "gears": [
             (gear.body.name, gear.body.name.replace("-", " of stage "), len(gear.teeth_mm)) for gear in scene.gears
         ],

@@ -9,7 +9,7 @@ for the second of two stages is on the shaft between the stages.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from math import degrees
 
@@ -17,19 +17,14 @@ import numpy as np
 
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import contact_charts
-from ncgear.drawings.charts.chart import Chart, Line, Role, decimals_of, joints_up_to
+from ncgear.drawings.charts.chart import Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, RATIO_NAME, Quantity, motion_chart
 from ncgear.drawings.charts.strength_charts import strength_charts
+from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, PageChart
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict, known_verdict
 from ncgear.ratio.transmission import Transmission
-
-DIGITS = 4
-"""Significant digits of the largest value of a line; all lines of the chart have the decimals that follow from it."""
-
-DRIVING, BETWEEN = "driving", "between"
-"""The shafts whose angle can be the horizontal axis: the driving shaft, and the shaft between two stages."""
 
 LEAST = 2001
 """Least number of samples over a cycle of the slider."""
@@ -39,35 +34,6 @@ SIDE_RAD = 1e-9
 
 It is far larger than the rounding of an angle, and too small to be seen or hit by the cursor.
 """
-
-
-@dataclass(frozen=True, eq=False)
-class PageChart:
-    """A chart with its ``key``, unique in the page, and the shaft whose angle is its horizontal axis.
-
-    The first line is the one whose values the page names beside the chart.  Raises ValueError for a
-    value that is not finite.
-    """
-
-    key: str
-    chart: Chart
-    shaft: str = DRIVING
-
-    def __post_init__(self) -> None:
-        for line in self.chart.lines:
-            if not np.isfinite(line.values).all():
-                raise ValueError(f"{self.chart.name} holds a value that is not finite")
-
-    @property
-    def period_deg(self) -> float:
-        """The angle in deg after which the lines repeat."""
-        return self.chart.end if self.chart.period is None else self.chart.period
-
-    @property
-    def decimals(self) -> int:
-        """Decimals with which the page shows the values of all lines."""
-        largest = max(float(np.max(np.abs(line.values))) for line in self.chart.lines)
-        return decimals_of(largest, DIGITS)
 
 
 def motion_charts(drive: Drive, end_rad: float) -> list[PageChart]:

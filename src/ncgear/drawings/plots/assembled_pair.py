@@ -1,14 +1,14 @@
-"""The assembled gears of a pair: their pitch curves at phi1 = 0, and their tooth outlines at any driving angle."""
+"""Pictures of the assembled gears: their pitch curves at phi1 = 0, and their tooth outlines at any driving angle."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import degrees
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from ncgear.drawings.assembled import Assembled, Position
 from ncgear.drawings.plots.canvas import (
     DRIVEN,
     DRIVING,
@@ -26,9 +26,6 @@ from ncgear.drawings.plots.canvas import (
 )
 from ncgear.figures.numbers import drawn, rounded
 from ncgear.numerics.arrays import Array, Mask
-from ncgear.project.drive import Drive
-from ncgear.project.gear_solids import rim_mm_of
-from ncgear.solids.plan.plan import outer_radius_mm
 
 PANEL_IN = 3.6
 """Width in inches of one position's views."""
@@ -36,86 +33,8 @@ PANEL_IN = 3.6
 ZOOM_IN_MODULES = 4.5
 """Half the width of the view on the mesh."""
 
-SLACK = 1.03
-"""Size of the whole view divided by the reach of the gears."""
-
-CURVE_POINTS = 1500
-"""Points of a drawn pitch curve; on a gear of 300 mm that fills a screen they are 0.2 mm apart on the screen."""
-
 LINE_OF_CENTRES = (0, (8, 2, 1, 2))
 """Dashes and dots."""
-
-
-@dataclass(frozen=True)
-class Position:
-    """Angles in rad of both gears, and the distance in mm of the pitch point from the driving axis."""
-
-    phi1_rad: float
-    phi2_rad: float
-    pitch_point_mm: float
-
-
-@dataclass(frozen=True, eq=False)
-class Assembled:
-    """Two closed curves in mm, each in its own frame (shape (n, 2)), and the distance of their axes.
-
-    The body of a driven ring is between its curve and a circle of ``ring_radius_mm``, which is None for an external
-    pair.
-    """
-
-    driving_mm: Array
-    driven_mm: Array
-    center_distance_mm: float
-    ring_radius_mm: float | None = None
-
-    @property
-    def frame(self) -> tuple[float, float, float]:
-        """Least and largest x and the largest y that the gears reach in any position."""
-        driving = float(np.hypot(*self.driving_mm.T).max()) * SLACK
-        driven = (self.ring_radius_mm or float(np.hypot(*self.driven_mm.T).max())) * SLACK
-        left, right = min(-driving, self.center_distance_mm - driven), max(driving, self.center_distance_mm + driven)
-        return left, right, max(driving, driven)
-
-    @property
-    def reach(self) -> Array:
-        """Points of both curves at phi1 = 0, and two corners of the square around a ring; shape (n, 2)."""
-        points = [self.driving_mm, self.driven_mm + np.array([self.center_distance_mm, 0.0])]
-        if self.ring_radius_mm is not None:
-            distance, radius = self.center_distance_mm, self.ring_radius_mm
-            points.append(np.array([[distance - radius, -radius], [distance + radius, radius]]))
-        return np.vstack(points)
-
-
-def assembled_pitch_curves(drive: Drive) -> tuple[Assembled, tuple[Mask, Mask]]:
-    """Both pitch curves of a drive, and masks (shape (n,)) of their points on concave stretches."""
-    driving, driven = (curve.drawn(CURVE_POINTS) for curve in (drive.pitch.driving, drive.pitch.driven))
-    dented = driven.curvature > 0.0 if drive.pitch.driven.is_ring else driven.curvature < 0.0
-    places, masks = [driving.position, driven.position], [driving.curvature < 0.0, dented]
-    if drive.pitch.toothed is not None:
-        # The straight sides from both ends to the axis lie on the line of centres at the end stops.
-        places = [np.vstack([curve, np.zeros((1, 2))]) for curve in places]
-        masks = [np.append(mask, False) for mask in masks]
-    return _assembled(drive, *places), (masks[0], masks[1])
-
-
-def assembled_teeth(drive: Drive) -> Assembled:
-    """Both tooth outlines of a drive."""
-    return _assembled(drive, drive.teeth.driving.outline_mm, drive.teeth.driven.outline_mm)
-
-
-def positions_at(drive: Drive, phi1_rad: Array) -> list[Position]:
-    """The positions of the pair at driving angles in rad, shape (n,)."""
-    phi2 = drive.pair.transmission.driven_angle(phi1_rad).value
-    point = drive.pitch.pitch_point_mm(phi1_rad)
-    return [Position(float(a), float(b), float(x)) for a, b, x in zip(phi1_rad, phi2, point, strict=True)]
-
-
-def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
-    ring_radius = None
-    if drive.pitch.driven.is_ring:
-        rim = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
-        ring_radius = outer_radius_mm(drive.teeth.driven.outline_mm, rim)
-    return Assembled(driving_mm, driven_mm, drive.pitch.center_distance_mm, ring_radius)
 
 
 def pitch_curves_png(pair: Assembled, concave: tuple[Mask, Mask], title: str) -> bytes:

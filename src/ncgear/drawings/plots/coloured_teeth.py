@@ -14,8 +14,10 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 
+from ncgear.drawings.assembled import Assembled, Position
 from ncgear.drawings.palette import HOLDING, STRESS
-from ncgear.drawings.plots.assembled_pair import Assembled, Position, assembled_teeth, turned
+from ncgear.drawings.pictures import assembled_teeth
+from ncgear.drawings.plots.assembled_pair import turned
 from ncgear.drawings.plots.canvas import INK, NORMAL, REFERENCE, SMALL, area, figure, png, ring_area
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_points, signed_area

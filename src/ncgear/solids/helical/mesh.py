@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from trimesh import Trimesh
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
@@ -132,7 +132,7 @@ def _tube(rings: Array, heights: Array, first: int) -> _Tube:
 
 def _cap(tubes: Sequence[_Tube], layer: int) -> IndexArray:
     """Triangles that fill the section between the rings of one layer, counter-clockwise seen from above."""
-    kept = [np.unique(tube.column[layer]) for tube in tubes]
+    kept = [distinct(tube.column[layer]) for tube in tubes]
     points = np.concatenate([tube.rings[layer, own] for tube, own in zip(tubes, kept, strict=True)])
     vertex = np.concatenate([tube.numbers[layer, own] for tube, own in zip(tubes, kept, strict=True)])
     corners = filling(points, np.cumsum([own.size for own in kept]))

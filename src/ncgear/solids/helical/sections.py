@@ -17,7 +17,6 @@ from functools import cached_property
 from math import ceil, sqrt
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ncgear.contact.designed.flanks import least_arc
 from ncgear.contact.placement import placed
@@ -146,6 +145,8 @@ def pieces_of(gear: ToothedGear) -> Pieces:
 
     Raises RuntimeError, a fault of ncgear, where these are not found on it in their order.
     """
+    from scipy.spatial import cKDTree
+
     places = _places(gear)
     outline = gear.outline_mm if signed_area(places) > 0.0 else gear.outline_mm[::-1]
     distance, vertex = cKDTree(outline).query(places)

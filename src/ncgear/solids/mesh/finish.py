@@ -17,7 +17,7 @@ from shapely.affinity import rotate
 from shapely.geometry.base import BaseGeometry
 from trimesh import Trimesh
 
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, require_sound, slab_mesh
 from ncgear.solids.plan.body import BodyPlan, SetScrew, Slab, circle_points
 
@@ -92,7 +92,7 @@ def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
     """Ends of the line across a convex ring (n, 2) at each Gauss point of its height, with the point's weight."""
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     start, end = ring, np.roll(ring, -1, axis=0)
-    for low, high in pairwise(np.unique(np.round(ring[:, 1], LEVEL_DIGITS))):
+    for low, high in pairwise(distinct(np.round(ring[:, 1], LEVEL_DIGITS))):
         half = (high - low) / 2.0
         for height, weight in zip(low + half * (1.0 + nodes), half * weights, strict=True):
             crossing = (start[:, 1] > height) != (end[:, 1] > height)

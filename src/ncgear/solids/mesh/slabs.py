@@ -20,7 +20,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 from trimesh import Trimesh
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.plane import as_complex, signed_area
 from ncgear.solids.plan.areas import moved_inwards, parallel, polygons, rings
 from ncgear.solids.plan.body import Slab
@@ -162,7 +162,7 @@ def _slopes(
 
 def _slope(area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float]) -> Trimesh:
     """Triangles with the corners of the foot at the lower height and those of the area at the upper one."""
-    low = np.unique(as_complex(shapely.get_coordinates(foot)))
+    low = distinct(as_complex(shapely.get_coordinates(foot)))
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(area.difference(foot)))
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     heights = np.where(np.isin(as_complex(corners), low), *between)
@@ -181,7 +181,7 @@ def _within(lines: Array, of: Array, tolerance: float) -> bool:
     """Whether the ends of all lines, shape (n, 2, 2), lie within a distance of others."""
     points = shapely.points(lines[:, 0])
     near, _ = shapely.STRtree(shapely.linestrings(of)).query(points, predicate="dwithin", distance=tolerance)
-    return bool(np.unique(near).size == points.size)
+    return bool(distinct(near).size == points.size)
 
 
 def _level_lines(triangles: Array, height: float) -> Array:

@@ -1,0 +1,35 @@
+"""Names of keys in words: angles, which may be given in several units, and lists of names.
+
+It loads no library, so that a key can be explained at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+UNITS = ("rad", "deg", "pi")
+
+
+def spellings(quantity: str) -> tuple[str, ...]:
+    """The keys that can hold ``quantity``: theta1 -> theta1_rad, theta1_deg, theta1_pi."""
+    return tuple(f"{quantity}_{unit}" for unit in UNITS)
+
+
+def quantity(name: str) -> str:
+    """A key without the unit of an angle at its end: theta1_deg -> theta1, but bore_mm -> bore_mm."""
+    stem, _, unit = name.rpartition("_")
+    return stem if unit in UNITS else name
+
+
+def folded(names: Iterable[str]) -> list[str]:
+    """``names`` once each; an angle with keys for all units is one name: theta1_rad/_deg/_pi."""
+    known = set(names := list(names))
+    units = "/_".join(UNITS)
+    shown = (f"{quantity(one)}_{units}" if known.issuperset(spellings(quantity(one))) else one for one in names)
+    return list(dict.fromkeys(shown))
+
+
+def listed(names: Iterable[str], word: str = "or") -> str:
+    """``a, b or c``."""
+    *most, last = list(names) or [""]
+    return f"{', '.join(most)} {word} {last}" if most else last

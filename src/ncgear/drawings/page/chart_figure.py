@@ -1,0 +1,90 @@
+"""A chart of the page, and as it is drawn: its SVG element, its cursor, its scales, its extremes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup
+
+from ncgear.drawings.charts.chart import Chart, Role, decimals_of
+from ncgear.figures.numbers import fixed
+
+END = "</svg>"
+
+DIGITS = 4
+"""Significant digits of the largest value of a line; all lines of the chart have the decimals that follow from it."""
+
+DRIVING, BETWEEN = "driving", "between"
+"""The shafts whose angle can be the horizontal axis: the driving shaft, and the shaft between two stages."""
+
+
+@dataclass(frozen=True, eq=False)
+class PageChart:
+    """A chart with its ``key``, unique in the page, and the shaft whose angle is its horizontal axis.
+
+    The first line is the one whose values the page names beside the chart.  Raises ValueError for a
+    value that is not finite.
+    """
+
+    key: str
+    chart: Chart
+    shaft: str = DRIVING
+
+    def __post_init__(self) -> None:
+        for line in self.chart.lines:
+            if not np.isfinite(line.values).all():
+                raise ValueError(f"{self.chart.name} holds a value that is not finite")
+
+    @property
+    def period_deg(self) -> float:
+        """The angle in deg after which the lines repeat."""
+        return self.chart.end if self.chart.period is None else self.chart.period
+
+    @property
+    def decimals(self) -> int:
+        """Decimals with which the page shows the values of all lines."""
+        largest = max(float(np.max(np.abs(line.values))) for line in self.chart.lines)
+        return decimals_of(largest, DIGITS)
+
+
+@dataclass(frozen=True)
+class ChartFigure:
+    """A chart of the page, its SVG element, and the places of its scales in it.
+
+    The horizontal scale runs from ``x[0]`` to ``x[1]`` in SVG units and over ``angle_deg``; the vertical scale runs
+    from ``y[0]`` to ``y[1]`` and over ``values``.
+    """
+
+    page_chart: PageChart
+    drawing: str
+    angle_deg: tuple[float, float]
+    x: tuple[float, float]
+    values: tuple[float, float]
+    y: tuple[float, float]
+
+    @property
+    def svg(self) -> Markup:
+        """The drawing with a cursor line and a dot for each line; the page's script puts them in their places.
+
+        The drawing holds only numbers and words of this package.
+        """
+        places = reversed(list(enumerate(self.page_chart.chart.lines)))
+        dots = "".join(f'<circle class="{line.role}" data-line="{place}" r="3.6"/>' for place, line in places)
+        low, high = self.y
+        cursor = f'<g class="cursor"><line y1="{low:g}" y2="{high:g}"/>{dots}</g>'
+        return Markup(f"{self.drawing.removesuffix(END)}{cursor}{END}")
+
+    @property
+    def uniform(self) -> int | None:
+        """Place of the uniform crank's line; None where there is none."""
+        roles = [line.role for line in self.page_chart.chart.lines]
+        return roles.index(Role.UNIFORM) if Role.UNIFORM in roles else None
+
+    @property
+    def extremes(self) -> str:
+        """Words for the least and greatest value of the first line, with their angles."""
+        line, decimals = self.page_chart.chart.lines[0], self.page_chart.decimals
+        places = int(np.argmin(line.values)), int(np.argmax(line.values))
+        texts = [f"{fixed(line.values[place], decimals)} at {fixed(line.x[place], 0)}\u00b0" for place in places]
+        return " to ".join(texts).replace("-", "\u2212")
