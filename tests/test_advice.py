@@ -200,7 +200,7 @@ def test_every_advised_key_is_one_of_the_schema() -> None:
     assert not schema_at("gears.rack.height")
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["wide ellipse"], rest="long")
 @pytest.mark.parametrize("name", CASES)
 def test_following_an_advice_removes_it(name: str) -> None:
     for kind, remedy in remedies(name, command=False):

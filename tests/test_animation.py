@@ -80,7 +80,7 @@ def test_the_pins_are_drawn_where_the_law_has_them() -> None:
         assert np.abs(marked_mm(made, frame, (480.0, np.inf)) - expected).max() < pixel_mm(made) / 3.0
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["pump-1-2-1.0"], rest="long")
 @pytest.mark.parametrize(("name", "sense"), [("pump-1-2", 1.0), ("internal-1-2", -1.0)])
 def test_a_point_of_the_driving_gear_turns_with_it(name: str, sense: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """A gear that is a square aside of its axis; as the crank turns clockwise, a ring's pinion does so, too."""
@@ -134,7 +134,7 @@ def gif(name: str, frames: int = 5, seconds: float = 0.37, width: int = 401) -> 
     return Image.open(BytesIO(animated(scene(name), AnimationFormat.GIF, loop, lambda done, total: None)))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler", "baler-66-two-stage", "webbed"], rest="long")
 @pytest.mark.parametrize(
     "name", ["baler", "internal-1-2", pytest.param(TWO_STAGES, marks=pytest.mark.slow), "gearless", "webbed"]
 )

@@ -96,7 +96,7 @@ EVERY = [f"{command} {name}" for command, names in RUNS.items() for name in name
 FEW = ["build baler", "build printed-pump", "strength baler", "simulate baler-drivetrain", "optimize baler"]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["strength baler"], rest="long")
 @pytest.mark.parametrize("case", long_but(FEW, EVERY))
 def test_every_command_answers_on_a_screen(case: str, run: Run) -> None:
     command, *options, name = case.split()
@@ -108,7 +108,7 @@ def test_every_command_answers_on_a_screen(case: str, run: Run) -> None:
     assert VERBOSE in text or "Next: " in text
 
 
-@pytest.mark.tiers(thorough=["threshing-drum"], rest="slow")
+@pytest.mark.tiers(thorough=["threshing-drum"], slow=["baler", "track-chassis"], rest="long")
 @pytest.mark.parametrize("name", BALANCES)
 def test_a_balance_is_a_screen(name: str, run: Run) -> None:
     status, text, _ = run("balance", str(DESIGNS / "balance" / f"{name}.yaml"))
@@ -292,7 +292,7 @@ TOLD = {
 """What each place tells for certain."""
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler"], rest="long")
 @pytest.mark.parametrize("name", ["pusher", "baler", "printed-pump"])
 def test_the_same_name_has_the_same_figure_everywhere(name: str) -> None:
     places = everywhere(name)

@@ -55,7 +55,17 @@ KINDS = [("sine", 25, 0.005), ("baler", 24, 0.02), ("ring 1:2", 30, 0.01), ("lon
 
 
 @pytest.mark.judges("contact")
-@pytest.mark.tiers(quick=["*-sine-*"], rest="slow")
+@pytest.mark.tiers(
+    quick=["*-sine-*"],
+    slow=[
+        "0.0-0.0-ring 1:2-30-0.01",
+        "0.0011-0.0-baler-24-0.02",
+        "0.0001-0.01-baler-24-0.02",
+        "0.0001-0.01-long ellipse-40-0.02",
+        "-0.003-0.0-ring 1:2-30-0.01",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(("name", "teeth", "tolerance"), KINDS)
 @pytest.mark.parametrize(("ahead_rad", "noise_mm"), [(0.0, 0.0), (0.0011, 0.0), (1e-4, 0.01), (-0.003, 0.0)])
 def test_outlines_that_are_known_to_stand_apart_do(
@@ -105,7 +115,7 @@ def test_a_gear_wholly_inside_the_other_does_not_stand_apart() -> None:
     assert found.up_rad == pytest.approx(found.down_rad, abs=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ring 1:2-30-0.01"], rest="long")
 @pytest.mark.parametrize(("name", "teeth", "tolerance"), [*KINDS, ("uniform", 120, 0.03)])
 def test_pairs_of_a_stretch_are_all_that_come_near_in_any_of_its_positions(
     name: str, teeth: int, tolerance: float

@@ -195,7 +195,7 @@ def test_help_loads_no_library_at_all() -> None:
     assert loaded_by("--help") & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler", "ellipse"], rest="long")
 @pytest.mark.parametrize("name", ["baler", "baler-66", "ellipse", "uniform-crank"])
 def test_a_check_loads_neither_meshes_nor_plots_nor_solvers(name: str) -> None:
     assert loaded_by("check", f"designs/{name}.yaml") & LIBRARIES == set()

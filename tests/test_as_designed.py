@@ -102,7 +102,7 @@ def test_positions_cover_a_meeting_cycle_evenly(name: str, teeth: int, driven: i
 # --- exact flanks keep the law -------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["uniform 1:2-24", "ellipse-37", "sine-25", "baler-86", "ring 1:2-30"], rest="long")
 @pytest.mark.parametrize(
     ("name", "teeth"),
     [("uniform", 18), ("uniform 1:2", 24), ("uniform 3:2", 30), ("ellipse", 37), ("long ellipse", 60), ("sine", 25),
@@ -319,7 +319,7 @@ def fine(name: str, teeth: int, backlash_mm: float = 0.0) -> tuple[meshing.Pair,
     return meshing.Pair(*polygons, placement.phi1_rad, placement.phi2_rad, pitch.center_distance_mm), placement
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse-8-0.0", "ellipse-24-0.1"], rest="long")
 @pytest.mark.parametrize(
     ("name", "teeth", "backlash_mm"),
     [("uniform", 8, 0.0), ("ellipse", 8, 0.0), ("long ellipse", 18, 0.0), ("ellipse", 24, 0.1),

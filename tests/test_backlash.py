@@ -178,13 +178,18 @@ def require_contact(data: Data) -> None:
         _ = stage.designed_contact
 
 
-@pytest.mark.tiers(quick=["ellipse"], thorough=["baler-smooth", "pump-1-2", "pusher"], rest="slow")
+@pytest.mark.tiers(
+    quick=["ellipse"],
+    thorough=["baler-smooth", "pump-1-2", "pusher"],
+    slow=["baler-66", "baler-dynamics", "baler-real", "internal-1-2", "printed-pump", "rocker-drive", "traced-egg"],
+    rest="long",
+)
 @pytest.mark.parametrize("name", WORKED)
 def test_worked_designs_may_have_backlash(name: str) -> None:
     require_contact(with_gears(name, backlash_mm=0.05))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["sine-0.4"], rest="long")
 @pytest.mark.parametrize("backlash_mm", [0.0, 0.05, 0.4])
 @pytest.mark.parametrize("data", [DEEP_SINE, DEEP_RING], ids=["sine", "ring"])
 def test_deep_laws_may_have_backlash(data: Data, backlash_mm: float) -> None:

@@ -91,7 +91,15 @@ PINNED = {
 }
 
 
-@pytest.mark.tiers(quick=["track-chassis-*", "threshing-drum-*"], thorough=["sieve-*"], rest="slow")
+@pytest.mark.tiers(
+    quick=["track-chassis-*", "threshing-drum-*"],
+    thorough=["sieve-*"],
+    slow=[
+        "baler-gears.driving.unbalance_force_n-0.5526446634709999-0.001",
+        "baler-gears.driving.corrected.unbalance_kg_mm-0.0-1e-09",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(
     ("name", "key", "expected", "within"), [(name, *row) for name, rows in PINNED.items() for row in rows]
 )
@@ -103,7 +111,7 @@ def test_every_worked_file_has_pinned_numbers() -> None:
     assert {path.stem for path in WORKED} == set(PINNED) == set(PICTURES)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["threshing-drum"], rest="long")
 @pytest.mark.parametrize("name", PINNED)
 def test_files_and_text(name: str) -> None:
     figures, files = worked(name)

@@ -63,7 +63,7 @@ def test_what_is_made_closes_and_no_peak_is_passed_by(name: str) -> None:
     assert told(name)[-1] == "made"
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["lobes-1-2", "table-noisy-displacements"], rest="long")
 @pytest.mark.parametrize("name", long_but([name for name in MADE if name != "table-noisy-ratios"], MADE))
 def test_no_figure_is_off_by_more_than_the_page_tells(name: str) -> None:
     """Twice what it says, for another machine's rounding, or the same rounding errors where they are few."""
@@ -73,7 +73,7 @@ def test_no_figure_is_off_by_more_than_the_page_tells(name: str) -> None:
     assert max(made.errors.values()) <= max(2.0 * error, allowed(name) * 2.2e-16 * condition)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ratio-1-100"], rest="long")
 @pytest.mark.parametrize("name", MADE)
 def test_errors_are_the_problems(name: str) -> None:
     """No figure is farther off than the exact figures of designs whose numbers differ in the last digits."""
@@ -84,7 +84,7 @@ def test_errors_are_the_problems(name: str) -> None:
     assert condition[worst] == pytest.approx(float(told(name)[3]), rel=1.0) or condition[worst] <= 1e6
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse"], rest="long")
 @pytest.mark.parametrize("law", [pytest.param(law, marks=pytest.mark.slow if law in SLOW else []) for law in LawName])
 def test_every_law_is_the_law_of_its_reference(law: LawName) -> None:
     """By its template; a law that is added is judged by its line in ``oracles.laws.REFERENCES``."""

@@ -278,7 +278,54 @@ BAD: dict[str, tuple[str, str, str, str]] = {
 }
 
 
-@pytest.mark.tiers(thorough=["check-*", "build-deep*"], rest="slow")
+@pytest.mark.tiers(
+    thorough=["check-*", "build-deep*"],
+    slow=[
+        "build-only a comment",
+        "build-a word",
+        "build-tab",
+        "build-NUL",
+        "build-escape of a terminal",
+        "build-beyond the last character",
+        "build-null in a key",
+        "build-two documents",
+        "build-anchor",
+        "build-anchored group",
+        "build-group as key",
+        "build-unknown key",
+        "build-unknown top key",
+        "build-missing key",
+        "build-missing crank",
+        "build-quoted number",
+        "build-date for a number",
+        "build-list for a number",
+        "build-inf",
+        "build-400 digits",
+        "build-5000 digits",
+        "build-path as name",
+        "build-number as name",
+        "build-unknown law",
+        "build-no law",
+        "build-unknown solve_for",
+        "build-needed quantity absent",
+        "build-angle absent",
+        "build-angles fall",
+        "build-full turn",
+        "build-nan for e",
+        "build-two formulas",
+        "build-eccentricity of 1",
+        "build-two teeth",
+        "build-profile",
+        "build-wide keyway",
+        "build-lobes",
+        "build-no figure",
+        "build-tolerance",
+        "build-table over a turn",
+        "build-table of a word",
+        "build-table too short",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(("text", "where", "key", "said"), BAD.values(), ids=BAD.keys())
 @pytest.mark.parametrize("command", ["check", "build"])
 def test_wrong_design_file(run: Run, tmp_path: Path, command: str, text: str, where: str, key: str, said: str) -> None:
@@ -472,7 +519,9 @@ def in_shell(redirected: str, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(
+    slow=["ncgear check missing.yaml 2>&--2", "ncgear check right.yaml --timing 2>/dev/full-2"], rest="long"
+)
 @pytest.mark.parametrize(
     ("line", "status"),
     [

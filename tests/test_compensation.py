@@ -119,7 +119,7 @@ def test_the_constant_is_the_polynomial_extrapolated_to_zero(constant: float) ->
     assert in_tau.coef[0] == pytest.approx(constant, abs=1e-10)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["offset-0"], rest="long")
 @pytest.mark.parametrize(("name", "constant"), [("baler", "0"), ("offset", "0"), ("baler", "1")])
 def test_the_published_return_against_mpmath(name: str, constant: str) -> None:
     law, exact = law_of(name, constant), exact_stroke(name).return_polynomial(constant)
@@ -233,7 +233,7 @@ def reading(request: StrokeRequest) -> StrokeLaw:
     return stroke_law(solved_stroke(request), LINKAGES["baler"], Lobes(), constant=0.0)
 
 
-@pytest.mark.tiers(rest="slow")
+@pytest.mark.tiers(slow=["a1 at 20 r/min"], rest="long")
 @pytest.mark.parametrize(
     ("request_", "reference", "low", "high"),
     [(BALER, SPEED, (0.44, 0.005), (2.05, 0.005)), (AT_LAW_SPEED, None, (0.12, 0.005), (7.5, 0.2))],

@@ -28,7 +28,14 @@ def test_all_commands() -> None:
     assert offered("ncgear ") == [command.__name__ for command in COMMANDS]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(
+    slow=[
+        "ncgear explain gears.rack.prof-words1",
+        "ncgear new x --law e-words4",
+        "ncgear strength x --method el-words6",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(
     ("typed", "words"),
     [

@@ -109,6 +109,7 @@ CONFLICTS: dict[str, tuple[Wishes, set[str]]] = {
 }
 
 
+@pytest.mark.tiers(slow=["ratio"], rest="long")
 @pytest.mark.parametrize("name", CONFLICTS)
 def test_what_is_offered_is_in_the_way(name: str) -> None:
     wishes, wanted = CONFLICTS[name]
@@ -117,6 +118,7 @@ def test_what_is_offered_is_in_the_way(name: str) -> None:
     assert error.key.removeprefix("optimize.limits.") in wanted
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CONFLICTS)
 def test_each_offer_is_enough_and_none_is_too_much(name: str) -> None:
     """Half a hundredth more than offered can be had; three hundredths less cannot, with the same search.

@@ -59,7 +59,7 @@ CASES = [
 ]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse-37-0.05-kinds2"], rest="long")
 @pytest.mark.parametrize(("name", "teeth", "backlash_mm", "kinds"), CASES)
 def test_positions_that_the_search_did_not_use_find_nothing_beyond(
     name: str, teeth: int, backlash_mm: float, kinds: dict[str, Any]

@@ -54,7 +54,7 @@ def left_by(gear: ToothedGear, diameter: float) -> float:
     return float(shapely.distance(shapely.points(ring), moved.boundary).max())
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse-Gear.DRIVING", "concave-Gear.DRIVEN"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", PITCHES)
 def test_the_largest_round_tool_leaves_no_more_than_allowed_and_a_larger_one_does(name: str, gear: Gear) -> None:

@@ -114,7 +114,11 @@ RACK_CUT = [
 
 
 @pytest.mark.judges("teeth")
-@pytest.mark.tiers(quick=["*DRIVEN-circle of 12"], rest="slow")
+@pytest.mark.tiers(
+    quick=["*DRIVEN-circle of 12"],
+    slow=["Gear.DRIVING-undercut ellipse", "Gear.DRIVING-circle of 18", "Gear.DRIVEN-sine", "Gear.DRIVEN-ellipse"],
+    rest="long",
+)
 @pytest.mark.parametrize("name", RACK_CUT)
 @pytest.mark.parametrize("gear", Gear)
 def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) -> None:
@@ -123,7 +127,7 @@ def test_outline_on_a_convex_curve_is_what_a_rack_cuts(name: str, gear: Gear) ->
     assert rack_cut.outline_distance(Polygon(own.outline_mm), brute(own), 0.02) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.1-0.6-Gear.DRIVING", "0.1--0.4-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize(("backlash_mm", "shift_mm"), [(0.1, 0.6), (0.1, -0.4)])
 def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_mm: float, shift_mm: float) -> None:
@@ -142,7 +146,7 @@ def test_backlash_and_profile_shift_move_what_a_rack_cuts(gear: Gear, backlash_m
     assert apart(own, cut, deepest=deepest) < TOLERANCE + CUTTER_FACETS + SCALLOPS
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["wrong0", "wrong2"], rest="long")
 @pytest.mark.parametrize("wrong", [{"angle_deg": 20.1}, {"root_radius": 0.37}, {"dedendum": 1.251}])
 def test_brute_force_tells_slightly_other_racks_apart(wrong: dict[str, float]) -> None:
     """Negative controls: each changes the outline by more than the tolerance of the tests above."""
@@ -150,7 +154,7 @@ def test_brute_force_tells_slightly_other_racks_apart(wrong: dict[str, float]) -
     assert apart(gears[0], brute(gears[1], 50), 0.05) > 1e-3
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["sine-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize(
     "name",
@@ -166,7 +170,7 @@ def test_outline_is_what_a_pinion_cutter_leaves(name: str, gear: Gear) -> None:
     assert apart(own, brute(own, 50, 2.0, rack_cut.Pinion(20))) < TOLERANCE + CUTTER_FACETS + 4.0 * SCALLOPS
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse-7", "sine-7"], rest="long")
 @pytest.mark.parametrize("teeth", [*range(7, 26), 30])
 @pytest.mark.parametrize("name", ["circle", "ellipse", "sharp ellipse", "sine"])
 def test_few_teeth_are_what_a_rack_cuts(name: str, teeth: int) -> None:
@@ -228,6 +232,7 @@ def shaped_apart(name: str, cutter_teeth: int, root_radius: float, steps: tuple[
     return [apart(own, rack_cut.cut(curve, tooth, own.teeth, True, cutter, step, 1.5), 0.05) for step in steps]
 
 
+@pytest.mark.long
 @pytest.mark.judges("teeth")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHAPED)
@@ -238,7 +243,7 @@ def test_more_steps_of_a_shaper_come_nearer_to_the_outline_as_their_square(name:
     assert abs(fine - (middle - fine) / 3.0) < LEFT_AT_LAST
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["20-0.24-sine"], rest="long")
 @pytest.mark.parametrize("name", SHAPED)
 @pytest.mark.parametrize(("cutter_teeth", "root_radius"), [(19, CORNER), (21, CORNER), (20, 0.24), (20, 0.26)])
 def test_brute_force_tells_slightly_other_shapers_apart(name: str, cutter_teeth: int, root_radius: float) -> None:
@@ -313,7 +318,7 @@ def test_a_pinion_of_57_teeth_does_foul_on_its_way_out_of_a_ring() -> None:
     assert tip_inside_teeth(ring, 57) > 0
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["56", "58"], rest="long")
 @pytest.mark.parametrize("teeth", [56, 57, 58])
 def test_a_pinion_that_fouls_on_its_way_out_of_a_ring_is_refused(teeth: int) -> None:
     """The rule of internal gears: a difference of about ten teeth at 20 degrees."""

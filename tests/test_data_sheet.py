@@ -78,7 +78,7 @@ def test_rows_fit_their_headings_and_every_number_is_finite(name: str) -> None:
         assert np.isfinite(numbers).all()
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse", "helical-ellipse", "uniform-crank"], rest="long")
 @pytest.mark.parametrize("name", NAMES)
 def test_the_pitch_table_has_a_row_for_each_tooth_and_radii_that_meet(name: str) -> None:
     found = sheet(name)
@@ -297,7 +297,7 @@ def read_radii_mm(name: str, gear: str, module_mm: float) -> tuple[np.ndarray, n
     return found[0], found[1]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["pump-1-2-driving"], rest="long")
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 @pytest.mark.parametrize("name", ["ellipse", "pump-1-2"])
 def test_tips_and_roots_are_those_of_the_written_solid(name: str, gear: str) -> None:

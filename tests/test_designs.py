@@ -186,6 +186,7 @@ def value_of(summary: dict[str, Any], key: str) -> Any:
     return summary
 
 
+@pytest.mark.tiers(slow=["baler-half-dynamics-pitch.max_pressure_angle_deg-60.0-0.01"], rest="long")
 @pytest.mark.judges("project")
 @in_tiers
 @pytest.mark.parametrize(
@@ -211,6 +212,7 @@ def test_the_other_reading_of_the_baler_is_flagged_and_refused(tmp_path: Path) -
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @in_tiers
 @every_design
 def test_all_files_are_there(name: str) -> None:
@@ -228,6 +230,7 @@ def test_closure_and_lengths(name: str) -> None:
     assert abs(driving / (np.pi * summary["teeth"]["module_mm"] * pitches(summary)) - 1.0) <= 1e-12
 
 
+@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @pytest.mark.judges("figures")
 @in_tiers
 @every_design
@@ -293,6 +296,7 @@ def as_it_comes_out(case: Built, section: Polygon) -> Polygon:
     return section.buffer(case.summary["bodies"]["process_clearance_mm"], join_style="mitre")
 
 
+@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @in_tiers
 @every_design
 def test_written_solids_mesh(name: str) -> None:
@@ -322,6 +326,7 @@ def test_a_wrong_law_or_distance_is_seen() -> None:
     )
 
 
+@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @in_tiers
 @every_design
 def test_contact_figures_agree_with_the_judge(name: str) -> None:
@@ -331,6 +336,7 @@ def test_contact_figures_agree_with_the_judge(name: str) -> None:
     assert summary["contact"]["positions"] >= max(400, 20 * pitches(summary))
 
 
+@pytest.mark.tiers(slow=["offset-ellipse-driving"], rest="long")
 @pytest.mark.judges("files")
 @in_tiers
 @pytest.mark.parametrize("gear", ["driving", "driven"])
@@ -358,6 +364,7 @@ def area(outline: np.ndarray) -> float:
     return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
 
 
+@pytest.mark.tiers(slow=["offset-ellipse-driving"], rest="long")
 @in_tiers
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 @every_design
@@ -367,6 +374,7 @@ def test_outline_runs_counter_clockwise_and_does_not_repeat(name: str, gear: str
     assert np.min(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)) > 1e-9
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_baler_at_25_teeth_names_its_undercut_and_what_frees_it() -> None:
     teeth = built("baler").summary["teeth"]
@@ -442,6 +450,7 @@ INTERFACE = [
 """Keys of summary.json that other programs may rely on."""
 
 
+@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @in_tiers
 @every_design
 def test_the_summary_has_every_key_of_the_interface(name: str) -> None:

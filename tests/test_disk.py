@@ -96,6 +96,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
         yield Path(name)
 
 
+@pytest.mark.tiers(slow=["half of a write is written-all"], rest="long")
 @pytest.mark.parametrize("every", ALL)
 @pytest.mark.parametrize("fault", Fault)
 def test_a_fault_at_any_call_leaves_one_build_whole(place: Path, fault: Fault, every: int) -> None:

@@ -127,6 +127,7 @@ def test_a_picture_of_the_gallery_is_drawn_as_it_is_kept(name: str) -> None:
     assert np.mean(drawn < 200.0) > 0.01
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", kinds_page.KINDS)
 def test_what_a_kind_offers_is_what_its_page_says(kind: str) -> None:

@@ -135,7 +135,7 @@ def test_letters_are_as_wide_as_their_makers_say() -> None:
 
 
 @pytest.mark.judges("files")
-@pytest.mark.tiers(quick=["ellipse-*"], rest="slow")
+@pytest.mark.tiers(quick=["ellipse-*"], slow=["baler-Gear.DRIVING", "internal-1-2-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_drawn_outline_is_the_exact_one_in_the_scale_of_the_title(name: str, gear: Gear) -> None:
@@ -216,7 +216,12 @@ def misplaced(middles: Array, numbers: dict[int, Array]) -> list[int]:
     return [n for n, place in numbers.items() if np.argmin(np.hypot(*(middles - place).T)) != n - 1]
 
 
-@pytest.mark.tiers(quick=["ellipse-*"], thorough=["baler-*", "internal-*"], rest="slow")
+@pytest.mark.tiers(
+    quick=["ellipse-*"],
+    thorough=["baler-*", "internal-*"],
+    slow=["desk-toy-Gear.DRIVING", "printed-pump-Gear.DRIVING", "scotch-yoke-pump-Gear.DRIVING"],
+    rest="long",
+)
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", [*DESIGNS, "desk-toy", "printed-pump", "scotch-yoke-pump"])
 def test_teeth_have_the_numbers_of_warnings(name: str, gear: Gear) -> None:
@@ -229,7 +234,7 @@ def test_teeth_have_the_numbers_of_warnings(name: str, gear: Gear) -> None:
     assert misplaced(np.roll(middles, 1, axis=0), numbers) == wanted
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["spiral-pair-Gear.DRIVEN", "log-generator-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", ["spiral-pair", "rack-feed", "log-generator"])
 def test_teeth_of_open_gears_are_numbered_as_the_spaces_of_their_pins(name: str, gear: Gear) -> None:

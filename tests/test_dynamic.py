@@ -77,7 +77,7 @@ def backs_meet_s(out: Course) -> Array:
 # Energy
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["sine-31-on_law", "ring-24-on_law"], rest="long")
 @pytest.mark.parametrize("start", list(Start))
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("uniform 1:2", 16), ("ring", 24)])
 def test_energy_balances(name: str, teeth: int, start: Start) -> None:
@@ -86,7 +86,7 @@ def test_energy_balances(name: str, teeth: int, start: Start) -> None:
     assert found.energy_error < 1e-5
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["sine-31"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
 def test_energy_balances_where_pairs_get_stiffer_and_softer_on_their_way(name: str, teeth: int) -> None:
     found = run(mechanism(uneven_meshing(name, teeth), slider_load()), name, 0.12)
@@ -105,6 +105,7 @@ def test_a_wrong_sign_of_the_damping_is_told_by_the_energy() -> None:
     assert (told.value.exit_status, told.value.key) == (3, "simulation")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_motion_converges_with_the_accuracy() -> None:
     found = mechanism(meshing("sine", 31), slider_load())
@@ -177,7 +178,7 @@ def test_at_a_slow_speed_the_motion_is_that_of_loaded_contact() -> None:
     np.testing.assert_allclose(error, rest.error_rad, atol=0.05 * np.abs(rest.error_rad).max())
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.1"], rest="long")
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 def test_ten_times_the_stiffness_or_a_tenth(factor: float) -> None:
     found = meshing("sine", 31)
@@ -192,7 +193,7 @@ def test_ten_times_the_stiffness_or_a_tenth(factor: float) -> None:
 # Teeth that part and meet
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.05"], rest="long")
 @pytest.mark.parametrize("backlash_mm", [0.05, 0.4])
 def test_without_resistance_teeth_part_and_meet_and_no_energy_appears(backlash_mm: float) -> None:
     """The slider's inertia carries the driven gear ahead; nothing is lost, so nothing may be gained."""
@@ -243,6 +244,7 @@ def test_with_play_no_flank_touches_where_none_bears_load() -> None:
     assert np.mean(bears[~within]) > 0.95
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_fast_drive_reverses_the_load_of_the_teeth_and_a_slow_one_does_not() -> None:
     """From the torque of the rigid motion: at the speed at which inertia outweighs the resistance, backs bear load."""
@@ -310,6 +312,7 @@ def test_a_motor_that_cannot_is_told() -> None:
     assert caught.value.key == "simulation.motor"
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_dead_centres_end_legs() -> None:
     out = run(mechanism(meshing("uniform", 24), slider_load()), "uniform", 1.2)

@@ -263,7 +263,7 @@ def test_stress_is_per_module_and_compliance_has_no_size() -> None:
 CIRCULAR = [(20, 0.0), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((25, 0.5), (40, 0.0), (40, -0.5)))]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["20-0.0", "40-0.0"], rest="long")
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize(("teeth", "shift"), CIRCULAR)
 def test_root_stresses_are_those_of_iso_6336_within_its_scatter(teeth: int, shift: float) -> None:
@@ -315,6 +315,7 @@ def test_single_stiffness_is_that_of_iso_6336(teeth: int) -> None:
     assert single_stiffness(gears, 50.0) == pytest.approx(1.055 * theoretical, rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_single_stiffness_of_the_published_example() -> None:
     """ISO/TR 6336-30 example 1: c'_th 17.856 for 17 and 103 teeth at a helix angle of 15.8 degrees, shifts 0.145 and 0.
@@ -420,6 +421,7 @@ def test_thinner_teeth_show() -> None:
     assert thin.middle_moved_mm[0, -1] > 1.1 * thick.middle_moved_mm[0, -1]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
@@ -439,6 +441,7 @@ def test_all_teeth_of_worked_designs_are_meshed(name: str) -> None:
         assert (np.diff(elements.middle_moved_mm[:, 8:], axis=1) > 0.0).all()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize(("name", "astray"), [("ellipse", 0.07), ("baler-86", 0.12), ("baler", 0.31)])
@@ -465,6 +468,7 @@ def test_teeth_of_hard_pairs_are_meshed(name: str, teeth: int) -> None:
         assert 1.0 < stress[:, -1].min() <= stress.max() < 15.0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["baler", "ellipse"])
 def test_root_stresses_of_all_teeth_are_exact_to_a_percent(name: str) -> None:

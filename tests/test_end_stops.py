@@ -134,7 +134,7 @@ def test_a_kerf_narrows_the_slot_and_a_clearance_widens_it() -> None:
         )
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["4", "60"], rest="long")
 @pytest.mark.parametrize("radius", [4, 7, 60])
 def test_a_slot_without_room_is_refused_with_a_radius_that_fits(radius: float) -> None:
     text = TEXT.replace("radius_mm: 16", f"radius_mm: {radius}")

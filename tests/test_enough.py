@@ -272,6 +272,7 @@ def moved(case: Refused, value: float, share: float) -> Keys:
     return {**case.keys, case.key: value * (1.0 - share if case.key in FALLING else 1.0 + share)}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", long_but(list(TOO_LITTLE)[::6], TOO_LITTLE))
 def test_what_is_said_to_be_enough_is(name: str) -> None:
     """The certain value opens the limit and a hundredth less does not; a law has the other value."""

@@ -111,7 +111,11 @@ def returned(family: Family, shape: Array, skewness: float) -> ReturnSamples:
     return return_samples(returns_with_skewness(*asked, inverse=family.inverse), family.linkage, RETURN_POINTS, 1)
 
 
-@pytest.mark.tiers(thorough=["in line-*-True"], rest="slow")
+@pytest.mark.tiers(
+    thorough=["in line-*-True"],
+    slow=["in line-lobes1-False", "offset-lobes1-False", "short rod-lobes1-False"],
+    rest="long",
+)
 @pytest.mark.parametrize("inverse", [False, True])
 @pytest.mark.parametrize("lobes", [Lobes(), Lobes(2, 1)])
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
@@ -182,6 +186,7 @@ def best(cap_w: float, *, inverse: bool, seed: int = 1) -> FamilyOptimum:
     return best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, inverse), Peak.ACCELERATION, cap_w, seed=seed, starts=16)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("cap_w", "inverse", "at_most"),
@@ -215,6 +220,7 @@ def test_the_request_makes_the_law_again() -> None:
     assert np.array_equal(again.transmission.driven_angle(phi1).value, exact)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     """Both ways of asking lead to the same frontier."""
@@ -225,7 +231,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     assert other.peak(Peak.POWER) == pytest.approx(12000.0, rel=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["offset"], rest="long")
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
     family = Family(linkage, SliderLoad(), OMEGA, True)

@@ -72,7 +72,7 @@ def test_designs_that_are_left_out_have_no_gears() -> None:
         _ = drive("baler-a1-at-law-speed").teeth
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["internal-1-2"], rest="long")
 @pytest.mark.parametrize("name", WITH_GEARS)
 def test_gears_without_backlash_overlap_nowhere_and_turn(name: str) -> None:
     for stage in tight(name):
@@ -151,7 +151,7 @@ def deepest(pitch: PitchPair, form: ToothForm, count: int = 200) -> float:
     return max(float(outlines.overlap(at, share * play).max()) for share in SHARES)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["tips at fillets, 0.2 mm"], rest="long")
 @pytest.mark.parametrize("name", CASES)
 def test_nothing_is_in_the_mates_way_over_the_whole_play(name: str) -> None:
     assert deepest(*CASES[name]()) <= OVERLAP * TOLERANCE
@@ -170,7 +170,7 @@ def test_turned_tips_get_into_bottoms_that_nobody_holds_them_against(monkeypatch
     assert deepest(*deep(0.3), 60) > 0.1
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler"], rest="long")
 @pytest.mark.parametrize("made", [baler, convex])
 def test_lands_that_are_not_turned_are_in_the_way(
     monkeypatch: pytest.MonkeyPatch, made: Callable[[float], Case]

@@ -90,7 +90,7 @@ def test_mangled_designs_are_read_or_refused_with_a_place(tmp_path: Path) -> Non
     judge_texts(tmp_path / "d.yaml", 150, 10**6)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["2"], rest="long")
 @pytest.mark.attack
 @pytest.mark.parametrize("batch", range(4))
 def test_many_mangled_designs_are_read_or_refused_with_a_place(tmp_path: Path, batch: int) -> None:
@@ -144,7 +144,7 @@ def test_code_in_a_file_is_not_run(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["d.yaml"]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["long tag"], rest="long")
 @pytest.mark.attack
 @pytest.mark.parametrize("name", HARMFUL)
 def test_harmful_files_are_refused_in_little_memory_and_time(tmp_path: Path, name: str) -> None:
@@ -264,7 +264,7 @@ def test_random_expressions_are_functions_or_refused() -> None:
     judge_expressions(100, 10**6)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["2"], rest="long")
 @pytest.mark.attack
 @pytest.mark.parametrize("batch", range(4))
 def test_many_random_expressions_are_functions_or_refused(batch: int) -> None:

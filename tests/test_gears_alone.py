@@ -130,7 +130,7 @@ def test_the_table_of_the_motion_is_in_units_of_a_shaft(run: Run) -> None:
         assert word not in told, word
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["quasi_static"], rest="long")
 @pytest.mark.parametrize("level", ["rigid", "quasi_static", "dynamic"])
 def test_simulations_name_no_crank(run: Run, level: str) -> None:
     Path("d.yaml").write_text(text(TORQUES["formula"], GEARS, MASSES, "simulation: {turns: 0.1}"), encoding="utf-8")

@@ -124,19 +124,19 @@ def judge(case: Case, *, parted: bool = False) -> None:
         assert report.gap.max() <= 2.0 * case.tolerance_mm
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["eccentricity 0.7"], rest="long")
 @pytest.mark.parametrize("name", CASES)
 def test_hard_pairs_mesh(name: str) -> None:
     judge(CASES[name], parted=name in PARTED)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["eccentricity 0.7, 13"], rest="long")
 @pytest.mark.parametrize("name", SLOW)
 def test_more_hard_pairs_mesh(name: str) -> None:
     judge(SLOW[name], parted=name in PARTED)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["eccentricity 0.7-1.3"], rest="long")
 @pytest.mark.parametrize(
     ("name", "least"),
     [
@@ -168,7 +168,7 @@ def jumps() -> Array:
     return sized_pair(baler_law(), 25, 1.0, None).driving.joints_mm
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["space-0"], rest="long")
 @pytest.mark.parametrize("joint", range(4))
 @pytest.mark.parametrize("at_tooth", [True, False], ids=["tooth", "space"])
 def test_a_jump_of_the_curvature_in_the_middle_of_a_tooth_or_a_space(joint: int, at_tooth: bool) -> None:
@@ -177,7 +177,7 @@ def test_a_jump_of_the_curvature_in_the_middle_of_a_tooth_or_a_space(joint: int,
     judge(Case(baler_law, 25, advance=float(joints[joint]) + (0.0 if at_tooth else pi / 2.0)))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.25"], rest="long")
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5])
 def test_a_tooth_that_straddles_convex_and_hollow(share: float) -> None:
     """The inflection in the middle of a tooth, on its flank, in the middle of a space."""

@@ -87,7 +87,7 @@ CASES = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["lobes 2:3"], rest="long")
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name == "lobes 2:3" else pytest.mark.slow) for name in CASES]
 )

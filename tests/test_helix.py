@@ -137,6 +137,7 @@ def test_advance_of_herringbone_teeth_goes_back_from_half_way() -> None:
     assert helix.thrust_share == 0.0
 
 
+@pytest.mark.tiers(slow=["one on two"], rest="long")
 @pytest.mark.parametrize("name", LAWS)
 def test_a_whole_pitch_of_advance_gives_the_same_outline(name: str) -> None:
     """And so do whole turns, in which every tooth keeps its place in the file."""
@@ -157,6 +158,7 @@ def test_half_a_pitch_puts_a_space_where_the_tooth_was() -> None:
 # --- circular gears: the section is the outline, turned ------------------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["7.0-right"], rest="long")
 @pytest.mark.parametrize("hand", list(Hand))
 @pytest.mark.parametrize("height", HEIGHTS)
 def test_circular_sections_are_turned_by_the_hand(hand: Hand, height: float) -> None:
@@ -171,6 +173,7 @@ def test_circular_sections_are_turned_by_the_hand(hand: Hand, height: float) -> 
             assert apart(section(made("circular", hand).mesh(gear), height), wrong) > 10.0 * TOLERANCE
 
 
+@pytest.mark.tiers(slow=["False"], rest="long")
 @pytest.mark.parametrize("herringbone", [False, True])
 def test_circular_volume_is_area_times_width(herringbone: bool) -> None:
     pair = made("circular", herringbone=herringbone)
@@ -210,6 +213,7 @@ def test_what_strays_between_two_sections_is_the_closed_form_of_a_circle() -> No
 # --- non-circular gears ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["one on two-False"], rest="long")
 @pytest.mark.parametrize(
     ("name", "herringbone"),
     # A section of the concave gears takes half a second: half as many do for them.
@@ -265,6 +269,7 @@ def read_sections(pair: SolidPair, height: float) -> list[Polygon]:
     return [section(read_back(stl_bytes(one.mesh), one.mesh), height) for one in (pair.driving, pair.driven)]
 
 
+@pytest.mark.tiers(slow=["86-0.6-15.0-0.02-False"], rest="long")
 @pytest.mark.parametrize(
     ("teeth", "width", "angle_deg", "tolerance", "herringbone"),
     [(86, 0.6, 15.0, 4.0 * TOLERANCE, False), (25, 12.0, 20.0, 6.0 * TOLERANCE, True)],
@@ -333,6 +338,7 @@ def judged_on(pitch: PitchPair, driving: Polygon, driven: Polygon) -> meshing.Me
     return meshing.Pair(driving, driven, phi1, phi2, pitch.center_distance_mm).report(101)
 
 
+@pytest.mark.tiers(slow=["one on two-False"], rest="long")
 @pytest.mark.parametrize("herringbone", [False, True])
 @pytest.mark.parametrize("name", ["ellipse", "one on two"])
 def test_sections_at_one_height_mesh_at_the_same_angles(name: str, herringbone: bool) -> None:
@@ -377,6 +383,7 @@ def test_helical_teeth_are_not_alike_above_and_below_half_way() -> None:
 # --- bores and holes ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["False-bore2"], rest="long")
 @pytest.mark.parametrize("bore", [None, Bore(10.0), Bore(10.0, Keyway(3.0, 1.4))])
 @pytest.mark.parametrize("herringbone", [False, True])
 def test_bore_and_index_hole_go_straight_through(bore: Bore | None, herringbone: bool) -> None:
@@ -469,6 +476,7 @@ LOSING = "law: ratio_expression, driven_angle: phi - 0.3*sin(2*phi)"
 HELIX = "  helix: {angle_deg: 15, kind: helical, hand: left}\n"
 
 
+@pytest.mark.tiers(slow=["{angle_deg: 15, hand: left}-gears.helix.kind-missing"], rest="long")
 @pytest.mark.parametrize(
     ("helix", "key", "words"),
     [
@@ -549,6 +557,7 @@ def test_an_overlap_that_leaves_a_rest_to_the_sections_asks_for_it() -> None:
     assert helical.value.key == straight.value.key == "gears.least_contact_ratio"
 
 
+@pytest.mark.tiers(slow=["12.0-shares1-False"], rest="long")
 @pytest.mark.parametrize(
     ("helix_deg", "shares", "refused"),
     [

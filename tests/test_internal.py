@@ -80,7 +80,7 @@ every_pair = pytest.mark.parametrize("of", [variable, pytest.param(table, marks=
 # --- circles -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["lobes2"], rest="long")
 @pytest.mark.parametrize("lobes", [Lobes(1, 2), Lobes(1, 3), Lobes(2, 3), Lobes(7, 8)])
 def test_a_constant_ratio_makes_a_circle_in_a_circle(lobes: Lobes) -> None:
     found = sized_pair(uniform_law(lobes), 21 * lobes.driving, None, DISTANCE, Mesh.INTERNAL)
@@ -181,7 +181,7 @@ def test_derivatives_along_the_curve_are_tangent_and_curvature(gear: Gear) -> No
     assert (4.0 * bends[1] - bends[0]) / 3.0 == pytest.approx(-at.curvature[:, None] * at.normal, abs=1e-11)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["driving"], rest="long")
 @every_gear
 def test_arc_lengths_are_those_of_an_independent_quadrature(gear: Gear) -> None:
     """mpmath on r1 = a/(i - 1) and r2 = a i/(i - 1) from the ratio's own formula: the curves roll without slip."""
@@ -297,7 +297,7 @@ def made(law: str, teeth: int, backlash_mm: float = 0.0) -> Made:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1:2"], rest="long")
 @pytest.mark.parametrize("law", ["1:2", "1:3"])
 def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: str) -> None:
     """At radius r a space is pi/z - 2 inv(alpha_r) + 2 inv(alpha) wide, cos(alpha_r) = r_b2/r, as a tooth would be."""
@@ -316,7 +316,7 @@ def test_spaces_of_a_circular_ring_are_involute_teeth_of_its_base_circle(law: st
     assert np.ptp(radius[0]) > MODULE
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1:2"], rest="long")
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_mating_flanks_touch_where_their_normal_goes_through_the_pitch_point(law: str) -> None:
     """A driving flank at height h and the ring's flank of the same crossing at -h, in the fixed frame."""
@@ -369,7 +369,7 @@ def turns(count: int = 101) -> Array:
     return np.arange(count) * (4.0 * pi / count)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1:2"], rest="long")
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_pairs_neither_overlap_nor_stand_apart(law: str) -> None:
     report = judge_of(made(law, 60), turns()).report(101)
@@ -379,7 +379,7 @@ def test_pairs_neither_overlap_nor_stand_apart(law: str) -> None:
     assert report.gap.max() <= 2.0 * TOLERANCE
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.002"], rest="long")
 @pytest.mark.parametrize("ahead_rad", [0.002, -0.002])
 def test_a_slight_turn_makes_them_overlap(ahead_rad: float) -> None:
     judge = judge_of(made("variable", 60), turns(11))
@@ -401,7 +401,7 @@ def contact_of(pair: Made) -> tuple[AsWritten, Placement]:
     return read(outlines(pair[1]), pair[0], pair[1], at), at
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1:2"], rest="long")
 @pytest.mark.parametrize("law", ["1:2", "variable"])
 def test_play_is_what_shapely_finds(law: str) -> None:
     pair = made(law, 60, 0.05)
@@ -424,7 +424,7 @@ def test_transmission_error_is_that_of_the_chords() -> None:
 # --- fouling -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1:2-60"], rest="long")
 @pytest.mark.parametrize(
     ("law", "teeth"), [("1:2", 60), ("4:5", 40), pytest.param("10:11", 40, marks=[pytest.mark.slow, pytest.mark.long])]
 )
@@ -547,7 +547,7 @@ def picture(png: bytes) -> Array:
     return np.asarray(Image.open(BytesIO(png)).convert("RGB"), dtype=float)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1"], rest="long")
 @pytest.mark.parametrize("sense", [1, -1])
 def test_the_ring_is_filled_outside_its_curve_and_the_driving_gear_inside(sense: int) -> None:
     """Whichever way the curve runs, as areas tell: a hole that is filled makes the ring nearly twice as large."""

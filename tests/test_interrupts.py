@@ -95,7 +95,7 @@ LONG: dict[str, tuple[float, list[str]]] = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["size"], rest="long")
 @pytest.mark.parametrize("name", LONG)
 def test_long_work_can_be_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.chdir(ROOT)
@@ -107,7 +107,7 @@ def test_long_work_can_be_interrupted(tmp_path: Path, monkeypatch: pytest.Monkey
     assert name == "sweep" or not out.exists()
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["told alone"], rest="long")
 @pytest.mark.parametrize("whole_group", [False, True], ids=["told alone", "as a terminal does"])
 def test_an_interrupted_frontier_ends_its_processes_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole_group: bool

@@ -147,7 +147,7 @@ def scaled(data: Data, factor: float) -> Data:
     return {**result, "resistance": {"polynomial_n": force}}
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["-260.0-0.001"], rest="long")
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 @pytest.mark.parametrize("e", [0.0, -260.0])
 def test_a_stroke_a_thousand_times_larger(factor: float, e: float) -> None:
@@ -157,7 +157,7 @@ def test_a_stroke_a_thousand_times_larger(factor: float, e: float) -> None:
     assert driven(other) == pytest.approx(driven(one), rel=SAME)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1000.0-few"], rest="long")
 @quick_and_slow
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 def test_any_ratio_law_on_a_linkage_a_thousand_times_larger(examples: str, factor: float) -> None:
@@ -170,7 +170,7 @@ def test_any_ratio_law_on_a_linkage_a_thousand_times_larger(examples: str, facto
     same()
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.1"], rest="long")
 @pytest.mark.parametrize("factor", [1e-3, 0.1, 7.0])
 def test_another_speed_scales_the_peaks(factor: float) -> None:
     data = design(STROKE)
@@ -178,7 +178,7 @@ def test_another_speed_scales_the_peaks(factor: float) -> None:
     assert_same(drive_of(data), drive_of(faster))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.001-rod-1-0001"], rest="long")
 @pytest.mark.parametrize("name", ["offset-near-limit", "offset-near-limit-negative", "rod-1-0001"])
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 def test_where_the_condition_is_large_scaling_costs_what_it_says(name: str, factor: float) -> None:
@@ -218,7 +218,7 @@ def start_of(drive: Drive, driven_rad: float) -> float:
     return float(brentq(lambda at: driven(drive, np.array([at]))[0] - driven_rad, 0.0, 2.0 * pi - 1e-9, xtol=1e-15))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["expression-few"], rest="long")
 @quick_and_slow
 @pytest.mark.parametrize("law", ["harmonics", "expression", "table"])
 def test_the_seam_may_be_anywhere(examples: str, law: str) -> None:
@@ -248,7 +248,7 @@ def backwards(motion: Data) -> Data:
     return {**motion, "ratio": motion["ratio"].replace("phi", "(-phi)")}
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["expression-few"], rest="long")
 @quick_and_slow
 @pytest.mark.parametrize("law", ["harmonics", "expression", "table"])
 def test_a_law_run_backwards(examples: str, law: str) -> None:
@@ -265,7 +265,7 @@ def test_a_law_run_backwards(examples: str, law: str) -> None:
     same()
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["expression-few"], rest="long")
 @quick_and_slow
 @pytest.mark.parametrize("law", ["harmonics", "expression", "table"])
 def test_a_mirrored_machine_run_backwards(examples: str, law: str) -> None:

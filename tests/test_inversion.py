@@ -62,7 +62,7 @@ def evaluated(pieces: tuple[Piece, ...], angles: Array) -> tuple[Array, Array]:
     return driven, ratio
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["offset 100"], rest="long")
 @every_case
 def test_angle_and_ratio_are_relatively_exact_everywhere(name: str) -> None:
     stroke, linkage, exact = case(name)

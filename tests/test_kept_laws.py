@@ -155,7 +155,7 @@ def test_files_without_a_law_are_refused(name: str) -> None:
         kept(name)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["tests/laws/baler-9375-w-30-deg"], rest="long")
 @pytest.mark.parametrize("name", LAWS)
 def test_no_quick_limit_is_above_a_law(name: str) -> None:
     assert over(kept(name).without_masses(), [("roughly", "all"), ("power", "dents")]) == {}
@@ -164,7 +164,7 @@ def test_no_quick_limit_is_above_a_law(name: str) -> None:
 AT_ONCE = [f"designs/{name}" for name in ("baler-66", "baler-half", "baler-smooth", "baler", "pusher", "press")]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["designs/pusher"], rest="long")
 @pytest.mark.parametrize(
     "name", long_but([*AT_ONCE, *(name for name in LAWS if "foreign" in name and "blanking" not in name)], LAWS)
 )
@@ -183,7 +183,7 @@ def test_no_limit_of_a_machine_with_masses_is_above_a_law(name: str) -> None:
 RAISED = ({"acceleration_mm_s2": 1.0}, {"power_w": 1.0}, {"power_w": 1.0, "braking_w": 1.0}, {"torque_n_mm": 1.0})
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["designs/pump-both-ways-power_w and braking_w"], rest="long")
 @pytest.mark.parametrize("prices", RAISED, ids=" and ".join)
 @pytest.mark.parametrize(
     "name",
@@ -232,7 +232,7 @@ BEST = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["benchmarks/foreign/long-rod"], rest="long")
 @pytest.mark.parametrize("name", BEST)
 def test_what_is_a_fiftieth_tighter_than_a_best_law_is_beyond_it(name: str) -> None:
     """Negative control: the limit is above the law, or nothing keeps these demands at all."""

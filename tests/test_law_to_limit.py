@@ -11,13 +11,13 @@ from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.task import figures
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["both-strokes"], rest="long")
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_law_is_within_a_hundredth_of_its_limit(name: str) -> None:
     assert -1e-9 < reached(asked_by(MACHINES[name])).gap <= 0.01
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["feeder-kept-0.015"], rest="long")
 @pytest.mark.parametrize(
     ("name", "gap"),
     [
@@ -31,7 +31,7 @@ def test_limits_with_wishes_and_masses_are_raised_towards_the_law(name: str, gap
     assert -1e-9 < reached(asked_by(HARDER[name])).gap <= gap
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["long-rod"], rest="long")
 @pytest.mark.parametrize("name", FOREIGN)
 def test_what_is_asked_of_foreign_machines_binds(name: str) -> None:
     """Control of the test above: the law takes all that its cap allows, and has convex curves."""

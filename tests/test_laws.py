@@ -317,7 +317,7 @@ def test_uniform_law_is_a_straight_line(lobes: Lobes) -> None:
 
 
 @pytest.mark.judges("ratio")
-@pytest.mark.tiers(quick=["0.05-*-lobes1"], rest="slow")
+@pytest.mark.tiers(quick=["0.05-*-lobes1"], slow=["0.35-3.49-lobes2"], rest="long")
 @pytest.mark.parametrize("lobes", [Lobes(), Lobes(1, 2), Lobes(2, 1), Lobes(2, 3)])
 @pytest.mark.parametrize(("eccentricity", "phase"), [(0.05, 0.0), (0.35, 3.49), (0.7, -1.0)])
 def test_elliptical_law_against_quadrature_of_its_radii(eccentricity: float, phase: float, lobes: Lobes) -> None:

@@ -45,7 +45,7 @@ def name(entry: Entry) -> str:
     return f"{entry.places[0]} {entry.what}"
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["Threshing drum with a side chain drive"], rest="long")
 @pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
 def test_every_verdict_is_borne_out(paper: Paper) -> None:
     assert len(judgement(paper).entries) == len(paper.entries) > 0
@@ -315,7 +315,7 @@ def test_figures_that_were_computed_independently(title: str, what: str, verdict
     assert Printed(texts(values)).agrees(Computed(found.computed.values))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["Threshing drum with a side chain drive-counts2"], rest="long")
 @pytest.mark.parametrize(
     ("title", "counts"),
     [

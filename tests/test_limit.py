@@ -47,7 +47,7 @@ def acceleration(rpm: float, power_w: float) -> Bound:
     return least_acceleration(Task(BALER_LINKAGE, PRESS, rpm * RPM), replace(USUAL, power_w=power_w))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["12000.0-10701.0-14731.0"], rest="long")
 @pytest.mark.parametrize(
     ("power_w", "at_law_speed", "at_sixty"),
     [
@@ -81,7 +81,7 @@ TABLE = [
 """Power, largest tangent angle in deg; the bound with the driven curve alone, and the best law, both on 720 knots."""
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["6300.0-30.0-119436.0-119808.0"], rest="long")
 @pytest.mark.parametrize(("power_w", "deg", "driven_alone", "law"), TABLE)
 def test_convex_curves_between_the_bound_of_one_and_a_law(
     power_w: float, deg: float, driven_alone: float, law: float
@@ -132,7 +132,7 @@ def test_power_alone_in_closed_form() -> None:
     assert 0.8 * exact < least_power(task, WIDE).value <= exact * (1.0 + 1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["6300.0"], rest="long")
 @pytest.mark.parametrize("power_w", [6300.0, 9000.0])
 def test_power_and_acceleration_are_each_other_s_inverse(power_w: float) -> None:
     found = least_power(AT_SIXTY, replace(USUAL, acceleration_mm_s2=acceleration(60.0, power_w).value))

@@ -18,7 +18,7 @@ from published import BALER_LINKAGE, PRESS, RPM
 PLACES = 321
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["60.0-12000.0-ratios2-load2"], rest="long")
 @pytest.mark.parametrize(
     ("rpm", "power_w", "ratios", "load"),
     [

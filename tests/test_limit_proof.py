@@ -284,7 +284,7 @@ def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> 
     assert broken_with_mass(seed, FIGURES) < SAMPLED
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["torque_n_mm"], rest="long")
 @pytest.mark.parametrize("name", FIGURES)
 def test_figures_under_those_of_the_law_are_broken(name: str) -> None:
     """Negative control: a figure 2 % under the law's, without any room in its range."""

@@ -59,7 +59,7 @@ LIMITS = {
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.tiers(quick=["rms_torque_n_m"], rest="slow")
+@pytest.mark.tiers(quick=["rms_torque_n_m"], slow=["flywheel_kg_mm2"], rest="long")
 @pytest.mark.parametrize("name", LIMITS)
 def test_a_limit_is_kept_by_exact_figures_and_pressed_against(name: str) -> None:
     """The search keeps back what is between its places, which is under a thousandth with 96 knots."""
@@ -200,7 +200,7 @@ def least_size_n(of: str) -> float:
     return float(answer.x[0]) * scale
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["Goal.SHAKING_FORCE-shaking_force_n"], rest="long")
 @pytest.mark.parametrize(
     ("goal", "name"), [(Goal.SHAKING_FORCE, "shaking_force_n"), (Goal.BEARING_FORCE, "bearing_force_n")]
 )

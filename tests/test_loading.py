@@ -75,7 +75,7 @@ def moment_n_mm(found: Loading, gear: Gear) -> Array:
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.tiers(quick=["sine-31-20000.0"], rest="slow")
+@pytest.mark.tiers(quick=["sine-31-20000.0"], slow=["baler-25--20000.0"], rest="long")
 @pytest.mark.parametrize("torque_n_mm", [2e4, -2e4])
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_forces_at_their_points_balance_the_torques_of_both_gears(name: str, teeth: int, torque_n_mm: float) -> None:
@@ -112,7 +112,7 @@ def outline_distance_mm(name: str, teeth: int, found: LoadedContacts, gear: Gear
     return np.abs(point - start - share * step).min(axis=1)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ring-24-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 31), ("ring", 24)])
 def test_places_of_contact_are_on_both_outlines_and_on_the_tooth_that_is_named(
@@ -196,7 +196,7 @@ def test_without_torque_nothing_bears() -> None:
 # --- other gears ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ring-24-exact"], rest="long")
 @pytest.mark.parametrize("relief", [None, TipRelief(0.03, 1.2, MODULE)], ids=["exact", "relief"])
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 31), ("ring", 24), ("uniform 3:2", 21)])
 def test_speeds_are_those_at_which_contacts_move_along_their_flanks(
@@ -236,7 +236,7 @@ def test_teeth_are_loaded_as_their_turn_comes_and_each_has_its_own_largest_load(
         assert largest.max() > 1.3 * largest.min()
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-25"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_shares_are_those_of_the_search_that_knows_of_friction_and_other_exponents(name: str, teeth: int) -> None:
     phi1 = np.linspace(0.0, 2.0 * pi, 1501)
@@ -247,7 +247,7 @@ def test_shares_are_those_of_the_search_that_knows_of_friction_and_other_exponen
     np.testing.assert_allclose(shares.force_n, expected.forces.normal_n, atol=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["sine-31"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 31), ("baler", 25)])
 def test_largest_loads_converge_with_the_positions(name: str, teeth: int) -> None:
     """The largest force of each tooth and the error, against a table of gaps and positions four times as close."""

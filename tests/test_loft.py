@@ -63,6 +63,7 @@ def square(points: int = 1) -> Array:
 # --- lofting --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["holes1-8"], rest="long")
 @pytest.mark.parametrize("points", [1, 2, 8, 64])
 @pytest.mark.parametrize("holes", [[], [HOLE], [HOLE, 0.3 * HOLE + [1.3, 0.0]]])
 def test_a_prism_with_points_in_line(points: int, holes: list[Array]) -> None:

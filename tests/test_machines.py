@@ -49,7 +49,7 @@ def test_machine_has_the_work_of_both_strokes(machine: MachineName) -> None:
         assert drive.check.mean_power_w * cycle_s == pytest.approx(WORK_J[machine.value], rel=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["press-feeder"], rest="long")
 @pytest.mark.parametrize("machine", MachineName)
 def test_every_machine_builds_with_the_law_it_begins_with(run: Run, tmp_path: Path, machine: MachineName) -> None:
     assert run("new", "mine", "--machine", machine.value) == (0, "mine.yaml\n", "")
@@ -58,6 +58,7 @@ def test_every_machine_builds_with_the_law_it_begins_with(run: Run, tmp_path: Pa
     assert [one.split()[0] for one in missed] == BEGINS_WITHOUT.get(machine.value, [])
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_machine_of_other_sizes_and_wishes_keeps_them(run: Run, tmp_path: Path) -> None:
     """Half the stroke, twice the speed, and a quicker return: the wishes of the machine's own, in its sizes, stay."""
@@ -71,6 +72,7 @@ def test_a_machine_of_other_sizes_and_wishes_keeps_them(run: Run, tmp_path: Path
     assert _misses(wished, _table("export/mine-optimized/law.csv")) == []
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("machine", long_but([MachineName.PUMP, MachineName.PRESS_FEEDER], MachineName))
 def test_every_machine_is_optimised_and_built_with_all_its_wishes_kept(

@@ -112,7 +112,7 @@ def task_of(name: str) -> Task:
     return HEAVY if name == "mass" else AT_SIXTY
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["curvature of dents"], rest="long")
 @pytest.mark.parametrize("name", KEPT)
 def test_every_limit_is_kept_by_exact_figures(name: str) -> None:
     wishes, task = KEPT[name], task_of(name)
@@ -149,7 +149,7 @@ def test_each_of_those_limits_binds() -> None:
     assert not judged(KEPT["not convex"]).convex
 
 
-@pytest.mark.tiers(thorough=["not convex"], rest="slow")
+@pytest.mark.tiers(thorough=["not convex"], slow=["curvature"], rest="long")
 @pytest.mark.parametrize("name", KEPT)
 def test_no_law_is_under_the_certified_limit(name: str) -> None:
     wishes, task = KEPT[name], task_of(name)
@@ -192,7 +192,7 @@ def gain_nearby(wishes: Wishes, found: MakeableLaw, task: Task = AT_SIXTY) -> fl
     return 1.0 - float(answer.fun) / float(values[sought].max())
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["curvature of dents"], rest="long")
 @pytest.mark.parametrize("name", ["power", "pressure angle", "curvature of dents", "jerk"])
 def test_no_small_change_improves_it(name: str) -> None:
     """But for what it costs to hold the limits between the places of the programme."""
@@ -208,7 +208,7 @@ def test_a_law_for_tighter_limits_is_improved_by_small_changes() -> None:
     assert gain_nearby(wishes, law(tighter)) > 4e-3
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1"], rest="long")
 @pytest.mark.parametrize("seed", range(3))
 def test_the_same_from_any_start(seed: int) -> None:
     """The programme is not convex; starts at random end where the even one does."""
@@ -228,6 +228,7 @@ def test_knots_between_the_others_are_never_worse() -> None:
 OF_KNOTS = (90, 180, 360, 720)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_another_discretisation_comes_to_the_same_law() -> None:
     """The baler at 6300 W from a wavy start: 0.22 % from 180 knots to 720, and each doubling takes a third or less."""
@@ -239,7 +240,7 @@ def test_another_discretisation_comes_to_the_same_law() -> None:
     assert limit(wishes) < found[3] < 1.003 * limit(wishes)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["36"], rest="long")
 @pytest.mark.parametrize("count", [12, 24, 36, 48, 360, 720])
 def test_few_knots_and_many_keep_power_and_curves_exactly(count: int) -> None:
     """Between few knots a judge with steps in proportion to them would overlook dents and peaks of a millionth."""
@@ -331,7 +332,7 @@ MACHINES: dict[str, Task] = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["table"], rest="long")
 @pytest.mark.parametrize("name", MACHINES)
 def test_other_machines(name: str) -> None:
     """Under four fifths of the power that the fastest even motion takes; 1e-5 for peaks at a table's corners."""
@@ -406,7 +407,7 @@ OF_HARMONICS = {
 """Power in W, tangent angle in degrees without the rack's, and what 36 harmonics came down to under them, in mm/s2."""
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["even-baler-66", "even-baler-smooth", "wavy-baler-half"], rest="long")
 @pytest.mark.parametrize("name", OF_HARMONICS)
 @pytest.mark.parametrize("start", ["even", "wavy"])
 def test_never_worse_than_the_laws_of_36_harmonics(name: str, start: str) -> None:
@@ -431,7 +432,7 @@ PEAK = Task(
 )
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["task1-2000.0"], rest="long")
 @pytest.mark.parametrize(("task", "power_w"), [(STEP, 3_000.0), (STEP, 2_000.0), (PEAK, 3_000.0)])
 def test_a_step_and_a_narrow_peak_of_the_force_have_laws_near_their_limit(task: Task, power_w: float) -> None:
     """A step of 4000 N within a thousandth of a millimetre, and a peak 3 mm wide."""
@@ -452,7 +453,7 @@ def test_many_knots_are_not_undone_by_the_decimals_of_a_file() -> None:
     assert 0.99 * few < many < few
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["2000.0"], rest="long")
 @pytest.mark.parametrize("power_w", [2_000.0, 2_500.0])
 def test_the_power_at_a_narrow_peak_of_the_force_is_kept_exactly(power_w: float) -> None:
     """The judge has places enough for the peak; with sixteen steps between knots, 2e-6 of the power was overlooked."""

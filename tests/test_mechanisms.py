@@ -229,7 +229,7 @@ def test_torque_is_lagranges(case: Case) -> None:
     assert found == pytest.approx(wanted, abs=1e-12 * np.abs(wanted).max())
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["crank_rocker 40 110 60 125 1"], rest="long")
 @pytest.mark.parametrize("case", {case.kind: case for case in CASES}.values(), ids=str)
 def test_a_mass_that_is_left_out_is_seen(case: Case) -> None:
     """Negative control: each mass and the load change the torque."""

@@ -145,6 +145,7 @@ def test_the_mended_gears_do_not_overlap() -> None:
         assert one.distance(other) < 0.01
 
 
+@pytest.mark.tiers(slow=["more contact than any rack has"], rest="long")
 @pytest.mark.parametrize(
     "name",
     [

@@ -65,6 +65,7 @@ def judged(wish: Wish, *asked: Wish) -> Outcome:
     return outcome(found(*asked)[0], wish)
 
 
+@pytest.mark.tiers(slow=["working stroke"], rest="long")
 @pytest.mark.parametrize("name", HARD)
 def test_a_hard_wish_is_kept_and_binds(name: str) -> None:
     """Control: the law without the wish breaks it."""
@@ -80,6 +81,7 @@ def test_the_press_feeder_keeps_its_wishes() -> None:
     assert not all(one.kept for one in drive("feeder-wishes").achieved.outcomes)
 
 
+@pytest.mark.long
 def test_a_soft_wish_is_kept_where_its_weight_is_worth_it() -> None:
     """A speed of 1000 mm/s at 600 mm costs a third more acceleration."""
     wish = HARD["slow at a place"]
@@ -89,6 +91,7 @@ def test_a_soft_wish_is_kept_where_its_weight_is_worth_it() -> None:
     assert found(light)[1] < found(heavy)[1] <= found(wish)[1] * 1.002
 
 
+@pytest.mark.tiers(slow=["False-0.5"], rest="long")
 @pytest.mark.parametrize(("fastest", "weight"), [(False, 0.5), (True, 5.0)])
 def test_an_extreme_speed_moves_the_speed_its_way(fastest: bool, weight: float) -> None:
     """Fastest is dear: at 700 mm the power leaves 1085 mm/s, so that 1 % of 1900 mm/s is 3 % of the braking before."""

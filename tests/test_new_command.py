@@ -352,6 +352,7 @@ SIZES = (
 )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("law", long_but([LawName.TABLE, LawName.PITCH_CURVE, LawName.SPIRAL], LawName))
 @pytest.mark.parametrize("flags", SIZES, ids=["small", "large", "few teeth"])

@@ -96,7 +96,18 @@ def test_a_drive_shows_the_figures_of_its_report_and_the_machine() -> None:
     assert len(drive._repr_html_()) < 300_000
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(
+    slow=[
+        "law-crank slider",
+        "machine-30 r/min",
+        "motion-displacement",
+        "check-8.7023 W at phi1 = 181.3 deg",
+        "teeth-rack",
+        "designed_contact-contact ratio",
+        "strength-42CrMo4",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(
     ("name", "words"),
     {

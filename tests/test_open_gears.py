@@ -173,7 +173,7 @@ def test_spirals_that_are_circles_are_refused() -> None:
 # --- the continuation
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["spiral", "short steep spiral", "log", "falling", "formula"], rest="long")
 @every_law
 def test_curves_go_on_to_whole_turns_and_whole_pitches(name: str) -> None:
     found, known = pitch(name).transmission, law(name)

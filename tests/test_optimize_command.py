@@ -79,6 +79,7 @@ def test_what_is_written(run: Run) -> None:
     assert found["uniform_crank"] == found["design_as_given"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_written_file_gives_the_same_law_again(run: Run) -> None:
     run(HEAD + FEW)
@@ -135,7 +136,7 @@ ncgear.cli.main()
 """
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["optimize"], rest="long")
 @pytest.mark.parametrize("command", ["optimize", "frontier"])
 def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path) -> None:
     """In a process of its own, since what this one has already imported would hide an import made too early."""
@@ -147,7 +148,14 @@ def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path
     assert not list(Path(tmp_path, "export").glob("*/*"))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(
+    slow=[
+        "peak_power_w: 3000-3-d.yaml:8:32: optimize.limits.peak_power_w: 3000 W is too little",
+        "peak_power_w: 9000, peak_acceleration_mm_s2: 9000-3-optimize.limits.peak_acceleration_mm_s2: 9000 mm/s",
+        "driven_speed_rpm: 61, peak_power_w: 12000-3-12000 W is too little at any acceleration; at least",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(
     ("limits", "status", "said"),
     [
@@ -205,6 +213,7 @@ masses:
 """
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_power_of_limit_law_and_comparison_counts_the_mass_of_the_slider(run: Run) -> None:
     """One mass for every command; the power is the greatest of (F + m a) v over the whole cycle, sampled anew."""
@@ -222,7 +231,12 @@ def test_the_power_of_limit_law_and_comparison_counts_the_mass_of_the_slider(run
     assert found["law"]["peak_power_w"] == found["goal"]["law"] > found["goal"]["limit"]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(
+    slow=[
+        "{law: table, phi1_deg: [0, 90, 180, 270], displacement_mm: [0, 370, 760, 390]}-the displacements of the table"
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(
     ("motion", "lost"),
     [

@@ -18,7 +18,7 @@ TARGETS = {
 every_design = pytest.mark.parametrize("name", TARGETS)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-half"], rest="long")
 @every_design
 def test_power_acceleration_and_pressure_angle_are_within_the_targets(name: str) -> None:
     power, acceleration, angle = TARGETS[name]
@@ -29,7 +29,7 @@ def test_power_acceleration_and_pressure_angle_are_within_the_targets(name: str)
     assert summary["pitch"]["max_pressure_angle_deg"] <= angle
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-half"], rest="long")
 @every_design
 def test_the_samples_of_the_law_keep_them_too(name: str) -> None:
     """Differences of the written displacements, which share nothing with the exact peaks."""
@@ -55,7 +55,7 @@ def test_the_gears_are_convex_free_of_undercut_and_in_contact(name: str) -> None
     assert summary["contact"]["penetration_max_mm"] <= 0.005
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-half"], rest="long")
 @every_design
 def test_no_law_can_be_much_better(name: str) -> None:
     """The certified limit is below, by no more than convex curves cost."""
@@ -64,7 +64,7 @@ def test_no_law_can_be_much_better(name: str) -> None:
     assert best.bound.value < found < 1.2 * best.bound.value
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-half"], rest="long")
 @every_design
 def test_the_optimiser_finds_them_again(name: str) -> None:
     """The same file gives the same law, whatever law it holds; other builds of the solver end within its tolerance."""

@@ -132,7 +132,7 @@ def distances(points: Array, gear: ToothedGear) -> Array:
     return rack_cut.deviation_of_points(flat, Polygon(gear.outline_mm)).reshape(points.shape[:-1])
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["undercut-12", "sine-25", "baler-25", "pinion-40", "ellipse-37", "1:2-25"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -142,7 +142,7 @@ def test_no_exact_curve_is_farther_from_the_outline_than_the_tolerance(name: str
         assert max(distances(points, gear).max() for points in dense_lands(gear)) <= TOLERANCE
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["undercut ellipse-13", "3:1-48", "pinion-40", "ellipse-37", "1:2-25"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_vertices_are_on_the_exact_curves_but_for_hollow_ones(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
@@ -180,7 +180,23 @@ def test_chords_of_flanks_stay_within_the_material_where_the_mate_comes_near(nam
     assert distances(deep, gears("undercut", 12)[0]).max() > TOLERANCE / 3.0
 
 
-@pytest.mark.tiers(thorough=["*-undercut-12"], rest="slow")
+@pytest.mark.tiers(
+    thorough=["*-undercut-12"],
+    slow=[
+        "0.02-undercut ellipse-13",
+        "0.02-3:1-48",
+        "0.02-spline-25",
+        "0.02-uniform-18",
+        "0.02-sharp ellipse-25",
+        "0.02-undercut ellipse-25",
+        "0.001-sine-25",
+        "0.001-baler-25",
+        "0.001-pinion-40",
+        "0.001-ellipse-37",
+        "0.001-1:2-25",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 @pytest.mark.parametrize("tolerance", [0.02, 0.001])
 def test_flanks_use_the_tolerance(name: str, teeth: int, tolerance: float) -> None:

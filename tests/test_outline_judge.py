@@ -123,6 +123,7 @@ def test_faults_of_outlines_are_counted() -> None:
     assert not crossed.simple
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_few_poles_leave_a_gap_of_a_millionth_of_a_module() -> None:
     """Splines of the benchmark, by points much closer than their spans; by one point a span they look coarse."""

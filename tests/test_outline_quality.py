@@ -173,6 +173,23 @@ def test_fewest_points_of_a_square_are_its_corners() -> None:
 # --- outlines ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(
+    slow=[
+        "circular, 0.005",
+        "circular, few teeth, 0.005",
+        "circular, many teeth, 0.005",
+        "mild, 0.0002",
+        "mild, small module, 0.0002",
+        "mild, large module, 0.0002",
+        "mild, 14.5 degrees, 0.0002",
+        "mild, 25 degrees, 0.0002",
+        "pointed, 0.005",
+        "sharp, 0.005",
+        "baler, 0.005",
+        "baler free of undercut, 0.005",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(("name", "tolerance"), CASES)
 def test_outline_turns_back_nowhere(name: str, tolerance: float) -> None:
     """A tip turns by 90 degrees less the pressure angle there; nothing else on a tooth is as sharp."""
@@ -181,6 +198,20 @@ def test_outline_turns_back_nowhere(name: str, tolerance: float) -> None:
         assert turns(gear.outline_mm).min() > -pi / 2.0
 
 
+@pytest.mark.tiers(
+    slow=[
+        "circular, 0.0002",
+        "circular, many teeth, 0.005",
+        "mild, 0.0002",
+        "mild, large module, 0.005",
+        "mild, 14.5 degrees, 0.0002",
+        "mild, 25 degrees, 0.0002",
+        "pointed, 0.0002",
+        "baler, 0.005",
+        "baler free of undercut, 0.005",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize(("name", "tolerance"), CASES)
 def test_outline_repeats_no_point_and_does_not_cross_itself(name: str, tolerance: float) -> None:
     for gear in gears(name, tolerance):
@@ -193,6 +224,7 @@ def most_points(fine: ToothedGear, tolerance: float) -> float:
     return HOLLOW * PLACING * fewest_points(fine.outline_mm, tolerance) + JOINTS * fine.teeth
 
 
+@pytest.mark.tiers(slow=["mild, 14.5 degrees, 0.0002"], rest="long")
 @pytest.mark.parametrize(("name", "tolerance"), CASES)
 def test_outline_has_hardly_more_points_than_the_tolerance_needs(name: str, tolerance: float) -> None:
     for gear, fine in zip(gears(name, tolerance), gears(name, tolerance / FINER), strict=True):

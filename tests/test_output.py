@@ -307,7 +307,7 @@ optimize: {knots: 12}
 """
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["rigid"], rest="long")
 @pytest.mark.parametrize(
     "command", long_but([command for command in EVERY_COMMAND if command != "optimize"], EVERY_COMMAND)
 )

@@ -34,7 +34,7 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
-@pytest.mark.tiers(thorough=["uniform-8", "uniform*", "sine-25"], rest="slow")
+@pytest.mark.tiers(thorough=["uniform-8", "uniform*", "sine-25"], slow=["long ellipse-60", "deep sine-72"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8), ("deep sine", 72), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
@@ -64,7 +64,7 @@ def test_transmission_error_of_circular_outlines_vanishes_with_the_tolerance(nam
     assert errors[-1] < errors[0] / 25.0
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse", "baler"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "sine", "baler"])
 def test_transmission_error_of_other_outlines_vanishes_too(name: str) -> None:
     """Within three tolerances over the driven pitch radius at every position, and in proportion."""

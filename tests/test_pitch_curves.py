@@ -191,7 +191,7 @@ MOTIONS: dict[str, tuple[dict[str, Any], tuple[int, int]]] = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse", "modified"], rest="long")
 @pytest.mark.parametrize(
     "name",
     long_but(

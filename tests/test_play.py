@@ -75,7 +75,7 @@ def plain_freedom(points: Array, outline: Array, *, ring: bool) -> tuple[float, 
     return min(up), min(down)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.0-long ellipse-40-0.02-0.3"], rest="long")
 @pytest.mark.parametrize(
     ("name", "teeth", "tolerance", "backlash"),
     [("uniform", 8, 0.005, 0.0), ("sine", 25, 0.02, 0.0), ("baler", 24, 0.005, 0.1), ("baler", 86, 0.02, 0.0),
@@ -95,7 +95,7 @@ def test_play_is_what_a_plain_search_finds(
         assert (found.up_rad[row], found.down_rad[row]) == pytest.approx(expected, abs=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0", "2", "3", "5"], rest="long")
 @pytest.mark.parametrize("seed", range(6))
 def test_play_of_rough_outlines_is_what_a_plain_search_finds(seed: int) -> None:
     """Teeth that no tool would leave: every vertex moved at random."""

@@ -23,7 +23,7 @@ output: {chord_tolerance_mm: 0.05}
 MOTIONS = ["{law: uniform_crank}", "{law: harmonic_ratio, cosine: [0.2], second_stage: {cosine: [0.1]}}"]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["one pair"], rest="long")
 @pytest.mark.parametrize("motion", MOTIONS, ids=["one pair", "two pairs"])
 def test_a_build_tells_as_many_stages_as_it_says_it_has(tmp_path: Path, motion: str) -> None:
     drive, told = loads(GEARS.replace("MOTION", motion)), list[str]()

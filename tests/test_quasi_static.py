@@ -51,7 +51,7 @@ def test_the_teeth_bring_the_torque(name: str, teeth: int) -> None:
     assert np.all(pushed[torque < -100.0] < held[torque < -100.0])
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["uniform-24", "baler-25"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_without_friction_the_drive_puts_in_what_the_load_takes(name: str, teeth: int) -> None:
     """What the contact stores is given back over a turn: the work of both torques is the same."""
@@ -65,6 +65,7 @@ def test_without_friction_the_drive_puts_in_what_the_load_takes(name: str, teeth
     assert given == pytest.approx(taken, rel=2e-5)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_pairs_that_get_stiffer_and_softer_on_their_way_take_and_give_no_work(name: str, teeth: int) -> None:
@@ -85,7 +86,7 @@ def test_pairs_that_get_stiffer_and_softer_on_their_way_take_and_give_no_work(na
     assert given - worked(stiffening, angles) != pytest.approx(taken, rel=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["uniform-24-300.0"], rest="long")
 @pytest.mark.parametrize(("name", "teeth", "torque_n_mm"), [("uniform", 24, 300.0), ("sine", 31, 2e4)])
 def test_most_pairs_are_found_between_angles_that_all_see_fewer(name: str, teeth: int, torque_n_mm: float) -> None:
     found = frictionless(meshing(name, teeth))
@@ -152,7 +153,7 @@ def test_a_reversed_torque_takes_the_play_up() -> None:
     assert np.median(ahead - behind) == pytest.approx(0.1 / BASE, rel=0.05)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1.0", "3.0"], rest="long")
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
 def test_a_stiffer_law_of_impact_gives_way_less(exponent: float) -> None:
     torque = np.full_like(ANGLES, 2e4)

@@ -187,6 +187,7 @@ def judge_batch(batch: int) -> Counter[str]:
         return judge_checks(Path(folder), CHECKED, batch)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
 @pytest.mark.parametrize("run", RUNS)
@@ -300,6 +301,7 @@ def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
         files_hold(drive, spoiled)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
 @pytest.mark.usefixtures("undrawn")

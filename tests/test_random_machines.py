@@ -84,13 +84,13 @@ def test_a_few_machines(seed: int) -> None:
     judge(seed, whole=False)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["200", "202"], rest="long")
 @pytest.mark.parametrize("seed", FEW_KINDS)
 def test_a_machine_of_each_other_mechanism(seed: int) -> None:
     judge(seed, whole=False)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["15"], rest="long")
 @pytest.mark.parametrize("seed", [*WHOLE, *WHOLE_KINDS])
 def test_some_machines_with_their_certified_limit(seed: int) -> None:
     judge(seed, whole=True)

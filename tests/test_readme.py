@@ -42,7 +42,7 @@ def table_rows() -> dict[str, tuple[float, float]]:
     return {name: (float(power), float(acceleration)) for name, power, acceleration in rows}
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["uniform crank, same linkage-uniform crank"], rest="long")
 @pytest.mark.parametrize(
     ("row", "name"),
     [
@@ -85,7 +85,7 @@ def cells_of(first: str) -> list[str]:
     return [cell.strip().replace(" ", "") for cell in line.strip("|").split("|")][1:]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-half"], rest="long")
 @pytest.mark.parametrize(
     "name", ["baler-66", "baler-66-two-stage", "baler-half", pytest.param("baler-smooth", marks=pytest.mark.slow)]
 )

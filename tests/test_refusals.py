@@ -203,6 +203,7 @@ def test_no_such_mechanism(case: str, run: Run, tmp_path: Path) -> None:
     assert "Traceback" not in err
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_failed_build_leaves_the_last_good_one(program: Program, tmp_path: Path) -> None:
     design = tmp_path / "d.yaml"
@@ -214,6 +215,7 @@ def test_a_failed_build_leaves_the_last_good_one(program: Program, tmp_path: Pat
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_results_go_to_the_pipe_and_nothing_else(program: Program, tmp_path: Path) -> None:
     (tmp_path / "d.yaml").write_text(BALER, encoding="utf-8")
@@ -230,6 +232,7 @@ def said_beside_progress(stderr: str) -> str:
     return re.sub(r"^\d+ s: .*\n", "", stderr, flags=re.MULTILINE)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_timing_is_reported_beside_the_results(program: Program, tmp_path: Path) -> None:
     (tmp_path / "d.yaml").write_text(ELLIPSE, encoding="utf-8")
@@ -239,6 +242,7 @@ def test_timing_is_reported_beside_the_results(program: Program, tmp_path: Path)
     assert {"law", "pitch curves", "teeth", "contact", "solids", "plots"} <= set(timing)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("law", long_but([LawName.THREE_SEGMENT_STROKE, LawName.FUNCTION_GENERATOR], LawName))
 def test_a_new_design_builds(law: LawName, program: Program, tmp_path: Path) -> None:

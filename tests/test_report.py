@@ -149,6 +149,7 @@ def test_four_hundred_teeth_stay_under_five_megabytes(run: Run, tmp_path: Path) 
     assert (tmp_path / "out" / REPORT_FILE).stat().st_size < 5e6
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_both_commands_and_any_order_of_hashing_give_the_same_bytes(run: Run, tmp_path: Path) -> None:
     design = str(ROOT / "designs" / "ellipse.yaml")
@@ -171,6 +172,7 @@ output: {chord_tolerance_mm: 0.05}
 """
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_build_makes_the_report_of_an_earlier_design_anew(run: Run, tmp_path: Path) -> None:
     for name in ("first", "second"):
@@ -236,7 +238,7 @@ def test_every_quantity_has_a_chart() -> None:
     assert parsed(reports.page("baler")).xpath("//figure/@data-key") == wanted
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["helical-ellipse"], rest="long")
 @pytest.mark.parametrize("name", ["baler-66-two-stage", "helical-ellipse", "internal-1-2"])
 def test_pairs_of_all_kinds_have_their_charts(name: str) -> None:
     stages = ["_1", "_2"] if "two-stage" in name else [""]

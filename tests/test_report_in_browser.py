@@ -324,6 +324,7 @@ def test_hostile_text_stays_text(opening: Open, tmp_path: Path) -> None:
     assert opened.angle_deg == pytest.approx(100.0)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_two_stages_run_together(opening: Open) -> None:
     """The second stage's charts go by its own angle, and a click on one turns the whole machine."""
@@ -342,6 +343,7 @@ def test_two_stages_run_together(opening: Open) -> None:
     assert opened.errors == []
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_cycle_of_two_turns(opening: Open) -> None:
     opened = opening(reports.page("pump-1-2"))

@@ -187,7 +187,7 @@ def test_formulas_give_the_law() -> None:
         assert driven.derivative(2) == pytest.approx(case.at.bend, rel=1e-8, abs=1e-8)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["internal-1-2"], rest="long")
 @pytest.mark.parametrize("name", CASES)
 def test_written_gears_follow_the_law_both_ways(name: str) -> None:
     case = case_of(name)
@@ -195,7 +195,17 @@ def test_written_gears_follow_the_law_both_ways(name: str) -> None:
     assert strayed(case, case.outlines(0.01), 0.01, step).within_chords
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(
+    slow=[
+        "baler-0.001",
+        "ellipse-0.003",
+        "helical-ellipse-0.003",
+        "internal-1-2-0.001",
+        "deep sine-0.003",
+        "sine-0.003",
+    ],
+    rest="long",
+)
 @pytest.mark.parametrize("tolerance", [0.003, 0.001])
 @pytest.mark.parametrize("name", [name for name in CASES if name != "deep sine, 0.1 mm"])
 def test_finer_chords_leave_a_more_even_play(name: str, tolerance: float) -> None:
@@ -204,7 +214,7 @@ def test_finer_chords_leave_a_more_even_play(name: str, tolerance: float) -> Non
     assert strayed(case, case.outlines(tolerance), tolerance, 13).within_chords
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.0"], rest="long")
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_written_gears_follow_the_law_whoever_takes_off_the_play(share: float) -> None:
     case = case_of("deep sine")
@@ -234,7 +244,7 @@ def other_flanks(*, turned: bool) -> Callable[..., Flanks]:
     return made
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["False-0.00095-0.00268"], rest="long")
 @pytest.mark.parametrize(("turned", "least", "largest"), [(False, 0.95e-3, 2.68e-3), (True, 3.1e-3, 3.94e-3)])
 def test_flanks_set_back_along_the_curve_leave_an_uneven_play(
     monkeypatch: pytest.MonkeyPatch, *, turned: bool, least: float, largest: float
@@ -300,7 +310,7 @@ def room_of_bodies(case: Case, tolerance: float) -> float:
     return float((2.0 * tolerance + rigid_body.SLOP) / lever + 3.0 * (DRAG + 1.0) * (2.0 * pi / STEPS) ** 2)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["sine"], rest="long")
 @pytest.mark.parametrize("name", ["sine", "helical-ellipse"])
 def test_driven_body_follows_the_law_pushed_and_pulled(name: str) -> None:
     tolerance, case = 0.003, case_of(name)

@@ -106,6 +106,7 @@ def test_a_body_out_of_reach_is_not_driven() -> None:
 # --- gears -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", LAWS)
 def test_driven_gear_turns_as_the_law_says(name: str) -> None:
     assert worst_lag(name, outlines(name)) <= allowed_lag(name, TOLERANCE, STEPS)
@@ -146,6 +147,7 @@ def test_straight_sided_teeth_do_not(name: str) -> None:
     assert worst_lag(name, both) > 5.0 * allowed_lag(name, TOLERANCE, STEPS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", LAWS)
 def test_gears_put_together_a_tooth_off_do_not(name: str) -> None:
     """Negative control: the driven gear one tooth on."""

@@ -78,7 +78,7 @@ def drawn_rings(group: ElementTree.Element) -> list[LinearRing]:
     return [LinearRing([(grid * step.end.x, grid * step.end.y) for step in part]) for part in parts]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler"], rest="long")
 @pytest.mark.parametrize("name", ["baler", "internal-1-2"])
 def test_drawn_gears_stray_by_no_more_than_they_may(name: str) -> None:
     found = scene(name)
@@ -231,7 +231,7 @@ def text_of(page: str) -> str:
     return re.search(r"<body>(.*)</body>", done.stdout, flags=re.DOTALL)[1].strip()
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-66-two-stage"], rest="long")
 @in_a_browser
 @every_scene
 def test_the_script_puts_bodies_where_the_law_does(name: str) -> None:

@@ -144,7 +144,7 @@ def test_refusals_are_told_by_batches(alone: list[Design]) -> None:
     assert disagreement(chosen, data, list(BORDER), values[refused]) == 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["box0-11-120"], rest="long")
 @pytest.mark.parametrize(
     ("box", "seed", "count"),
     [
@@ -332,7 +332,7 @@ HARMONIES = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1-0.0", "2-0.0"], rest="long")
 @pytest.mark.parametrize("offset_mm", [0.0, 12.0])
 @pytest.mark.parametrize("lobes", [1, 2])
 def test_random_harmonics_agree_with_single_designs(offset_mm: float, lobes: int) -> None:

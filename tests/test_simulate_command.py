@@ -86,7 +86,7 @@ def test_the_templates_masses_hold_what_they_say() -> None:
     assert found.gravity_m_s2 == pytest.approx((0.0, -9.80665), abs=1e-15)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["gears"], rest="long")
 @pytest.mark.parametrize("gears", [GEARS, ""], ids=["gears", "no gears"])
 def test_what_is_written(run: Run, gears: str) -> None:
     status, out, _ = run(HEAD + gears + MASSES, "--out", "here", "--level", "rigid")

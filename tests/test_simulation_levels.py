@@ -39,6 +39,7 @@ def run(run: Run) -> Run:
     return run_once
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_loaded_contact_of_the_published_baler(run: Run) -> None:
     """Pinned: what its teeth give way and bear under the rigid level's torque, with chosen masses."""

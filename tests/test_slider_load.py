@@ -160,7 +160,7 @@ def machine(load: str, name: str = "stroke, e = 0", linkage: str = "baler") -> M
     return Machine(law(name), LINKAGES[linkage], LOADS[load], 5.0)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["both and friction-baler"], rest="long")
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", LOADS)
 def test_peak_and_mean_power_are_those_of_dense_samples(name: str, linkage: str) -> None:
@@ -340,7 +340,7 @@ def test_the_limit_of_a_mirrored_load_is_the_same() -> None:
     assert back > 1.05 * unloaded.value  # control: the load of the way back is felt
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["both and friction"], rest="long")
 @pytest.mark.parametrize("name", LOADS)
 def test_no_law_is_below_the_limit_of_its_load(name: str) -> None:
     made = machine(name)

@@ -52,7 +52,7 @@ BORES = [None, Bore(30.0), Bore(30.0, Keyway(8.0, 3.3)), Bore(6.0, Keyway(5.9, 1
 
 
 @pytest.mark.judges("solids")
-@pytest.mark.tiers(quick=["None"], rest="slow")
+@pytest.mark.tiers(quick=["None"], slow=["bore2"], rest="long")
 @pytest.mark.parametrize("bore", BORES)
 def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
     mesh = extruded(wavy(), 20.0, bore, 1e-4)
@@ -125,7 +125,7 @@ def test_keyway_as_wide_as_the_bore_is_refused() -> None:
         Bore(8.0, Keyway(8.0, 1.0))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["bore1-94.5"], rest="long")
 @pytest.mark.parametrize(
     ("bore", "largest"),
     [

@@ -83,7 +83,7 @@ def test_what_ncgear_does_is_exact(key: str) -> None:
     assert of(key).chosen[1].error <= BOUNDS[key]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["pitch-length-ellipse"], rest="long")
 @pytest.mark.parametrize("key", RATED)
 def test_rates_are_the_theorys(key: str) -> None:
     found = rates(of(key))
@@ -123,7 +123,7 @@ def test_a_return_in_powers_of_phi1_loses_half_its_digits() -> None:
     assert basis_error(by_linear_system(global_powers)) >= 1e-9
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse of eccentricity 0.5"], rest="long")
 @pytest.mark.parametrize("curve", [ellipse_curve(), baler_curve()], ids=lambda curve: curve.name)
 def test_planted_errors_of_pitch_curves_are_told(curve: Curve) -> None:
     length, bent = length_by_panels(curve, 24), curvature_by_derivatives(curve)

@@ -81,7 +81,7 @@ def test_a_resistance_of_another_kind_is_refused() -> None:
         least_acceleration_mm_s2((100.0, 0.0), 760.0, 6300.0, 1.0, (1e4, 5e4))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["480"], rest="long")
 @pytest.mark.parametrize("places", GRIDS)
 def test_limits_are_below_the_closed_form_on_any_grid(places: int) -> None:
     """On the finest as well, where the multipliers are so rough that they prove little."""

@@ -124,7 +124,7 @@ def test_vertices_of_outlines_are_on_the_closed_form(key: str) -> None:
     assert np.max(gear.distance_mm(outline(key))) < ROUNDING_MM
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["chords to both sides-outlines-circle"], rest="long")
 @pytest.mark.parametrize("key", OUTLINES)
 @pytest.mark.parametrize("method", [outlines.CHORDS, pytest.param(outlines.BOTH_SIDES, marks=pytest.mark.slow)])
 def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_root(key: str, method: str) -> None:
@@ -136,7 +136,7 @@ def test_outlines_stray_by_their_tolerance_with_points_that_grow_by_its_square_r
     assert order_by_size(measured) == pytest.approx(2.0, abs=0.35)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["outlines-circle"], rest="long")
 @pytest.mark.parametrize("key", OUTLINES)
 def test_even_parameters_are_of_second_order_and_need_more_points(key: str) -> None:
     measured = found(key, outlines.EVEN, 8, 16, 32)

@@ -99,7 +99,7 @@ class Exact:
 
 
 @pytest.mark.judges("ratio")
-@pytest.mark.tiers(quick=["lobes*"], rest="slow")
+@pytest.mark.tiers(quick=["lobes*"], slow=["two 1e-6 rad apart"], rest="long")
 @pytest.mark.parametrize("name", CASES)
 def test_against_thirty_digits(name: str) -> None:
     transmission = law(name)

@@ -95,7 +95,7 @@ def test_the_shaft_between_turns_back_to_the_driving_shaft() -> None:
     np.testing.assert_allclose(second.pair.speed(between.value), between.derivative(1), rtol=1e-11)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["first even"], rest="long")
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize(("text", "stage"), [(FIRST_EVEN, 2), (SECOND_EVEN, 1)], ids=["first even", "second even"])
 def test_beside_a_pair_that_turns_evenly_the_other_is_a_single_one(text: str, stage: int) -> None:

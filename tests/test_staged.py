@@ -45,7 +45,7 @@ class Exact:
         return mp.quad(lambda t: mp.exp(self.log(t)), mp.linspace(0, phi2, parts))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["none"], rest="long")
 @pytest.mark.parametrize("name", CASES)
 def test_against_thirty_digits(name: str) -> None:
     cosine, sine, second_cosine, second_sine = CASES[name]

@@ -350,7 +350,7 @@ def levels(data: bytes, height: float, samples: int) -> Array:
     return points[..., :2]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["helical"], rest="long")
 @pytest.mark.parametrize("kind", ["helical", "herringbone"])
 def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
     text = (DESIGNS / "helical-ellipse.yaml").read_text(encoding="utf-8")
@@ -370,7 +370,7 @@ def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
         assert abs(volume_mm3(read_back(data)) - mesh.volume) <= 0.005 * mesh.area
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "baler", "internal-1-2"])
 def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
     """Walls of a mesh stray by the chord tolerance at most, all to one side or not: its area measures them."""

@@ -145,7 +145,7 @@ def test_as_json(run: Run, pretend: Callable[..., None]) -> None:
     assert json.loads(out) == figures("here")
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["text2-d.yaml:5:"], rest="long")
 @pytest.mark.parametrize(
     ("text", "place"),
     [
@@ -221,7 +221,7 @@ def test_a_simulation_warns_too(pretend: Callable[..., None]) -> None:
 # What is drawn.
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["external"], rest="long")
 @pytest.mark.parametrize("name", ["external", "ring"])
 def test_every_tooth_has_its_own_part_of_the_outline(name: str) -> None:
     """The parts cover the outline once, and each holds the places at which its own two flanks cross the pitch curve."""

@@ -28,7 +28,7 @@ strength: {{dynamic_factor: 1.0}}
     )
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["estimate"], rest="long")
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize("method", ["estimate", pytest.param("elements", marks=pytest.mark.slow)])
 def test_ellipses_of_no_eccentricity_are_circles(method: str) -> None:

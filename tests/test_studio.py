@@ -297,7 +297,7 @@ def test_a_body_that_cannot_be_made_leaves_its_teeth() -> None:
     assert found == ["scene", "teeth", "refused"]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["spiral-pair"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "uniform-crank", "spiral-pair", "baler-66-two-stage"])
 def test_all_parts_come_for_every_kind_of_design(name: str) -> None:
     text = text_of(name)

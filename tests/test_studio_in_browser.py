@@ -261,6 +261,7 @@ def test_a_phone_shows_all_without_scrolling_sideways(browser: Any, studio: Stud
     opened.page.context.close()
 
 
+@pytest.mark.tiers(slow=["light"], rest="long")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_can_be_read_on_either_ground(browser: Any, studio: Studio, scheme: str) -> None:
     opened = Opened(browser, studio, color_scheme=scheme)

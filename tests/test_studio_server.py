@@ -53,11 +53,13 @@ def test_the_page_is_there_for_whoever_has_the_address(studio: Studio) -> None:
     assert b"ncgear studio" in content
 
 
+@pytest.mark.tiers(slow=["/TOKEN"], rest="long")
 @pytest.mark.parametrize("path", ["/", "/talk", "/x/", "/TOKEN", "//TOKEN/", "/export/one/a.txt", f"/{'0' * 32}/"])
 def test_without_the_token_there_is_nothing(studio: Studio, path: str) -> None:
     assert studio.get(path.replace("TOKEN", studio.token[:-1] + "_"))[0] == 403
 
 
+@pytest.mark.tiers(slow=["localhost:1"], rest="long")
 @pytest.mark.parametrize("host", ["example.org", "127.0.0.1", "localhost:1", "127.0.0.1.example.org:PORT", ""])
 def test_another_host_name_is_refused(studio: Studio, host: str) -> None:
     """A page of another site whose name leads to this computer sends that name."""
@@ -66,6 +68,7 @@ def test_another_host_name_is_refused(studio: Studio, host: str) -> None:
     assert studio.get(f"/{studio.token}/", Host=f"localhost:{studio.port}")[0] == 200
 
 
+@pytest.mark.tiers(slow=["None"], rest="long")
 @pytest.mark.parametrize("origin", ["http://example.org", "null", None, "https://127.0.0.1:PORT", "http://127.0.0.1:1"])
 def test_another_page_cannot_talk(studio: Studio, origin: str | None) -> None:
     given = None if origin is None else origin.replace("PORT", str(studio.port))
@@ -132,6 +135,7 @@ def test_pages_do_not_share_what_is_edited(studio: Studio) -> None:
         assert "speed_rpm: 11" not in two.until("state")["content"]["text"]
 
 
+@pytest.mark.tiers(slow=["message6"], rest="long")
 @pytest.mark.parametrize(
     "message",
     [
@@ -334,6 +338,7 @@ def test_the_newest_request_is_answered_and_older_ones_are_broken_off() -> None:
     assert ["speed", "139 r/min"] in figures[-1]["content"]["facts"]
 
 
+@pytest.mark.tiers(slow=["arguments1-is a folder"], rest="long")
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

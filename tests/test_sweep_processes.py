@@ -52,7 +52,7 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["two"], rest="long")
 @pytest.mark.parametrize("options", [["--processes=2"], ["--scheduler=local", "--processes=2"]], ids=["two", "cluster"])
 def test_files_are_the_same_to_the_byte_although_a_process_dies(
     tmp_path: Path, alone: dict[str, bytes], options: list[str]

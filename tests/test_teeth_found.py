@@ -44,7 +44,7 @@ def nearest(points: Array, others: Array) -> list[int]:
     return np.argmin(apart, axis=1).tolist()
 
 
-@pytest.mark.tiers(quick=["pump-1-2", "spiral-pair"], rest="slow")
+@pytest.mark.tiers(quick=["pump-1-2", "spiral-pair"], slow=["desk-toy"], rest="long")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_teeth_are_where_their_exact_flanks_are(name: str) -> None:
     for pair, gear in gears_of(name):
@@ -62,7 +62,7 @@ def links(markup: str) -> list[tuple[str, int]]:
     return [(gear, int(tooth)) for gear, tooth in re.findall(r'data-gear="([\w-]+)" data-tooth="(\d+)"', markup)]
 
 
-@pytest.mark.tiers(quick=["internal-1-2"], rest="slow")
+@pytest.mark.tiers(quick=["internal-1-2"], slow=["rounded-square"], rest="long")
 @pytest.mark.parametrize("name", ["pump-1-2", "internal-1-2", "baler-holds", "rounded-square", "baler-86"])
 def test_links_of_a_warning_are_its_teeth(name: str) -> None:
     """By the places that an advice has as values; further teeth are those that its words put in brackets."""
@@ -149,7 +149,7 @@ def marked_tooth(found: Scene, pair: Drive, gear: SceneGear, place: list[float],
     return int(np.argmin(np.linalg.norm(middles - np.array(place), axis=1))) + 1
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["internal-1-2"], rest="long")
 @in_a_browser
 @pytest.mark.parametrize("opened", ["pump-1-2", "internal-1-2", "spiral-pair"], indirect=True)
 def test_a_tooth_is_turned_to_the_mesh_and_marked(opened: Any, request: pytest.FixtureRequest) -> None:

@@ -71,6 +71,7 @@ def judged(pitch: PitchPair, pair: ToothedPair, positions: int = 211) -> meshing
 # --- nothing in the way ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["CutterKind.RACK-sine"], rest="long")
 @pytest.mark.parametrize("name", ["uniform", "uniform 1:3", "ellipse", "1:2", "sine"])
 @pytest.mark.parametrize("kind", [CutterKind.RACK, CutterKind.MATE])
 def test_no_tip_of_an_ordinary_gear_is_shortened(name: str, kind: CutterKind) -> None:
@@ -93,6 +94,7 @@ def test_full_tips_of_circular_gears_end_where_the_involute_meets_the_tip_circle
 # --- the crossing with the tip land ------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["1:2"], rest="long")
 @pytest.mark.parametrize("name", LAWS)
 def test_flanks_end_on_their_tip_lands(name: str) -> None:
     for gear in both(made(name, ToothForm(rack()))):
@@ -102,6 +104,7 @@ def test_flanks_end_on_their_tip_lands(name: str) -> None:
         assert np.linalg.norm(edge - land, axis=1).max() < 1e-9 * MODULE
 
 
+@pytest.mark.tiers(slow=["20.0-25"], rest="long")
 @pytest.mark.parametrize("teeth", [25, 28])
 @pytest.mark.parametrize("angle_deg", [14.5, 20.0])
 def test_no_tip_stands_beyond_a_cusp(teeth: int, angle_deg: float) -> None:
@@ -140,6 +143,7 @@ def greatest_of_mates(own: Tips, values: Array, meeting: tuple[Array, Array]) ->
     return most
 
 
+@pytest.mark.tiers(slow=["1:2-True"], rest="long")
 @pytest.mark.parametrize("avoid", [True, False])
 @pytest.mark.parametrize("name", LAWS)
 def test_no_tip_touches_deeper_than_the_mates_flank_goes(name: str, avoid: bool) -> None:
@@ -155,6 +159,7 @@ def test_no_tip_touches_deeper_than_the_mates_flank_goes(name: str, avoid: bool)
         assert not avoid or np.all(met < regular)
 
 
+@pytest.mark.tiers(slow=["ellipse"], rest="long")
 @pytest.mark.parametrize("name", ["uniform", "uniform 1:3", "ellipse", "sharp ellipse", "1:2", "sine"])
 def test_tips_stand_clear_of_roots_that_a_rack_has_cut(name: str) -> None:
     """By the difference of dedendum and addendum, measured along the common perpendicular of the pitch curves."""
@@ -191,6 +196,7 @@ def radius_of_land(teeth: int, land_mm: float) -> float:
     return float(brentq(excess, pitch_radius, pitch_radius + 3.0 * MODULE, xtol=1e-14))
 
 
+@pytest.mark.tiers(slow=["0.3-14"], rest="long")
 @pytest.mark.parametrize("teeth", [14, 18, 22, 25])
 @pytest.mark.parametrize("least", [0.1, 0.3])
 def test_narrow_tips_of_circular_gears_are_shortened_to_the_least_land(teeth: int, least: float) -> None:
@@ -203,6 +209,7 @@ def test_narrow_tips_of_circular_gears_are_shortened_to_the_least_land(teeth: in
         assert np.hypot(*gear.outline_mm.T).max() == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.tiers(slow=["baler"], rest="long")
 @pytest.mark.parametrize("name", ["sharp ellipse", "sine", "baler", "deep sine", "1:2"])
 def test_no_land_is_narrower_than_asked_for_and_the_shortened_are_just_as_wide(name: str) -> None:
     least = 0.75 * MODULE
@@ -215,6 +222,7 @@ def test_no_land_is_narrower_than_asked_for_and_the_shortened_are_just_as_wide(n
     assert limited > 0
 
 
+@pytest.mark.tiers(slow=["1:2"], rest="long")
 @pytest.mark.parametrize("name", LAWS)
 def test_no_land_rises_by_more_than_a_quarter_of_its_width_when_level(name: str) -> None:
     for gear in both(made(name, ToothForm(rack(), limits=TipLimits(0.2 * MODULE)))):
@@ -249,6 +257,7 @@ def test_edges_that_cross_a_mates_land_are_seen() -> None:
 # --- profile shift -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["-0.4-uniform"], rest="long")
 @pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
 @pytest.mark.parametrize("shift", [0.3, -0.4])
 def test_equal_and_opposite_shifts_leave_neither_overlap_nor_gap(name: str, shift: float) -> None:
@@ -299,6 +308,7 @@ def relieved(amount: float) -> BasicRack:
     return replace(rack(), relief=TipRelief(amount * MODULE, 0.5 * MODULE, MODULE))
 
 
+@pytest.mark.tiers(slow=["uniform"], rest="long")
 @pytest.mark.parametrize("name", ["uniform", "sine"])
 def test_relief_parts_the_flanks_where_only_tips_are_left_to_touch(name: str) -> None:
     """More than one pair is in mesh, and where one carries below the reliefs nothing has changed."""

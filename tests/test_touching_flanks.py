@@ -55,7 +55,7 @@ def agrees(pairs: PairsInContact, few: Array, many: Array) -> bool:
     return bool(mean and few.min() <= pairs.fewest <= many.min())
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-25-None"], rest="long")
 @pytest.mark.parametrize(
     ("name", "teeth", "relief"),
     [
@@ -111,7 +111,7 @@ def under_load(name: str, torque_n_mm: float) -> tuple[PairsInContact, LoadedCon
     )
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["uniform"], rest="long")
 @pytest.mark.parametrize("name", ["uniform", "ellipse"])
 def test_pairs_under_load_are_those_that_bear_it(name: str) -> None:
     """Forces of the teeth come from tables of gaps, at other places.  More load brings more flanks into contact.

@@ -82,7 +82,7 @@ def test_both_stages_are_written_in_full() -> None:
         assert f"stage {stage}: teeth" in built().text
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1"], rest="long")
 @every_stage
 def test_each_stage_is_within_its_pressure_angle_and_free_of_undercut(stage: int) -> None:
     summary = built().summaries[stage - 1]
@@ -103,13 +103,13 @@ def test_the_check_is_that_of_the_whole_machine() -> None:
     assert check["peak_acceleration_cycle_mm_s2"] == pytest.approx(30_137.0, abs=2.0)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1"], rest="long")
 @every_stage
 def test_the_summary_of_a_stage_has_the_check_of_the_whole_machine(stage: int) -> None:
     assert built().summaries[stage - 1]["check"] == check_summary(drive(NAME))["check"]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["1"], rest="long")
 @every_stage
 def test_the_written_solids_mesh(stage: int) -> None:
     summary, folder = built().summaries[stage - 1], built().folder / f"stage-{stage}"
@@ -285,7 +285,7 @@ def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[fl
     return max(top for wish, top in tops if wish == "pressure_angle_deg"), max(t for w, t in tops if w == "convex")
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["True"], rest="long")
 @pytest.mark.parametrize("joint", [True, False])
 def test_the_larger_angle_is_least(tmp_path: Path, joint: bool) -> None:
     """No small change of the second stage's share lowers it and keeps all curves convex."""

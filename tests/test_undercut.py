@@ -176,7 +176,7 @@ def test_chosen_shift_is_limited_and_halves_what_cannot_be_freed() -> None:
     assert shift_against_undercut(pitch_pair(uniform_law(Lobes()), 30), rack()) == 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["18-0.0"], rest="long")
 @pytest.mark.parametrize(("teeth", "expected"), [(11, 1.0 - 5.5 * sin(radians(20.0)) ** 2), (18, 0.0), (33, 0.0)])
 def test_a_ring_sets_no_bound_to_the_chosen_shift(teeth: int, expected: float) -> None:
     """No tool undercuts a ring's teeth, so the driving gear takes what it needs and no more."""
@@ -269,7 +269,7 @@ def undercut_by_closed_form(gear: ToothedGear) -> list[int]:
     return sorted({int(number) for number in own.tooth[regular.min(axis=1) <= 0.0]})
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["3:1"], rest="long")
 @pytest.mark.parametrize(
     ("law", "teeth"),
     [

@@ -281,7 +281,7 @@ def cutters_of(gear: ToothedGear, basic: BasicRack, shifts: Array) -> tuple[list
 
 
 @pytest.mark.judges("teeth")
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["full depth-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize(
     ("asked", "gear"), [("angles", Gear.DRIVING), ("full depth", Gear.DRIVING), ("full depth", Gear.DRIVEN)]
 )
@@ -338,7 +338,7 @@ def test_teeth_of_a_mate_with_the_same_instead_of_the_opposite_shift_do_not_mesh
         assert report.overlap_depth.max() > 0.05
 
 
-@pytest.mark.tiers(quick=["ellipse"], rest="slow")
+@pytest.mark.tiers(quick=["ellipse"], slow=["ring"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "ring", "concave"])
 def test_the_law_is_held_exactly_and_the_play_is_even(name: str) -> None:
     pitch, pair = pitch_of(name), made(name, "both with play", 0.005)

@@ -98,7 +98,7 @@ def cut_area(data: bytes, prefix: str = "") -> Polygon:
 
 
 @pytest.mark.judges("files")
-@pytest.mark.tiers(quick=["ellipse-*"], rest="slow")
+@pytest.mark.tiers(quick=["ellipse-*"], slow=["internal-1-2-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name: str, gear: Gear) -> None:
@@ -115,7 +115,7 @@ def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name:
     assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> None:
     """Contact of the written arcs, sampled off their ends: their errors are a third of those of chords, or less."""
@@ -134,7 +134,7 @@ def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> N
     assert arcs.overlap_mm.max() <= 2.0 * 0.1 * 0.005
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_the_told_errors_of_files_are_those_found_here(name: str) -> None:
     table = Outlines("csv", outline(name, Gear.DRIVING), outline(name, Gear.DRIVEN))
@@ -171,7 +171,7 @@ def test_the_keyway_is_exact() -> None:
     assert Polygon(points).area == pytest.approx(Polygon(section("baler", Gear.DRIVING).interiors[0]).area, abs=0.2)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse"], rest="long")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_drawings_are_in_mm_with_every_layer_declared(name: str) -> None:
     for file in WRITERS[Format.DXF].names:
@@ -195,7 +195,7 @@ def test_the_axis_is_marked_across() -> None:
     assert np.allclose(np.diff(ends, axis=1)[:, 0], [[6.0, 0.0], [0.0, 6.0]])
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["internal-1-2"], rest="long")
 @pytest.mark.parametrize("name", [*DESIGNS, "printed-pump", "helical-ellipse"])
 def test_the_pair_is_drawn_as_assembled(name: str) -> None:
     """Clear of each other but for the chord tolerance of each; not so where one is turned by half a tooth."""
@@ -231,7 +231,7 @@ def test_all_of_a_body_is_drawn() -> None:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
     """As much off as the clearance times the length, and nowhere less than the clearance."""
@@ -241,7 +241,7 @@ def test_a_clearance_is_taken_off_all_along_the_outline(gear: Gear) -> None:
     assert designed.area - cleared.area == pytest.approx(0.05 * designed.length, rel=0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 def test_a_helical_gear_is_drawn_at_its_foot(gear: Gear) -> None:
     """Its section there and the outline in the table are two polylines of the same curves: a tolerance each."""
@@ -284,7 +284,7 @@ def points_of(path: SvgPath) -> Array:
     return np.array([(point[0], point[1]) for row in rows for point in row])
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_an_image_has_the_outline_at_its_size(name: str, gear: Gear) -> None:
@@ -356,7 +356,7 @@ def test_prints_are_the_solids_side_by_side(name: str) -> None:
     assert parts["driven"].bounds[0][0] - parts["driving"].bounds[1][0] == pytest.approx(5.0, abs=1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["ellipse"], rest="long")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_assembled_prints_are_sections_of_the_drawings_times_the_face_width(name: str) -> None:
     """To the tolerance along teeth and circles, chords in the solid; a gear a thousandth larger is far off."""
@@ -391,7 +391,7 @@ def shown(data: bytes) -> dict[str, Array]:
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["internal-1-2"], rest="long")
 @pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
 def test_the_scene_is_the_pair_in_metres_with_y_up(name: str) -> None:
     nodes, one = shown(files(name)["pair.glb"]), drive(name)
