@@ -12,6 +12,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExe
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from itertools import islice
+from logging import ERROR
 from multiprocessing import get_context
 from typing import TypeVar
 
@@ -158,7 +159,9 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
     if scheduler == LOCAL:
         with (
             deaf_processes(),
-            LocalCluster(n_workers=processes, threads_per_worker=1, dashboard_address=None) as cluster,
+            LocalCluster(
+                n_workers=processes, threads_per_worker=1, dashboard_address=None, silence_logs=ERROR
+            ) as cluster,
             Client(cluster) as client,
         ):
             yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * processes)

@@ -99,7 +99,7 @@ def _pareto_picture(name: str, overview: Overview, chosen: IndexArray, first: in
     assert front is not None
     along, up = (_axis(objectives[place].name, overview) for place in (first, second))
     named: list[Named] = [(str(front.numbers[row]), along.front[row], up.front[row]) for row in chosen.tolist()]
-    return pareto(along, up, named, f"{name}: {len(front.numbers)} designs that none is better than in both")
+    return pareto(along, up, named, f"{name}: Pareto set, {len(front.numbers)} of {overview.kept} designs")
 
 
 def _effects_picture(name: str, overview: Overview) -> bytes:

@@ -131,11 +131,11 @@ def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
 
 
 def _near_the_front(axes: Axes, along: Axis, up: Axis) -> None:
-    """Show the front, and as much of the other designs as is three times as wide and high."""
+    """Show the front, and so much of the other designs as is three times as wide and high, or half of their range."""
     for axis, limits in ((along, axes.set_xlim), (up, axes.set_ylim)):
         low, high = axis.front.min(), axis.front.max()
         every = np.concatenate([axis.drawn, axis.front])
-        room = max(high - low, 0.02 * np.ptp(every), 1e-9 * abs(high), 1e-300)
+        room = max(high - low, 0.25 * np.ptp(every), 1e-9 * abs(high), 1e-300)
         limits(max(low - room, every.min() - 0.05 * room), min(high + room, every.max() + 0.05 * room))
 
 
