@@ -106,7 +106,7 @@ def with_square(found: Scene, center: complex) -> Scene:
     return replace(found, pairs=(replace(pair, driving=replace(pair.driving, body=body)),))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_words_tell_the_pose() -> None:
     found = scene("uniform-crank")
     made = picture(found, WIDTH)

@@ -108,7 +108,7 @@ def test_every_command_answers_on_a_screen(case: str, run: Run) -> None:
     assert VERBOSE in text or "Next: " in text
 
 
-@pytest.mark.tiers(thorough=["threshing-drum"], slow=["baler", "track-chassis"], rest="long")
+@pytest.mark.tiers(slow=["threshing-drum", "baler", "track-chassis"], rest="long")
 @pytest.mark.parametrize("name", BALANCES)
 def test_a_balance_is_a_screen(name: str, run: Run) -> None:
     status, text, _ = run("balance", str(DESIGNS / "balance" / f"{name}.yaml"))

@@ -207,6 +207,7 @@ def test_a_check_of_a_table_loads_splines_and_nothing_more() -> None:
     assert loaded_by("check", "designs/feeder-table.yaml") & LIBRARIES == {"scipy"}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "arguments", [("explain", "gears.module_mm"), ("explain", "--of", "balance"), ("new", "mine")], ids=" ".join
 )
@@ -215,21 +216,21 @@ def test_what_looks_up_and_begins_loads_no_library_at_all(arguments: tuple[str, 
     assert loaded_by(*arguments, folder=tmp_path) & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_completion_loads_no_library_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in completing("ncgear explain gears.").items():
         monkeypatch.setenv(name, value)
     assert loaded_by() & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["build", "report"])
 def test_a_build_leaves_plots_to_a_second_process(command: str, tmp_path: Path) -> None:
     loaded = loaded_by(command, "designs/baler.yaml", "--out", str(tmp_path))
     assert loaded & {"matplotlib", "sympy", "casadi", "clarabel", "OCP", "skfem"} == set()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_sweep_loads_plots_for_its_pictures_and_neither_meshes_nor_solvers(tmp_path: Path) -> None:
     vary = ["--vary", "motion.v1_mm_s=1600:1610:2", "--out", str(tmp_path)]
     assert loaded_by("sweep", "designs/baler.yaml", *vary) & LIBRARIES == {"matplotlib"}
@@ -239,7 +240,7 @@ VALUES = ("law", "machine", "check", "uniform_check", "pitch", "teeth", "designe
 """Of a drive; each is computed when it is first asked for."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "more"),
     # Loads are known of the baler: whether its teeth hold is told roughly, from its pitch curves.

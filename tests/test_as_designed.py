@@ -37,7 +37,7 @@ def both(contact: AsDesigned) -> tuple[SideContact, SideContact]:
 # --- the sides as chords ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(quick=["sine-25"], rest="slow")
+@pytest.mark.tiers(thorough=["sine-25"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), [("sine", 25), ("baler", 25), ("ring", 40)])
 def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> None:
     """Without a gap, down flank and fillet, over the root land, and up the fillet of the flank that faces it."""
@@ -51,7 +51,7 @@ def test_paths_lead_from_tip_to_tip_across_each_space(name: str, teeth: int) -> 
         assert shapely.distance(shapely.LinearRing(gear.outline_mm), points).max() <= TOLERANCE
 
 
-@pytest.mark.tiers(quick=["sine-25-False"], rest="slow")
+@pytest.mark.tiers(thorough=["sine-25-False"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "teeth", "undercut"),
     [("sine", 25, False), ("uniform", 12, True), ("deep sine", 40, False), ("baler", 25, False), ("ring", 40, False)],
@@ -189,7 +189,7 @@ def test_some_pairs_have_two_teeth_in_contact_always() -> None:
     assert floor(transverse_contact_ratio(100, 100, radians(14.5))) == 2
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_undercut_shortens_contact() -> None:
     """12 teeth: the flank ends above its base circle, where the cusp was; contact then ends there, not at the tip."""
     _, pair = made("uniform", 12, undercut=True)
@@ -200,6 +200,7 @@ def test_undercut_shortens_contact() -> None:
     assert expected < transverse_contact_ratio(12, 12, ALPHA)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("backlash", [0.02, 0.2])
 def test_backlash_of_a_circular_pair_is_its_angle(backlash: float) -> None:
     """jn / (r2 cos(alpha)), all of it on the idle flanks, and nothing off the contact ratio."""
@@ -294,6 +295,7 @@ def test_tips_that_reach_into_the_roots_have_negative_clearance() -> None:
         assert side.driven_tips.over_root_mm == pytest.approx(0.45 * MODULE, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_clearance_of_corners_from_fillets_is_that_of_a_fine_outline() -> None:
     """Circular gears: a driving tip's corner on the line of centres, and the driven gear's chords below its flanks."""
     _, pair = made("uniform 1:2", 24, 5e-6)
@@ -457,7 +459,7 @@ def test_arcs_of_contact_are_those_of_the_heights_that_are_left(name: str, teeth
         assert contact.pairs.arcs == pytest.approx(arcs, abs=1e-9)
 
 
-@pytest.mark.tiers(thorough=["baler-*"], rest="quick")
+@pytest.mark.tiers(slow=["baler-*"], rest="quick")
 @pytest.mark.parametrize(("name", "teeth"), COUNTED)
 def test_numbers_in_contact_are_what_counting_finds(name: str, teeth: int) -> None:
     contact = designed(name, teeth)
@@ -480,6 +482,7 @@ def test_the_undercut_balers_gap_is_seen() -> None:
 # --- flanks that are off their exact shape ---------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_tip_relief_is_a_transmission_error_of_its_own_depth() -> None:
     """Circular gears whose tips are relieved from the pitch line on, so that a pair alone carries on relieved flanks.
 
@@ -549,6 +552,7 @@ def test_an_overlap_as_designed_is_refused_with_its_place() -> None:
         refuse_overlap(near, TOLERANCE)
 
 
+@pytest.mark.thorough
 def test_written_outlines_see_the_same_overlap() -> None:
     """The exact curves and their outlines, brought too near: depths across the flanks agree to the chords."""
     pitch, pair = made("sine", 25)

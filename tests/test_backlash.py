@@ -179,9 +179,18 @@ def require_contact(data: Data) -> None:
 
 
 @pytest.mark.tiers(
-    quick=["ellipse"],
-    thorough=["baler-smooth", "pump-1-2", "pusher"],
-    slow=["baler-66", "baler-dynamics", "baler-real", "internal-1-2", "printed-pump", "rocker-drive", "traced-egg"],
+    thorough=["ellipse", "pump-1-2"],
+    slow=[
+        "baler-smooth",
+        "pusher",
+        "baler-66",
+        "baler-dynamics",
+        "baler-real",
+        "internal-1-2",
+        "printed-pump",
+        "rocker-drive",
+        "traced-egg",
+    ],
     rest="long",
 )
 @pytest.mark.parametrize("name", WORKED)
@@ -224,6 +233,7 @@ def test_idle_flanks_are_refused_only_where_they_must_hold(gears: Data, lacking:
         _ = drive_of(with_gears("baler", backlash_mm=0.05, drives="both_ways", **gears)).designed_contact
 
 
+@pytest.mark.thorough
 def test_idle_flanks_that_hold_are_not_spoken_of() -> None:
     for drives in ("one_way", "both_ways"):
         sound = drive_of(with_gears("ellipse", drives=drives))

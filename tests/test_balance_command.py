@@ -92,9 +92,10 @@ PINNED = {
 
 
 @pytest.mark.tiers(
-    quick=["track-chassis-*", "threshing-drum-*"],
-    thorough=["sieve-*"],
+    quick=["threshing-drum-*"],
+    thorough=["track-chassis-*"],
     slow=[
+        "sieve-*",
         "baler-gears.driving.unbalance_force_n-0.5526446634709999-0.001",
         "baler-gears.driving.corrected.unbalance_kg_mm-0.0-1e-09",
     ],
@@ -171,6 +172,7 @@ def run(run: Run) -> Run:
     return partial(run, "balance")
 
 
+@pytest.mark.thorough
 def test_the_command_writes_and_says(run: Run) -> None:
     Path("drum.yaml").write_text(ROTOR)
     status, out, err = run("drum.yaml", "--verbose")
@@ -285,7 +287,7 @@ def test_frequencies_of_no_machine_are_refused(given: dict[str, str], place: str
     assert " given; " in err
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("natural", "speed", "order"), [("1.0e+9", "1.0e-6", "0.001"), ("1.0e-8", "1.0e+7", "10000")])
 def test_frequencies_at_the_ends_of_what_is_read_are_told_and_drawn(
     natural: str, speed: str, order: str, run: Run
@@ -407,7 +409,7 @@ def test_wrong_measurements_are_told_by_line(name: str, run: Run) -> None:
     assert words in err
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_boss_too_low_is_no_such_mechanism(run: Run) -> None:
     design = DESIGNS / "ellipse.yaml"
     text = f"name: a\nspeed_rpm: 60\ngears:\n  design: {design}\n  driven:\n    boss: {{height_mm: 5, wall_mm: 2}}\n"

@@ -32,6 +32,7 @@ def pid(made: Any) -> subprocess.Popen[bytes]:
     return process
 
 
+@pytest.mark.thorough
 def test_drawings_come_from_the_second_process(drawer: Drawer) -> None:
     first, second = drawer.begun(PRODUCT, [2, 3]), drawer.begun("os:getpid")
     assert first() == 6
@@ -39,12 +40,14 @@ def test_drawings_come_from_the_second_process(drawer: Drawer) -> None:
     assert list(drawer.each(RANGE, 4)) == [0, 1, 2, 3]
 
 
+@pytest.mark.thorough
 def test_its_errors_are_raised_here(drawer: Drawer) -> None:
     with pytest.raises(ValueError, match="negative"):
         drawer.begun(FACTORIAL, -1)()
     assert drawer.begun(PRODUCT, [5])() == 5
 
 
+@pytest.mark.thorough
 def test_where_it_dies_this_process_draws(drawer: Drawer) -> None:
     counted = drawer.each(RANGE, 10**6)
     assert list(islice(counted, 3)) == [0, 1, 2]
@@ -53,6 +56,7 @@ def test_where_it_dies_this_process_draws(drawer: Drawer) -> None:
     assert drawer.begun(PRODUCT, [2, 5])() == 10
 
 
+@pytest.mark.thorough
 def test_what_cannot_be_pickled_is_drawn_here(drawer: Drawer) -> None:
     assert list(drawer.each("builtins:map", lambda value: value + 1, [1, 2])) == [2, 3]
     assert drawer.begun(PRODUCT, [7])() == 7

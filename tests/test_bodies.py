@@ -79,7 +79,7 @@ def section(solid: GearSolid, height: float) -> Polygon:
 # --- hub and set screw -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_hub_is_a_cylinder_on_the_upper_face_with_the_bore_through_it() -> None:
     solid = made(Blank(WIDTH, Bore(10.0), hub=Hub(24.0, 7.0)))
     expected = pi * (RADIUS**2 - 5.0**2) * WIDTH + pi * (12.0**2 - 5.0**2) * 7.0
@@ -122,6 +122,7 @@ def test_a_set_screw_over_the_keyway_is_as_long_as_the_wall_there() -> None:
     assert taken == pytest.approx(hole_volume(1.5, 12.0, None, 6.8), rel=2e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("tolerance", [0.05, 0.005])
 @pytest.mark.parametrize("diameter", [1.0, 9.0])
 def test_the_quadrature_that_judges_a_screw_hole_has_digits_to_spare(tolerance: float, diameter: float) -> None:
@@ -146,7 +147,7 @@ def test_pockets_of_a_round_gear_are_rings_between_hub_and_rim() -> None:
     assert len(sections(solid, 4.1)) == 4
 
 
-@pytest.mark.tiers(thorough=["baler-driving"], rest="quick")
+@pytest.mark.tiers(slow=["baler-driving"], rest="quick")
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 @pytest.mark.parametrize("name", ["baler", "pump-1-2"])
 def test_pockets_follow_the_outline_and_keep_the_rim(name: str, gear: str) -> None:
@@ -170,7 +171,7 @@ def test_few_holes_fill_the_way_from_bore_to_outline() -> None:
     assert [hole.diameter_mm for hole in holes] == pytest.approx([RADIUS - 5.0 - 2.0 * 4.0] * 3, abs=0.011)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 3])
 def test_holes_too_small_to_save_weight_are_not_made_unasked(count: int) -> None:
     """Between bore and outline there is room for 1.7 mm, as a given diameter, and not for what takes off weight."""
@@ -201,7 +202,7 @@ ASKED = [
 ]
 
 
-@pytest.mark.tiers(slow=["blank0", "blank2"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("blank", ASKED)
 def test_holes_keep_their_walls(blank: Blank) -> None:
     plan = made(blank, TOLERANCE, drive("printed-pump").teeth.driving.outline_mm).plan
@@ -247,7 +248,7 @@ def test_volume_of_the_chamfer_is_the_integral_of_its_sections() -> None:
     assert whole.area * WIDTH - solid.mesh.volume == pytest.approx(lost, rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_round_chamfer_is_a_cone() -> None:
     solid = made(Blank(WIDTH, Bore(10.0), chamfer_mm=1.0))
     outer = pi * (RADIUS**2 - (RADIUS**2 + RADIUS * (RADIUS - 1.0) + (RADIUS - 1.0) ** 2) / 3.0)
@@ -490,7 +491,7 @@ def test_what_does_not_fit_is_refused_with_the_largest_that_does(
         asked("  " + text.format(stated + 0.03)).solids  # noqa: B018
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "key", "problem"),
     [
@@ -688,6 +689,7 @@ def test_a_ring_is_chamfered_inside_and_outside_and_its_teeth_recede() -> None:
     assert foot.symmetric_difference(drawn.buffer(-0.3, join_style="mitre")).area <= 1e-3 * drawn.area
 
 
+@pytest.mark.thorough
 def test_the_index_hole_passes_by_the_hub() -> None:
     outline = drive("printed-pump").teeth.driving.outline_mm
     plan = made(Blank(WIDTH, Bore(8.0), True, Hub(50.0, 5.0)), TOLERANCE, outline).plan

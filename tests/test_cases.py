@@ -54,7 +54,7 @@ def test_what_does_not_exist_is_refused_in_these_words(name: str) -> None:
     assert told(name)[-1] == f"refused ({refused.exit_status}): {refused.message}"
 
 
-@pytest.mark.tiers(quick=["uniform-crank", "lobes-*", "ratio-1-*"], rest="thorough")
+@pytest.mark.tiers(quick=["uniform-crank", "lobes-*", "ratio-1-*"], rest="slow")
 @pytest.mark.parametrize("name", MADE)
 def test_what_is_made_closes_and_no_peak_is_passed_by(name: str) -> None:
     drive = ALL[name].drive()

@@ -87,7 +87,7 @@ def test_there_is_no_ceiling_over_smooth_heights() -> None:
     assert np.all(ceiling_of(waving).height_mm > 4.0 * MODULE)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_ceiling_over_part_of_a_pitch_knows_jumps_within_the_part_only() -> None:
     """Teeth that advance by a quarter of a pitch pass the jump at 0.2 of the length, on a tooth, or do not."""
     quarter = ceiling_of(jumping, 12)
@@ -129,7 +129,7 @@ def test_a_tip_land_hardly_changes_when_its_edges_come_to_one_height() -> None:
     assert 1e-7 < np.max(np.abs(level - sloping)) < 1e-5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_spaces_get_shallower_by_degrees_where_undercut_begins() -> None:
     """As the dedendum grows by steps past the one that undercuts 17 teeth, no depth leaps."""
     pitch, depths = sized_pair(uniform_law(Lobes()), 17, MODULE, None), []

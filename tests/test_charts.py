@@ -73,6 +73,7 @@ def test_over_the_displacement_the_values_stay() -> None:
         np.testing.assert_array_equal(line.x, motion.displacement)
 
 
+@pytest.mark.thorough
 def test_an_extreme_that_rounds_to_zero_has_no_sign() -> None:
     x = np.array([0.0, 120.0, 240.0, 360.0])
     chart = Chart("ratio", "", (Line(Role.OWN, "own", x, np.array([-2e-4, 1.5, 0.7, -3e-5])),), 360.0)

@@ -72,7 +72,7 @@ def dense(name: str, number: int) -> Array:
     return curve(np.full(100_001, number), np.linspace(start, end, 100_001))[0]
 
 
-@pytest.mark.tiers(thorough=["0.01-waves-straddled", "0.01-arcs-sampled"], slow=["0.01-waves-sampled"], rest="thorough")
+@pytest.mark.tiers(slow=["0.01-waves-straddled", "0.01-arcs-sampled", "0.01-waves-sampled"], rest="thorough")
 @pytest.mark.parametrize("sampling", [sampled, straddled])
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize(
@@ -99,6 +99,7 @@ def test_points_of_sampled_curves_are_on_them_and_stray_inwards(tolerance: float
         assert (radius - np.hypot(*middles.T)).max() > 0.0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
 def test_points_of_straddled_arcs_stand_off_as_far_as_middles_stand_in(tolerance: float) -> None:
     for radius, points in zip(RADII, polylines(straddled, "arcs", tolerance), strict=True):

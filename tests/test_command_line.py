@@ -279,8 +279,9 @@ BAD: dict[str, tuple[str, str, str, str]] = {
 
 
 @pytest.mark.tiers(
-    thorough=["check-*", "build-deep*"],
+    thorough=["check-*"],
     slow=[
+        "build-deep*",
         "build-only a comment",
         "build-a word",
         "build-tab",
@@ -402,6 +403,7 @@ def test_build_needs_gears_and_says_so_before_computing(run: Run, tmp_path: Path
     assert err.startswith("d.yaml:1:1: gears: missing; a build needs it")
 
 
+@pytest.mark.thorough
 def test_output_folder_is_a_file(run: Run, tmp_path: Path) -> None:
     Path(tmp_path, "d.yaml").write_text(STROKE)
     Path(tmp_path, "taken").write_text("")
@@ -411,6 +413,7 @@ def test_output_folder_is_a_file(run: Run, tmp_path: Path) -> None:
         assert "taken: is no folder; choose another folder with --out" in err
 
 
+@pytest.mark.thorough
 def test_new_writes_a_design_that_loads_and_does_not_overwrite(run: Run, tmp_path: Path) -> None:
     from ncgear.design.reading.design_file import load
 
@@ -430,7 +433,7 @@ def test_new_refuses_names_that_are_no_names(run: Run, tmp_path: Path, name: str
     assert os.listdir(tmp_path) == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_schema_is_json_on_stdout(run: Run) -> None:
     status, out, err = run("schema")
     assert (status, err) == (0, "")
@@ -504,7 +507,7 @@ def test_in_a_process_of_its_own(tmp_path: Path) -> None:
     assert done.stderr == "mine.yaml:10:3: linkage.rod_m: unknown key; did you mean rod_mm?\n"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_help_names_every_command(tmp_path: Path) -> None:
     done = fresh("--help", folder=tmp_path)
     assert done.returncode == 0

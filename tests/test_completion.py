@@ -65,7 +65,7 @@ def test_files_are_designs_and_folders_that_may_hold_some(tmp_path: Path) -> Non
     assert offered("ncgear check nowhere/x", tmp_path) == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_shell_gets_its_script() -> None:
     done = python("-c", PROGRAM, _NCGEAR_COMPLETE="source_bash")
     assert "complete" in done.stdout

@@ -88,6 +88,7 @@ def test_positions_that_the_search_did_not_use_find_nothing_beyond(
     assert max(one.pushing.overlap_mm.max() for one in judged) <= found.overlap_mm.value + 1e-9
 
 
+@pytest.mark.thorough
 def test_single_positions_see_what_the_table_of_even_ones_sees() -> None:
     pitch, pair = made("sine", 31, TOLERANCE, 0.1)
     contact = designed("sine", 31, 0.1)

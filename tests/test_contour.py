@@ -100,7 +100,7 @@ def test_curves_and_exact_outline_are_close_both_ways(name: str) -> None:
         assert farthest(exact, ring_of(contour, 8 * DENSE)) <= 1.01 * TOLERANCE
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_stated_deviation_is_about_what_is_found() -> None:
     gear = pair("ellipse").driving
     contour = contour_of(gear, TOLERANCE)
@@ -150,7 +150,7 @@ def test_lands_of_a_circle_are_arcs_about_its_axis() -> None:
     assert np.all(np.minimum(np.abs(radii - tip), np.abs(radii - root)) < 1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_tip_relief_parts_the_flanks_where_it_begins() -> None:
     plain = pair("circle").driving
     relieved = replace(rack(), relief=TipRelief(0.02, 1.0, 2.0))

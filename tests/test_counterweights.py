@@ -92,7 +92,7 @@ def socp_peak(unit: np.ndarray, force: np.ndarray) -> float:
     return float(solver.solve().x[2]) * scale
 
 
-@pytest.mark.tiers(slow=["baler"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_the_least_peak_is_that_of_a_cone_programme(name: str) -> None:
     mechanism = MECHANISMS[name]
@@ -206,6 +206,7 @@ def test_the_bearing_with_a_counterweight_is_that_of_a_crank_with_it_cast_on() -
         assert np.allclose(added(phi1), whole(phi1), rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.thorough
 def test_a_sweep_against_samples() -> None:
     mechanism = replace(
         uneven(CrankSlider(15.0, 1045.0), PAN, 350.0), counterweights=(Counterweight(Carrier.CRANK, 1.0, 20.0, 1.0),)
@@ -273,6 +274,7 @@ def test_the_published_best_phase_and_counterweight() -> None:
 PAN_SIEVE = RodMasses(slider_kg=0.26, rod_kg=90.4, rod_center_mm=930.0, crank_kg=1.0, crank_center_mm=12.3)
 
 
+@pytest.mark.thorough
 def test_the_best_phase_of_the_exact_forces() -> None:
     """Against a search over the sum itself; long rods leave the simple formula's phase."""
     sieve = Mounted(even(CrankSlider(15.0, 1378.0), PAN_SIEVE, 350.0), phase_rad=pi / 2.0)
@@ -300,7 +302,7 @@ def test_the_best_phase_of_uneven_drives(mirrored: bool) -> None:
     assert found.value < 0.9 * max(scanned)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_opposed_mechanisms_cancel() -> None:
     """A boxer's forces vanish, its moment does not; a mirrored pair leaves nothing across."""
     boxer = frame_shaking([Mounted(BALER), Mounted(BALER, direction_rad=pi)])

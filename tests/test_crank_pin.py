@@ -85,7 +85,7 @@ def test_files_have_the_hole() -> None:
     made = pinned()
     plan = made.solids.driven.plan
     hole, place = plan.crank_pin, Point(plan.crank_pin.x_mm, plan.crank_pin.y_mm)
-    mesh = trimesh.load(io.BytesIO(made.solids.driven.mesh.as_stl()), file_type="stl")
+    mesh = trimesh.load(io.BytesIO(made.solids.driven.mesh.export(file_type="stl")), file_type="stl")
     section = mesh.section(plane_origin=[0.0, 0.0, 5.0], plane_normal=[0.0, 0.0, 1.0]).to_2D(to_2D=np.eye(4))[0]
     (found,) = [ring for ring in section.polygons_closed if Point(ring.centroid).distance(place) < 1e-3]
     assert found.exterior.hausdorff_distance(place) == pytest.approx(3.0, abs=2e-3)
@@ -122,6 +122,7 @@ def test_step_has_the_hole() -> None:
     assert axis == pytest.approx((hole.x_mm, hole.y_mm), abs=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("clearance", "wide"), [(0.1, 6.2), (-0.1, 5.8)])
 def test_a_process_widens_or_narrows_the_hole(clearance: float, wide: float) -> None:
     assert pinned(clearance=clearance).solids.driven.plan.crank_pin.diameter_mm == pytest.approx(wide)
@@ -157,6 +158,7 @@ def test_a_hole_without_room_is_refused_with_the_largest_that_fits() -> None:
         _ = pinned(pin=largest + 0.02).solids
 
 
+@pytest.mark.thorough
 def test_a_hub_leaves_no_room_for_the_hole() -> None:
     with pytest.raises(WrongInput, match="none fits there") as told:
         _ = pinned(more=", hub: {diameter_mm: 52, height_mm: 5}").solids

@@ -145,7 +145,7 @@ def test_a_line_through_a_circle(direction: float, turned: float) -> None:
     assert tuple(first(at1)[0][0]) == pytest.approx(exact, abs=10 * TIGHT)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.floats(0.2, 1.4), st.floats(-3.0, 3.0), st.floats(0.01, 0.9), st.floats(0.05, 0.95))
 def test_a_chord_through_a_circle_in_both_senses(slope: float, turned: float, before: float, share: float) -> None:

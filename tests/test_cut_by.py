@@ -75,7 +75,7 @@ def test_a_tool_that_is_wider_than_the_bottom_of_a_space_does_not_get_there() ->
     assert left_by(own, 1.15 * found.diameter_mm) > 0.3
 
 
-@pytest.mark.tiers(quick=["circle-*"], rest="slow")
+@pytest.mark.tiers(thorough=["circle-*"], rest="slow")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", ["circle", "ellipse", "concave", "ring"])
 def test_the_least_hollow_is_that_of_differences(name: str, gear: Gear) -> None:
@@ -114,14 +114,14 @@ def test_idle_flanks_that_stand_turned_take_the_hob_a_second_pass() -> None:
     assert driven.reason == f"idle flanks in a second pass, the gear turned by {turn:.4g} deg"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_hob_of_full_depth_does_not_make_spaces_that_are_shallower_against_undercut() -> None:
     allowed, avoided = (of("undercut", Gear.DRIVING, made("undercut", undercut=u))[Tool.HOB] for u in (True, False))
     assert allowed.verdict is Verdict.CUTS
     assert (avoided.verdict, avoided.reason[:28]) == (Verdict.NOT, "at full depth it undercuts t")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_shaper_of_the_design_cuts_it_and_others_leave_their_own_fillets() -> None:
     """Judged by the outlines: on the flanks both designs agree to the chords, in the fillets they do not."""
     shaped = made("ellipse", Cutter(CutterKind.PINION, 40))
@@ -138,7 +138,7 @@ def test_the_shaper_of_the_design_cuts_it_and_others_leave_their_own_fillets() -
     assert shapely.distance(deep, Polygon(cut.outline_mm).exterior).max() > 4.0 * LEFT
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_shaper_that_is_too_shallow_for_the_mate_is_told_so() -> None:
     """A pinion's rounded tip begins higher up than a rack's: its flanks are 1.341 mm deep where 1.394 mm are met."""
     found = next(one for one in cut_gears(drive("pusher"))[0].by if one.tool is Tool.SHAPER)

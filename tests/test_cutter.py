@@ -387,7 +387,7 @@ def test_a_pinion_of_very_many_teeth_is_a_rack() -> None:
 # --- tools against each other ------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 def test_mated_spaces_contain_what_the_mates_tip_sweeps(gear: Gear) -> None:
     """The mate's tip land, carried through the space by the two rolling frames, stays clear of the root."""

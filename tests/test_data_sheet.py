@@ -67,7 +67,7 @@ def test_flanks_at_the_limits_of_thickness_are_measured_once(monkeypatch: pytest
     assert asked == [3.5] * 3
 
 
-@pytest.mark.tiers(thorough=["uniform-crank"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_rows_fit_their_headings_and_every_number_is_finite(name: str) -> None:
     found = sheet(name)
@@ -97,6 +97,7 @@ def test_the_step_of_the_pitch_table_follows_the_teeth(teeth: int, rows: int) ->
     assert turn_deg(teeth).size == rows
 
 
+@pytest.mark.slow
 def test_pitch_radii_are_within_their_range() -> None:
     found = sheet("ellipse")
     radii = np.array(table(found, "Pitch curves").rows)[:, 3]
@@ -182,6 +183,7 @@ def test_limits_of_the_tooth_thickness_that_are_no_range_are_refused(given: dict
     assert refused.value.errors()[0]["ctx"]["key"] == key
 
 
+@pytest.mark.slow
 def test_the_text_has_every_group_and_table() -> None:
     found = toleranced()
     text = sheet_text(found)

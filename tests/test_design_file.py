@@ -321,7 +321,7 @@ def descriptions_missing(schema: Any) -> list[str]:
     return found
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_json_schema_describes_every_key() -> None:
     schema = json_schema()
     assert schema["title"] == "ncgear design file"
@@ -336,7 +336,7 @@ def test_json_schema_describes_every_key() -> None:
     assert descriptions_missing(schema) == []
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_json_schema_knows_the_laws_and_the_keys_as_written() -> None:
     schema = json_schema()
     for one in schema["anyOf"]:

@@ -138,7 +138,7 @@ def deepest(content: Any, ending: str, key: str = "") -> int:
     return decimals(repr(content)) if key.endswith(ending) else 0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @both
 def test_the_assembly_has_sizes_as_on_a_drawing(name: str) -> None:
     text = json_text(assembly_of(drive(name)))

@@ -143,6 +143,7 @@ def test_what_a_kind_offers_is_what_its_page_says(kind: str) -> None:
         assert found == (refusals[number[1]] if number else cell), words
 
 
+@pytest.mark.thorough
 def test_what_formulas_are_made_of_is_what_is_read() -> None:
     assert [name for name in [*FUNCTIONS, *CHOICES] if not re.search(rf"\b{name}\b", FORMULA)] == []
     section = TEXTS["docs/design-file.md"].partition("\n## Formulas\n")[2]
@@ -277,7 +278,7 @@ def groups_without_a_judge(page: str) -> set[str]:
     return set(chain.from_iterable(summaries)) - set(re.findall(r"`(\w+)`", " ".join(rows)))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_every_group_of_the_summary_has_a_judge() -> None:
     assert groups_without_a_judge(JUDGES) == set()
     assert groups_without_a_judge(JUDGES.replace("| `bodies` |", "| bodies |")) == {"bodies"}

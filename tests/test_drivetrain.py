@@ -235,7 +235,7 @@ def test_forces_on_the_crank_shaft_are_in_balance() -> None:
     assert_allclose(found.driven.crank_n, on_crank + weight - moving, atol=1e-9 * np.abs(on_crank).max())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_inertia_has_the_slope_that_it_says_and_the_energy_of_the_cycle() -> None:
     """Central differences; and T - A over the cycle does no work, for J comes back to where it was."""
     angles, step = np.array([0.4, 1.7, 3.3, 5.9]), 1e-5

@@ -377,7 +377,7 @@ def test_tangents_have_the_length_one(name: str, teeth: int) -> None:
     assert np.quantile(np.abs(np.abs(tangent(near, found.law.at(phi1)[1], place))[close] - 1.0), 0.95) < 2e-3
 
 
-@pytest.mark.tiers(slow=["*ring*"], rest="quick")
+@pytest.mark.tiers(slow=["*ring*"], rest="thorough")
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("ring", 24)])
 @pytest.mark.parametrize("torque", [500.0, -500.0])
 def test_stiff_teeth_push_as_the_rigid_levels_mesh_force(name: str, teeth: int, torque: float) -> None:

@@ -99,7 +99,7 @@ def test_every_setting_and_comment_stays(tmp_path: Path) -> None:
         assert comment in text
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_files_that_a_person_has_added_stay(tmp_path: Path) -> None:
     given_files = {"yaml.schemas": {"./.vscode/ncgear.schema.json": "mine/*.yaml"}}
     put(tmp_path, {"a/x.yaml": DESIGN, "b.yaml": "k: 1\n", ".vscode/settings.json": json.dumps(given_files)})
@@ -107,7 +107,7 @@ def test_files_that_a_person_has_added_stay(tmp_path: Path) -> None:
     assert written(tmp_path)["yaml.schemas"] == {"./.vscode/ncgear.schema.json": ["mine/*.yaml", "a/*.yaml"]}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

@@ -244,7 +244,7 @@ def test_all_teeth_and_both_flanks_of_a_circular_gear_are_alike() -> None:
         np.testing.assert_allclose(table, np.broadcast_to(table[0], table.shape), rtol=2e-4)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_unlike_flanks_are_told_apart() -> None:
     """As a control: the teeth of a non-circular gear are neither alike nor symmetric."""
     elements = elements_of(drive("baler").teeth.driving, STEEL, MeshSize())
@@ -492,7 +492,7 @@ def test_between_its_places_a_table_is_what_a_finer_one_has() -> None:
     np.testing.assert_allclose(found.compression_mpa[12:], compression[0, 1, 12:], rtol=5e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_places_beyond_the_table_are_those_at_its_ends() -> None:
     elements = of_circular()
     tip, above = at_tables_places(elements, -1), at_tables_places(elements, -1)

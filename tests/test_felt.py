@@ -118,6 +118,7 @@ def test_power_and_torque_are_rates_of_energy() -> None:
     assert found().rms_torque_n_m > 1.5 * np.mean(torque) / 1e3
 
 
+@pytest.mark.thorough
 def test_the_flywheel_stores_what_an_even_motor_torque_leaves() -> None:
     """Its speed by energy: J (w_max^2 - w_min^2) / 2 is the swing, w_max - w_min = C w about the mean speed w."""
     _, torque, _ = sampled()

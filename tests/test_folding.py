@@ -75,7 +75,7 @@ def test_tip_land_folds_at_the_hollows_radius(share: float) -> None:
         assert "of tooth 1 there" in caught.value.problem
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "teeth"),
     [(baler_law(), 6), (elliptical_law(0.3, 0.0, Lobes(3, 1)), 9), (sine_law(0.3), 6)],

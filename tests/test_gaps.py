@@ -37,6 +37,7 @@ def test_between_its_positions_exact_flanks_touch_at_the_laws_angle(name: str, t
     assert np.abs(back).max() < 4e-6
 
 
+@pytest.mark.thorough
 def test_gaps_converge_with_the_positions() -> None:
     angles = np.linspace(0.0, 2.0 * pi, 5003)
     errors = [np.abs(np.stack(gaps("sine", 31, count).play_rad(angles))).max() for count in (20, 80)]
@@ -118,6 +119,7 @@ def test_driven_gears_pressed_beyond_the_tables_are_refused() -> None:
         found.require_reach(angles, np.where(angles > 3.0, -0.2, 0.0))
 
 
+@pytest.mark.thorough
 def test_levers_are_positive() -> None:
     for name, teeth in PAIRS:
         near = gaps(name, teeth).at(np.linspace(0.0, 2.0 * pi, 20_011))
@@ -150,7 +152,7 @@ def touching_rad(pair: ToothedPair, pitch: PitchPair, teeth: tuple[int, int], ph
     return high
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31)])
 def test_gaps_are_those_of_single_teeth_as_polygons(name: str, teeth: int) -> None:
     """Pairs that touch and pairs that are about to, or have just parted, up to a third of a millimetre away."""

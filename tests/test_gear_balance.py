@@ -65,6 +65,7 @@ def test_an_eccentric_disc_with_holes() -> None:
     assert found.inertia_kg_mm2 == pytest.approx(per_area * polar, rel=1e-7)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["ellipse", "baler-86"])
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_the_outline_and_the_mesh_agree(name: str, gear: str) -> None:

@@ -193,7 +193,7 @@ def test_a_tooth_that_straddles_convex_and_hollow(share: float) -> None:
 # --- negative controls -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("closer", [0.05, -0.05])
 def test_another_centre_distance_is_seen(closer: float) -> None:
     """A twentieth of a millimetre: the flanks overlap by it times sin(20 degrees), or gape as much."""

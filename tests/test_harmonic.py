@@ -195,7 +195,7 @@ def test_lists_of_different_length_are_filled_with_zeros() -> None:
     assert np.array_equal(short.driven_angle(phi1, 2).coefficients, full.driven_angle(phi1, 2).coefficients)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("harmonics", [60, 200])
 def test_many_harmonics(harmonics: int) -> None:
     random = np.random.default_rng(harmonics)

@@ -387,6 +387,7 @@ def test_a_slight_turn_makes_them_overlap(ahead_rad: float) -> None:
     assert min(depths) > 10.0 * TOLERANCE
 
 
+@pytest.mark.slow
 def test_turned_against_each_other_they_do_not_mesh() -> None:
     """Negative control of the sense."""
     pair = made("variable", 60)
@@ -496,7 +497,7 @@ def test_the_volume_of_a_ring_is_that_of_the_closed_form() -> None:
     assert np.hypot(*solid.mesh.vertices[:, :2].T).max() == pytest.approx(outer, rel=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_ring_reads_back_from_its_stl() -> None:
     mesh = ring_solid(wavy(4000), RingBlank(20.0, 8.0, index_hole=True), MODULE, TOLERANCE).mesh
     assert mesh.euler_number == -2

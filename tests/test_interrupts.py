@@ -55,7 +55,7 @@ def design(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("seconds", [0.01, 0.2, 0.5])
 def test_an_interrupted_build_leaves_nothing(tmp_path: Path, design: Path, seconds: float) -> None:
     assert_interrupted(interrupted(seconds, "build", str(design), "--out", str(tmp_path / "out")))

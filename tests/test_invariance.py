@@ -122,7 +122,7 @@ def in_unit(motion: Data, unit: str) -> Data:
     return written | {f"{name}_{unit}": value * factor for name, value in angles.items()}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", ["deg", "rad"])
 @pytest.mark.parametrize("law", ["stroke", "ellipse"])
 def test_angles_in_other_units(unit: str, law: str) -> None:
@@ -289,6 +289,7 @@ def test_a_mirrored_machine_run_backwards(examples: str, law: str) -> None:
 # --- the comparison sees differences ------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", ["harmonics", "expression", "table"])
 def test_a_law_that_differs_in_the_tenth_digit_is_seen(law: str) -> None:
     one = drive_of(design(laws([0.1, 0.05], [0.03, 0.0])[law]))

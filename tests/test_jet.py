@@ -145,7 +145,7 @@ def test_joined_leaves_uncovered_points_undefined() -> None:
 SMALL = st.lists(st.floats(-2.0, 2.0), min_size=4, max_size=4)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(deadline=None)
 @given(SMALL, SMALL, st.floats(-1.5, 1.5))
 def test_products_of_polynomials_are_polynomials(first: list[float], second: list[float], point: float) -> None:
@@ -157,7 +157,7 @@ def test_products_of_polynomials_are_polynomials(first: list[float], second: lis
     assert np.allclose(found.coefficients[:, 0], exact, rtol=0.0, atol=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(deadline=None)
 @given(SMALL, st.floats(-1.5, 1.5))
 def test_square_root_and_division_undo_multiplication(coefficients: list[float], point: float) -> None:
@@ -170,7 +170,7 @@ def test_square_root_and_division_undo_multiplication(coefficients: list[float],
     assert np.allclose((positive / root).coefficients, root.coefficients, rtol=0.0, atol=ROUNDING * scale)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(deadline=None)
 @given(SMALL, st.floats(-1.5, 1.5))
 def test_sine_and_cosine_squares_add_to_one(coefficients: list[float], point: float) -> None:

@@ -666,7 +666,7 @@ DOUBLE = "2 + 1/(cos(phi) - cos(1.0))**2"
 """Two double poles, which the search for the least slope hits exactly."""
 
 
-@pytest.mark.tiers(slow=["*tan*", "True-2*"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["cos(phi)", "tan(phi/2)**2 + 1", "1/(1 + cos(phi))", DOUBLE])
 @pytest.mark.parametrize("scaled", [True, False])
 def test_a_ratio_with_a_pole_or_a_zero_is_no_law(text: str, scaled: bool) -> None:

@@ -215,6 +215,7 @@ def test_half_step(text: str, half: float) -> None:
     assert half_step(text) == pytest.approx(half, rel=1e-15)
 
 
+@pytest.mark.thorough
 @given(st.decimals(-1000, 1000, places=2, allow_nan=False))
 def test_rounding_agrees_with_what_it_was_rounded_from(number: object) -> None:
     printed = Printed((f"{float(str(number)):.1f}",))
@@ -257,6 +258,7 @@ def test_numbers_in_words_are_todays() -> None:
     assert f"{LINKAGE.crank_mm / LINKAGE.rod_mm:.3f}" == "0.473"
 
 
+@pytest.mark.thorough
 def test_the_gear_balers_reading_is_the_design_file() -> None:
     """The ledger's own Table 1 makes the law of designs/baler.yaml."""
     drive = drives.drive("baler")

@@ -229,7 +229,7 @@ def steel(conditions: Conditions = PLAIN) -> tuple[Material, Material]:
     return materials_of(choices, conditions, RUNNING, temperatures_of(choices, conditions, RUNNING))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_whole_answer_against_a_count_by_hand() -> None:
     """Every tooth's safety by plain loops over its meetings and a bisection of its own."""
     loaded, materials = contacts(), steel()

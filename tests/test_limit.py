@@ -159,7 +159,7 @@ def test_scaling_with_speed_and_size() -> None:
     assert least_acceleration(task, replace(USUAL, power_w=18000.0)).value == pytest.approx(2.0 * base, rel=1e-5)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_two_lobes_are_twice_the_speed() -> None:
     """A driving gear of two lobes has half a turn for the cycle: as one at twice the speed, with twice the ratio."""
     two = Task(BALER_LINKAGE, PRESS, 30.0 * RPM, Lobes(2))

@@ -195,6 +195,7 @@ ROUNDED = 1e-11
 """Rows are a few operations on numbers of 1e-16, divided by squares of steps of a degree or so."""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("ranges", [False, True])
 @pytest.mark.parametrize("seed", range(36))
 def test_a_convex_law_keeps_every_relation(seed: int, ranges: bool) -> None:
@@ -278,6 +279,7 @@ SAMPLED = 1e-6
 """Energies by trapezes of 1.6e-4 rad, over the size of the terms of a row."""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(24))
 def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> None:
     """All four figures are priced, with ranges wider than the law's own."""
@@ -291,6 +293,7 @@ def test_figures_under_those_of_the_law_are_broken(name: str) -> None:
     assert max(broken_with_mass(seed, {name: 1.0}, 0.98) for seed in (2, 5, 8)) > 10.0 * SAMPLED
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(6))
 def test_without_convexity_the_roof_of_acceleration_is_kept(seed: int) -> None:
     """The programme itself, fed with the law's figures, is open to it."""
@@ -461,7 +464,7 @@ def in_40_digits(of: Proof, cost: Array, multipliers: Array) -> mp.mpf:
         return total
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("programme", [solved, solved_with_driving_curve])
 def test_the_certified_value_is_under_the_dual_in_40_digits(programme: Callable[[], Solved]) -> None:
     """All that is charged for rounding and data is a few millionths."""

@@ -240,7 +240,7 @@ turning = st.tuples(st.floats(10.0, 500.0), st.floats(0.05, 3.0), st.floats(-0.9
 """Linkages whose crank turns: the rod exceeds the crank, the offset stays below the difference."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(turning, st.floats(1e-3, 1e3), st.floats(0.0, 2.0 * pi))
 def test_a_scaled_linkage_moves_alike(lengths: Lengths, scale: float, angle: float) -> None:

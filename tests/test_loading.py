@@ -345,7 +345,7 @@ def test_what_cannot_be_loaded_is_refused_by_key(text: str, key: str, said: str)
     assert told.value.key == key
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_twice_the_width_is_twice_as_stiff_and_half_the_modulus_half() -> None:
     wide = drives.drive_of_text((PRESS + FORCE).replace("face_width_mm: 10", "face_width_mm: 20"))
     narrow = drives.drive_of_text(PRESS + FORCE)

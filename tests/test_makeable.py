@@ -149,7 +149,7 @@ def test_each_of_those_limits_binds() -> None:
     assert not judged(KEPT["not convex"]).convex
 
 
-@pytest.mark.tiers(thorough=["not convex"], slow=["curvature"], rest="long")
+@pytest.mark.tiers(slow=["not convex", "curvature"], rest="long")
 @pytest.mark.parametrize("name", KEPT)
 def test_no_law_is_under_the_certified_limit(name: str) -> None:
     wishes, task = KEPT[name], task_of(name)
@@ -271,7 +271,7 @@ def test_the_same_input_gives_the_same_bits() -> None:
     assert not np.array_equal(first.ratio, other.ratio)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_ratios_are_what_a_file_holds() -> None:
     """Ten decimals: the law that was judged is the law that is written."""
     found = law(HALF)
@@ -353,7 +353,7 @@ def test_other_machines(name: str) -> None:
     assert found.peak_acceleration_mm_s2 >= free.peak_acceleration_mm_s2 * (1.0 - 1e-6)
 
 
-@pytest.mark.tiers(thorough=["no resistance"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["no resistance", "kept negative"])
 def test_least_power_of_other_machines(name: str) -> None:
     """Nothing to press: any law is best, and one is found."""

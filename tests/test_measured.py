@@ -139,7 +139,7 @@ def test_what_was_done_to_a_gear_is_found(rigid: bool) -> None:
     assert np.abs(told.mean_mm).max() > 0.01
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_eccentric_circular_gear_has_the_pitch_error_of_the_closed_form() -> None:
     """F_p = 2 e / cos(alpha) of circular gears about an axis that is e away (ISO 1328-1 states it of runout)."""
     outline, eccentricity = outline_of("uniform-crank"), 0.02
@@ -165,7 +165,7 @@ def test_a_nearly_round_gear_is_not_a_tooth_off() -> None:
     assert pose.shift_mm == pytest.approx(7.0, abs=2e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_probe_of_a_ball_and_a_slope_are_found() -> None:
     outline, radius = outline_of("ellipse"), 0.5
     at, _, normal = flank_points(outline.gear)

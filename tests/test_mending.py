@@ -84,7 +84,7 @@ def is_refused(data: Data) -> bool:
     return False
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_another_program_makes_is_made_or_mended() -> None:
     """phi - 0.08 sin 2 phi, 12 teeth of module 5; the pressure angle in closed form is that of a tangent and the rack.
 
@@ -100,6 +100,7 @@ def test_what_another_program_makes_is_made_or_mended() -> None:
         assert 1.0 < search.found.contact_ratio < 2.0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("teeth", [17, 30])
 def test_a_pressure_angle_of_25_degrees_alone_builds(teeth: int) -> None:
     drive = drive_of(data_of(EVEN, teeth, rack={"pressure_angle_deg": 25.0}))
@@ -130,6 +131,7 @@ def test_8_teeth_at_20_degrees_cannot_hold_contact_whatever_cuts_them() -> None:
     assert {kind for way in at_20 for kind in way.kinds} == {Kind.MATE, Kind.SHIFTED, Kind.UNDERCUT}
 
 
+@pytest.mark.slow
 def test_the_mended_gears_do_not_overlap() -> None:
     """By polygons of shapely at 90 positions: the other teeth stay out of each other but for what chords take."""
     search = searched("8 teeth")
@@ -221,6 +223,7 @@ def test_every_way_has_a_root_radius_that_fits() -> None:
     }
 
 
+@pytest.mark.thorough
 def test_more_teeth_keep_the_centre_distance_and_whole_numbers() -> None:
     """Of three lobes to two: driving teeth in threes."""
     data = data_of({"law": "ellipse", "eccentricity": 0.1}, 9, lobes={"driving": 3, "driven": 2})
@@ -295,7 +298,7 @@ def test_the_refusal_of_a_build_names_the_change(run: Run) -> None:
     assert [path.name for path in Path().iterdir()] == ["d.yaml"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_root_radius_that_does_not_fit_is_still_wrong_input(run: Run) -> None:
     Path("d.yaml").write_text(TEXT.replace("teeth: 8 ", "teeth: 30").replace("profile: B", "root_radius: 0.6"))
     status, _, err = run("build", "d.yaml")
@@ -360,7 +363,7 @@ def test_another_fault_of_a_mended_design_has_its_place_in_the_file(run: Run) ->
     assert [path.name for path in Path().iterdir()] == ["d.yaml"]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_nothing_is_mended_that_holds(run: Run) -> None:
     Path("d.yaml").write_text(TEXT.replace("teeth: 8 ", "teeth: 30"))
     status, out, _ = run("check", "d.yaml", "--mend")

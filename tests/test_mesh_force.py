@@ -30,7 +30,7 @@ def placement_of(name: str, teeth: int) -> Placement:
     return designed(name, teeth).placement
 
 
-@pytest.mark.tiers(quick=["sine-24-*"], thorough=["baler-40-*"], rest="slow")
+@pytest.mark.tiers(quick=["sine-24-*"], rest="slow")
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_size_is_the_torque_over_the_arm_of_the_flanks_normal(name: str, teeth: int, sign: float) -> None:
@@ -51,7 +51,7 @@ def test_the_other_flanks_have_other_arms(name: str, teeth: int) -> None:
     assert np.max(np.abs(found * contact.pushing.first.lever_mm / TORQUE - 1.0)) > 0.05
 
 
-@pytest.mark.tiers(thorough=["ring*"], rest="quick")
+@pytest.mark.tiers(slow=["ring*"], rest="quick")
 @pytest.mark.parametrize("torque", [TORQUE, -TORQUE])
 @pytest.mark.parametrize("name", ["sine", "ring"])
 def test_force_turns_the_driven_gear_and_drives_it_off(name: str, torque: float) -> None:

@@ -40,7 +40,7 @@ def imbalance(found: Meshing) -> Array:
     return (given + (more - less) / (2.0 * step) + forces.loss_n_mm_s.sum(axis=-1)) / np.abs(given).max()
 
 
-@pytest.mark.tiers(quick=["uniform-24"], slow=["baler-25"], rest="thorough")
+@pytest.mark.tiers(thorough=["uniform-24"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_moments_give_what_is_stored_and_lost(name: str, teeth: int) -> None:
     # A difference over a joint of the tables is off by as much as the slopes jump there.
@@ -48,7 +48,7 @@ def test_moments_give_what_is_stored_and_lost(name: str, teeth: int) -> None:
     assert np.abs(imbalance(meshing(name, teeth))).max() < 1e-4
 
 
-@pytest.mark.tiers(quick=["uniform-24"], slow=["baler-25"], rest="thorough")
+@pytest.mark.tiers(thorough=["uniform-24"], rest="slow")
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_moments_give_what_is_stored_where_pairs_get_stiffer_and_softer_on_their_way(name: str, teeth: int) -> None:
     found = uneven_meshing(name, teeth)

@@ -259,7 +259,7 @@ def test_chords_leave_and_come_in_at_the_pressure_angle(
         np.testing.assert_allclose(np.degrees(np.arccos(np.sum(tangent * way, axis=1))), angle_deg, atol=1e-7)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_ring_has_no_span() -> None:
     assert spans(working_flanks(made("ring", 32)[1].driven)).first.size == 0
 

@@ -61,7 +61,7 @@ def knocking() -> Course:
     return course(found, started(found, LAWS["sine"](), Start.ON_LAW, SPEED), 0.6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("speed", "inertia"), [(0.4, 3e4), (1.5, 7e3)])
 def test_an_impact_from_rest_has_the_closed_forms_peak(speed: float, inertia: float) -> None:
     """Without damping and load M w^2 / 2 = N k d^(n + 1) / (n + 1); even rows see next to nothing of it."""
@@ -125,7 +125,7 @@ def test_a_force_that_ends_at_a_dead_centre_is_met_on_its_own_side() -> None:
     assert peak.value == pytest.approx(40.0 * 120.0, rel=2e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_laws_motion_is_the_one_at_the_driving_gears_own_speed() -> None:
     """On a motor that runs up, the law's velocity is the rate of the law's displacement, not that at another speed."""
     motor = Motor(3.0 * SPEED, 2e4, 100.0)

@@ -33,7 +33,7 @@ def test_of_a_line_it_is_the_foot_of_the_perpendicular(start: float) -> None:
     assert distance == pytest.approx(-points[:, 1], abs=TOLERANCE)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @given(st.floats(-2.5, 2.5), st.floats(4.0, 40.0), st.floats(-0.5, 0.5))
 def test_of_a_circle_it_is_on_the_radius(angle: float, away: float, aside: float) -> None:
     """From inside and outside, from a start that is half a radian off."""

@@ -132,6 +132,7 @@ def test_yes_asks_nothing(tmp_path: Path) -> None:
     assert (tmp_path / "a.yaml").read_text() == template("a")
 
 
+@pytest.mark.thorough
 def test_without_a_terminal_nothing_is_asked(run: Run) -> None:
     assert run("new") == (2, "", "NAME: missing; `ncgear new NAME` is right\n")
     assert run("new", "a") == (0, "a.yaml\n", "")
@@ -178,6 +179,7 @@ def test_gears_that_turn_less_than_once_have_no_wishes(run: Run, law: LawName) -
     assert "wishes: given, but it is not offered for gears that turn to and fro" in problem
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", [law for law in LawName if law not in LESS_THAN_ONCE])
 def test_wishes_are_those_of_the_file(run: Run, tmp_path: Path, law: LawName) -> None:
     """As under ``wishes`` in a file that somebody writes by hand."""
@@ -341,6 +343,7 @@ def test_nothing_is_no_answer(answer: str) -> None:
     assert fault_of(answer, None) == "nothing given; a number is needed"
 
 
+@pytest.mark.thorough
 def test_the_templates_own_answers_have_no_fault() -> None:
     assert [fault_of(answer, value) for answer, value in usual_answers().items()] == [None] * len(ANSWERS)
 

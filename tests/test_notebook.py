@@ -191,7 +191,7 @@ def test_a_fault_is_told_and_ends_nothing() -> None:
 EVIL = "</style><script>alert(1)</script><img src=x onerror=alert(1)>"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_nothing_that_a_design_says_becomes_html() -> None:
     named = {"name": EVIL, "description": f'"{EVIL}'}
     design = ncgear.loads(f"name: even\n{MACHINE}").design.model_copy(update=named)
@@ -205,7 +205,7 @@ def test_nothing_that_a_design_says_becomes_html() -> None:
 
 
 @pytest.mark.parametrize("name", ["pusher", "spiral-pair", "uniform-crank"])
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_machine_runs_as_the_scene_says(name: str) -> None:
     """Every moving group has a way of its own, and frames are places of the scene."""
     scene = scene_of(drives.drive(name))

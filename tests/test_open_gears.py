@@ -349,6 +349,7 @@ def test_flatter_racks_have_more_teeth_beside_the_range() -> None:
     assert found.pushing.touching.driving.max() // 2 + 1 <= flat.size.driving_teeth
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("made", "said"),
     [

@@ -73,7 +73,7 @@ def test_the_optimiser_finds_them_again(name: str) -> None:
     assert law.ratio == pytest.approx(np.array(design.motion.ratio), rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_published_mechanism_saves_nothing_at_equal_productivity() -> None:
     """It needs more power than the earlier one, and three times the uniform crank's acceleration."""
     figures = BestLaw(loaded("baler-frontier").design).given_figures

@@ -285,7 +285,7 @@ def test_even_law_gives_outlines_that_are_their_own_mirror_image(name: str, teet
         assert rack_cut.outline_distance(polygon, mirrored) < 1e-9
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_uneven_law_does_not() -> None:
     """Negative control."""
     polygon = Polygon(gears("baler", 25)[0].outline_mm)

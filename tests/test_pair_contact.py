@@ -34,7 +34,7 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
-@pytest.mark.tiers(thorough=["uniform-8", "uniform*", "sine-25"], slow=["long ellipse-60", "deep sine-72"], rest="long")
+@pytest.mark.tiers(thorough=["uniform-8", "uniform*"], slow=["sine-25", "long ellipse-60", "deep sine-72"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8), ("deep sine", 72), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
@@ -87,7 +87,7 @@ def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
 # --- negative controls -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(thorough=["ellipse"], slow=["baler"], rest="thorough")
+@pytest.mark.tiers(slow=["ellipse", "baler"], rest="thorough")
 @pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
 def test_straight_sided_teeth_do_not_pass_for_conjugate_ones(name: str) -> None:
     """A tolerance so coarse that every curve is one chord; the bound that sampled exact flanks keep is missed."""

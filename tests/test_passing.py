@@ -69,7 +69,7 @@ def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | Point]:
 KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20.0), ("lever", -100.0), ("yoke", 180.0)]
 
 
-@pytest.mark.tiers(thorough=["in front-30.0"], slow=["lever--100.0"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "axis"), KINDS)
 def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> None:
     found = made(kind, axis)
@@ -132,7 +132,7 @@ def meeting(more: str, axis: float = 0.0) -> list[str]:
     return [advice.what for advice in rods(made("in front", axis, more))]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_rod_that_meets_the_shaft_is_told_where_the_file_says_what_stands_there() -> None:
     assert meeting("") == []
     assert meeting("fit: {driving_shaft: ends}") == []

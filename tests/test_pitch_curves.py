@@ -321,6 +321,7 @@ def test_a_driven_curve_has_the_inverse_of_the_driving_law() -> None:
     assert abs(back.closure_error_rad) <= CLOSED
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("solve_for", ["scale", "center_distance"])
 def test_a_curve_and_its_mate_grow_alike(solve_for: str) -> None:
     """Twice the curve has twice the centre distance and the same law, and a scale finds that too."""

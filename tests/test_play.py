@@ -127,6 +127,7 @@ def test_play_is_what_shapely_finds(name: str, ahead_rad: float) -> None:
         assert (found.down_rad[row], found.up_rad[row]) == pytest.approx(judge.driven_play(row, 1e-7), abs=2e-8)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["sine", "baler"])
 def test_overlap_is_as_deep_as_shapely_finds(name: str) -> None:
     """An overlap of both sides of a tooth: the judge's depth is the widest circle in it, good to 6 %."""

@@ -201,6 +201,7 @@ def test_a_ratio_with_a_dent_is_integrated(at: float, width: float) -> None:
     assert abs(law.closure_error_rad) <= 1e-12
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("at", "width"), DENTS)
 def test_the_peak_of_acceleration_is_in_the_dent(at: float, width: float) -> None:
     law = ratio_expression_law(dented(at, width), Lobes(), scale_to_close=True)

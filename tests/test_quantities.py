@@ -211,7 +211,7 @@ def exact_peaks(seed: int) -> Array:
     return np.array([found.peak_acceleration_mm_s2, np.log(found.ratio_max), steep, *curves])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_peaks_between_the_places_are_found(seed: int) -> None:
     exact = exact_peaks(seed)

@@ -117,6 +117,7 @@ def test_the_pressure_angles_of_two_stages_are_todays() -> None:
     assert [f"{angle:.1f}" for angle in found] == ["50.0", "50.0"]
 
 
+@pytest.mark.slow
 def test_the_mechanisms_without_a_design_are_todays() -> None:
     """At 60 r/min by scaling from 20 r/min: power with the speed, acceleration with its square."""
     rows = {row["name"]: row for row in checked("baler")["comparison"] if row["same_speed"]}

@@ -120,6 +120,7 @@ def test_no_key_of_the_data_ends_the_script() -> None:
     assert set(json.loads(block[1])) == {"cycle_deg", "swings", "scene", "grids", "charts"}
 
 
+@pytest.mark.slow
 def test_names_within_the_page_are_its_own() -> None:
     names = parsed(reports.page("baler")).xpath("//@id")
     assert len(names) == len(set(names))

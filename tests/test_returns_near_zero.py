@@ -65,7 +65,7 @@ def exact_polynomial(ends: ReturnEnds, e: float, found: float, least: float) -> 
     return polynomial(mp.findroot(lambda c: covered(c) - target, (few, many), solver="illinois", tol=1e-30))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("case", NEAR_ZERO.values(), ids=NEAR_ZERO)
 def test_they_exist_and_are_found(case: tuple[list[float], float, float, float, float]) -> None:
     law = law_of(*case)

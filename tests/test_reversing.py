@@ -176,7 +176,7 @@ def strayed(case: Case, outlines: Outlines, tolerance: float, step: int = 1) -> 
 
 
 @pytest.mark.judges("ratio")
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_formulas_give_the_law() -> None:
     """Two computations that share nothing; the judge is as good as its angles."""
     for name in ("ellipse", "internal-1-2", "deep ring", "deep sine", "baler-66"):

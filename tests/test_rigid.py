@@ -374,7 +374,7 @@ def test_flywheel_keeps_the_speed_as_even_as_asked() -> None:
     assert np.ptp(speed) / w == pytest.approx(0.04, rel=0.04**2 / 7.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_flanks_beyond_90_degrees_are_refused() -> None:
     with pytest.raises(NoSuchMechanism, match=r"cannot push the driven gear at phi1 = .* pressure angle is 9\d"):
         rigid_level(RigidMachine(machine("stroke, law speed", 20.0), HEAVY, OUTSIDE))

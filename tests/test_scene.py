@@ -154,6 +154,7 @@ def gap_mm(pair: ScenePair, poses: Poses, row: int, ahead_rad: float = 0.0) -> f
     return driving.distance(driven) if depth == 0.0 else -depth
 
 
+@pytest.mark.thorough
 @every_geared
 def test_teeth_touch_and_do_not_overlap(name: str) -> None:
     """As far as chords on both sides may stray; turned by half a tooth they would overlap by far."""
@@ -290,7 +291,7 @@ WALLED = [
 ]
 
 
-@pytest.mark.tiers(quick=["uniform-crank", "both ways"], thorough=["scotch-yoke-pump"], rest="thorough")
+@pytest.mark.tiers(thorough=["uniform-crank", "both ways"], rest="slow")
 @pytest.mark.parametrize("name", WALLED)
 def test_no_link_passes_through_a_wall(name: str) -> None:
     assert not passes_through(scene(name), walls_mm(scene(name)), 500)

@@ -252,7 +252,7 @@ def test_the_script_puts_bodies_where_the_law_does(name: str) -> None:
 
 @in_a_browser
 @every_scene
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_script_moves_what_is_drawn(name: str) -> None:
     for told in in_browser()[name]:
         for (body, place), (_, transform) in zip(told["places"], told["moved"], strict=True):

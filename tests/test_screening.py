@@ -131,7 +131,7 @@ WIDE = {
 """Far from the baler: angles out of order, no law speed, reversals, returns next to a zero of their ratio."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_refusals_are_told_by_batches(alone: list[Design]) -> None:
     """Nearly all: what is left to single computations takes a hundred times as long."""
     data, values = data_of("baler"), in_box(BORDER, 300, 3)
@@ -178,7 +178,7 @@ SOLVED: dict[str, tuple[dict[str, Any], dict[str, tuple[float, float]]]] = {
 """What is solved for: changes of the baler, and keys whose numbers make all its refusals."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("solved", SOLVED)
 def test_every_refusal_of_a_stroke_is_that_of_the_single_design(solved: str, alone: list[Design]) -> None:
     changes, box = SOLVED[solved]
@@ -270,6 +270,7 @@ def test_limits_as_arrays_are_those_of_the_models(name: str) -> None:
     assert wrong > 20
 
 
+@pytest.mark.slow
 def test_keys_that_no_batch_reads_have_designs_of_their_own(alone: list[Design]) -> None:
     """Their values may make another kind, as lobes and a resistance do."""
     keys = ["gears.lobes.driving", "resistance.polynomial_n.0", "motion.v1_mm_s"]
@@ -283,7 +284,7 @@ def test_keys_that_no_batch_reads_have_designs_of_their_own(alone: list[Design])
 
 
 @pytest.mark.parametrize(("width_mm", "batch"), [(90.0, True), (0.02, False)])
-@pytest.mark.tiers(thorough=["0.02*"], rest="quick")
+@pytest.mark.slow
 def test_a_narrow_peak_of_the_resistance_is_not_left_to_a_batch(
     width_mm: float, batch: bool, alone: list[Design]
 ) -> None:
@@ -307,7 +308,7 @@ def swinging() -> dict[str, Any]:
     }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_no_design_is_made_whose_flanks_push_beyond_a_right_angle(alone: list[Design]) -> None:
     """Of ratios that swing ever more; the angle counts the rack's own, and a rack of less pushes further."""
     keys = ["motion.sine.5", "gears.rack.pressure_angle_deg"]
@@ -345,6 +346,7 @@ def test_random_harmonics_agree_with_single_designs(offset_mm: float, lobes: int
     assert found.made.sum() >= 8
 
 
+@pytest.mark.slow
 def test_too_few_points_send_every_design_the_single_way(monkeypatch: pytest.MonkeyPatch, alone: list[Design]) -> None:
     monkeypatch.setattr(block_module.computed_together, "__defaults__", ((Fineness(9),),))
     for name in ("baler", "baler-drivetrain"):
@@ -352,6 +354,7 @@ def test_too_few_points_send_every_design_the_single_way(monkeypatch: pytest.Mon
     assert len(alone) == 2
 
 
+@pytest.mark.slow
 def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch, alone: list[Design]) -> None:
     """Without the look at the last coefficients, figures would be wrong: the comparison above can fail."""
     monkeypatch.setattr(figures_module, "RESOLVED", np.inf)
@@ -382,13 +385,14 @@ RESISTANCES: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("resistance", RESISTANCES.values(), ids=RESISTANCES)
 def test_resistances_of_other_forms(resistance: dict[str, Any]) -> None:
     data, keys, values = {**data_of("baler"), "resistance": resistance}, ["operation.speed_rpm"], np.array([[20.0]])
     assert disagreement(screened_block(data, keys, values), data, keys, values) <= AGREEMENT
 
 
+@pytest.mark.slow
 def test_no_part_at_constant_speed(alone: list[Design]) -> None:
     data, keys, values = data_of("baler"), ["motion.theta2_pi", "motion.theta3_pi"], np.array([[0.9, 0.9]])
     found = screened_block(data, keys, values)
@@ -396,7 +400,7 @@ def test_no_part_at_constant_speed(alone: list[Design]) -> None:
     assert disagreement(found, data, keys, values) <= AGREEMENT
 
 
-@pytest.mark.tiers(thorough=["internal-1-2"], rest="quick")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["ellipse", "feeder-table", "internal-1-2", "baler-66", "baler-66-two-stage", "uniform-crank", "rocker-drive"],
@@ -409,6 +413,7 @@ def test_laws_without_a_batch_are_computed_by_themselves(name: str, alone: list[
     assert disagreement(found, data, keys, values) == 0.0
 
 
+@pytest.mark.slow
 def test_designs_without_gears_have_the_figures_of_a_check(alone: list[Design]) -> None:
     data, keys, values = data_of("baler"), ["operation.speed_rpm"], np.array([[20.0]])
     del data["gears"]

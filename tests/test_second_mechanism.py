@@ -168,7 +168,7 @@ def test_many_yokes_are_as_each_by_itself() -> None:
 # --- the design file
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_every_kind_is_in_the_schema() -> None:
     assert set(MECHANISMS) <= set(json.dumps(json_schema()).replace('"', " ").split())
 
@@ -245,6 +245,7 @@ def test_torque_is_lagranges(law: str) -> None:
     assert found.guide.value == pytest.approx(-SLIDER_KG * across * np.ones_like(q))
 
 
+@pytest.mark.thorough
 @every_law
 def test_the_drives_work_of_a_cycle_is_that_of_the_resistance(law: str) -> None:
     made = drive(law, MASSES)

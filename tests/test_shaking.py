@@ -208,6 +208,7 @@ def test_classical_formulas_fail_for_an_uneven_crank() -> None:
     assert [round(100.0 * share) for share in percents] == [32, 66, 85, 54]  # docs/method.md
 
 
+@pytest.mark.thorough
 def test_the_formula_at_the_momentary_speed_is_exact_where_the_crank_keeps_it() -> None:
     for speed in Speed:
         assert two_term_formula(even(), speed) == two_term_formula(even())

@@ -83,6 +83,7 @@ def test_flanks_that_are_refused_do_stand_apart(teeth: int) -> None:
     assert (-back, on) == pytest.approx(expected, abs=3.0 * FINE / contact.placement.driven_radius_mm[row])
 
 
+@pytest.mark.slow
 def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
     shortest = min(side.pairs.arcs.min() for side in (designed("baler", 25).pushing, designed("baler", 25).back))
     refuse("baler", 25, float(shortest))

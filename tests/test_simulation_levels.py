@@ -209,7 +209,7 @@ def test_what_a_level_needs_is_asked_for(run: Run, level: str, text: str, key: s
     assert f": {key}: " in err
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_motor_whose_shaft_has_no_inertia_is_refused(run: Run) -> None:
     motor = "simulation: {motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
     status, _, err = run(HEAD.replace("driving_gear_kg_mm2: 50", "driving_gear_kg_mm2: 0") + motor, "dynamic")

@@ -40,7 +40,7 @@ def test_one_or_none_is_not_enough(teeth: int | None, module: float | None, dist
         assert name in caught.value.problem
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.floats(1.0, 20.0), st.integers(5, 300), st.floats(0.2, 50.0), st.integers(1, 4), st.integers(1, 4))
 def test_teeth_fill_the_curve_and_round_trip(

@@ -74,7 +74,7 @@ def least_width(teeth: int, module_mm: float) -> float:
     return ceil(max(width, 5.0 * module_mm) - 1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("space_mm", [inf, 120.0, 70.0])
 def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float) -> None:
     """No number of teeth from 20 to 240 and no module of the series give 5 % less volume than the first answer."""
@@ -96,7 +96,7 @@ def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float)
     assert [one.volume_mm3 for one in found] == sorted(one.volume_mm3 for one in found)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_that_are_refused_are_asked_for_once(pretend: list[int]) -> None:
     smallest_gears(drive_of_text(TEXT), Space())
     few = [teeth for teeth in pretend if teeth < 20]
@@ -199,7 +199,7 @@ def test_wrong_options(run: Run, options: list[str], said: str) -> None:
     assert (status, out, err) == (2, "", said + "\n")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gears_without_a_load_are_refused(run: Run) -> None:
     status, _, err = run(TEXT.replace("resistance: {polynomial_n: [2000]}\n", ""))
     assert status == 2

@@ -419,6 +419,7 @@ def test_wrong_loads_are_refused_with_their_place(tmp_path: Path, text: str, sai
     assert said in str(error.value)
 
 
+@pytest.mark.thorough
 def test_a_screening_has_the_figures_of_a_check(tmp_path: Path) -> None:
     """A batch that took the working stroke alone would give less: the force of the way back is the larger one."""
     text = FILE + "resistance: {polynomial_n: [5], returning: {polynomial_n: [80]}, friction_n: 2}\n"

@@ -132,6 +132,7 @@ def test_planted_errors_of_pitch_curves_are_told(curve: Curve) -> None:
     assert curvature_error(curve, bent) == pytest.approx(1e-10, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_exact_length_is_the_published_one() -> None:
     assert 200.0 * float(baler_curve().exact_length()) == pytest.approx(629.2813, abs=5e-5)
 

@@ -117,7 +117,7 @@ def test_eccentric_anomalies_are_those_of_elliptic_integrals_to_fifty_digits() -
 OUTLINES = ["outlines-circle", "outlines-ellipse"]
 
 
-@pytest.mark.tiers(quick=["outlines-circle"], rest="thorough")
+@pytest.mark.tiers(quick=["outlines-circle"], rest="slow")
 @pytest.mark.parametrize("key", OUTLINES)
 def test_vertices_of_outlines_are_on_the_closed_form(key: str) -> None:
     gear = CIRCLE if key == "outlines-circle" else ELLIPSE
@@ -155,7 +155,7 @@ def test_equivalent_gears_miss_an_elliptical_gear_however_many_points_they_have(
     assert study("outlines-circle").error(teeth.driving.outline_mm) <= 5e-5
 
 
-@pytest.mark.tiers(quick=["outlines-circle"], rest="slow")
+@pytest.mark.tiers(thorough=["outlines-circle"], rest="slow")
 @pytest.mark.parametrize("key", OUTLINES)
 def test_an_outline_displaced_by_a_tenth_of_the_tolerance_is_told(key: str) -> None:
     fine = toothed_pair(study_pair(key), form(), 0.05 * TOLERANCE_MM).driving.outline_mm
@@ -179,11 +179,13 @@ def test_ends_of_contact_are_exact_once_every_contact_has_a_position() -> None:
     assert found("contact-ratio", contact.ENDS, 4)[0].error > 1e-2
 
 
+@pytest.mark.thorough
 def test_counting_contacts_misses_up_to_one_position_of_each() -> None:
     for point in found("contact-ratio", contact.COUNTED, 6, 10, PER_TOOTH):
         assert 1e-3 < point.error <= 1.0 / (point.level * contact.exact_contact_ratio())
 
 
+@pytest.mark.thorough
 def test_exact_curves_have_no_transmission_error_and_the_backlash_of_involutes() -> None:
     assert all(point.error < 1e-13 for point in found("contact-angle", contact.CURVES, 6, PER_TOOTH))
 
@@ -198,12 +200,12 @@ def test_outlines_touch_where_involutes_do_but_for_both_gears_chords() -> None:
     assert order(measured, 0.0) == pytest.approx(-1.0, abs=0.05)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_even_parameters_turn_the_driven_gear_at_second_order() -> None:
     assert order(found("contact-angle", contact.EVEN, 4, 8, 16), 0.0) == pytest.approx(2.0, abs=0.25)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_default_positions_find_what_outlines_do_and_half_of_them_do_not() -> None:
     half, default, more = (
         contact.play_error_rad(contact.play_to_tolerance(TOLERANCE_MM, n)) for n in (10, PER_TOOTH, 60)
@@ -212,7 +214,7 @@ def test_the_default_positions_find_what_outlines_do_and_half_of_them_do_not() -
     assert half < 0.7 * more
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [1e-5, -1e-5])
 def test_a_pair_whose_driven_gear_stands_elsewhere_is_told(turn: float) -> None:
     exact = contact.play_of_curves(6)
@@ -235,7 +237,7 @@ def test_volumes_are_wrong_by_the_tolerance_with_triangles_that_grow_by_its_squa
     assert measured[1].error < 2e-4
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_volumes_of_even_parameters_are_of_second_order() -> None:
     assert order(found("solid-volume", solids.EVEN, 8, 16, 32), 0.0) == pytest.approx(2.0, abs=0.06)
 
@@ -266,11 +268,12 @@ def test_a_solid_without_one_of_its_teeth_is_told() -> None:
     assert solids.surface_error_mm(without) > 0.1 * MODULE_MM
 
 
-@pytest.mark.tiers(slow=["0.001"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1e-3, -1e-3])
 def test_a_solid_of_another_size_or_another_helix_is_told(share: float) -> None:
     solid = study("solid-volume").method(solids.STRAIGHT).run(TOLERANCE_MM)
-    other = replace(solid.mesh, vertices=(1.0 + share) * solid.mesh.vertices)
+    other = solid.mesh.copy()
+    other.apply_scale(1.0 + share)
     assert solids.volume_error(solids.Solid(other)) == pytest.approx(3.0 * abs(share), rel=0.1)
     helical = study("solid-surface").method(solids.HELICAL).run(0.05)
     assert solids.surface_error_mm(replace(helical, advance=(1.0 + 20.0 * share) * helical.advance)) > 0.05

@@ -229,7 +229,7 @@ def test_knots_that_do_not_rise_within_a_turn_are_a_fault(knots: list[float]) ->
         periodic_cubic(np.array(knots), np.zeros(len(knots)))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_integral_of_a_steep_exponential_is_that_of_thirty_digits() -> None:
     """Between two points the function changes ten thousandfold, so cells are halved there."""
     spline = periodic_cubic(even_steps(4), np.array([4.5, 0.0, -4.5, 0.5]))
@@ -431,6 +431,7 @@ def test_a_gentler_law_has_a_share_of_the_logarithm() -> None:
 # --- how quick it is ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_a_law_of_many_knots_is_made_and_evaluated_fast() -> None:
     """720 knots: made with its range in 7 ms, 300 angles with three derivatives in 0.4 ms (five times these here)."""
     angles, phi1 = even_steps(720), np.linspace(0.0, 6.28, 300)
@@ -446,7 +447,7 @@ def test_a_law_of_many_knots_is_made_and_evaluated_fast() -> None:
     assert evaluated <= 2e-3
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_cusps_of_many_knots_are_sought_between_the_knots(monkeypatch: pytest.MonkeyPatch) -> None:
     """The curvature has a corner at each knot, and a form that knew of none would close in on all of them.
 

@@ -357,7 +357,7 @@ def test_a1_that_accelerates_leaves_no_law_speed_in_the_other_reading() -> None:
     assert refusal(replace(AT_LAW_SPEED, a1_mm_s2=1e5)).key == "motion.solve_for"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=50, deadline=None)
 @given(st.floats(-1e6, -1e-3), st.floats(1.0, 5000.0), st.floats(0.05, 3.0))
 def test_braking_alone_never_reverses_the_slider(a1: float, v2: float, delta: float) -> None:

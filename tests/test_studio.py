@@ -97,7 +97,7 @@ def test_numbers_that_are_dragged_have_no_more_digits_than_a_screen() -> None:
 TEXTS = st.lists(st.one_of(st.sampled_from(["undo", "redo"]), st.text("ab", max_size=3)), max_size=30)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @given(TEXTS)
 @settings(max_examples=60, deadline=None)
 def test_history_goes_back_and_forth_as_a_list_with_a_place(steps: list[str]) -> None:
@@ -144,6 +144,7 @@ def test_every_law_can_be_chosen(law: LawName) -> None:
     assert "# The baler of J. Wang" in text
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", list(MECHANISMS))
 def test_every_mechanism_can_be_chosen(kind: str) -> None:
     text = edited(text_of("scotch-yoke-pump"), {"linkage.kind": kind})

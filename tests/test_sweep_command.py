@@ -72,6 +72,7 @@ def test_the_best_are_named_first(run: Run) -> None:
     assert float(first[1]) == pytest.approx(float(by_acceleration["check.peak_acceleration_cycle_mm_s2"]), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_of_designs_that_need_the_same_power_the_gentlest_is_named_first(run: Run) -> None:
     """The peak is that of the working stroke, which no choice of the return changes."""
     _, out, _ = run("motion.return.e=0.5:-0.5:5", text=template("press").replace("e: least_acceleration", "e: 0"))
@@ -202,7 +203,7 @@ def test_a_wrong_file_is_refused_with_its_place(run: Run) -> None:
 HARMONIC = template("press", LawName.HARMONIC_RATIO)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_pareto_set_is_written_as_files_that_give_its_figures(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """And pictures, which are drawn with constraints, samples, lists and a greatest objective."""
     monkeypatch.setattr(files, "sweep_files", DRAWN)
@@ -234,7 +235,7 @@ def test_the_pareto_set_is_written_as_files_that_give_its_figures(run: Run, monk
     assert 1 <= len(designs) <= 8
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_best_go_on_to_teeth_and_contact(run: Run) -> None:
     """With the figures that a build of each would have; the others stay where they are."""
     status, out, err = run(

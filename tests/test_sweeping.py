@@ -291,6 +291,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in (folder / "sweep.parquet").iterdir()}
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("cheap")
 def test_a_run_goes_on_where_it_was_and_computes_nothing_twice(tmp_path: Path) -> None:
     found = run(tmp_path)

@@ -37,6 +37,7 @@ def test_a_judge_that_is_not_quick_does_not_count(collected: list[pytest.Item]) 
     assert rooms_judged([item for item in collected if item.get_closest_marker("thorough")]) == set()
 
 
+@pytest.mark.thorough
 def test_every_pattern_fits_a_parameter(collected: list[pytest.Item]) -> None:
     """One that fits none is of a parameter that was renamed, whose tests have changed their tier unseen."""
     ids: dict[tuple[str, str], set[str]] = defaultdict(set)

@@ -294,7 +294,7 @@ def test_non_circular_gears_touch_where_their_polygons_do() -> None:
         assert (np.abs(found - bare) * mesh.arm_mm[:, position]).max() > 0.015
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("tolerances")
 def test_teeth_with_errors_touch_where_their_outlines_do() -> None:
     """Pitch, profile and tilt of every tooth, by the outlines that the command itself checks with."""
@@ -309,6 +309,7 @@ def test_teeth_with_errors_touch_where_their_outlines_do() -> None:
     assert found.error_mm < 3e-3
 
 
+@pytest.mark.thorough
 def test_flanks_that_deviate_the_wrong_way_fail() -> None:
     """Negative control of the check: the mesh of one assembly beside the outlines of the opposite one."""
     one = drive("ellipse")
@@ -389,7 +390,7 @@ def ellipse_lot() -> Lot:
     return lot_of(drive("ellipse"), ASSUMED)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_assemblies_are_the_same_however_they_are_drawn() -> None:
     """Scrambled points of Sobol and plain random numbers: means agree within what chance explains."""
     one, lot = drive("ellipse"), ellipse_lot()
@@ -422,7 +423,7 @@ def test_indices_are_those_of_another_program() -> None:
     assert own["index_driven"].total == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_indices_of_two_causes_are_their_shares_of_the_variance() -> None:
     """Of circular gears, the play is 2 a inv-like in the centre distance and even in the growth: both shares known."""
     _, _, placement, mesh = circular()
@@ -480,6 +481,7 @@ def test_results_are_the_same_whatever_the_workers() -> None:
         assert np.array_equal(values, getattr(two, name))
 
 
+@pytest.mark.thorough
 def test_places_that_no_assembly_reaches_may_be_left_out() -> None:
     """Even where everything is at its limit; and most of the others are reached by some."""
     one, lot = drive("ellipse"), ellipse_lot()
@@ -508,6 +510,7 @@ def test_twice_as_many_positions_change_little() -> None:
 # --- what the file says ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_materials_and_housing_grow() -> None:
     one = drive("desk-toy")
     given = AssemblyTolerances(temperature=Temperatures(least_c=0.0, largest_c=40.0, warmer_k=10.0))

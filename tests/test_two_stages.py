@@ -119,7 +119,7 @@ def test_the_written_solids_mesh(stage: int) -> None:
     assert report.gap.max() <= 2 * 0.005
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_written_stages_in_series_are_the_written_law() -> None:
     """Each stage's table, interpolated, one after the other."""
     curves = []

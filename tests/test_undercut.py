@@ -86,7 +86,7 @@ def test_the_amount_of_an_avoided_undercut_is_what_the_rack_goes_below_the_cusp(
         assert (loss.tooth, loss.contact_pitches) == (1, 0.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("deeper_mm", [0.05, 0.2])
 def test_the_amount_of_an_allowed_undercut_is_the_height_that_the_notch_takes(deeper_mm: float) -> None:
     """The path of the sharp corner crosses the involute above its base circle; both in polar coordinates."""
@@ -331,6 +331,7 @@ def test_avoided_flanks_of_circular_gears_end_just_above_the_base_circle() -> No
         assert gear.shortened(Limit.UNDERCUT) == list(range(1, 13))
 
 
+@pytest.mark.thorough
 def test_flank_kinds_left_by_undercut_are_in_order() -> None:
     """Allowed undercut leaves one run of flank and one of fillet on each side, the flank above."""
     for gear in both(made(uniform_law(Lobes()), 12, avoid=False)):

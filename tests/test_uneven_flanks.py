@@ -316,7 +316,7 @@ def turning(pitch: PitchPair, driving: ToothedGear, driven: ToothedGear, count: 
 
 
 @pytest.mark.judges("contact")
-@pytest.mark.tiers(quick=["both-ellipse"], rest="thorough")
+@pytest.mark.tiers(quick=["both-ellipse"], rest="slow")
 @pytest.mark.parametrize("name", ["ellipse", "concave"])
 @pytest.mark.parametrize("asked", ["angles", "shifts", "both"])
 def test_whole_outlines_never_overlap_and_always_touch(name: str, asked: str) -> None:
@@ -338,7 +338,7 @@ def test_teeth_of_a_mate_with_the_same_instead_of_the_opposite_shift_do_not_mesh
         assert report.overlap_depth.max() > 0.05
 
 
-@pytest.mark.tiers(quick=["ellipse"], slow=["ring"], rest="long")
+@pytest.mark.tiers(thorough=["ellipse"], slow=["ring"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "ring", "concave"])
 def test_the_law_is_held_exactly_and_the_play_is_even(name: str) -> None:
     pitch, pair = pitch_of(name), made(name, "both with play", 0.005)
@@ -548,6 +548,7 @@ def test_equal_angles_said_twice_are_one() -> None:
     assert np.array_equal(given.teeth.driving.outline_mm, once.teeth.driving.outline_mm)
 
 
+@pytest.mark.thorough
 def test_equal_shifts_of_all_teeth_are_a_profile_shift() -> None:
     each = drive_of_text(TEXT.format(teeth=24, more="profile_shift: {per_tooth: [0.2]}"))
     whole = drive_of_text(TEXT.format(teeth=24, more="profile_shift: {driving: 0.2}"))

@@ -188,6 +188,7 @@ def test_drawings_are_in_mm_with_every_layer_declared(name: str) -> None:
         assert sum("no farther than 0.005 mm" in text for text in written) == 2, "among the properties, and in sight"
 
 
+@pytest.mark.slow
 def test_the_axis_is_marked_across() -> None:
     lines = drawn(files("baler")["driven.dxf"], "AXIS")
     ends = np.array([[[one.number(10), one.number(20)], [one.number(11), one.number(21)]] for one in lines])
@@ -301,7 +302,7 @@ def test_an_image_has_bore_and_holes() -> None:
         assert apart_mm(ours, other) <= ARC_MM
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_image_says_what_each_layer_is_for() -> None:
     text = files("printed-pump")["driving.svg"].decode()
     for layer in (Layer.OUTLINE, Layer.BORE, Layer.INDEX_HOLE, Layer.POCKETS, Layer.HUB, Layer.PITCH_CURVE, Layer.AXIS):
@@ -341,7 +342,7 @@ def printed(data: bytes) -> tuple[str, dict[str, Trimesh]]:
     return unit.name, parts
 
 
-@pytest.mark.tiers(quick=["ellipse"], slow=["helical-ellipse"], rest="thorough")
+@pytest.mark.tiers(thorough=["ellipse"], rest="slow")
 @pytest.mark.parametrize("name", [*DESIGNS, "helical-ellipse"])
 def test_prints_are_the_solids_side_by_side(name: str) -> None:
     unit, parts = printed(files(name)["gears.3mf"])

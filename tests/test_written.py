@@ -76,7 +76,7 @@ def test_an_open_solid_is_refused() -> None:
         section_rings(np.asarray(mesh.vertices), holed, 0.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("clearance", [0.0, 0.1])
 def test_both_forms_of_both_gears_are_read(clearance: float) -> None:
     """Below a hub that is higher than the gear, above the chamfer, and with the clearance put back on."""

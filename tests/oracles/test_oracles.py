@@ -94,7 +94,7 @@ def test_inversion_agrees_with_the_in_line_closed_form(baler: stroke.Cycle, angl
         assert abs(baler.driven_angle(angle) / phi2 - 1) < mp.mpf(10) ** -40
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_ratio_near_dead_centres_follows_the_limit_and_its_slope(baler: stroke.Cycle) -> None:
     with mp.workdps(60):
         step = mp.mpf("1e-9")

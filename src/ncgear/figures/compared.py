@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.figures.csv_text import csv_text, rows_text
-from ncgear.figures.numbers import fixed, micrometres
+from ncgear.figures.numbers import fixed, micrometres, to_digits
 from ncgear.figures.tables import aligned
 from ncgear.numerics.arrays import Array
 from ncgear.project.compared import ComparedGear, ComparedPair
@@ -162,11 +162,11 @@ def _short(row: list[object]) -> list[object]:
 def _cell(value: object) -> str:
     if value is None:
         return "-"
-    return f"{1e3 * value:.1f}" if isinstance(value, float) else str(value)
+    return fixed(1e3 * value, 1) if isinstance(value, float) else str(value)
 
 
 def _plain(value: object) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return to_digits(value, 6) if isinstance(value, float) else str(value)
 
 
 def turned_words(one: ComparedGear) -> str:

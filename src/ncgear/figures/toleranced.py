@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.figures.csv_text import csv_text
-from ncgear.figures.numbers import to_digits
+from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
@@ -171,7 +171,7 @@ def index_rows(tolerated: Tolerated) -> list[tuple[str, str]]:
     return [
         (
             BRIEF[name],
-            ", ".join(f"{SOURCES[one.source]} {100.0 * one.total:.0f} %" for one in found if one.total >= SMALL),
+            ", ".join(f"{SOURCES[one.source]} {fixed(100.0 * one.total, 0)} %" for one in found if one.total >= SMALL),
         )
         for name, found in tolerated.indices.items()
     ]
@@ -206,14 +206,20 @@ def tolerance_text(tolerated: Tolerated, paths: Sequence[Path], kept: Sequence[P
     for name, found in tolerated.indices.items():
         key = _key(name, tolerated)
         lines = [
-            [SOURCES[one.source], f"{one.first:.3f}", f"{one.total:.3f}", f"\u00b1{one.error:.3f}"] for one in found
+            [
+                SOURCES[one.source],
+                fixed(one.first, 3),
+                fixed(one.total, 3),
+                f"\u00b1{fixed(one.error, 3)}",
+            ]
+            for one in found
         ]
         title = f"What {name_of(key)} varies with (indices of Sobol, {tolerated.index_samples} samples each)"
         blocks.append("\n".join([title, *aligned([["", "first", "total", "95 %"], *lines], left=1)]))
     checks = [
         f"Spread of the play (one sigma): {to_digits(1e3 * first.linear_mm.max(), 3)} \u00b5m by first order, "
         f"{to_digits(1e3 * first.drawn_mm.max(), 3)} \u00b5m of the assemblies; "
-        f"up to {100.0 * first.difference:.0f} % apart",
+        f"up to {fixed(100.0 * first.difference, 0)} % apart",
         *(
             f"Outlines of {'the tightest assembly' if place == 0 else f'assembly {place}'}: the model is off by "
             f"{to_digits(1e3 * one.error_mm, 3)} \u00b5m where flanks are moved by up to "

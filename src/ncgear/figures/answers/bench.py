@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.bench import error_words, setting_words, time_words
+from ncgear.figures.numbers import fixed
 from ncgear.project.bench import Stage, dominating
 
 HEADS = ("recommended", "a build uses", "error", "asked", "time", "share")
@@ -24,7 +25,7 @@ def bench_answer(stages: Sequence[Stage], name: str, then: str) -> Answer:
                 error_words(stage, trial.error),
                 error_words(stage, stage.asked),
                 time_words(trial.time_s),
-                f"{100.0 * trial.time_s / whole:.0f} %",
+                f"{fixed(100.0 * trial.time_s / whole, 0)} %",
             ),
         )
         for stage, trial in recommended

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.compared import SIDES, gear_figures, length_words, turned_words
-from ncgear.figures.numbers import micrometres
+from ncgear.figures.numbers import fixed, micrometres, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.project.compared import ComparedGear, ComparedPair, Fit
 
@@ -26,7 +26,7 @@ def compared_answer(pair: ComparedPair, name: str, fit: Fit, then: str) -> Answe
         )
     ]
     moved = (
-        [Row("axis at", tuple(f"{one['shift_x_mm']:.4f}, {one['shift_y_mm']:.4f} mm" for one in found))]
+        [Row("axis at", tuple(f"{fixed(one['shift_x_mm'], 4)}, {fixed(one['shift_y_mm'], 4)} mm" for one in found))]
         if fit is Fit.RIGID
         else []
     )
@@ -95,7 +95,7 @@ def _jams(pair: ComparedPair) -> list[Fault]:
     return [
         Fault(
             f"jams by {micrometres(pair.needed_backlash_mm)} at teeth {named}{more}",
-            (f"gears.backlash_mm: {pair.needed_backlash_mm:.2g} more", "more backlash"),
+            (f"gears.backlash_mm: {to_digits(pair.needed_backlash_mm, 2)} more", "more backlash"),
         )
     ]
 

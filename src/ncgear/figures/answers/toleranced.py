@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.numbers import to_digits
+from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.toleranced import (
     index_rows,
@@ -67,6 +67,8 @@ def _faults(tolerated: Tolerated) -> tuple[Fault, ...]:
     off = max(one.error_mm / max(one.displaced_mm, 1e-12) for one in tolerated.errors)
     if off > MOST_OFF:
         faults.append(
-            Fault(f"the linear model is off by up to {100.0 * off:.0f} %: these tolerances are large for such teeth")
+            Fault(
+                f"the linear model is off by up to {fixed(100.0 * off, 0)} %: these tolerances are large for such teeth"
+            )
         )
     return tuple(faults)
