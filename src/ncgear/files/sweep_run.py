@@ -26,8 +26,9 @@ from ncgear.extras import require
 from ncgear.files.parts import Parts, alone_in, table_bytes
 from ncgear.screening.batch import kind_of
 from ncgear.screening.deeper import deepened, deeper_names, require_stage
-from ncgear.screening.designs import Counted, Designs, Screening, figure_names, joined, screened_part
+from ncgear.screening.designs import Counted, Designs, Screening, joined, screened_part
 from ncgear.screening.overview import Overview, no_overview
+from ncgear.screening.rows import figure_names
 from ncgear.screening.wanted import Wanted, best_rows
 from ncgear.workers import finished
 
@@ -65,7 +66,7 @@ def screening_of(design: Design, data: dict[str, Any], order: Order) -> Screenin
     """What the first two stages screen; a stage ``check`` leaves the gears out."""
     check_only = order.stage == "check"
     screened = {key: value for key, value in data.items() if not (check_only and key == "gears")}
-    names = figure_names(design, with_gears=design.gears is not None and not check_only)
+    names = tuple(name for name in figure_names(design) if not (check_only and name.startswith("pitch.")))
     rows = rows_of_part(order.space.count, ROWS if kind_of(design) is not None else ROWS_ALONE)
     return Screening(screened, order.space, names, rows)
 

@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.keys.base import quantity, spellings
-from ncgear.design.keys.design import Design
-from ncgear.design.mechanisms import entry_of
 from ncgear.design.space import Space
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.screening.block import MADE, screened_block
@@ -58,28 +56,6 @@ def joined(parts: Sequence[Designs]) -> Designs:
         {key: np.concatenate([part.values[key] for part in parts]) for key in first.values},
         {name: np.concatenate([part.figures[name] for part in parts]) for name in first.figures},
         np.concatenate([part.verdicts for part in parts]),
-    )
-
-
-def figure_names(design: Design, with_gears: bool) -> tuple[str, ...]:
-    """The names of the figures of a screening, which all designs of a sweep have; see ``screening.rows``."""
-    mechanism = entry_of(design.linkage).load()
-    output = mechanism.OUTPUT
-    speed, acceleration = output.speed.ending, output.acceleration.ending
-    pitch = ("center_distance_mm", "length_driving_mm", "length_driven_mm", "driving_convex", "driven_convex")
-    radii = ("min_radius_driving_mm", "min_radius_driven_mm", "max_tangent_angle_deg", "max_pressure_angle_deg")
-    return (
-        "drive.law_speed_rpm",
-        "closure.residual_rad",
-        *([f"closure.stroke_residual_{output.place.ending}"] if mechanism.RETURNS else []),
-        "ratio.min",
-        "ratio.max",
-        "check.peak_power_w",
-        "check.mean_power_w",
-        f"check.peak_speed_{speed}",
-        f"check.peak_acceleration_working_{acceleration}",
-        f"check.peak_acceleration_cycle_{acceleration}",
-        *(f"pitch.{name}" for name in (*pitch, *radii) if with_gears and design.stages == 1),
     )
 
 
