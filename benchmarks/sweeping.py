@@ -35,6 +35,7 @@ from ncgear.screening.block import Block
 from ncgear.screening.deeper import deepened
 from ncgear.screening.designs import Screening, screened_part
 from ncgear.screening.overview import no_overview
+from ncgear.screening.rows import figure_names
 from ncgear.screening.wanted import Objective, Wanted
 from ncgear.workers import finished
 
@@ -118,7 +119,7 @@ def costs(folder: Path) -> dict[str, float]:
 
 def free_block(data: dict[str, Any], keys: Sequence[str], values: Array) -> Block:
     """Figures that cost nothing and differ from design to design; every tenth design is refused."""
-    names = designs_module.figure_names(BALER.design, with_gears=True)
+    names = figure_names(BALER.design)
     made = np.arange(len(values)) % 10 != 0
     wave = np.where(made, np.cos(7.0 * values[:, 0]) + values[:, 1], np.nan)
     figures = {name: wave * values[:, place % 2] for place, name in enumerate(names)}

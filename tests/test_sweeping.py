@@ -27,6 +27,7 @@ from ncgear.screening import designs as designs_module
 from ncgear.screening.block import Block
 from ncgear.screening.designs import Designs, joined
 from ncgear.screening.overview import no_overview, rank_correlations
+from ncgear.screening.rows import figure_names
 from ncgear.screening.wanted import Constraint, Objective, Wanted, best_rows, constraint_of, non_dominated, objective_of
 
 # --- which designs there are
@@ -265,7 +266,7 @@ def screened_block(data: dict[str, Any], keys: Sequence[str], values: Array) -> 
     TOUCHED.append(len(values))
     v1 = values[:, 0]
     made = np.arange(len(v1)) % 7 != 0
-    names = designs_module.figure_names(LOADED.design, with_gears=True)
+    names = figure_names(LOADED.design)
     figures = {name: np.where(made, v1 * (place + 1.0), np.nan) for place, name in enumerate(names)}
     return Block(figures, made, tuple("made" if one else "motion.theta1_rad: is wrong" for one in made))
 
