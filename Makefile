@@ -5,10 +5,10 @@ PYTHON := .venv/bin/python
 	python3 -m venv .venv && .venv/bin/pip install -q -e '.[dev]'
 	touch .venv
 
-quick: .venv  ## a judge for every room, a minute or two on two cores
+quick: .venv  ## a judge for every room, a minute and a half on two cores
 	$(PYTHON) -m pytest -m "not thorough and not slow"
 
-test: .venv  ## quick and thorough tests, nine minutes on two cores
+test: .venv  ## quick and thorough tests, two to three minutes on two cores
 	$(PYTHON) -m pytest
 
 slow: .venv  ## the tests that take longer
