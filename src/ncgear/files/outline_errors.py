@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from io import StringIO
+from itertools import pairwise
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -51,7 +51,7 @@ def outline_errors_mm(drive: Drive, files: Mapping[str, bytes], outlines: list[O
             names = [f"{gear.value}.{kind}" for gear in Gear]
             if all(name in files for name in names):
                 found[kind] = (read(files[names[0]]), read(files[names[1]]))
-    exact = [exact_points(drive.teeth.of(gear)) for gear in Gear]
+    exact = [shapely.points(exact_points(drive.teeth.of(gear))) for gear in Gear]
     errors = {kind: max(map(farthest_mm, exact, both)) for kind, both in found.items()}
     if "pair.step" in files:
         errors["step"] = error_of_step_mm(files["pair.step"])
@@ -66,14 +66,13 @@ def exact_points(gear: ToothedGear) -> Array:
     return np.concatenate(points)
 
 
-def farthest_mm(points: Array, outline_mm: Array) -> float:
-    """The largest distance of points (n, 2) from a closed line through others (m, 2)."""
+def farthest_mm(places: NDArray[np.object_], outline_mm: Array) -> float:
+    """The largest distance of places (n,) from a closed line through points (m, 2)."""
     # Lines of a few chords: hardly more is measured than with each chord by itself, and far fewer lines are made.
     first = np.arange(0, len(outline_mm), CHORDS)
     last = np.minimum(first + CHORDS, len(outline_mm))
     line, corner = counted_up(first, last - first + 1)
     tree = shapely.STRtree(shapely.linestrings(outline_mm[corner % len(outline_mm)], indices=line))
-    places = shapely.points(points)
     # Most points are seen to be nearer than the farthest of a few; only the others are measured.
     few = _farthest_mm(places[::FEW], tree)
     nearer, _ = tree.query(places, predicate="dwithin", distance=few)
@@ -87,14 +86,30 @@ def _farthest_mm(places: NDArray[np.object_], tree: shapely.STRtree) -> float:
 
 
 def outline_of_dxf(data: bytes) -> Array:
-    """The tooth outline of a DXF file of one gear in mm, arcs as fine chords, shape (n, 2)."""
-    import ezdxf
-    from ezdxf.entities.lwpolyline import LWPolyline
+    """The tooth outline of a DXF file of one gear in mm, arcs as fine chords, shape (n, 2).
 
-    entities = ezdxf.read(StringIO(data.decode())).modelspace()
-    (outline,) = (one for one in entities if isinstance(one, LWPolyline) and one.dxf.layer == "OUTLINE")
-    rows = np.array(outline.get_points("xyb"))
-    return flattened(rows[:, :2], rows[:, 2])
+    A DXF file is a line with a code and a line with a value in turn; code 0 begins an entity, 8 tells its layer, and of
+    a polyline 10, 20 and 42 tell the coordinates of its points and the bulges that are not 0.
+    """
+    lines = data.decode().splitlines()
+    codes, values = np.array(lines[::2], dtype=int), lines[1::2]
+    begins = np.append(np.flatnonzero(codes == 0), codes.size)
+    (own,) = (
+        slice(first, last)
+        for first, last in pairwise(begins.tolist())
+        if values[first] == "LWPOLYLINE" and values[first + codes[first:last].tolist().index(8)] == "OUTLINE"
+    )
+    points: list[list[float]] = []
+    bulges: list[float] = []
+    for code, value in zip(codes[own].tolist(), values[own], strict=True):
+        if code == 10:
+            points.append([float(value)])
+            bulges.append(0.0)
+        elif code == 20:
+            points[-1].append(float(value))
+        elif code == 42:
+            bulges[-1] = float(value)
+    return flattened(np.array(points), np.array(bulges))
 
 
 STEP = re.compile(r"([MLA])([^MLAZ]*)")

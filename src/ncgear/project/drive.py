@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.project.drivetrain import DrivetrainResult
+    from ncgear.project.measured import MeasuredGear
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.strength.answer import Strength
@@ -270,6 +271,13 @@ class Drive(Geared):
             toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
             return course(toothed, state, given.turns, accuracy)
+
+    @computed
+    def measured(self) -> tuple[MeasuredGear, MeasuredGear]:
+        """The driving and the driven gear as a workshop measures them."""
+        from ncgear.project.measured import measured_gears
+
+        return measured_gears(self)
 
     @property
     def strength(self) -> Strength:

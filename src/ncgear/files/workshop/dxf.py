@@ -141,7 +141,12 @@ class _TagText(DXFTag):
 
 
 def add_chain(
-    space: BlockLayout | Modelspace, points: Array, attributes: dict[str, Any], bulges: Array | float = 0.0, *, closed: bool
+    space: BlockLayout | Modelspace,
+    points: Array,
+    attributes: dict[str, Any],
+    bulges: Array | float = 0.0,
+    *,
+    closed: bool,
 ) -> None:
     """Add a polyline through points (n, 2) with bulges (n,), all at once: the library copies them point by point."""
     chain, rows = space.add_lwpolyline([], close=closed, dxfattribs=attributes), np.zeros((len(points), 5))
