@@ -294,7 +294,7 @@ class Drive(Geared):
         return self.judged_teeth(method).loading
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
-        """Loads and strength of the teeth by a method, and what the method knows of them; computed, or refused, once."""
+        """Loads and strength of the teeth by a method, and what the method knows of them; made, or refused, once."""
         from ncgear.project.tooth_strength import judged_teeth
 
         known = self._known_strengths
