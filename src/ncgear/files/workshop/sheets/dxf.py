@@ -120,7 +120,8 @@ def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
                 # A triangle, whose third corner a solid has twice.
                 space.add_solid(points[[0, 1, 2, 2]].tolist(), dxfattribs=layer)
             elif len(points) == 2:
-                space.add_line(*points.tolist(), dxfattribs=layer)
+                start, end = points.tolist()
+                space.add_line(start, end, dxfattribs=layer)
             else:
                 add_chain(space, points, {**layer, "flags": WHOLE_PATTERN | item.closed}, closed=item.closed)
 
