@@ -248,7 +248,7 @@ def test_a_section_that_cannot_be_measured_leaves_all_other_figures(monkeypatch:
     def failing(*given: object) -> None:
         raise NoSuchMechanism("tooth 3 of the driven gear is too thin", key="gears.teeth")
 
-    monkeypatch.setattr(sheet_module, "measured_gears", failing)
+    monkeypatch.setattr(Drive, "measured", property(failing))
     monkeypatch.setattr(sheet_module, "pitch_table", failing)
     monkeypatch.setattr(sheet_module, "cut_gears", failing)
     found = data_sheet(drive("ellipse"))

@@ -19,8 +19,9 @@ from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.motion_in_time import law_table
 from ncgear.dynamics.pair_places import pair_places
 from ncgear.dynamics.quasi_static import loaded_contact
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.pitch.shape import Gear
+from ncgear.project import tooth_strength
 from ncgear.project.drive import Drive
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.estimate import estimate_of
@@ -363,3 +364,25 @@ def test_twice_the_width_is_twice_as_stiff_and_half_the_modulus_half() -> None:
     ratio = stiffness(narrow, 0.5) / stiffness(narrow, 1.0)
     assert ratio.min() > 0.5
     assert ratio.max() < 0.53
+
+
+def test_a_refusal_is_found_once_and_raised_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    known, asked = drives.drive("baler"), list[str]()
+    fresh = Drive(known.design)
+    vars(fresh).update(teeth=known.teeth, tooth_load=known.tooth_load)
+
+    def refusing(method: str, *given: object) -> None:
+        asked.append(method)
+        raise NoSuchMechanism("pressed too deep", key="gears.teeth")
+
+    monkeypatch.setattr(tooth_strength, "judged_teeth", refusing)
+    found = []
+    for _ in range(3):
+        with pytest.raises(NoSuchMechanism, match=r"gears\.teeth: pressed too deep") as refused:
+            _ = fresh.strength_by("estimate")
+        found.append(refused.value)
+    assert asked == ["estimate"]
+    assert len(set(map(id, found))) == 3
+    with pytest.raises(NoSuchMechanism):
+        fresh.loading_by("elements")
+    assert asked == ["estimate", "elements"]

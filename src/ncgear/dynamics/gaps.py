@@ -61,14 +61,12 @@ class Rows(Columns):
         return np.where(key[found] == wanted, found, -1)
 
 
-def first_rows(contacts: Contacts, urge: float, values: Array, drift: Array) -> Rows:
-    """The first contact of each pair at each position; values of shape (n, q), the first of them the error."""
-    teeth = np.column_stack([contacts.driving_tooth, contacts.driven_tooth])
-    order = np.lexsort((-urge * contacts.error_rad, contacts.position, *teeth.T))
-    place = np.column_stack([teeth, contacts.position])[order]
-    chosen = order[np.append(True, np.any(np.diff(place, axis=0) != 0, axis=1))]
-    sides = np.full(contacts.position.size, urge)
-    return Rows(sides, teeth, contacts.position, values, drift).kept(chosen)
+def first_of_pairs(contacts: Contacts, urge: float) -> Contacts:
+    """The first contact of each pair at each position, in the order of pairs and positions."""
+    teeth = contacts.driving_tooth, contacts.driven_tooth
+    order = np.lexsort((-urge * contacts.error_rad, contacts.position, teeth[1], teeth[0]))
+    place = np.column_stack([*teeth, contacts.position])[order]
+    return contacts.kept(order[np.append(True, np.any(np.diff(place, axis=0) != 0, axis=1))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,6 +259,7 @@ def gaps_of(teeth: ToothedPair, pitch: PitchPair, stiffness: PairStiffness, per_
 
 def _rows(contacts: Contacts, urge: float, placement: Placement, stiffness: PairStiffness) -> Rows:
     """The first contact of each pair of teeth at each position, with slopes."""
+    contacts = first_of_pairs(contacts, urge)
     place, tangent = fixed_tangents(contacts, placement)
     from_axis = place - placement.center_distance_mm
     lever = along(tangent, from_axis)
@@ -268,7 +267,8 @@ def _rows(contacts: Contacts, urge: float, placement: Placement, stiffness: Pair
     drift = placement.mesh.sense * along(tangent, place) / lever - placement.speed[contacts.position]
     stiff = stiffness(pair_places(contacts, placement))
     values = np.column_stack([contacts.error_rad, lever, driving, driven, stiff])
-    return first_rows(contacts, urge, values, drift)
+    teeth = np.column_stack([contacts.driving_tooth, contacts.driven_tooth])
+    return Rows(np.full(drift.size, urge), teeth, contacts.position, values, drift)
 
 
 def _slotted(rows: Rows, placement: Placement) -> Gaps:

@@ -165,6 +165,13 @@ class PitchPair(Shown):
 
     def concave_ranges(self, gear: Gear) -> list[tuple[float, float]]:
         """Stretches of the driving angle within one period on which the closed curve is dented, with exact ends."""
+        return list(self._concave[gear])
+
+    @cached_property
+    def _concave(self) -> dict[Gear, list[tuple[float, float]]]:
+        return {gear: self._concave_stretches(gear) for gear in Gear}
+
+    def _concave_stretches(self, gear: Gear) -> list[tuple[float, float]]:
         found: list[tuple[float, float]] = []
         for piece in self.transmission.made_pieces:
             for start, end in self._concave_on(piece, gear):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.reading.design_file import load as load_design
 from ncgear.design.reading.design_file import parsed
-from ncgear.errors import WrongInput, located
+from ncgear.errors import DesignError, WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.project.computed import computed
 from ncgear.project.geared import Geared
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.project.drivetrain import DrivetrainResult
+    from ncgear.project.measured import MeasuredGear
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.strength.answer import Strength
@@ -271,6 +273,13 @@ class Drive(Geared):
             state = started(toothed, self.transmission, Start(given.start), speed)
             return course(toothed, state, given.turns, accuracy)
 
+    @computed
+    def measured(self) -> tuple[MeasuredGear, MeasuredGear]:
+        """The driving and the driven gear as a workshop measures them."""
+        from ncgear.project.measured import measured_gears
+
+        return measured_gears(self)
+
     @property
     def strength(self) -> Strength:
         """The strength of the teeth by the method that the design names."""
@@ -285,21 +294,28 @@ class Drive(Geared):
         return self.judged_teeth(method).loading
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
-        """Loads and strength of the teeth by a method, and what the method knows of them; computed once."""
+        """Loads and strength of the teeth by a method, and what the method knows of them; made, or refused, once."""
         from ncgear.project.tooth_strength import judged_teeth
 
         known = self._known_strengths
         require_whole_turns(self.design, "the strength of the teeth")
         if method not in known:
             load, teeth = self.tooth_load.load, self.teeth
-            with located(self.places), self.stopwatch("strength"):
-                known[method] = judged_teeth(
-                    method, self.gears, teeth, self.materials, self.conditions, self.running, self.loading, load
-                )
-        return known[method]
+            with self.stopwatch("strength"):
+                try:
+                    with located(self.places):
+                        known[method] = judged_teeth(
+                            method, self.gears, teeth, self.materials, self.conditions, self.running, self.loading, load
+                        )
+                except DesignError as refusal:
+                    known[method] = refusal
+        found = known[method]
+        if isinstance(found, DesignError):
+            raise copy(found)
+        return found
 
     @computed
-    def _known_strengths(self) -> dict[str, JudgedTeeth]:
+    def _known_strengths(self) -> dict[str, JudgedTeeth | DesignError]:
         return {}
 
 

@@ -15,7 +15,7 @@ from ncgear.metrology.span import Spans, spans
 from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
-from ncgear.project.drive import Drive
+from ncgear.project.geared import Geared
 from ncgear.shown import Shown
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
@@ -70,7 +70,7 @@ class MeasuredGear:
         return tuple(found)
 
 
-def measured_gears(drive: Drive) -> tuple[MeasuredGear, MeasuredGear]:
+def measured_gears(drive: Geared) -> tuple[MeasuredGear, MeasuredGear]:
     """The driving and the driven gear, in the section of ``measured_section``."""
     teeth = measured_section(drive)
     return _measured(drive, Gear.DRIVING, teeth.driving), _measured(drive, Gear.DRIVEN, teeth.driven)
@@ -88,7 +88,7 @@ class CutGear(Shown):
     by: tuple[CutBy, ...]
 
 
-def cut_gears(drive: Drive) -> tuple[CutGear, CutGear]:
+def cut_gears(drive: Geared) -> tuple[CutGear, CutGear]:
     """The driving and the driven gear as tools cut them, to the chord tolerance."""
     helix = "" if drive.helix is None else "herringbone" if drive.helix.herringbone else "helical"
 
@@ -99,7 +99,7 @@ def cut_gears(drive: Drive) -> tuple[CutGear, CutGear]:
     return of(Gear.DRIVING), of(Gear.DRIVEN)
 
 
-def measured_section(drive: Drive) -> ToothedPair:
+def measured_section(drive: Geared) -> ToothedPair:
     """Both gears in the section that is measured.
 
     Straight teeth have one section.  Helical gears are measured half way up, herringbone gears half way up their lower
@@ -111,13 +111,13 @@ def measured_section(drive: Drive) -> ToothedPair:
     return toothed_pair(drive.pitch, drive.tooth_form, drive.design.output.chord_tolerance_mm, advance_mm=advance)
 
 
-def _measured(drive: Drive, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
+def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
     tolerance = drive.design.output.chord_tolerance_mm
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
     return MeasuredGear(gear, working, toothed, _pins_to_try_mm(drive, working), tolerance, _limits(drive))
 
 
-def _pins_to_try_mm(drive: Drive, working: WorkingFlanks) -> tuple[float, ...]:
+def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:
     """The given diameter, or else those that are sold near the nominal one."""
     helix, given = drive.helix, drive.gears.measuring_pin_mm
     normal_module = drive.rack.module_mm * (cos(helix.angle_rad) if helix else 1.0)
@@ -125,7 +125,7 @@ def _pins_to_try_mm(drive: Drive, working: WorkingFlanks) -> tuple[float, ...]:
     return (given,) if given is not None else pins_to_try(nominal)
 
 
-def _limits(drive: Drive) -> tuple[float, float] | None:
+def _limits(drive: Geared) -> tuple[float, float] | None:
     given = drive.gears.tolerances
     if given is None or given.tooth_thickness_lower_mm is None or given.tooth_thickness_upper_mm is None:
         return None

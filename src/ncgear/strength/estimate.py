@@ -195,7 +195,9 @@ class Estimate:
         width, off = near + far, (near - far) / 2.0
         across, down = load.across[:, None], load.down[:, None]
         moment = across * (load.height_mm[:, None] - height) - down * (load.aside_mm[:, None] - off)
-        energy = (12.0 * moment**2 / width**3 + down**2 / width) / modulus + 1.2 * across**2 / (shear * width)
+        energy = (
+            12.0 * moment * moment / (width * width * width) + down * down / width
+        ) / modulus + 1.2 * across**2 / (shear * width)
         tooth = length / 2.0 * (energy @ WEIGHTS)
 
         root, other = (self.halves.at(flank, foot) for flank in (places.flank, places.flank ^ 1))

@@ -43,22 +43,25 @@ FLATTEST_IN_MODULES = 100.0
 
 def flank_heights_mm(gear: ToothedGear, places: FlankPlaces) -> Array:
     """Heights of the flanks' points nearest to places, within what is left of the flanks, shape (n,)."""
-    flanks, rack = gear.flanks, gear.flanks.rack
-    top, bottom = (limit[places.flank] for limit in gear.sides.flank_range())
-    zero = np.zeros(places.flank.size)
-    origin, slope = (as_complex(part) for part in flanks.flank(places.flank, zero))
+    flanks, number = gear.flanks, places.flank
+    top, bottom = (limit[number] for limit in gear.sides.flank_range())
+    every = np.arange(flanks.count)
+    origin, slope = (as_complex(part)[number] for part in flanks.flank(every, np.zeros(flanks.count)))
     # The flank's length is a h + b h^2 / 2 where the curvature of what rolls does not change.
     length, first = along(slope, places.point - origin) / np.abs(slope), np.abs(slope)
-    turning = flanks.at_rolled(places.flank, flanks.crossing_mm[places.flank]).curvature
-    slant = flanks.slant.of(places.flank)
+    turning = flanks.at_rolled(every, flanks.crossing_mm).curvature[number]
+    slant = flanks.slant.of(number)
     second = turning / (slant.sine * slant.height_per_rolled)
     height = 2.0 * length / (first + np.sqrt(np.maximum(first**2 + 2.0 * second * length, 0.0)))
     height = np.clip(height, bottom, top)
+    todo = np.arange(height.size)
     for _ in range(NEWTON_STEPS):
-        point, slope = (as_complex(part) for part in flanks.flank(places.flank, height))
-        nearer = np.clip(height + along(slope, places.point - point) / np.abs(slope) ** 2, bottom, top)
-        step, height = np.abs(nearer - height), nearer
-        if np.all(step <= MET_IN_MODULES * rack.module_mm):
+        point, slope = (as_complex(part) for part in flanks.flank(number[todo], height[todo]))
+        nearer = height[todo] + along(slope, places.point[todo] - point) / np.abs(slope) ** 2
+        nearer = np.clip(nearer, bottom[todo], top[todo])
+        moved = np.abs(nearer - height[todo]) > MET_IN_MODULES * flanks.rack.module_mm
+        height[todo], todo = nearer, todo[moved]
+        if not todo.size:
             break
     return np.asarray(height)
 

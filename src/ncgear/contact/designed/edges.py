@@ -172,13 +172,16 @@ def _touching(hits: EdgeHits) -> Contacts:
     gear, squared_radius, module = hits.curves, square(hits.corner), hits.curves.paths.flanks.rack.module_mm
     first, last = hits.ends
     parameter = first + (last - first) * _on_cubics(hits)
+    point, slope = np.empty_like(hits.corner), np.empty_like(hits.corner)
+    met, todo = np.zeros(parameter.size, dtype=bool), np.arange(parameter.size)
     for _ in range(NEWTON_STEPS):
-        point, slope = gear.curve(hits.run, parameter, hits.position)
-        step = _step_to_circle(point, slope, squared_radius)
-        parameter, point = parameter + step, point + slope * step
-        met = np.abs(np.abs(point) - np.sqrt(squared_radius)) <= AGREEMENT * module
-        met &= np.abs(slope * step) <= CLOSE_IN_MODULES * module
-        if met.all():
+        at, leading = gear.curve(hits.run[todo], parameter[todo], hits.position[todo])
+        step = _step_to_circle(at, leading, squared_radius[todo])
+        point[todo], slope[todo], parameter[todo] = at + leading * step, leading, parameter[todo] + step
+        met[todo] = np.abs(np.abs(point[todo]) - np.sqrt(squared_radius[todo])) <= AGREEMENT * module
+        met[todo] &= np.abs(leading * step) <= CLOSE_IN_MODULES * module
+        todo = np.flatnonzero(~met)
+        if not todo.size:
             break
     astray = np.flatnonzero(~met | ((parameter - first) * (parameter - last) > 0.0))
     if astray.size:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from itertools import zip_longest
 from math import degrees, isclose
 from typing import TYPE_CHECKING
@@ -25,7 +25,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.measured import MeasuredGear, cut_gears, measured_gears
+from ncgear.project.measured import MeasuredGear, cut_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.shifts import thickness_mm
@@ -63,7 +63,6 @@ def data_sheet(pair: Drive) -> DataSheet:
     """
     pair.require_sound_teeth()
     name = pair.design.name if pair.stage is None else f"{pair.design.name}, stage {pair.stage}"
-    gears = cache(partial(measured_gears, pair))
     rows: dict[str, Callable[[], Sequence[Entry]]] = {
         "Sizes": partial(sizes, pair),
         "Basic rack": partial(rack_data, pair),
@@ -71,7 +70,7 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Bodies": partial(bodies, pair),
         "Beside the gears": partial(passed_rows, pair),
         "Tolerances, as given": partial(tolerances, pair),
-        "Measurements of the teeth": lambda: measurements(pair, gears()),
+        "Measurements of the teeth": lambda: measurements(pair, pair.measured),
     }
     groups = (Group(title, rows_or_why(of)) for title, of in rows.items())
     tables: dict[str, Callable[[], tuple[Table, ...]]] = {
@@ -80,8 +79,8 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Pitch curves": lambda: (pitch_table(pair),),
     }
     for number, gear in enumerate(Gear):
-        tables[f"Span of the {gear.value} gear"] = partial(_of_one, gears, number, span_table)
-        tables[f"Pins in the {gear.value} gear"] = partial(_of_one, gears, number, pin_tables)
+        tables[f"Span of the {gear.value} gear"] = partial(_of_one, pair, number, span_table)
+        tables[f"Pins in the {gear.value} gear"] = partial(_of_one, pair, number, pin_tables)
     told = tuple(table for title, of in tables.items() for table in tables_or_why(title, of))
     return DataSheet(name, tuple(group for group in groups if group.entries), told)
 
@@ -123,10 +122,8 @@ def rows_found(tables: Callable[[], tuple[Table, ...]]) -> list[Cells]:
     return [row for table in tables_or_why("", tables) for row in table.rows]
 
 
-def _of_one(
-    gears: Callable[[], Sequence[MeasuredGear]], number: int, tables: Callable[[MeasuredGear], tuple[Table, ...]]
-) -> tuple[Table, ...]:
-    return tables(gears()[number])
+def _of_one(pair: Drive, number: int, tables: Callable[[MeasuredGear], tuple[Table, ...]]) -> tuple[Table, ...]:
+    return tables(pair.measured[number])
 
 
 def sizes(drive: Drive) -> tuple[Entry, ...]:

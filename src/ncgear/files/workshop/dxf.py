@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import StringIO
+from typing import Any
 
 import ezdxf
 import numpy as np
 from ezdxf import units
 from ezdxf.document import Drawing as Document
-from ezdxf.layouts import Modelspace
+from ezdxf.entities.lwpolyline import LWPolylinePoints
+from ezdxf.layouts import BlockLayout, Modelspace
+from ezdxf.lldxf.types import DXFTag
 from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.files.workshop.drawing import (
@@ -111,14 +114,45 @@ def _add(space: Modelspace, shape: Shape, layer: str) -> None:
     match shape:
         case Polyline():
             bulges = written(shape.bulges, BULGE_DECIMALS)
-            rows = np.column_stack([written(shape.points), bulges]).tolist()
-            space.add_lwpolyline(rows, format="xyb", close=True, dxfattribs={**attributes, "flags": WHOLE_PATTERN})
+            add_chain(space, written(shape.points), {**attributes, "flags": WHOLE_PATTERN}, bulges, closed=True)
         case Circle():
             x, y, radius = written(np.array([shape.x_mm, shape.y_mm, shape.radius_mm])).tolist()
             space.add_circle((x, y), radius, dxfattribs=attributes)
         case Cross():
             for start, end in written(shape.lines).tolist():
                 space.add_line(start, end, dxfattribs=attributes)
+
+
+class _ChainPoints(LWPolylinePoints):
+    """The points of a polyline, whose tags are one text: the library would make an object of every number."""
+
+    __slots__ = ()
+
+    def dxftags(self) -> Iterator[DXFTag]:
+        rows = ((x, y, f" 42\n{bulge}\n" if bulge else "") for x, y, _, _, bulge in self.values.tolist())
+        yield _TagText(0, "".join(f" 10\n{x}\n 20\n{y}\n{more}" for x, y, more in rows))
+
+
+class _TagText(DXFTag):
+    """Tags as the text that a file has of them."""
+
+    def dxfstr(self) -> str:
+        return str(self._value)
+
+
+def add_chain(
+    space: BlockLayout | Modelspace,
+    points: Array,
+    attributes: dict[str, Any],
+    bulges: Array | float = 0.0,
+    *,
+    closed: bool,
+) -> None:
+    """Add a polyline through points (n, 2) with bulges (n,), all at once: the library copies them point by point."""
+    chain, rows = space.add_lwpolyline([], close=closed, dxfattribs=attributes), np.zeros((len(points), 5))
+    rows[:, :2], rows[:, 4] = points, bulges
+    chain.lwpoints = _ChainPoints()
+    chain.lwpoints.set(rows)
 
 
 def _write(document: Document, notes: Sequence[str], low: Array, high: Array) -> None:

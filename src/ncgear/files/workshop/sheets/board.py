@@ -27,14 +27,36 @@ TURNS_RAD = tuple(np.radians([0.0, 12.0, -12.0, 25.0, -25.0, 40.0, -40.0, 60.0, 
 """Lengths of leaders that are tried, and by how much they lean from the direction that is wanted."""
 
 
+class _Shapes:
+    """Shapes on a board, which are asked far more often than added to: those whose boxes are apart need no look."""
+
+    def __init__(self) -> None:
+        self._shapes = np.empty(0, dtype=object)
+        self._bounds = np.empty((0, 4))
+        self._new: list[BaseGeometry] = []
+
+    def add(self, shapes: list[BaseGeometry]) -> None:
+        """Put shapes on the board."""
+        self._new += shapes
+
+    def meet(self, other: BaseGeometry) -> bool:
+        """Whether any shape touches another one."""
+        if self._new:
+            self._shapes = np.append(self._shapes, self._new)
+            self._bounds = np.vstack([self._bounds, shapely.bounds(self._new)])
+            self._new = []
+        (left, low, right, high), own = other.bounds, self._bounds.T
+        near = (own[0] <= right) & (own[2] >= left) & (own[1] <= high) & (own[3] >= low)
+        return bool(near.any() and shapely.intersects(self._shapes[near], other).any())
+
+
 class Board:
     """The items of a view inside a box of paper: left, bottom, right, top."""
 
     def __init__(self, box: tuple[float, float, float, float]) -> None:
         self.box = shapely.box(*box)
         self.items: list[Item] = []
-        self._lines: list[BaseGeometry] = []
-        self._texts: list[BaseGeometry] = []
+        self._lines, self._texts = _Shapes(), _Shapes()
 
     def add(self, *items: Item) -> None:
         """Put items on the board; it is not asked whether there is room."""
@@ -42,23 +64,19 @@ class Board:
             self.items.append(item)
             for part in parts_of(item):
                 if isinstance(part, Text):
-                    self._texts.append(Polygon(part.corners))
+                    self._texts.add([Polygon(part.corners)])
                 else:
-                    self._lines += _pieces(part)
+                    self._lines.add(_pieces(part))
 
     def has_room(self, text: Text) -> bool:
         """Whether a text is inside the box and covers nothing."""
         area = Polygon(text.corners).buffer(SLACK_MM, join_style="mitre")
-        return bool(
-            self.box.covers(area)
-            and not shapely.intersects(self._lines, area).any()
-            and not shapely.intersects(self._texts, area).any()
-        )
+        return bool(self.box.covers(area)) and not self._texts.meet(area) and not self._lines.meet(area)
 
     def is_free(self, lines: Iterable[Line]) -> bool:
         """Whether lines are inside the box and cross no text."""
         pieces = [piece for line in lines for piece in _pieces(line)]
-        return all(self.box.covers(piece) and not shapely.intersects(self._texts, piece).any() for piece in pieces)
+        return all(self.box.covers(piece) and not self._texts.meet(piece) for piece in pieces)
 
     def put_text(self, candidates: Iterable[Text]) -> bool:
         """Add the first text that has room; whether there was one."""

@@ -19,7 +19,7 @@ from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import written
-from ncgear.files.workshop.dxf import VERSION, without_clock
+from ncgear.files.workshop.dxf import VERSION, WHOLE_PATTERN, add_chain, without_clock
 from ncgear.files.workshop.sheets.sheet import (
     ARROW_MM,
     BEYOND_MM,
@@ -115,14 +115,15 @@ def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
             center = _true(np.asarray(item.center), sheet).tolist()
             space.add_circle(center, float(written(item.radius / sheet.scale)), dxfattribs={"layer": item.pen.name})
         case Line():
-            points, layer = _true(item.points, sheet).tolist(), {"layer": item.pen.name}
+            points, layer = _true(item.points, sheet), {"layer": item.pen.name}
             if item.filled:
                 # A triangle, whose third corner a solid has twice.
-                space.add_solid([*points[:3], points[2]], dxfattribs=layer)
+                space.add_solid(points[[0, 1, 2, 2]].tolist(), dxfattribs=layer)
             elif len(points) == 2:
-                space.add_line(points[0], points[1], dxfattribs=layer)
+                start, end = points.tolist()
+                space.add_line(start, end, dxfattribs=layer)
             else:
-                space.add_lwpolyline(points, close=item.closed, dxfattribs={**layer, "flags": 128 | item.closed})
+                add_chain(space, points, {**layer, "flags": WHOLE_PATTERN | item.closed}, closed=item.closed)
 
 
 def _measure(document: Document, space: Modelspace, item: Dimension, sheet: Sheet) -> None:

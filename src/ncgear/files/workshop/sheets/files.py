@@ -9,7 +9,6 @@ from ncgear.files.workshop.sheets.pair_sheet import pair_sheet
 from ncgear.files.workshop.sheets.pdf import pdf_bytes
 from ncgear.files.workshop.sheets.svg import svg_bytes
 from ncgear.project.drive import Drive
-from ncgear.project.measured import measured_gears
 
 WRITERS = {"svg": svg_bytes, "pdf": pdf_bytes, "dxf": dxf_bytes}
 
@@ -20,6 +19,6 @@ def drawing_files(drive: Drive) -> dict[str, bytes]:
     Raises the errors of the drive's solids.
     """
     radii = pitch_table(drive)
-    sheets = {gear.gear.value: gear_sheet(drive, gear, radii) for gear in measured_gears(drive)}
+    sheets = {gear.gear.value: gear_sheet(drive, gear, radii) for gear in drive.measured}
     sheets["pair"] = pair_sheet(drive)
     return {f"{name}_drawing.{kind}": write(sheet) for name, sheet in sheets.items() for kind, write in WRITERS.items()}
