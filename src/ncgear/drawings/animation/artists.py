@@ -26,6 +26,9 @@ from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import simplified, straws
 from ncgear.numerics.arrays import Array
 
+PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
+"""Colours of lines and dots; a palette that is made from the areas of colours would not have them."""
+
 TINT, LINK_SHARE = 0.24, 0.85
 """Shares of a gear's colour and of that of crank and rod in their fillings; the rest is white."""
 

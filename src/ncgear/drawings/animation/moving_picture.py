@@ -20,6 +20,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, Transform
+from numpy.typing import NDArray
 
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.artists import (
@@ -32,7 +33,6 @@ from ncgear.drawings.animation.artists import (
     pitch_point_artist,
     pivot_artist,
 )
-from ncgear.drawings.animation.packing import Frame
 from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.drawings.charts.drawer import Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
@@ -42,7 +42,6 @@ from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, 
 from ncgear.figures.numbers import fixed, rounded
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.numerics.arrays import Array
 
 
 def look_at(axes: Axes, box: Box) -> float:
@@ -167,6 +166,9 @@ def angles(figure: Figure, x: float, y: float) -> Moving:
     return Moving((words,), pose)
 
 
+Frame = NDArray[np.uint8]
+"""Pixels, shape (height, width, 3)."""
+
 WIDTH_IN = 9.6
 """Width in inches for which lines and letters are sized; the resolution follows from the width in pixels."""
 
@@ -232,11 +234,6 @@ def picture(scene: Scene, width_px: int) -> Picture:
             # Matplotlib leaves animated artists out of the background.
             artist.set_animated(True)
     return Picture(made, tuple(moving))
-
-
-def frames_of(scene: Scene, phi1_rad: Array, width_px: int) -> Iterator[Frame]:
-    """The frames of a scene at driving angles in rad, shape (n,), at a width in pixels."""
-    yield from picture(scene, width_px).frames(scene.poses(phi1_rad))
 
 
 def _shown(scene: Scene) -> dict[str, Box]:

@@ -5,24 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from numpy.typing import NDArray
+from matplotlib.colors import to_rgb
 from PIL import Image
 
 from ncgear.drawings.animation import AnimationFormat
-from ncgear.drawings.beside import HERE, MOVING_FRAMES, Drawer
-from ncgear.drawings.palette import LIGHT
+from ncgear.drawings.animation import artists as looks
+from ncgear.drawings.animation.moving_picture import Frame, picture
 from ncgear.drawings.scene.scene import Scene
-
-Frame = NDArray[np.uint8]
-"""Pixels, shape (height, width, 3)."""
-
-PURE = tuple(LIGHT[name] for name in ("ink", "driving", "driven", "highlight", "material"))
-"""Colours of lines and dots; a palette that is made from the areas of colours would not have them."""
 
 COLORS = 128
 """Colours of a GIF's palette beside those of lines: enough for shades at edges, with half the bytes of 256 colours."""
@@ -68,7 +61,7 @@ def _palette(frames: Sequence[Frame]) -> Image.Image:
     made = Image.fromarray(np.concatenate(frames)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
     colors = np.array(made.getpalette()).reshape(-1, 3)
     colors[colors.min(axis=1) >= PAPER] = 255
-    pure = [int(color[place : place + 2], 16) for color in PURE for place in (1, 3, 5)]
+    pure = [round(255 * part) for color in looks.PURE for part in to_rgb(color)]
     made.putpalette([*colors[:COLORS].ravel().tolist(), *pure])
     return made
 
@@ -98,15 +91,13 @@ SAMPLES = 4
 PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 
 
-def animated(
-    scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None], drawer: Drawer = HERE
-) -> bytes:
+def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
     """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
+    made = picture(scene, loop.width_px)
     # Without the end of the loop, which looks like its beginning.
-    angles = [scene.evenly_in_time(count) for count in (SAMPLES, loop.frames)]
-    frames = drawer.each(MOVING_FRAMES, scene, np.concatenate(angles), loop.width_px)
-    some = list(islice(frames, SAMPLES))
-    return PACKERS[kind](_counted(frames, loop.frames, on_frame), some, loop)
+    angles = (scene.evenly_in_time(count) for count in (loop.frames, SAMPLES))
+    frames, some = (made.frames(scene.poses(phi1)) for phi1 in angles)
+    return PACKERS[kind](_counted(frames, loop.frames, on_frame), list(some), loop)
 
 
 def _counted(frames: Iterator[Frame], total: int, on_frame: Callable[[int, int], None]) -> Iterator[Frame]:
