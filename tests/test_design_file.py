@@ -365,6 +365,7 @@ JSON = st.recursive(
 KEYS = [*Design.model_fields, "zzz"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.dictionaries(st.sampled_from(KEYS), JSON), st.sampled_from(list(LawName)), st.dictionaries(st.text(), JSON))

@@ -17,6 +17,7 @@ from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 from tiers import long_but
 
+LONG = ("frontier", "simulate", "new", "size", "strength", "baler")
 THOROUGH = ["README.md", "docs/commands/balance.md"]
 
 
@@ -36,7 +37,7 @@ with_code = [page for page in PAGES if blocks_of(page.read_text(encoding="utf-8"
 @pytest.mark.tiers(thorough=THOROUGH, rest="slow")
 @pytest.mark.parametrize(
     "page",
-    long_but([page for page in with_code if page.stem != "frontier"], with_code),
+    long_but([page for page in with_code if page.stem not in LONG], with_code),
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_page(page: Path, folder: Path) -> None:

@@ -394,6 +394,7 @@ def test_stiff_teeth_push_as_the_rigid_levels_mesh_force(name: str, teeth: int, 
     assert np.quantile(off, 0.9) < 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_unbalanced_weights_alone_do_no_work_over_a_turn() -> None:
     heavy = RodMasses(**{**vars(MASSES), "gravity_m_s2": (0.0, -9.81)})

@@ -143,6 +143,7 @@ def test_simulations_name_no_crank(run: Run, level: str) -> None:
         assert word not in told, word
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_motion_in_time_keeps_its_energy() -> None:
     """What the drive puts in over half a turn is the work of the torque and the loss, as shafts turn then as before."""

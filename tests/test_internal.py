@@ -446,6 +446,7 @@ def full_height(monkeypatch: pytest.MonkeyPatch) -> Made:
     return made.__wrapped__("5:6", 20, 0.1)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_fouling_far_from_the_line_of_action_is_seen_and_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tips run into each other 13 modules from the pitch point, where flanks are clear."""
@@ -460,6 +461,7 @@ def test_fouling_far_from_the_line_of_action_is_seen_and_refused(monkeypatch: py
     assert caught.value.key == "gears.teeth"
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_tips_that_would_foul_are_shortened() -> None:
     pair = made("5:6", 20, 0.1)
@@ -468,6 +470,7 @@ def test_tips_that_would_foul_are_shortened() -> None:
     assert judge_of(pair, at.phi1_rad[::40]).report(11).overlap_depth.max() <= 1.06 * TOLERANCE
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_seven_teeth_more_on_the_ring_keep_clear() -> None:
     found, _ = contact_of(made("4:5", 28, 0.1))

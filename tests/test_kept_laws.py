@@ -202,6 +202,7 @@ def test_no_limit_is_raised_above_a_law(name: str, prices: dict[str, float]) -> 
     assert raised(law.task, free, prices, 1.2 * own) <= own
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_limit_raised_for_less_than_the_law_feels_is_above_it() -> None:
     """Negative control: friction that the law does not have, 4 % of the force."""

@@ -36,6 +36,7 @@ def found(folder: Path) -> dict[str, bytes]:
     return {name: content for name, content in seen(folder).items() if name != MANIFEST}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
 @pytest.mark.parametrize(

@@ -316,6 +316,7 @@ def test_other_commands_name_the_build_that_mends(command: str, run: Run) -> Non
     assert err.endswith("; ncgear build --mend takes it\n")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_mended_build_says_so_and_keeps_its_design_file(run: Run) -> None:
     """The kept file builds the same files; a build in its own folder leaves it there."""

@@ -63,6 +63,7 @@ def test_there_are_messages() -> None:
     assert len(messages()) > 150
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_keys_that_messages_name_are_keys_of_files() -> None:
     assert {where: wrong for where, text in messages().items() if (wrong := unknown_keys(text))} == {}

@@ -86,6 +86,7 @@ def test_an_impact_from_rest_has_the_closed_forms_peak(speed: float, inertia: fl
     assert rows.pushing_n.max() < 0.9 * force
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_no_time_shows_more_than_the_peaks() -> None:
     """At random times, which the search did not use; each peak is reached at its own time and driving angle."""

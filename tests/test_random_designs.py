@@ -236,7 +236,7 @@ def files_hold(drive: Drive, files: dict[str, bytes]) -> None:
 def build_holds(drive: Drive) -> None:
     """The files of every pair."""
     for pair in drive.by_stage:
-        files_hold(pair, build_module._made(pair, lambda _: None, USUAL).files)
+        files_hold(pair, build_module._made(pair, lambda _: None, USUAL, Undrawn()).files)
 
 
 def judge_builds(folder: Path, count: int, number: int) -> Counter[str]:
@@ -253,15 +253,16 @@ def judge_builds(folder: Path, count: int, number: int) -> Counter[str]:
     return Counter(found)
 
 
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Drawing takes longer than all the rest of a small build."""
-    monkeypatch.setattr(build_module, "pictures", lambda *_: {})
+class Undrawn:
+    """Draws no picture: that takes longer than all the rest of a small build."""
+
+    def begun(self, drawing: str, *given: Any) -> Callable[[], Any]:
+        return dict
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
-@pytest.mark.usefixtures("undrawn")
 def test_random_designs_are_built_or_refused(tmp_path: Path) -> None:
     found = judge_builds(tmp_path, 4, 10**6)
     assert found["made"] >= 1, found
@@ -286,14 +287,13 @@ SPOILERS: dict[str, Callable[[bytes], bytes]] = {
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", SPOILERS)
 def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
     gears = {"teeth": 20, "module_mm": 2.0, "face_width_mm": 10.0}
     linkage, motion = {"crank_mm": 10.0, "rod_mm": 30.0}, {"law": "uniform_crank"}
     values = {"name": "a", "linkage": linkage, "operation": {"speed_rpm": 1.0}, "motion": motion, "gears": gears}
     drive = Drive(design_of(values))
-    files = build_module._made(drive, lambda _: None, ()).files
+    files = build_module._made(drive, lambda _: None, (), Undrawn()).files
     files_hold(drive, files)
     spoiled = {**files, name: SPOILERS[name](files[name])}
     assert spoiled != files
@@ -304,7 +304,6 @@ def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
 @pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
-@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("batch", batches(BUILT_BATCHES))
 def test_many_random_designs_are_built_or_refused(tmp_path: Path, batch: int) -> None:
     found = judge_builds(tmp_path, BUILT, batch)

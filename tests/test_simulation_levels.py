@@ -68,6 +68,7 @@ def test_loaded_contact_of_the_published_baler(run: Run) -> None:
     assert rows["driving_torque_n_m"].mean() == pytest.approx(rows["rigid_driving_torque_n_m"].mean(), rel=0.03)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_motion_in_time_of_the_published_baler(run: Run) -> None:
     """Pinned: the slider keeps to the law within 2 mm, its acceleration swings about it, and energy balances."""
@@ -85,6 +86,7 @@ def test_motion_in_time_of_the_published_baler(run: Run) -> None:
     assert all(Path("here", name).read_bytes().startswith(b"\x89PNG") for name in names)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
     motor = "simulation: {start: rest, turns: 0.02, motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"

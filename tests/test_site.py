@@ -86,6 +86,7 @@ def test_the_site_loads_nothing_from_outside(site: Path) -> None:
     assert not any(re.search(r"(?:url\(|@import)\s*[\"']?(?:https?:)?//", style) for style in styles)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_link_that_leads_nowhere_ends_the_build(tmp_path: Path) -> None:
     copied = tmp_path / "tree"

@@ -206,6 +206,7 @@ def test_gears_without_a_load_are_refused(run: Run) -> None:
     assert "resistance: missing" in err
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_with_the_real_estimate() -> None:

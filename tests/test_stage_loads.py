@@ -161,6 +161,7 @@ def test_inertias_of_two_pairs_have_to_be_given() -> None:
         assert told.value.key == "masses.driven_gear_kg_mm2"
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_command_tells_both_stages(run: Run) -> None:
     strength = on_text(run, "strength", "--verbose")

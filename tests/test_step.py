@@ -113,6 +113,7 @@ def test_baler_sections_are_the_exact_outlines() -> None:
     require_both("baler")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_ring_s_section_is_its_exact_outline() -> None:
     gear = drive("internal-1-2").teeth.driven

@@ -177,6 +177,7 @@ def test_half_the_width_shows(run: Run) -> None:
         assert half[gear]["contact_stress_mpa"] / whole[gear]["contact_stress_mpa"] == pytest.approx(2**0.5, rel=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_elements_with_the_estimate_beside_them(run: Run) -> None:

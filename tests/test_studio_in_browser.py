@@ -135,6 +135,7 @@ def test_a_point_that_is_dragged_moves_the_law_as_python_computes_it(opened: Ope
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
 
 
+@pytest.mark.long
 def test_five_hundred_quick_changes_leave_the_last_one_shown(browser: Any, studio: Studio) -> None:
     opened = Opened(browser, studio)
     page = opened.page

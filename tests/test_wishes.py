@@ -288,6 +288,7 @@ def wishes_at_random(seed: int) -> list[Wish]:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_wish_is_kept_where_its_requirements_hold() -> None:
     """Judged by quadrature and dense samples, on laws and wishes at random; both answers are met for every kind."""
