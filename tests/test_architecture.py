@@ -148,7 +148,6 @@ def test_the_page_of_the_house_has_every_room_in_order() -> None:
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
 WRITERS = {
-    "drawings/beside.py",
     "files/publish.py",
     "cli/new.py",
     "project/frontier_run.py",
