@@ -2,7 +2,7 @@
 
 More of them: `make fuzz`, which is `NCGEAR_FUZZ=10 python -m pytest -m slow tests/test_random_designs.py`: ten times as
 many.  The same number draws the same designs each time; a larger one goes on from there.  Those beyond .ci/run are
-checked on all cores, or on the Dask cluster whose address is in NCGEAR_SCHEDULER.
+checked and built on all cores, or on the Dask cluster whose address is in NCGEAR_SCHEDULER.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import re
 import warnings
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from io import BytesIO, StringIO
 from math import isfinite, pi, radians
 from pathlib import Path
@@ -52,22 +53,7 @@ BUILT, BUILT_BATCHES = 8, 8 * TIMES
 
 CLOSED_RAD = 1e-12
 
-IN_CI = 1
-"""Batches of each kind that fit into the quarter of an hour of .ci/run; all are run by make slow."""
-
 POSITIONS = 97
-
-
-def batches(count: int) -> list[Any]:
-    """Numbers of batches as parameters; those beyond .ci/run are marked as long."""
-    return [pytest.param(number, marks=[pytest.mark.long] if number >= IN_CI else []) for number in range(count)]
-
-
-RUNS = [
-    pytest.param(range(IN_CI), id="few"),
-    pytest.param(range(IN_CI, BATCHES), id="many", marks=[pytest.mark.long]),
-]
-"""Batches that are checked in .ci/run, on the process of the test if there is only one, and all others."""
 
 
 def each(count: int, number: int, strategy: st.SearchStrategy[Data], judged: Callable[[Data], str]) -> Counter[str]:
@@ -169,34 +155,39 @@ def checked(drive: Drive) -> None:
     curves_hold(drive)
 
 
-def judge_checks(folder: Path, count: int, number: int) -> Counter[str]:
-    return each(count, number, spoiled_designs(), lambda data: verdict(folder, data, checked))
+def judge_checks(number: int, count: int = CHECKED) -> Counter[str]:
+    """The verdicts on a batch of checks."""
+    with TemporaryDirectory() as folder:
+        return each(count, number, spoiled_designs(), lambda data: verdict(Path(folder), data, checked))
+
+
+def judged_batches(judge: Callable[[int], Counter[str]], count: int) -> dict[int, Counter[str]]:
+    """What a judge says of each of ``count`` batches, in whatever process."""
+    found = dict(finished(partial(strictly, judge), range(count), os.environ.get("NCGEAR_SCHEDULER")))
+    assert len(found) == count
+    return found
+
+
+def strictly(judge: Callable[[int], Counter[str]], batch: int) -> Counter[str]:
+    """What a judge says; a warning is a fault in other processes too, as it is in that of the test."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return judge(batch)
 
 
 @pytest.mark.slow
-def test_random_designs_are_checked_or_refused(tmp_path: Path) -> None:
-    found = judge_checks(tmp_path, 36, 10**6)
+def test_random_designs_are_checked_or_refused() -> None:
+    found = judge_checks(10**6, 36)
     assert min(found["made"], found["refused 2"]) >= 3, found
     assert found["refused 3"] > 0, found
-
-
-def judge_batch(batch: int) -> Counter[str]:
-    """The verdicts of a batch, in whatever process; a warning is a fault there as it is here."""
-    with TemporaryDirectory() as folder, warnings.catch_warnings():
-        warnings.simplefilter("error")
-        return judge_checks(Path(folder), CHECKED, batch)
 
 
 @pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
-@pytest.mark.parametrize("run", RUNS)
-def test_many_random_designs_are_checked_or_refused(run: range) -> None:
-    done = 0
-    for batch, found in finished(judge_batch, run, os.environ.get("NCGEAR_SCHEDULER")):
+def test_many_random_designs_are_checked_or_refused() -> None:
+    for batch, found in judged_batches(judge_checks, BATCHES).items():
         assert found["made"] >= 0.2 * CHECKED, (batch, found)
-        done += 1
-    assert done == len(run)
 
 
 def solid_holds(stl: bytes) -> None:
@@ -239,14 +230,15 @@ def build_holds(drive: Drive) -> None:
         files_hold(pair, build_module._made(pair, lambda _: None, USUAL, Undrawn()).files)
 
 
-def judge_builds(folder: Path, count: int, number: int) -> Counter[str]:
+def judge_builds(number: int, count: int = BUILT) -> Counter[str]:
     """Verdicts on ``count`` designs, or on more until one is made, as a quarter are; the rest is not judged."""
     found: list[str] = []
 
     def judged(data: Data) -> str:
         if len(found) >= count and "made" in found:
             return "not judged"
-        found.append(verdict(folder, data, build_holds))
+        with TemporaryDirectory() as folder:
+            found.append(verdict(Path(folder), data, build_holds))
         return found[-1]
 
     each(16 * count, number, designs(teeth=(12, 45)), judged)
@@ -260,11 +252,10 @@ class Undrawn:
         return dict
 
 
-@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
-def test_random_designs_are_built_or_refused(tmp_path: Path) -> None:
-    found = judge_builds(tmp_path, 4, 10**6)
+def test_random_designs_are_built_or_refused() -> None:
+    found = judge_builds(10**6, 4)
     assert found["made"] >= 1, found
 
 
@@ -304,10 +295,9 @@ def test_the_judge_sees_what_is_wrong_in_a_file(name: str) -> None:
 @pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
-@pytest.mark.parametrize("batch", batches(BUILT_BATCHES))
-def test_many_random_designs_are_built_or_refused(tmp_path: Path, batch: int) -> None:
-    found = judge_builds(tmp_path, BUILT, batch)
-    assert found["made"] >= 1, found
+def test_many_random_designs_are_built_or_refused() -> None:
+    for batch, found in judged_batches(judge_builds, BUILT_BATCHES).items():
+        assert found["made"] >= 1, (batch, found)
 
 
 @pytest.mark.slow
