@@ -28,7 +28,7 @@ BEST = "best"
 
 
 def sweep_files(loaded: LoadedDesign, overview: Overview, screened: Overview) -> dict[str, bytes]:
-    """Everything beside the tables, of the last stage; what each key does of all designs that were screened.
+    """Everything beside the tables: the best of the last stage, among all designs that were screened.
 
     Where no design is made and keeps the constraints, there is nothing to show but the table.
     """
@@ -49,10 +49,10 @@ def sweep_files(loaded: LoadedDesign, overview: Overview, screened: Overview) ->
         values = {key: whole(value) for key, value in values_of(front, row).items()}
         files[f"{BEST}/{copy}.yaml"] = design_copy(loaded, {"name": copy, **values}).encode()
     files["effects.png"] = _effects_picture(name, shown)
-    files["scatter.png"] = _scatter(name, overview)
+    files["scatter.png"] = _scatter(name, shown, front)
     for first, second in combinations(range(len(wanted.objectives)), 2):
         ending = "" if len(wanted.objectives) == 2 else f"-{first + 1}-{second + 1}"
-        files[f"pareto{ending}.png"] = _pareto_picture(name, overview, chosen, first, second)
+        files[f"pareto{ending}.png"] = _pareto_picture(name, shown, overview, chosen, first, second)
     return files
 
 
@@ -75,10 +75,9 @@ def _head(name: str) -> str:
     return f"{name_of(name.rpartition('.')[2]) if unit else label}{f', {unit}' if unit else ''}"
 
 
-def _axis(name: str, overview: Overview) -> Axis:
-    assert overview.drawn is not None
-    assert overview.front is not None
-    return Axis(_head(name), overview.drawn.column(name), overview.front.column(name))
+def _axis(name: str, shown: Overview, front: Designs) -> Axis:
+    assert shown.drawn is not None
+    return Axis(_head(name), shown.drawn.column(name), front.column(name))
 
 
 def _foremost(overview: Overview) -> list[str]:
@@ -89,17 +88,21 @@ def _foremost(overview: Overview) -> list[str]:
     return [keys[place] for place in sorted(first.tolist())]
 
 
-def _scatter(name: str, overview: Overview) -> bytes:
-    names = dict.fromkeys([*_foremost(overview), *(one.name for one in overview.wanted.objectives)])
-    return scatter_matrix([_axis(one, overview) for one in names], f"{name}: {overview.kept} designs")
+def _scatter(name: str, shown: Overview, front: Designs) -> bytes:
+    names = dict.fromkeys([*_foremost(shown), *(one.name for one in shown.wanted.objectives)])
+    return scatter_matrix([_axis(one, shown, front) for one in names], f"{name}: {shown.kept} designs")
 
 
-def _pareto_picture(name: str, overview: Overview, chosen: IndexArray, first: int, second: int) -> bytes:
+def _pareto_picture(
+    name: str, shown: Overview, overview: Overview, chosen: IndexArray, first: int, second: int
+) -> bytes:
     front, objectives = overview.front, overview.wanted.objectives
     assert front is not None
-    along, up = (_axis(objectives[place].name, overview) for place in (first, second))
+    along, up = (_axis(objectives[place].name, shown, front) for place in (first, second))
     named: list[Named] = [(str(front.numbers[row]), along.front[row], up.front[row]) for row in chosen.tolist()]
-    return pareto(along, up, named, f"{name}: Pareto set, {len(front.numbers)} of {overview.kept} designs")
+    screened = f", out of {shown.kept} screened" if shown is not overview and shown.kept > overview.kept else ""
+    title = f"{name}: Pareto set, {len(front.numbers)} of {overview.kept} designs{screened}"
+    return pareto(along, up, named, title)
 
 
 def _effects_picture(name: str, overview: Overview) -> bytes:

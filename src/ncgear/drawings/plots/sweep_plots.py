@@ -32,6 +32,10 @@ MOST_KEYS = 6
 """Keys that a picture has room for; those that explain most of the first objective are shown."""
 
 TICKS = 4
+TICKS_OF_A_CELL = 3
+LABEL = 0.05
+"""Designs nearer to each other than this share of the picture have one number between them, the first one's."""
+
 TITLE_IN = 0.62
 
 
@@ -64,8 +68,9 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
             dress(
                 cell, _broken(along.head) if row == count - 1 else "", _broken(up.head) if column == 0 and row else ""
             )
-            cell.xaxis.set_major_locator(_ticks(along.drawn))
-            cell.yaxis.set_major_locator(_ticks(up.drawn))
+            for axis, values in ((cell.xaxis, along.drawn), (cell.yaxis, up.drawn)):
+                axis.set_major_locator(_ticks(values, TICKS_OF_A_CELL))
+                axis.get_major_formatter().set_useOffset(False)  # type: ignore[attr-defined]
             cell.tick_params(labelbottom=row == count - 1, labelleft=column == 0 and row > 0)
             _small_labels(cell)
     _explained_colors(made, size + TITLE_IN)
@@ -94,9 +99,9 @@ def _broken(head: str) -> str:
     return head.replace(", ", ",\n", 1)
 
 
-def _ticks(values: Array) -> MaxNLocator:
+def _ticks(values: Array, most: int = TICKS) -> MaxNLocator:
     """A few ticks, at whole numbers where all values are whole."""
-    return MaxNLocator(TICKS, integer=bool(np.all(values == np.round(values))))
+    return MaxNLocator(most, integer=bool(np.all(values == np.round(values))))
 
 
 def _small_labels(cell: Axes) -> None:
@@ -117,11 +122,16 @@ def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
     axes.plot(along.drawn, up.drawn, color=REFERENCE, marker=".", markersize=2.5, alpha=0.4, linestyle="none")
     order = np.argsort(along.front)
     axes.plot(along.front[order], up.front[order], color=DRIVING, linewidth=1.0, marker="o", markersize=3.0, zorder=3)
+    axes.ticklabel_format(useOffset=False)
+    _near_the_front(axes, along, up)
+    labelled: list[Array] = []
     for name, x, y in named:
         axes.plot([x], [y], color=HIGHLIGHT, marker="D", markersize=6.0, linestyle="none", zorder=4)
-        note: Style = {"size": SMALL, "color": INK, "zorder": 5}
-        axes.annotate(name, (x, y), xytext=(5.0, 5.0), textcoords="offset points", **note)
-    _near_the_front(axes, along, up)
+        place = axes.transAxes.inverted().transform(axes.transData.transform((x, y)))
+        if all(np.abs(place - other).max() > LABEL for other in labelled):
+            note: Style = {"size": SMALL, "color": INK, "zorder": 5}
+            axes.annotate(name, (x, y), xytext=(5.0, 5.0), textcoords="offset points", **note)
+            labelled.append(place)
     dress(axes, along.head, up.head)
     said: Style = {"size": SMALL, "ha": "right", "va": "bottom", "transform": axes.transAxes}
     axes.text(1.0, 1.04, "grey: designs by lot", color=REFERENCE, **said)
@@ -131,11 +141,12 @@ def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
 
 
 def _near_the_front(axes: Axes, along: Axis, up: Axis) -> None:
-    """Show the front, and so much of the other designs as is three times as wide and high, or half of their range."""
+    """Show the front, and about it as much again, or the quarter of the other designs that is nearest to it."""
     for axis, limits in ((along, axes.set_xlim), (up, axes.set_ylim)):
         low, high = axis.front.min(), axis.front.max()
         every = np.concatenate([axis.drawn, axis.front])
-        room = max(high - low, 0.25 * np.ptp(every), 1e-9 * abs(high), 1e-300)
+        away = np.maximum(low - every, every - high).clip(0.0)
+        room = max(high - low, np.quantile(away, 0.25), 1e-9 * abs(high), 1e-300)
         limits(max(low - room, every.min() - 0.05 * room), min(high + room, every.max() + 0.05 * room))
 
 
