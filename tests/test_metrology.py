@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from itertools import pairwise
 from math import atan, cos, pi, radians, sin, tan
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 import shapely
 
 from engaged import MODULE, TOLERANCE, made
+from ncgear.design.reading.design_file import load
 from ncgear.metrology.pins import (
     NEAR,
     SOLD_MM,
@@ -22,15 +24,18 @@ from ncgear.metrology.pins import (
     pins_in_spaces,
     pins_to_try,
 )
-from ncgear.metrology.span import measuring_chords, spans
+from ncgear.metrology.span import STEPS, MeasuringChords, measuring_chords, spans
 from ncgear.metrology.working import WorkingFlanks, root_radii_mm, tip_radii_mm, working_flanks
 from ncgear.pitch.pair import sized_pair
+from ncgear.project.drive import Drive
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.form import Backlash, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from pairs import rack
+
+DESIGNS = Path(__file__).parents[1] / "designs"
 
 ANGLE = radians(20.0)
 
@@ -193,6 +198,11 @@ def test_spans_of_an_ellipse_lie_across_its_axes() -> None:
         assert distance == pytest.approx(expected, rel=AGREEMENT)
 
 
+def way_of(chords: MeasuringChords, gear: ToothedGear) -> np.ndarray:
+    first, last = (gear.flanks.curve.at_length(end).position for end in (chords.start_mm, chords.end_mm))
+    return np.asarray(last - first)
+
+
 def caliper(gear: ToothedGear, first: int, last: int, turn_rad: np.ndarray) -> np.ndarray:
     """Distances of plates at turns from the line between two flanks' middles, by brute force over their points."""
     high, low = gear.sides.flank_range()
@@ -257,6 +267,25 @@ def test_chords_leave_and_come_in_at_the_pressure_angle(
     assert len(way) >= 2
     for tangent in (first.tangent, last.tangent):
         np.testing.assert_allclose(np.degrees(np.arccos(np.sum(tangent * way, axis=1))), angle_deg, atol=1e-7)
+
+
+@pytest.mark.slow
+def test_the_rounded_corners_of_a_square_have_the_spans_of_a_circle() -> None:
+    """Each corner is an arc of 25 mm over 90 deg, on which chords of 40 deg are all alike."""
+    drive = Drive(load(DESIGNS / "rounded-square.yaml").design)
+    gear = drive.teeth.driving
+    chords = measuring_chords(gear.flanks.curve, ANGLE)
+    length = gear.flanks.curve.length_mm
+    corners = np.isclose(np.linalg.norm(way_of(chords, gear), axis=1), 50.0 * sin(ANGLE), rtol=AGREEMENT)
+    assert np.count_nonzero(corners) == 4
+    middles = np.sort((chords.start_mm + chords.end_mm)[corners] / 2.0 % length)
+    np.testing.assert_allclose(np.diff(middles), length / 4.0, atol=2.0 * length / STEPS)
+    found = spans(working_flanks(gear))
+    for first, last, distance in zip(found.first, found.last, found.distance_mm, strict=True):
+        reading = caliper(gear, int(first), int(last), np.linspace(-0.15, 0.15, 601))
+        assert reading.max() == pytest.approx(distance, abs=2e-6 * MODULE)
+        assert (np.ptp(reading) < 2e-6 * MODULE) == (first == last)
+    assert np.count_nonzero(found.first == found.last) == 4
 
 
 @pytest.mark.slow

@@ -165,22 +165,26 @@ def measuring_chords(curve: PitchCurve, angle_rad: float, turn_rad: float = 0.0)
 
     They begin on the curve turned by ``turn_rad`` about the gear's axis, as back flanks stand, and end on the curve.
     Both ends are where the curve is convex; on a dented curve a chord begins only where the curve has turned farther
-    than anywhere before.
+    than anywhere before.  An arc of a circle has the one in its middle, which stands for all others on it.
     """
     if curve.is_ring:
         return NO_CHORDS
     way = _Way(curve, angle_rad, turn_rad)
     start, end, leaps = _tried(way)
     offset, length = _offset(way, start, end)
-    if np.all(np.abs(offset) <= EVEN * length):
+    even = np.abs(offset) <= EVEN * length
+    if even.all():
         return MeasuringChords(start[:1], end[:1], np.ones(1, dtype=bool), everywhere=True)
     neighbours = (np.diff(start) < NEIGHBOURS * curve.length_mm / STEPS) & (np.diff(leaps) == 0)
-    change = np.nonzero(((offset[:-1] < 0.0) != (offset[1:] < 0.0)) & neighbours)[0]
+    signs = (offset[:-1] < 0.0) != (offset[1:] < 0.0)
+    change = np.nonzero(signs & neighbours & ~even[:-1] & ~even[1:])[0]
     found = _closed_in(way, (start, end), change)
     # A dent flatter than a step lets the end leap unseen: there the offset changes sign and is nowhere zero
     offset, length = _offset(way, *found)
-    found = found[0][np.abs(offset) <= EVEN * length], found[1][np.abs(offset) <= EVEN * length]
-    return MeasuringChords(*found, _is_least(way, *found))
+    first, last = (one[np.abs(offset) <= EVEN * length] for one in found)
+    arcs = _middles(even, neighbours)
+    least = np.concatenate([_is_least(way, first, last), np.ones(arcs.size, dtype=bool)])
+    return MeasuringChords(np.concatenate([first, start[arcs]]), np.concatenate([last, end[arcs]]), least)
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,6 +231,19 @@ def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
     end = _end_of(way, grid[first], grid[after] - (1.0 + HAIR) * step, grid[after] + HAIR * step)
     dented: IndexArray = np.cumsum((turned < farthest).astype(np.intp))
     return grid[first], end, dented[after]
+
+
+def _middles(even: Mask, neighbours: Mask) -> IndexArray:
+    """The start in the middle of each stretch of even ones (shape (n,)); the first start of the turn is also its last.
+
+    ``neighbours`` (shape (n - 1,)) says which starts follow each other.
+    """
+    among = np.nonzero(even)[0]
+    stretches = np.split(among, np.nonzero(~neighbours[among[:-1]] | (np.diff(among) > 1))[0] + 1) if among.size else []
+    if len(stretches) > 1 and even[0] and even[-1]:
+        *others, last = stretches
+        stretches = [np.concatenate([last[:-1], others[0]]), *others[1:]]
+    return np.array([one[one.size // 2] for one in stretches], dtype=np.intp)
 
 
 def _end_of(way: _Way, start: Array, low: Array, high: Array) -> Array:
