@@ -26,7 +26,7 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Pair, on_driving_shaft
 from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.tolerances.assemblies import Assemblies, Lot, computed, lot_of_pairs
+from ncgear.tolerances.assemblies import Assemblies, Lot, Smoothed, Waves, computed, lot_of_pairs
 from ncgear.tolerances.drawn import (
     COUNT,
     SOURCES,
@@ -373,6 +373,72 @@ def test_beside_an_exact_pair_that_turns_evenly_the_other_is_a_single_one() -> N
         assert getattr(mine, name) == pytest.approx(getattr(other, name), rel=2e-3)
 
 
+# --- gears that turn to and fro ----------------------------------------------------------------------------------
+
+SECTOR = """\
+name: sector
+operation: {speed_rpm: 10}
+motion: {law: function_generator, function: x, x_from: 0, x_to: 1, driving_range_deg: 240, driven_range_deg: 120}
+gears: {module_mm: 2, center_distance_mm: 90, face_width_mm: 20, backlash_mm: 0.4}
+"""
+"""Circular gears as those above, of which only some teeth are made."""
+
+
+@cache
+def sector() -> tuple[Drive, Lot]:
+    one = drive_of_text(SECTOR)
+    return one, lot_of(one, ASSUMED)
+
+
+@pytest.mark.judges("tolerances")
+def test_sectors_of_eccentric_gears_touch_as_in_closed_form_up_to_their_ends() -> None:
+    one, lot = sector()
+    (pair,), placement = lot.pairs, placed(one.pitch, PER_TOOTH)
+    flanks = pair.limits.flanks
+    moved = {"center_distance": 0.02, "driving_x": 0.02, "driven_y": 0.02, "driving_index": 1e-3}
+    found, nominal = (pair.mesh.leads(deviations(flanks, 1, **own))[:, :, 0] for own in (moved, {}))
+    exact, bare = (closed_form(deviations(flanks, 1, **own), placement) for own in (moved, {}))
+    size = np.abs(exact - bare).max()
+    # The driven gear is a little thinner where the play is told of the least arm.
+    assert found - nominal == pytest.approx(exact - bare, abs=0.05 * size)
+    # Negative control: a range that is taken the other way round.
+    assert np.abs((found - nominal)[:, ::-1] - (exact - bare)).max() > 0.3 * size
+
+
+def test_the_slow_part_over_a_range_is_that_of_a_slow_error_up_to_its_ends() -> None:
+    """Of the closed form of an eccentric gear; waves that go round see a jump from the end to the beginning."""
+    angle = np.linspace(0.0, 4.0 * pi / 3.0, 400)
+    exact = np.stack([np.sin(angle + 1.0), np.cos(angle + 1.0), -np.sin(angle + 1.0)])
+    tooth = 0.01 * np.sin(30.0 * angle)
+    found = Smoothed(float(angle[-1]), 5.0).of((exact[0] + tooth)[:, None])[:, :, 0]
+    # Less than half of a tooth's wave is left at the ends, and a hundredth of its second derivative, which is 9.
+    assert found[0] == pytest.approx(exact[0], abs=0.005)
+    assert found[2] == pytest.approx(exact[2], abs=0.1)
+    assert found[2, 40:-40] == pytest.approx(exact[2, 40:-40], abs=0.03)
+    round_ = Waves(float(angle[-1]), 5).of(exact[0][:, None])[:, :, 0]
+    assert np.abs(round_[2] - exact[2]).max() > 5.0
+
+
+def test_half_of_the_waves_at_the_limit_are_left() -> None:
+    angle = np.linspace(0.0, 10.0, 2000)
+    for waves in (10.0, 20.0, 40.0):
+        wave = np.cos(2.0 * pi * waves * angle / 10.0)
+        found = Smoothed(10.0, 20.0).of(wave[:, None])[0, :, 0]
+        middle = slice(500, 1500)
+        assert found[middle] == pytest.approx(wave[middle] / (1.0 + (waves / 20.0) ** 6), abs=2e-3)
+
+
+@pytest.mark.slow
+def test_gears_that_turn_to_and_fro_are_told_as_their_outlines_are() -> None:
+    found = tolerated(drive("spiral-pair"), 64, 1, Workers(), lambda done, total: None)
+    (pair,) = found.pairs
+    assert all(one.error_mm < 0.06 * one.displaced_mm for one in pair.errors)
+    assert found.assemblies.least_play_mm.max() < 0.06
+    # The resistance is one way all along; the gears turn back at both ends.
+    assert pair.lot.reversals.tolist() == [0, pair.lot.mesh.phi1_rad.size - 1]
+    assert np.all(pair.assemblies.reversal_play_mm <= pair.assemblies.largest_play_mm)
+
+
 # --- polygons of non-circular gears ------------------------------------------------------------------------------
 
 FINE_MM = 2e-4
@@ -682,7 +748,6 @@ def test_small_modules_have_no_grade() -> None:
     ("name", "words"),
     [
         ("helical-ellipse", "helical teeth"),
-        ("spiral-pair", "to and fro"),
     ],
 )
 def test_what_is_not_computed_is_refused(name: str, words: str) -> None:

@@ -52,7 +52,8 @@ def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
     """The figures of the machine in assemblies by keys that end in their units, shape (N,) each.
 
     Plays and contact ratio are those of the pair in which they are worst.  ``reversal_play_mm`` is left out where the
-    torque never turns round, and where no load is known; ``play_max_rad`` of a single pair.
+    torque never turns round, and where no load is known; ``play_max_rad`` of a single pair; ``contact_ratio_min`` where
+    all flanks touch at an end of a range.
     """
     output = tolerated.drive.linkage.OUTPUT
     told = {
@@ -70,6 +71,8 @@ def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
         del told["reversal_play_mm"]
     if len(tolerated.pairs) == 1:
         del told["play_max_rad"]
+    if not np.isfinite(found.least_arc).all():
+        del told["contact_ratio_min"]
     return told
 
 
@@ -203,10 +206,10 @@ def _stages(tolerated: Tolerated) -> dict[str, Any]:
 
 
 def _grades(pair: ToleratedPair) -> dict[str, Any]:
-    limits = pair.lot.limits
+    pitch, profile = pair.flank_limits_mm
     return {
-        "single_pitch_um": [rounded_um(float(one)) for one in (limits.pitch_mm.min(), limits.pitch_mm.max())],
-        "total_profile_um": [rounded_um(float(one)) for one in (limits.profile_mm.min(), limits.profile_mm.max())],
+        "single_pitch_um": [rounded_um(float(one)) for one in (pitch.min(), pitch.max())],
+        "total_profile_um": [rounded_um(float(one)) for one in (profile.min(), profile.max())],
     }
 
 
@@ -277,8 +280,7 @@ def tolerance_text(tolerated: Tolerated, paths: Sequence[Path], kept: Sequence[P
     needed, single = tolerated.needed, len(tolerated.pairs) == 1
     heads = ["", "as designed", "median", "99 % keep", "least", "largest"]
     grades = [
-        f"  {_of(pair)}single pitch {_um(pair.lot.limits.pitch_mm)}, total profile {_um(pair.lot.limits.profile_mm)} "
-        "from tooth to tooth"
+        "  {}single pitch {}, total profile {} from tooth to tooth".format(_of(pair), *map(_um, pair.flank_limits_mm))
         for pair in tolerated.pairs
     ]
     tables = [("", percentiles(tolerated))]

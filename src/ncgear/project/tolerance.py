@@ -13,7 +13,6 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.law import require_whole_turns
 from ncgear.project.service import choices_of
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from ncgear.tolerances.assemblies import (
@@ -111,6 +110,12 @@ class ToleratedPair:
     first_order: FirstOrder
     errors: tuple[LinearError, ...]
 
+    @property
+    def flank_limits_mm(self) -> tuple[Array, Array]:
+        """Tolerances of the pitch and of the profile of all flanks that touch any, shape (k,) each."""
+        flank = np.unique(self.lot.mesh.flank)
+        return self.lot.limits.pitch_mm[flank], self.lot.limits.profile_mm[flank]
+
 
 @dataclass(frozen=True, eq=False)
 class Tolerated:
@@ -150,10 +155,9 @@ def tolerated(
 ) -> Tolerated:
     """What ``samples`` assemblies do, a power of two; calls ``on_done`` with the numbers done and in all.
 
-    Raises WrongInput for helical teeth and gears that turn less than once, and as the drive does.
+    Raises WrongInput for helical teeth, and as the drive does.
     """
     design = drive.design
-    require_whole_turns(design, "the computation of tolerances")
     if drive.helix is not None:
         raise WrongInput("helical teeth are not followed with tolerances; leave it out", key="gears.helix")
     given = design.tolerances or ASSUMED
@@ -234,7 +238,10 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
     """What assemblies of a design are computed from; raises as ``Drive.designed_contact`` where teeth are not sound."""
     peak = drive.check.peak_acceleration_cycle.value
     made = [(*_mesh_and_limits(pair, given), _reversals(pair), pair.pair) for pair in drive.by_stage]
-    return lot_of_pairs(drive.machine, made, drive.by_stage[0].teeth.driving.teeth, abs(peak))
+    first = drive.by_stage[0]
+    toothed = first.pitch.toothed
+    pitches = first.teeth.driving.teeth if toothed is None else toothed.covered_mm / first.rack.pitch_mm
+    return lot_of_pairs(drive.machine, made, pitches, abs(peak))
 
 
 def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[Mesh, Limits]:
@@ -317,11 +324,17 @@ def _is_loaded(drive: Drive) -> bool:
 
 
 def _reversals(drive: Drive) -> IndexArray:
-    """The positions of one pair beside which the torque of its driven gear turns round; all where no load is known."""
+    """The positions of one pair beside which the torque of its driven gear turns round; all where no load is known.
+
+    Where gears turn to and fro it turns round at both ends of the range, since loads act against the motion.
+    """
     placement = placement_of(drive)
     if not _is_loaded(drive):
         return np.arange(placement.count)
     sign = np.sign(drive.tooth_load.torque_n_mm(placement.phi1_rad))
+    if placement.toothed is not None:
+        turning = np.flatnonzero(sign[1:] * sign[:-1] < 0.0)
+        return np.unique(np.concatenate([[0], turning, turning + 1, [placement.count - 1]]))
     turning = np.flatnonzero(sign * np.roll(sign, -1) < 0.0)
     return np.unique(np.concatenate([turning, (turning + 1) % placement.count]))
 

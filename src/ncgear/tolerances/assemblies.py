@@ -3,7 +3,8 @@
 What counts is kinematic and quasi-static: the gears turn slowly and rest on their pushing flanks, without load.  The
 output follows the driven gear, and so its transmission error; of it, the part that is slower than the teeth counts in
 the acceleration, up to a quarter of the number of teeth per turn.  Faster ones shake the machine as vibration, which
-needs masses and stiffness: that is what ``ncgear simulate`` computes.
+needs masses and stiffness: that is what ``ncgear simulate`` computes.  Gears that turn to and fro are followed from one
+end of their range to the other.
 
 Of two pairs in series, the first turns the second by its error e1, which the second passes on by its law's slope.  To
 first order the crank is ahead by
@@ -31,7 +32,7 @@ from ncgear.tolerances.drawn import COUNT, Chances, Limits, Source, chances_of, 
 from ncgear.tolerances.mesh import Deviations, Mesh
 
 SLOW_SHARE = 0.25
-"""Share of the number of teeth up to which waves per turn of the driving gear count as slow."""
+"""Share of the number of teeth up to which waves per turn of the driving gear, or in its range, count as slow."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,35 +49,87 @@ class Between:
         return np.asarray((1.0 - share) * values[self.before] + share * values[self.after])
 
 
-def between(angle_rad: Array, position_rad: Array, cycle_rad: float) -> Between:
-    """Angles (shape (n,)) between positions (shape (p,)) of which the first comes again after ``cycle_rad``."""
+def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> Between:
+    """Angles (shape (n,)) between positions (shape (p,)).
+
+    The first position comes again after ``cycle_rad``; None of a range, which ends with the last one.
+    """
     before = np.searchsorted(position_rad, angle_rad, side="right") - 1
-    ends = np.append(position_rad, position_rad[0] + cycle_rad)
+    if cycle_rad is None:
+        before = np.minimum(before, position_rad.size - 2)
+        ends = position_rad
+    else:
+        ends = np.append(position_rad, position_rad[0] + cycle_rad)
     share = (angle_rad - ends[before]) / (ends[before + 1] - ends[before])
     return Between(before, (before + 1) % position_rad.size, share)
 
 
+@dataclass(frozen=True)
+class Waves:
+    """The slow part over a cycle of driving angles: waves up to ``count`` in it."""
+
+    cycle_rad: float
+    count: int
+
+    def of(self, even: Array) -> Array:
+        """The slow part of values at even angles (shape (g, N)) with its first two derivatives, shape (3, g, N)."""
+        found = np.fft.rfft(even, axis=0)[: self.count + 1]
+        rate = (2j * pi / self.cycle_rad * np.arange(found.shape[0]))[:, None]
+        return np.stack([np.fft.irfft(found * rate**order, even.shape[0], axis=0) for order in range(3)])
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """The slow part over a range from end to end: what is left when ``count`` waves in the range are halved.
+
+    The sum of the squared differences from the values and of the squared third differences, times a penalty, is least
+    (Whittaker 1923, Henderson 1924).  Of w waves it leaves 1 / (1 + (w / count)^6).  Nothing is made up beyond the
+    ends, as going round or back would: a parabola is left as it is, up to the ends.
+    """
+
+    range_rad: float
+    count: float
+
+    def of(self, even: Array) -> Array:
+        """The slow part of values at even angles (shape (g, N)) with its first two derivatives, shape (3, g, N)."""
+        from scipy.interpolate import make_interp_spline
+        from scipy.linalg import solveh_banded
+
+        angle, step = np.linspace(0.0, self.range_rad, even.shape[0], retstep=True)
+        penalty = (2.0 * pi * self.count / self.range_rad * float(step)) ** -6
+        banded = np.zeros((4, even.shape[0]))
+        for offset in range(4):
+            # The diagonals of D'D, where D takes third differences.
+            products = THIRD[offset:] * THIRD[: 4 - offset]
+            banded[offset, : even.shape[0] - offset] = penalty * np.convolve(products, np.ones(even.shape[0] - 3))
+        banded[0] += 1.0
+        spline = make_interp_spline(angle, solveh_banded(banded, even, lower=True), k=5)
+        return np.stack([spline.derivative(order)(angle) if order else spline(angle) for order in range(3)])
+
+
+THIRD = np.array([-1.0, 3.0, -3.0, 1.0])
+"""The third difference of four values."""
+
+
 @dataclass(frozen=True, eq=False)
 class Follower:
-    """The output of a machine, at the machine's p positions and at g even driving angles over the cycle of meetings.
+    """The output of a machine, at the machine's p positions and at g even driving angles over the cycle or range.
 
     ``radius_mm`` (shape (p,)) is the pitch radius of the last driven gear, ``slope`` (shape (p,)) the output's way per
     driven angle, in mm/rad or rad/rad.  ``driven`` (shape (2, g)) are the first and second derivative of the driven
     angle by the driving angle, ``output`` (shape (3, g)) the first three of the output by the driven angle.  ``even``
-    tells where the even angles lie between the positions, and ``waves`` is the number of waves per cycle up to which
-    errors are slow.  ``designed_peak`` is the largest acceleration of the output without deviations, in mm/s2 or
-    rad/s2.
+    tells where the even angles lie between the positions, and ``slowly`` what of the errors there is slow.
+    ``designed_peak`` is the largest acceleration of the output without deviations, in mm/s2 or rad/s2.
     """
 
     radius_mm: Array
     slope: Array
     speed_rad_s: float
     designed_peak: float
-    cycle_rad: float
     even: Between
+    slowly: Waves | Smoothed
     driven: Array
     output: Array
-    waves: int
 
     @cached_property
     def _even_peak(self) -> float:
@@ -102,10 +155,7 @@ class Follower:
 
     def slow(self, error_rad: Array) -> Array:
         """The slow part of errors at the positions (shape (p, N)) and its two derivatives, shape (3, g, N)."""
-        found = np.fft.rfft(self.even.of(error_rad), axis=0)[: self.waves + 1]
-        rate = (2j * pi / self.cycle_rad * np.arange(found.shape[0]))[:, None]
-        count = self.even.share.size
-        return np.stack([np.fft.irfft(found * rate**order, count, axis=0) for order in range(3)])
+        return self.slowly.of(self.even.of(error_rad))
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,15 +319,17 @@ def _of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
 def lot_of_pairs(
     machine: Machine,
     made: Sequence[tuple[Mesh, Limits, IndexArray, Pair]],
-    driving_teeth: int,
+    pitches: float,
     designed_peak: float,
 ) -> Lot:
     """The lot of a machine's pairs from the driving shaft on, each by its mesh, limits, reversals and law.
 
-    The machine's positions are those of all pairs.  ``designed_peak`` is the largest acceleration of the output as
-    designed.  Two pairs have one lobe each, so that the cycle of meetings of both is one turn of every shaft.
+    The machine's positions are those of all pairs.  ``pitches`` is how many tooth pitches a turn of the first driving
+    gear has, or its range where gears turn less than once.  ``designed_peak`` is the largest acceleration of the output
+    as designed.  Two pairs have one lobe each, so that the cycle of meetings of both is one turn of every shaft.
     """
-    last, cycle = made[-1][0], made[0][0].cycle_rad
+    last, covered, is_open = made[-1][0], made[0][0].cycle_rad, machine.transmission.lobes.range is not None
+    cycle = None if is_open else covered
     shafts = [np.maximum(law.shaft_rad(mesh.phi1_rad), 0.0) for mesh, _, _, law in made]
     ways, slopes = [], []
     angle = position = np.unique(np.concatenate(shafts))
@@ -286,7 +338,12 @@ def lot_of_pairs(
         turned = law.transmission.driven_angle(angle, 1)
         slopes.append(turned.derivative(1))
         angle = turned.value
-    even = np.linspace(0.0, cycle, position.size, endpoint=False)
+    even = np.linspace(0.0, covered, position.size, endpoint=is_open)
+    slowly = (
+        Smoothed(covered, SLOW_SHARE * pitches)
+        if is_open
+        else Waves(covered, max(int(SLOW_SHARE * pitches), 1) * round(covered / (2.0 * pi)))
+    )
     driven = machine.transmission.driven_angle(even, 2)
     output = machine.linkage.displacement(Jet.variable(driven.value, 3))
     follower = Follower(
@@ -294,11 +351,10 @@ def lot_of_pairs(
         slope=machine.linkage.displacement(Jet.variable(angle, 1)).derivative(1),
         speed_rad_s=machine.speed_rad_s,
         designed_peak=designed_peak,
-        cycle_rad=cycle,
         even=between(even, position, cycle),
+        slowly=slowly,
         driven=np.stack([driven.derivative(order) for order in (1, 2)]),
         output=np.stack([output.derivative(order) for order in (1, 2, 3)]),
-        waves=max(int(SLOW_SHARE * driving_teeth), 1) * round(cycle / (2.0 * pi)),
     )
     pairs = tuple(
         PairLot(mesh, limits, reversals, way, np.prod([np.ones_like(position), *slopes[number + 1 :]], axis=0))

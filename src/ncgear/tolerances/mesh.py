@@ -39,7 +39,7 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.designed.flanks import flank_contacts
+from ncgear.contact.designed.flanks import FlankContacts, flank_contacts
 from ncgear.contact.placement import PUSHING, Placement, meetings
 from ncgear.dynamics.pair_places import fixed_tangents
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
@@ -128,9 +128,12 @@ class Mesh:
         return np.asarray(np.maximum.reduceat(lead, self.first, axis=0).reshape(2, self.phi1_rad.size, -1))
 
     def least_arcs(self, of: Deviations) -> Array:
-        """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,)."""
+        """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,).
+
+        It is infinite where all touch at an end of a range.
+        """
         arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
-        return np.asarray(np.maximum(arcs.min(axis=0), 0.0))
+        return np.asarray(np.maximum(arcs.min(axis=0, initial=np.inf), 0.0))
 
     def kept(self, rows: Mask) -> Mesh:
         """The same with some of the places of contact, at least one on each side at each position."""
@@ -284,18 +287,22 @@ def arc_rates(teeth: ToothedPair, placement: Placement, *, both_ways: bool) -> t
     step = STEP_IN_MODULES * teeth.driving.flanks.rack.module_mm
     distance = placement.center_distance_mm
 
-    def ends(moved_mm: complex, scale: float) -> Array:
+    def contacts(moved_mm: complex, scale: float) -> FlankContacts:
         given: dict[str, Any] = {field.name: getattr(placement, field.name) for field in fields(placement)}
-        made = Displaced(**given, moved_mm=moved_mm, scale=scale)
-        return flank_contacts(teeth, made, met).reach_ends[:, carrying]
+        return flank_contacts(teeth, Displaced(**given, moved_mm=moved_mm, scale=scale), met)
 
-    nominal = ends(0.0j, 1.0)
-    lasting = np.isfinite(nominal).all(axis=0)
+    def ends(moved_mm: complex, scale: float) -> Array:
+        return contacts(moved_mm, scale).reach_ends[:, carrying]
+
+    designed = contacts(0.0j, 1.0)
+    nominal = designed.reach_ends[:, carrying]
+    # Flanks that touch at an end of a range do so over a part of their arc.
+    lasting = np.isfinite(nominal).all(axis=0) & designed.whole[carrying]
     carrying, nominal = carrying[lasting], nominal[:, lasting]
     changes = (step, 0.0), (1j * step, 0.0), (0.0, step / distance)
     rates = []
     for moved, grown in changes:
-        after, before = (ends(sign * moved, 1.0 + sign * grown)[:, lasting] for sign in (1.0, -1.0))
+        after, before = (ends(sign * moved, 1.0 + sign * grown) for sign in (1.0, -1.0))
         change = (after - before) / (2.0 * (abs(moved) or grown))
         rates.append(np.where(np.isfinite(change), change, 0.0))
     x_rate, y_rate, growth_rate = rates
