@@ -21,7 +21,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance import ASSUMED, PER_TOOTH, limits_of, lot_of, tolerated
+from ncgear.project.tolerance import ASSUMED, PER_TOOTH, face_of, limits_of, lot_of, tolerated
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Pair, on_driving_shaft
 from ncgear.teeth.form import Backlash, ToothForm
@@ -40,7 +40,7 @@ from ncgear.tolerances.drawn import (
     spread,
 )
 from ncgear.tolerances.iso1328 import flank_tolerances, rounded_um
-from ncgear.tolerances.mesh import RIGID, Deviations, Mesh, mesh_of
+from ncgear.tolerances.mesh import RIGID, Deviations, Face, Mesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import exact_of, linear_errors
 from ncgear.tolerances.study import (
     Workers,
@@ -92,7 +92,7 @@ def circular() -> tuple[PitchPair, ToothedPair, Placement, Mesh]:
     pitch = sized_pair(uniform_law(Lobes(1, 2)), TEETH, MODULE, None)
     teeth = toothed_pair(pitch, ToothForm(rack(), backlash=Backlash(PLAY_MM)), 0.005)
     placement = placed(pitch, 8)
-    return pitch, teeth, placement, mesh_of(teeth, placement, WIDTH_MM, 0.3)
+    return pitch, teeth, placement, mesh_of(straight_face(teeth, WIDTH_MM), placement, 0.3)
 
 
 def deviations(flanks: int, count: int, **moved: Array | float) -> Deviations:
@@ -260,7 +260,7 @@ def two_circular() -> tuple[Placement, Placement, Lot]:
         limits = Limits(0.0, (0, 0), (0, 0), (0, 0), none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
         pair = Pair(law, np.ones_like, lambda angle, turns=turns: turns * angle)  # type: ignore[misc]
         placements.append(placement)
-        made.append((mesh_of(teeth, placement, WIDTH_MM, 0.3), limits, np.arange(placement.count), pair))
+        made.append((mesh_of(straight_face(teeth, WIDTH_MM), placement, 0.3), limits, np.arange(placement.count), pair))
     machine = replace(drive("ellipse").machine, transmission=uniform_law(Lobes()))
     return (*placements, lot_of_pairs(machine, made, TEETH, 1.0))  # type: ignore[return-value]
 
@@ -439,6 +439,97 @@ def test_gears_that_turn_to_and_fro_are_told_as_their_outlines_are() -> None:
     assert np.all(pair.assemblies.reversal_play_mm <= pair.assemblies.largest_play_mm)
 
 
+# --- helical teeth -----------------------------------------------------------------------------------------------
+
+
+@cache
+def leaning(overlap: float, sections: int) -> tuple[Mesh, float]:
+    """The mesh of the circular pair with helical teeth that advance by so many pitches, and its overlap."""
+    pitch, _, placement, _ = circular()
+    form = ToothForm(rack(), backlash=Backlash(PLAY_MM))
+    shares = np.linspace(0.0, 1.0, sections)
+    made = tuple(toothed_pair(pitch, form, 0.005, advance_mm=share * overlap * pi * MODULE) for share in shares)
+    heights = tuple(WIDTH_MM * (shares - 0.5))
+    return mesh_of(Face(made, heights, mirrored=False, overlap=overlap), placement, 0.3), overlap
+
+
+@pytest.mark.thorough
+@pytest.mark.judges("tolerances")
+def test_helical_teeth_without_any_lean_are_straight_ones() -> None:
+    _, _, _, straight = circular()
+    mesh, _ = leaning(1e-9, 2)
+    limits = all_limits(2 * (TEETH + DRIVEN_TEETH))
+    of = drawn(limits, random_chances(8, limits.flanks))
+    assert of.tilt.any()
+    assert mesh.leads(of) == pytest.approx(straight.leads(of), abs=1e-9)
+
+
+@pytest.mark.thorough
+@pytest.mark.judges("tolerances")
+def test_a_helical_tooth_that_stands_out_carries_longer_by_the_overlap() -> None:
+    """And displaced gears touch as straight ones do, by the common tangents of their base circles."""
+    mesh, overlap = leaning(0.75, 7)
+    _, _, placement, straight = circular()
+    of = of_circular(center_distance=0.02, driving_x=0.02, driven_y=0.02, driving_index=0.001)
+    nominal = mesh.leads(of_circular())
+    exact = closed_form(of, placement)
+    size = np.abs(exact - closed_form(of_circular(), placement)).max()
+    assert mesh.leads(of)[:, :, 0] == pytest.approx(exact, abs=0.05 * size)
+    alone = of_circular()
+    alone.pitch[4] = 0.02
+    lasts = []
+    for one in (straight, mesh):
+        gained = (one.leads(alone) - one.leads(of_circular()))[PUSHING, :, 0]
+        assert gained.max() == pytest.approx(0.02 * cos(ALPHA) / BASES_MM[1], rel=1e-9)
+        lasts.append(np.count_nonzero(gained > 0.5 * gained.max()) / 8.0)
+    # Each of two meetings in the cycle, by the overlap longer.
+    assert lasts[1] - lasts[0] == pytest.approx(2.0 * overlap, abs=0.26)
+    assert nominal[PUSHING] == pytest.approx(0.0, abs=1e-11)
+    assert mesh.arcs.min() == pytest.approx(straight.arcs.min() + overlap, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.judges("tolerances")
+@pytest.mark.parametrize("kind", ["helical", "herringbone"])
+def test_helical_gears_touch_where_the_outlines_of_a_stepped_gear_do(kind: str) -> None:
+    """With twice as many steps as the mesh has sections, tilted bores and deviations of every tooth."""
+    data = loaded("helical-ellipse").design.model_dump(exclude_unset=True, by_alias=True)
+    data["gears"]["helix"]["kind"] = kind
+    one = Drive(design_of(data))
+    given = ASSUMED.model_copy(update={"driving": GearTolerances(eccentricity_mm=0.02, tilt_deg=0.15)})
+    lot, module = lot_of(one, given), one.pitch.size.module_mm
+    (of,) = lot.drawn(drawn_at_random(1, 5)[0])
+    mesh = lot.pairs[0].mesh
+    face = face_of(one, 1e-3 * module, 1e-4 * module)
+    finer = stepped(one, 2 * len(face.sections) - 1)
+    exact = exact_of(one.pitch, finer, placed(one.pitch, PER_TOOTH), mesh, 20)
+    (found,) = linear_errors(exact, [of])
+    assert found.displaced_mm > 0.02
+    assert found.error_mm < 0.02 * found.displaced_mm
+    # Negative controls: the first section alone, as if its teeth were straight, and a bore tilted the other way.
+    plain = mesh_of(straight_face(one.teeth, one.gears.face_width_mm), placed(one.pitch, PER_TOOTH), 0.2)
+    (other,) = linear_errors(replace(exact, mesh=plain), [of])
+    assert other.error_mm > 0.04 * found.displaced_mm
+    (tilted,) = linear_errors(replace(exact, mesh=replace(mesh, tilt=-mesh.tilt)), [of])
+    assert (tilted.error_mm > 0.1 * found.displaced_mm) == (kind == "helical")
+
+
+def stepped(one: Drive, count: int) -> Face:
+    """So many even sections of a helical pair."""
+    assert one.helix is not None
+    width, rise, herringbone = one.gears.face_width_mm, one.helix.rise_mm, one.helix.herringbone
+    heights = np.linspace(0.0, rise, count)
+    fine = 1e-4 * one.pitch.size.module_mm
+    made = tuple(
+        toothed_pair(
+            one.pitch, one.tooth_form, 10.0 * fine, flank_tolerance_mm=fine, advance_mm=one.helix.advance_mm(height)
+        )
+        for height in heights
+    )
+    middle = width / 2.0
+    return Face(made, tuple(middle - heights if herringbone else heights - middle), mirrored=herringbone)
+
+
 # --- polygons of non-circular gears ------------------------------------------------------------------------------
 
 FINE_MM = 2e-4
@@ -479,7 +570,7 @@ def test_non_circular_gears_touch_where_their_polygons_do() -> None:
     """Eccentric bores, another centre distance, growth and wear of both flanks, laid over each other by shapely."""
     pitch, teeth = fine_pair("ellipse")
     placement = placed(pitch, 4)
-    mesh = mesh_of(teeth, placement, 12.0, 0.15, both_ways=True)
+    mesh = mesh_of(straight_face(teeth, 12.0), placement, 0.15, both_ways=True)
     moved = {
         "center_distance": 0.05, "driving_x": 0.012, "driving_y": -0.02, "driven_x": 0.01, "driven_y": 0.015,
         "driving_growth": -4e-4, "driven_growth": 3e-4, "housing_growth": 2e-4, "driving_wear": 0.02,
@@ -511,10 +602,12 @@ def test_teeth_with_errors_touch_where_their_outlines_do() -> None:
     one = drive("ellipse")
     pitch, teeth = fine_pair("ellipse")
     placement = placed(pitch, 4)
-    mesh = mesh_of(teeth, placement, 12.0, 0.15)
+    mesh = mesh_of(straight_face(teeth, 12.0), placement, 0.15)
     limits = replace(limits_of(one, ASSUMED), center_distance_mm=0.0, index_rad=(0.0, 0.0))
     (chances,) = drawn_at_random(2, 5)[0].chances([limits.flanks])
-    found = linear_errors(exact_of(pitch, teeth, placement, mesh, 12.0, 40), [drawn(limits, chances).one(0)])[0]
+    found = linear_errors(
+        exact_of(pitch, straight_face(teeth, 12.0), placement, mesh, 40), [drawn(limits, chances).one(0)]
+    )[0]
     assert found.displaced_mm > 0.02
     assert found.error_mm < 3e-3
 
@@ -525,11 +618,11 @@ def test_flanks_that_deviate_the_wrong_way_fail() -> None:
     one = drive("ellipse")
     pitch, teeth = one.pitch, one.teeth
     placement = placed(pitch, 2)
-    mesh = mesh_of(teeth, placement, 12.0, 0.15)
+    mesh = mesh_of(straight_face(teeth, 12.0), placement, 0.15)
     limits = limits_of(one, AssemblyTolerances(grade=8))
     of = drawn(limits, *drawn_at_random(2, 5)[0].chances([limits.flanks])).one(0)
     opposite = replace(of, pitch=-of.pitch, profile=-of.profile)
-    exact = exact_of(pitch, teeth, placement, mesh, 12.0, 12)
+    exact = exact_of(pitch, straight_face(teeth, 12.0), placement, mesh, 12)
     bare = replace(of, pitch=0.0 * of.pitch, profile=0.0 * of.profile)
     linear = (mesh.leads(of) - mesh.leads(bare))[:, exact.rows, 0]
     for sign, other in ((1.0, of), (-1.0, opposite)):
@@ -689,7 +782,7 @@ def test_results_are_the_same_whatever_the_workers() -> None:
 def test_places_that_no_assembly_reaches_may_be_left_out() -> None:
     """Even where everything is at its limit; and most of the others are reached by some."""
     one, lot = drive("ellipse"), ellipse_lot()
-    whole = mesh_of(one.teeth, placed(one.pitch, PER_TOOTH), one.gears.face_width_mm, 0.25)
+    whole = mesh_of(face_of(one, 0.01), placed(one.pitch, PER_TOOTH), 0.25)
     random = np.random.default_rng(4)
     chances = Chances(
         random.choice([1e-9, 1.0 - 1e-9], (COUNT, 64)), random.choice([1e-9, 1.0 - 1e-9], (2, *lot.flanks, 64))
@@ -705,7 +798,7 @@ def test_twice_as_many_positions_change_little() -> None:
     one = drive("ellipse")
     coarse = ellipse_lot()
     (of,) = coarse.drawn(drawn_evenly(64, 1)[0])
-    fine = mesh_of(one.teeth, placed(one.pitch, 4 * PER_TOOTH), one.gears.face_width_mm, 0.2)
+    fine = mesh_of(face_of(one, 0.01), placed(one.pitch, 4 * PER_TOOTH), 0.2)
     for side, sign in ((PUSHING, 1.0), (BACK, -1.0)):
         errors = [sign * mesh.leads(of)[side] for mesh in (coarse.pairs[0].mesh, fine)]
         spans = [np.ptp(error, axis=0) for error in errors]
@@ -742,17 +835,6 @@ def test_small_modules_have_no_grade() -> None:
         data["gears"][name]["bore_mm"] = 2.0
     with pytest.raises(WrongInput, match="single_pitch_mm"):
         limits_of(Drive(design_of(data)), ASSUMED)
-
-
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("helical-ellipse", "helical teeth"),
-    ],
-)
-def test_what_is_not_computed_is_refused(name: str, words: str) -> None:
-    with pytest.raises(WrongInput, match=words):
-        tolerated(drive(name), 64, 1, Workers(), lambda done, total: None)
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import ceil, degrees, radians
+from math import ceil, cos, degrees, radians
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
-from ncgear.teeth.gear import ToothedGear, toothed_pair
+from ncgear.solids.helical.sections import said_of_section
+from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.tolerances.assemblies import (
     TOGETHER,
     Assemblies,
@@ -26,7 +27,7 @@ from ncgear.tolerances.assemblies import (
 )
 from ncgear.tolerances.drawn import Limits, reachable
 from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
-from ncgear.tolerances.mesh import Mesh, mesh_of
+from ncgear.tolerances.mesh import Face, Mesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import LinearError, exact_of, linear_errors
 from ncgear.tolerances.study import (
     FirstOrder,
@@ -155,11 +156,9 @@ def tolerated(
 ) -> Tolerated:
     """What ``samples`` assemblies do, a power of two; calls ``on_done`` with the numbers done and in all.
 
-    Raises WrongInput for helical teeth, and as the drive does.
+    Raises WrongInput where a grade does not hold for the gears, and as the drive does.
     """
     design = drive.design
-    if drive.helix is not None:
-        raise WrongInput("helical teeth are not followed with tolerances; leave it out", key="gears.helix")
     given = design.tolerances or ASSUMED
     lot = lot_of(drive, given)
     tasks = drawn_evenly(samples, seed, len(lot.pairs))
@@ -222,11 +221,34 @@ def _checked(drive: Drive, number: int, lot: Lot, found: PairAssemblies, tasks: 
         task, place = divmod(chosen, TOGETHER)
         assemblies.append(lot.drawn(tasks[task])[number].one(place))
     coarse, fine = (share * drive.pitch.size.module_mm for share in FINE_IN_MODULES)
-    teeth = toothed_pair(drive.pitch, drive.tooth_form, coarse, flank_tolerance_mm=fine)
-    width, both = drive.gears.face_width_mm, drive.gears.drives == "both_ways"
+    face, both = face_of(drive, coarse, fine), drive.gears.drives == "both_ways"
     mesh = lot.pairs[number].mesh
-    exact = exact_of(drive.pitch, teeth, placement_of(drive), mesh, width, CHECKED_POSITIONS, both_ways=both)
+    exact = exact_of(drive.pitch, face, placement_of(drive), mesh, CHECKED_POSITIONS, both_ways=both)
     return tuple(linear_errors(exact, assemblies))
+
+
+def face_of(drive: Drive, chord_tolerance_mm: float, flank_tolerance_mm: float | None = None) -> Face:
+    """The sections of a pair: straight teeth have one, helical ones PER_TOOTH for each pitch that they advance.
+
+    Raises NoSuchMechanism, naming the height, where no tooth can stand.
+    """
+    form, pitch, helix = drive.tooth_form, drive.pitch, drive.helix
+
+    def made(advance_mm: float) -> ToothedPair:
+        return toothed_pair(
+            pitch, form, chord_tolerance_mm, flank_tolerance_mm=flank_tolerance_mm, advance_mm=advance_mm
+        )
+
+    if helix is None:
+        return straight_face(made(0.0), drive.gears.face_width_mm)
+    steps = ceil(PER_TOOTH * drive.overlap_ratio)
+    above_mm, sections = [], []
+    for height in np.linspace(0.0, helix.rise_mm, steps + 1).tolist():
+        with said_of_section(height):
+            sections.append(made(helix.advance_mm(height)))
+        middle = helix.face_width_mm / 2.0
+        above_mm.append(middle - height if helix.herringbone else height - middle)
+    return Face(tuple(sections), tuple(above_mm), helix.herringbone, drive.overlap_ratio)
 
 
 def placement_of(drive: Drive) -> Placement:
@@ -250,13 +272,15 @@ def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[Mesh, Lim
     limits, module = limits_of(drive, given), drive.pitch.size.module_mm
     size = drive.pitch.center_distance_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
-    width, both = drive.gears.face_width_mm, drive.gears.drives == "both_ways"
-    return reachable(mesh_of(drive.teeth, placement_of(drive), width, within, both_ways=both), limits), limits
+    face, both = face_of(drive, drive.design.output.chord_tolerance_mm), drive.gears.drives == "both_ways"
+    return reachable(mesh_of(face, placement_of(drive), within, both_ways=both), limits), limits
 
 
 def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
     """The limits in mm and rad; raises WrongInput where a grade does not hold for the gears."""
-    module, each = drive.pitch.size.module_mm, (given.driving, given.driven)
+    # The grades of helical teeth go by the module across the flank.
+    module = drive.pitch.size.module_mm * cos(drive.helix.angle_rad if drive.helix else 0.0)
+    each = given.driving, given.driven
     pitch, profile = [], []
     for gear, own in zip(Gear, each, strict=True):
         one, other = _of_teeth(drive.teeth.of(gear), own, given.grade, module, f"tolerances.{gear.name.lower()}")
