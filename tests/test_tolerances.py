@@ -497,11 +497,10 @@ def test_helical_gears_touch_where_the_outlines_of_a_stepped_gear_do(kind: str) 
     data["gears"]["helix"]["kind"] = kind
     one = Drive(design_of(data))
     given = ASSUMED.model_copy(update={"driving": GearTolerances(eccentricity_mm=0.02, tilt_deg=0.15)})
-    lot, module = lot_of(one, given), one.pitch.size.module_mm
+    lot = lot_of(one, given)
     (of,) = lot.drawn(drawn_at_random(1, 5)[0])
     mesh = lot.pairs[0].mesh
-    face = face_of(one, 1e-3 * module, 1e-4 * module)
-    finer = stepped(one, 2 * len(face.sections) - 1)
+    finer = stepped(one, 2 * len(face_of(one).sections) - 1)
     exact = exact_of(one.pitch, finer, placed(one.pitch, PER_TOOTH), mesh, 20)
     (found,) = linear_errors(exact, [of])
     assert found.displaced_mm > 0.02
@@ -782,7 +781,7 @@ def test_results_are_the_same_whatever_the_workers() -> None:
 def test_places_that_no_assembly_reaches_may_be_left_out() -> None:
     """Even where everything is at its limit; and most of the others are reached by some."""
     one, lot = drive("ellipse"), ellipse_lot()
-    whole = mesh_of(face_of(one, 0.01), placed(one.pitch, PER_TOOTH), 0.25)
+    whole = mesh_of(face_of(one), placed(one.pitch, PER_TOOTH), 0.25)
     random = np.random.default_rng(4)
     chances = Chances(
         random.choice([1e-9, 1.0 - 1e-9], (COUNT, 64)), random.choice([1e-9, 1.0 - 1e-9], (2, *lot.flanks, 64))
@@ -798,7 +797,7 @@ def test_twice_as_many_positions_change_little() -> None:
     one = drive("ellipse")
     coarse = ellipse_lot()
     (of,) = coarse.drawn(drawn_evenly(64, 1)[0])
-    fine = mesh_of(face_of(one, 0.01), placed(one.pitch, 4 * PER_TOOTH), 0.2)
+    fine = mesh_of(face_of(one), placed(one.pitch, 4 * PER_TOOTH), 0.2)
     for side, sign in ((PUSHING, 1.0), (BACK, -1.0)):
         errors = [sign * mesh.leads(of)[side] for mesh in (coarse.pairs[0].mesh, fine)]
         spans = [np.ptp(error, axis=0) for error in errors]

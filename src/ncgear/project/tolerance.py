@@ -221,23 +221,25 @@ def _checked(drive: Drive, number: int, lot: Lot, found: PairAssemblies, tasks: 
         task, place = divmod(chosen, TOGETHER)
         assemblies.append(lot.drawn(tasks[task])[number].one(place))
     coarse, fine = (share * drive.pitch.size.module_mm for share in FINE_IN_MODULES)
-    face, both = face_of(drive, coarse, fine), drive.gears.drives == "both_ways"
+    face, both = face_of(drive, (coarse, fine)), drive.gears.drives == "both_ways"
     mesh = lot.pairs[number].mesh
     exact = exact_of(drive.pitch, face, placement_of(drive), mesh, CHECKED_POSITIONS, both_ways=both)
     return tuple(linear_errors(exact, assemblies))
 
 
-def face_of(drive: Drive, chord_tolerance_mm: float, flank_tolerance_mm: float | None = None) -> Face:
+def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> Face:
     """The sections of a pair: straight teeth have one, helical ones PER_TOOTH for each pitch that they advance.
 
-    Raises NoSuchMechanism, naming the height, where no tooth can stand.
+    Their outlines are those of the design, or have the given chord tolerances, the second on flanks.  Raises
+    NoSuchMechanism, naming the height, where no tooth can stand.
     """
     form, pitch, helix = drive.tooth_form, drive.pitch, drive.helix
+    chord, flank = tolerances_mm or (drive.design.output.chord_tolerance_mm, None)
 
     def made(advance_mm: float) -> ToothedPair:
-        return toothed_pair(
-            pitch, form, chord_tolerance_mm, flank_tolerance_mm=flank_tolerance_mm, advance_mm=advance_mm
-        )
+        if tolerances_mm is None and advance_mm == 0.0:
+            return drive.teeth
+        return toothed_pair(pitch, form, chord, flank_tolerance_mm=flank, advance_mm=advance_mm)
 
     if helix is None:
         return straight_face(made(0.0), drive.gears.face_width_mm)
@@ -272,7 +274,7 @@ def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[Mesh, Lim
     limits, module = limits_of(drive, given), drive.pitch.size.module_mm
     size = drive.pitch.center_distance_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
-    face, both = face_of(drive, drive.design.output.chord_tolerance_mm), drive.gears.drives == "both_ways"
+    face, both = face_of(drive), drive.gears.drives == "both_ways"
     return reachable(mesh_of(face, placement_of(drive), within, both_ways=both), limits), limits
 
 
