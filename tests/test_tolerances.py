@@ -848,6 +848,26 @@ def test_the_command_writes_its_files(run: Run, tmp_path: Path) -> None:
     assert figures["jam"]["value"] == np.mean(table["least_play_mm"] < 0.0)
 
 
+@pytest.mark.slow
+def test_the_command_tells_both_pairs_and_the_machine(run: Run, tmp_path: Path) -> None:
+    text = STAGED.format(first="[-0.2]", second=", second_stage: {cosine: [-0.25], sine: [-0.1]}")
+    (tmp_path / "two.yaml").write_text(text.replace("backlash_mm: 0.08", "backlash_mm: 0.025"), encoding="utf-8")
+    status, said, _ = run("tolerance", "two.yaml", "--samples", "64", "--out", "made")
+    assert status == 0
+    assert "stage 2: least play" in said
+    figures = json.loads((tmp_path / "made" / "tolerance.json").read_text(encoding="utf-8"))
+    table = np.genfromtxt(tmp_path / "made" / "assemblies.csv", delimiter=",", names=True)
+    plays = [table[f"stage_{number}_least_play_mm"] for number in (1, 2)]
+    assert np.array_equal(table["least_play_mm"], np.minimum(*plays))
+    jam = [play < 0.0 for play in plays]
+    assert figures["jam"]["value"] == np.mean(jam[0] | jam[1])
+    assert [figures["stages"][f"stage_{number}"]["jam"]["value"] for number in (1, 2)] == [*map(np.mean, jam)]
+    assert max(map(np.mean, jam)) < figures["jam"]["value"] <= sum(map(np.mean, jam))
+    sources = {one["source"] for one in figures["indices"]["motion_error"]}
+    assert {"stage_1_index_driven", "stage_2_index_driving"} <= sources
+    assert {path.name for path in (tmp_path / "made").glob("stage-*/*")} == {"spread.png"}
+
+
 def test_a_number_of_samples_that_is_no_power_of_two_is_refused(run: Run) -> None:
     status, _, said = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", "100")
     assert status == 2
