@@ -17,7 +17,7 @@ from scipy.integrate import quad
 from shapely import Polygon
 
 from commands import Run
-from drives import DESIGNS, drive
+from drives import DESIGNS, drive, drive_of_text
 from ncgear.figures.answers.answer import COLUMNS, LINES, answer_text
 from ncgear.figures.answers.bench import bench_answer
 from ncgear.pitch.shape import Gear
@@ -140,6 +140,34 @@ def test_the_command(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     status, out, _ = run(*arguments, "--verbose")
     assert status == 0
     assert "against points of the exact flanks" in out
+
+
+TWO_PAIRS = """\
+name: two-pairs
+linkage: {crank_mm: 38, rod_mm: 96}
+operation: {speed_rpm: 60}
+motion: {law: harmonic_ratio, cosine: [-0.2], sine: [0.1], second_stage: {cosine: [-0.1]}}
+gears: {teeth: 24, module_mm: 1.5, face_width_mm: 10}
+"""
+
+
+@pytest.mark.slow
+def test_both_of_two_pairs_are_measured() -> None:
+    """Each by its own curves: their length by quadrature, less that of fifty chords."""
+    machine = drive_of_text(TWO_PAIRS)
+    names: list[str] = []
+    found = {stage.name: stage for stage in bench.benched(machine, names.append)}
+    assert list(found) == names
+    assert len(names) == bench.step_count(machine) == 1 + 2 * 4
+    for pair in machine.by_stage:
+        trials = found[f"pitch curves of stage {pair.stage}"].trials
+        curve = pair.pitch.driving
+        points = curve.at_length(np.linspace(0.0, curve.length_mm, 51)).position
+        chords = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+        assert trials[0].error == pytest.approx(curve.length_mm - chords, rel=1e-6)
+        teeth = found[f"teeth of stage {pair.stage}"]
+        assert teeth.recommended is not None
+        assert teeth.recommended.error <= machine.design.output.chord_tolerance_mm
 
 
 def test_a_tolerance_that_is_asked_for_decides() -> None:

@@ -13,22 +13,34 @@ import pytest
 from shapely import Polygon, affinity
 
 from commands import Run
-from drives import DESIGNS, design_of, drive, loaded
+from drives import DESIGNS, design_of, drive, drive_of_text, loaded
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances, Temperatures
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair, sized_pair
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance import ASSUMED, PER_TOOTH, limits_of, lot_of, tolerated
+from ncgear.project.tolerance import ASSUMED, PER_TOOTH, face_of, limits_of, lot_of, tolerated
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes
+from ncgear.ratio.transmission import Lobes, Pair, on_driving_shaft
 from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.tolerances.assemblies import Assemblies, Lot, Task, computed
-from ncgear.tolerances.drawn import COUNT, SOURCES, Chances, Limits, active, drawn, spread
+from ncgear.tolerances.assemblies import Assemblies, Lot, Smoothed, Waves, computed, lot_of_pairs
+from ncgear.tolerances.drawn import (
+    COUNT,
+    SOURCES,
+    Chances,
+    Limits,
+    Source,
+    active,
+    drawn,
+    rows_of,
+    sources_of,
+    spread,
+)
 from ncgear.tolerances.iso1328 import flank_tolerances, rounded_um
-from ncgear.tolerances.mesh import RIGID, Deviations, Mesh, mesh_of
+from ncgear.tolerances.mesh import RIGID, Deviations, Face, Mesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import exact_of, linear_errors
 from ncgear.tolerances.study import (
     Workers,
@@ -80,7 +92,7 @@ def circular() -> tuple[PitchPair, ToothedPair, Placement, Mesh]:
     pitch = sized_pair(uniform_law(Lobes(1, 2)), TEETH, MODULE, None)
     teeth = toothed_pair(pitch, ToothForm(rack(), backlash=Backlash(PLAY_MM)), 0.005)
     placement = placed(pitch, 8)
-    return pitch, teeth, placement, mesh_of(teeth, placement, WIDTH_MM, 0.3)
+    return pitch, teeth, placement, mesh_of(straight_face(teeth, WIDTH_MM), placement, 0.3)
 
 
 def deviations(flanks: int, count: int, **moved: Array | float) -> Deviations:
@@ -101,7 +113,7 @@ def involute(angle: Array | float) -> Array:
     return np.asarray(np.tan(angle) - angle)
 
 
-def closed_form(of: Deviations, placement: Placement) -> Array:
+def closed_form(of: Deviations, placement: Placement, nominal_mm: tuple[float, float] = BASES_MM) -> Array:
     """Leads of both sides from the common tangents of the base circles about the true centres, shape (2, p).
 
     With base radii r1, r2, the distance A and direction b of the centres and cos(w) = (r1 + r2) / A, unwinding both
@@ -113,13 +125,13 @@ def closed_form(of: Deviations, placement: Placement) -> Array:
     first = (moved["driving_x"] + 1j * moved["driving_y"]) * turn[0]
     second = (moved["driven_x"] + 1j * moved["driven_y"]) * turn[1]
     between = DISTANCE_MM * (1.0 + moved["housing_growth"]) + moved["center_distance"] + second - first
-    bases = BASES_MM[0] * (1.0 + moved["driving_growth"]), BASES_MM[1] * (1.0 + moved["driven_growth"])
+    bases = nominal_mm[0] * (1.0 + moved["driving_growth"]), nominal_mm[1] * (1.0 + moved["driven_growth"])
     working = np.arccos(sum(bases) / np.abs(between))
     share = sum(bases) / bases[1]
     ratio = bases[0] / bases[1]
-    turned = (ratio - 0.5) * placement.phi1_rad + ratio * moved["driving_index"]
+    turned = (ratio - nominal_mm[0] / nominal_mm[1]) * placement.phi1_rad + ratio * moved["driving_index"]
     ahead = turned - share * np.angle(between)
-    play = PLAY_MM / BASES_MM[1]
+    play = PLAY_MM / nominal_mm[1]
     opened = share * (involute(working) - involute(ALPHA))
     return np.stack([ahead - opened, -(ahead + opened + play)])
 
@@ -229,6 +241,294 @@ def test_the_arc_of_contact_changes_with_the_centre_distance_as_in_closed_form(m
     assert found - mesh.arcs.min() == pytest.approx(change, rel=2e-2)
 
 
+# --- two pairs in series -----------------------------------------------------------------------------------------
+
+BETWEEN_RAD = 1e-3
+"""Keyway of the gear that is driven on the shaft between."""
+
+
+@cache
+def two_circular() -> tuple[Placement, Placement, Lot]:
+    """A pair of 30 and 60 teeth, then one of 60 and 30: the crank turns as fast as the driving shaft."""
+    placements, made = [], []
+    for lobes, turns in ((Lobes(1, 2), 1.0), (Lobes(2, 1), 2.0)):
+        law = uniform_law(lobes)
+        pitch = sized_pair(law, TEETH * lobes.driving, MODULE, None)
+        placement = placed(pitch, 8)
+        teeth = toothed_pair(pitch, ToothForm(rack(), backlash=Backlash(PLAY_MM)), 0.005)
+        none = np.zeros(2 * (TEETH + DRIVEN_TEETH))
+        limits = Limits(0.0, (0, 0), (0, 0), (0, 0), none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
+        pair = Pair(law, np.ones_like, lambda angle, turns=turns: turns * angle)  # type: ignore[misc]
+        placements.append(placement)
+        made.append((mesh_of(straight_face(teeth, WIDTH_MM), placement, 0.3), limits, np.arange(placement.count), pair))
+    machine = replace(drive("ellipse").machine, transmission=uniform_law(Lobes()))
+    return (*placements, lot_of_pairs(machine, made, TEETH, 1.0))  # type: ignore[return-value]
+
+
+@pytest.mark.judges("tolerances")
+def test_two_eccentric_pairs_err_by_the_ratio_times_the_first_and_by_the_second() -> None:
+    """Against the common tangents of each pair, the second one turned by the first; nothing in it is linear."""
+    first, second, lot = two_circular()
+    of = of_circular(driving_x=0.02, driven_y=0.03), of_circular(driving_y=-0.03, center_distance=0.02)
+    of[0].output_rad[:] = BETWEEN_RAD
+    positions = np.linspace(0.0, 4.0 * pi, 400, endpoint=False)
+    before = replace(first, phi1_rad=positions, phi2_rad=positions / 2.0)
+    ahead = closed_form(of[0], before)[PUSHING] + BETWEEN_RAD
+    turned = positions / 2.0 + ahead
+    after = replace(second, phi1_rad=turned, phi2_rad=2.0 * turned)
+    exact = 2.0 * ahead + closed_form(of[1], after, BASES_MM[::-1])[PUSHING]
+    found = lot.assembled(of)
+    assert found.transmission_error_rad[0] == pytest.approx(np.ptp(exact), rel=0.02)
+    # Negative controls: errors that are added as they are, and the keyway between left out of the output's error.
+    assert found.transmission_error_rad[0] != pytest.approx(np.ptp(exact - ahead), rel=0.1)
+    without = lot.assembled((replace(of[0], output_rad=np.zeros(1)), of[1]))
+    assert found.motion_error[0] > 1.2 * without.motion_error[0]
+    plays = [pair.least_play_rad[0] for pair in found.pairs]
+    assert found.play_max_rad[0] > 2.0 * plays[0] + plays[1]
+    single = closed_form(of[0], first)
+    assert plays[0] == pytest.approx(float(-single.sum(axis=0).max()), rel=5e-3)
+
+
+def test_a_source_is_exchanged_in_its_own_pair_and_what_both_share_in_both() -> None:
+    limits = all_limits(4), all_limits(6)
+    names = [source.key for source in sources_of(limits)]
+    assert len(names) == len(set(names)) == 2 * (len(SOURCES) + 2) - 2
+    assert {"stage_1_pitch", "stage_2_pitch", "stage_2_center_distance", "temperature", "wear"} <= set(names)
+    one, other = drawn_evenly(128, 1, 2)
+    plain = one.chances([4, 6])
+    assert [chances.teeth.shape[1] for chances in plain] == [4, 6]
+    shared = [rows_of(name) for name in ("temperature", "wear")]
+    assert all(np.array_equal(plain[0].pair[rows], plain[1].pair[rows]) for rows in shared)
+    for source, changed in ((Source("tilt_driven", 2), [False, True]), (Source("temperature"), [True, True])):
+        swapped = replace(one, source=source, other=other).chances([4, 6])
+        assert [not np.array_equal(a.pair, b.pair) for a, b in zip(plain, swapped, strict=True)] == changed
+
+
+STAGED = """\
+name: staged
+linkage: {{crank_mm: 38, rod_mm: 96}}
+operation: {{speed_rpm: 60}}
+motion: {{law: harmonic_ratio, cosine: {first}, sine: [0.1]{second}}}
+gears: {{teeth: 24, module_mm: 1.5, face_width_mm: 10, backlash_mm: 0.08}}
+resistance: {{polynomial_n: [400]}}
+"""
+RATIO = "[-0.3, 0.05]"
+
+
+@pytest.mark.slow
+@pytest.mark.judges("tolerances")
+def test_the_crank_of_two_pairs_stands_where_their_outlines_turn_it() -> None:
+    """Polygons of both pairs, the second turned by what the first was pushed to, laid over each other by shapely."""
+    one = drive_of_text(STAGED.format(first="[-0.2]", second=", second_stage: {cosine: [-0.25], sine: [-0.1]}"))
+    lot = lot_of(one, ASSUMED)
+    moved = {"center_distance": 0.02, "driving_x": 0.015, "driven_y": -0.02, "driving_index": 1.5e-3}
+    of = tuple(deviations(pair.limits.flanks, 1, **moved) for pair in lot.pairs)
+    of[0].output_rad[:] = BETWEEN_RAD
+    polygons, places = [], []
+    for pair in one.by_stage:
+        teeth = toothed_pair(pair.pitch, pair.tooth_form, 2e-3, flank_tolerance_mm=FINE_MM)
+        places.append(placed(pair.pitch, PER_TOOTH))
+        driving, driven = (Polygon(teeth.of(gear).outline_mm) for gear in Gear)
+        first = affinity.rotate(affinity.translate(driving, 0.015, 0.0), moved["driving_index"], (0, 0), True)
+        polygons.append((first, affinity.translate(driven, 0.0, -0.02)))
+    leads = [pair.mesh.leads(own)[:, :, 0] for pair, own in zip(lot.pairs, of, strict=True)]
+    laws = [pair.pair.transmission for pair in one.by_stage]
+
+    def pushed(stage: int, angle: float) -> float:
+        law = laws[stage].driven_angle(np.array([angle]), 1)
+        at = places[stage]
+        near = int(np.argmin(np.abs(at.phi1_rad - angle % (2.0 * pi))))
+        apart = replace(
+            at, center_distance_mm=at.center_distance_mm + 0.02, phi1_rad=np.array([angle]), phi2_rad=law.value
+        )
+        return float(law.value[0] + turned_until_touching(*polygons[stage], apart, 0, leads[stage][:, near])[PUSHING])
+
+    errors = [
+        pair.carried(lead[PUSHING, :, None] + off)[:, 0]
+        for pair, lead, off in zip(lot.pairs, leads, (BETWEEN_RAD, 0.0), strict=True)
+    ]
+    shafts = [pair.pair.shaft_rad(at.phi1_rad) for pair, at in zip(one.by_stage, places, strict=True)]
+    position = np.unique(np.concatenate(shafts))
+    looked = np.arange(5, position.size, position.size // 12)
+    crank = np.array([pushed(1, pushed(0, angle) + BETWEEN_RAD) for angle in position[looked]])
+    exact = crank - one.transmission.driven_angle(position[looked]).value
+    found = (errors[0] + errors[1])[looked]
+    assert np.abs(found - exact).max() < 0.02 * np.abs(exact).max()
+    # Negative control: the first pair's error as it is, without the second one's law.
+    plain = (errors[0] / lot.pairs[0].slope + errors[1])[looked]
+    assert np.abs(plain - exact).max() > 0.1 * np.abs(exact).max()
+
+
+@pytest.mark.thorough
+def test_beside_an_exact_pair_that_turns_evenly_the_other_is_a_single_one() -> None:
+    single, staged = (drive_of_text(STAGED.format(first=RATIO, second=second)) for second in ("", ", second_stage: {}"))
+    alone, both = lot_of(single, ASSUMED), lot_of(staged, ASSUMED)
+    (of,) = alone.drawn(drawn_evenly(64, 1)[0])
+    # The keyway of the driven gear is that of the shaft between.
+    exact = deviations(both.flanks[1], 64)
+    mine, other = both.assembled((of, exact)), alone.assembled((of,))
+    for name in ("least_play_rad", "largest_play_mm", "transmission_error_rad", "least_arc"):
+        assert getattr(mine.pairs[0], name) == pytest.approx(getattr(other.pairs[0], name), rel=1e-6, abs=1e-9)
+    for name in ("transmission_error_rad", "motion_error", "peak_acceleration"):
+        assert getattr(mine, name) == pytest.approx(getattr(other, name), rel=2e-3)
+
+
+# --- gears that turn to and fro ----------------------------------------------------------------------------------
+
+SECTOR = """\
+name: sector
+operation: {speed_rpm: 10}
+motion: {law: function_generator, function: x, x_from: 0, x_to: 1, driving_range_deg: 240, driven_range_deg: 120}
+gears: {module_mm: 2, center_distance_mm: 90, face_width_mm: 20, backlash_mm: 0.4}
+"""
+"""Circular gears as those above, of which only some teeth are made."""
+
+
+@cache
+def sector() -> tuple[Drive, Lot]:
+    one = drive_of_text(SECTOR)
+    return one, lot_of(one, ASSUMED)
+
+
+@pytest.mark.judges("tolerances")
+def test_sectors_of_eccentric_gears_touch_as_in_closed_form_up_to_their_ends() -> None:
+    one, lot = sector()
+    (pair,), placement = lot.pairs, placed(one.pitch, PER_TOOTH)
+    flanks = pair.limits.flanks
+    moved = {"center_distance": 0.02, "driving_x": 0.02, "driven_y": 0.02, "driving_index": 1e-3}
+    found, nominal = (pair.mesh.leads(deviations(flanks, 1, **own))[:, :, 0] for own in (moved, {}))
+    exact, bare = (closed_form(deviations(flanks, 1, **own), placement) for own in (moved, {}))
+    size = np.abs(exact - bare).max()
+    # The driven gear is a little thinner where the play is told of the least arm.
+    assert found - nominal == pytest.approx(exact - bare, abs=0.05 * size)
+    # Negative control: a range that is taken the other way round.
+    assert np.abs((found - nominal)[:, ::-1] - (exact - bare)).max() > 0.3 * size
+
+
+def test_the_slow_part_over_a_range_is_that_of_a_slow_error_up_to_its_ends() -> None:
+    """Of the closed form of an eccentric gear; waves that go round see a jump from the end to the beginning."""
+    angle = np.linspace(0.0, 4.0 * pi / 3.0, 400)
+    exact = np.stack([np.sin(angle + 1.0), np.cos(angle + 1.0), -np.sin(angle + 1.0)])
+    tooth = 0.01 * np.sin(30.0 * angle)
+    found = Smoothed(float(angle[-1]), 5.0).of((exact[0] + tooth)[:, None])[:, :, 0]
+    # Less than half of a tooth's wave is left at the ends, and a hundredth of its second derivative, which is 9.
+    assert found[0] == pytest.approx(exact[0], abs=0.005)
+    assert found[2] == pytest.approx(exact[2], abs=0.1)
+    assert found[2, 40:-40] == pytest.approx(exact[2, 40:-40], abs=0.03)
+    round_ = Waves(float(angle[-1]), 5).of(exact[0][:, None])[:, :, 0]
+    assert np.abs(round_[2] - exact[2]).max() > 5.0
+
+
+def test_half_of_the_waves_at_the_limit_are_left() -> None:
+    angle = np.linspace(0.0, 10.0, 2000)
+    for waves in (10.0, 20.0, 40.0):
+        wave = np.cos(2.0 * pi * waves * angle / 10.0)
+        found = Smoothed(10.0, 20.0).of(wave[:, None])[0, :, 0]
+        middle = slice(500, 1500)
+        assert found[middle] == pytest.approx(wave[middle] / (1.0 + (waves / 20.0) ** 6), abs=2e-3)
+
+
+@pytest.mark.slow
+def test_gears_that_turn_to_and_fro_are_told_as_their_outlines_are() -> None:
+    found = tolerated(drive("spiral-pair"), 64, 1, Workers(), lambda done, total: None)
+    (pair,) = found.pairs
+    assert all(one.error_mm < 0.06 * one.displaced_mm for one in pair.errors)
+    assert found.assemblies.least_play_mm.max() < 0.06
+    # The resistance is one way all along; the gears turn back at both ends.
+    assert pair.lot.reversals.tolist() == [0, pair.lot.mesh.phi1_rad.size - 1]
+    assert np.all(pair.assemblies.reversal_play_mm <= pair.assemblies.largest_play_mm)
+
+
+# --- helical teeth -----------------------------------------------------------------------------------------------
+
+
+@cache
+def leaning(overlap: float, sections: int) -> tuple[Mesh, float]:
+    """The mesh of the circular pair with helical teeth that advance by so many pitches, and its overlap."""
+    pitch, _, placement, _ = circular()
+    form = ToothForm(rack(), backlash=Backlash(PLAY_MM))
+    shares = np.linspace(0.0, 1.0, sections)
+    made = tuple(toothed_pair(pitch, form, 0.005, advance_mm=share * overlap * pi * MODULE) for share in shares)
+    heights = tuple(WIDTH_MM * (shares - 0.5))
+    return mesh_of(Face(made, heights, mirrored=False, overlap=overlap), placement, 0.3), overlap
+
+
+@pytest.mark.thorough
+@pytest.mark.judges("tolerances")
+def test_helical_teeth_without_any_lean_are_straight_ones() -> None:
+    _, _, _, straight = circular()
+    mesh, _ = leaning(1e-9, 2)
+    limits = all_limits(2 * (TEETH + DRIVEN_TEETH))
+    of = drawn(limits, random_chances(8, limits.flanks))
+    assert of.tilt.any()
+    assert mesh.leads(of) == pytest.approx(straight.leads(of), abs=1e-9)
+
+
+@pytest.mark.thorough
+@pytest.mark.judges("tolerances")
+def test_a_helical_tooth_that_stands_out_carries_longer_by_the_overlap() -> None:
+    """And displaced gears touch as straight ones do, by the common tangents of their base circles."""
+    mesh, overlap = leaning(0.75, 7)
+    _, _, placement, straight = circular()
+    of = of_circular(center_distance=0.02, driving_x=0.02, driven_y=0.02, driving_index=0.001)
+    nominal = mesh.leads(of_circular())
+    exact = closed_form(of, placement)
+    size = np.abs(exact - closed_form(of_circular(), placement)).max()
+    assert mesh.leads(of)[:, :, 0] == pytest.approx(exact, abs=0.05 * size)
+    alone = of_circular()
+    alone.pitch[4] = 0.02
+    lasts = []
+    for one in (straight, mesh):
+        gained = (one.leads(alone) - one.leads(of_circular()))[PUSHING, :, 0]
+        assert gained.max() == pytest.approx(0.02 * cos(ALPHA) / BASES_MM[1], rel=1e-9)
+        lasts.append(np.count_nonzero(gained > 0.5 * gained.max()) / 8.0)
+    # Each of two meetings in the cycle, by the overlap longer.
+    assert lasts[1] - lasts[0] == pytest.approx(2.0 * overlap, abs=0.26)
+    assert nominal[PUSHING] == pytest.approx(0.0, abs=1e-11)
+    assert mesh.arcs.min() == pytest.approx(straight.arcs.min() + overlap, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.judges("tolerances")
+@pytest.mark.parametrize("kind", ["helical", "herringbone"])
+def test_helical_gears_touch_where_the_outlines_of_a_stepped_gear_do(kind: str) -> None:
+    """With twice as many steps as the mesh has sections, tilted bores and deviations of every tooth."""
+    data = loaded("helical-ellipse").design.model_dump(exclude_unset=True, by_alias=True)
+    data["gears"]["helix"]["kind"] = kind
+    one = Drive(design_of(data))
+    given = ASSUMED.model_copy(update={"driving": GearTolerances(eccentricity_mm=0.02, tilt_deg=0.15)})
+    lot = lot_of(one, given)
+    (of,) = lot.drawn(drawn_at_random(1, 5)[0])
+    mesh = lot.pairs[0].mesh
+    finer = stepped(one, 2 * len(face_of(one).sections) - 1)
+    exact = exact_of(one.pitch, finer, placed(one.pitch, PER_TOOTH), mesh, 20)
+    (found,) = linear_errors(exact, [of])
+    assert found.displaced_mm > 0.02
+    assert found.error_mm < 0.02 * found.displaced_mm
+    # Negative controls: the first section alone, as if its teeth were straight, and a bore tilted the other way.
+    plain = mesh_of(straight_face(one.teeth, one.gears.face_width_mm), placed(one.pitch, PER_TOOTH), 0.2)
+    (other,) = linear_errors(replace(exact, mesh=plain), [of])
+    assert other.error_mm > 0.04 * found.displaced_mm
+    (tilted,) = linear_errors(replace(exact, mesh=replace(mesh, tilt=-mesh.tilt)), [of])
+    assert (tilted.error_mm > 0.1 * found.displaced_mm) == (kind == "helical")
+
+
+def stepped(one: Drive, count: int) -> Face:
+    """So many even sections of a helical pair."""
+    assert one.helix is not None
+    width, rise, herringbone = one.gears.face_width_mm, one.helix.rise_mm, one.helix.herringbone
+    heights = np.linspace(0.0, rise, count)
+    fine = 1e-4 * one.pitch.size.module_mm
+    made = tuple(
+        toothed_pair(
+            one.pitch, one.tooth_form, 10.0 * fine, flank_tolerance_mm=fine, advance_mm=one.helix.advance_mm(height)
+        )
+        for height in heights
+    )
+    middle = width / 2.0
+    return Face(made, tuple(middle - heights if herringbone else heights - middle), mirrored=herringbone)
+
+
 # --- polygons of non-circular gears ------------------------------------------------------------------------------
 
 FINE_MM = 2e-4
@@ -269,7 +569,7 @@ def test_non_circular_gears_touch_where_their_polygons_do() -> None:
     """Eccentric bores, another centre distance, growth and wear of both flanks, laid over each other by shapely."""
     pitch, teeth = fine_pair("ellipse")
     placement = placed(pitch, 4)
-    mesh = mesh_of(teeth, placement, 12.0, 0.15, both_ways=True)
+    mesh = mesh_of(straight_face(teeth, 12.0), placement, 0.15, both_ways=True)
     moved = {
         "center_distance": 0.05, "driving_x": 0.012, "driving_y": -0.02, "driven_x": 0.01, "driven_y": 0.015,
         "driving_growth": -4e-4, "driven_growth": 3e-4, "housing_growth": 2e-4, "driving_wear": 0.02,
@@ -301,10 +601,12 @@ def test_teeth_with_errors_touch_where_their_outlines_do() -> None:
     one = drive("ellipse")
     pitch, teeth = fine_pair("ellipse")
     placement = placed(pitch, 4)
-    mesh = mesh_of(teeth, placement, 12.0, 0.15)
+    mesh = mesh_of(straight_face(teeth, 12.0), placement, 0.15)
     limits = replace(limits_of(one, ASSUMED), center_distance_mm=0.0, index_rad=(0.0, 0.0))
-    chances = drawn_at_random(2, 5)[0].chances(limits.flanks)
-    found = linear_errors(exact_of(pitch, teeth, placement, mesh, 12.0, 40), [drawn(limits, chances).one(0)])[0]
+    (chances,) = drawn_at_random(2, 5)[0].chances([limits.flanks])
+    found = linear_errors(
+        exact_of(pitch, straight_face(teeth, 12.0), placement, mesh, 40), [drawn(limits, chances).one(0)]
+    )[0]
     assert found.displaced_mm > 0.02
     assert found.error_mm < 3e-3
 
@@ -315,11 +617,11 @@ def test_flanks_that_deviate_the_wrong_way_fail() -> None:
     one = drive("ellipse")
     pitch, teeth = one.pitch, one.teeth
     placement = placed(pitch, 2)
-    mesh = mesh_of(teeth, placement, 12.0, 0.15)
+    mesh = mesh_of(straight_face(teeth, 12.0), placement, 0.15)
     limits = limits_of(one, AssemblyTolerances(grade=8))
-    of = drawn(limits, drawn_at_random(2, 5)[0].chances(limits.flanks)).one(0)
+    of = drawn(limits, *drawn_at_random(2, 5)[0].chances([limits.flanks])).one(0)
     opposite = replace(of, pitch=-of.pitch, profile=-of.profile)
-    exact = exact_of(pitch, teeth, placement, mesh, 12.0, 12)
+    exact = exact_of(pitch, straight_face(teeth, 12.0), placement, mesh, 12)
     bare = replace(of, pitch=0.0 * of.pitch, profile=0.0 * of.profile)
     linear = (mesh.leads(of) - mesh.leads(bare))[:, exact.rows, 0]
     for sign, other in ((1.0, of), (-1.0, opposite)):
@@ -409,10 +711,10 @@ def test_indices_are_those_of_another_program() -> None:
     other = pytest.importorskip("SALib.analyze.sobol")
 
     lot = ellipse_lot()
-    names, count = active(lot.limits), 64
+    names, count = active(lot.pairs[0].limits), 64
     tasks = sobol_tasks(lot, count, 1)
     found = assemblies_of(lot, tasks, Workers())
-    own = {one.source: one for one in sobol_indices_of(lot, found)["least_play_mm"]}
+    own = {one.source.key: one for one in sobol_indices_of(lot, found)["least_play_mm"]}
     # A, B and one set for each source; SALib has A, the sets, and B of each point after each other.
     values = found.least_play_mm.reshape(len(names) + 2, count)
     ordered = np.concatenate([values[:1], values[2:], values[1:2]]).T.ravel()
@@ -426,25 +728,17 @@ def test_indices_are_those_of_another_program() -> None:
 @pytest.mark.slow
 def test_indices_of_two_causes_are_their_shares_of_the_variance() -> None:
     """Of circular gears, the play is 2 a inv-like in the centre distance and even in the growth: both shares known."""
-    _, _, placement, mesh = circular()
+    _, _, _, mesh = circular()
     flanks = 2 * (TEETH + DRIVEN_TEETH)
     none = np.zeros(flanks)
     limits = Limits(0.03, (0, 0), (0, 0), (0, 0), none, none, (0.0, 40.0), 0.0, (1.1e-4, 1.1e-4, 1e-5), (0, 0))
-    lot = replace(ellipse_lot(), mesh=mesh, limits=limits)
-    follower = lot.follower
-    count = placement.count
-    lot = replace(
-        lot,
-        reversals=np.arange(1),
-        follower=replace(
-            follower, slope=np.zeros(count), even_rad=np.arange(count) * mesh.cycle_rad / count,
-            driven=np.ones((2, count)), output=np.ones((3, count)),
-        ),
-    )  # fmt: skip
+    machine = replace(drive("ellipse").machine, transmission=uniform_law(Lobes(1, 2)))
+    law = on_driving_shaft(machine.transmission)
+    lot = lot_of_pairs(machine, [(mesh, limits, np.arange(1), law)], TEETH, 1.0)
     found = sobol_indices_of(lot, assemblies_of(lot, sobol_tasks(lot, 256, 1), Workers()))["least_play_mm"]
     deviation = 0.03 * 0.98658 / 3.0, DISTANCE_MM * 1e-4 * 40.0 / sqrt(12.0)
     wanted = deviation[1] ** 2 / (deviation[0] ** 2 + deviation[1] ** 2)
-    own = {one.source: one.total for one in found}
+    own = {one.source.key: one.total for one in found}
     assert own["temperature"] == pytest.approx(wanted, rel=0.05)
     assert own["center_distance"] == pytest.approx(1.0 - wanted, abs=0.05)
 
@@ -467,9 +761,10 @@ def test_the_backlash_that_is_needed_lets_fresh_assemblies_turn() -> None:
     assert 0.03 < found.needed.value < 0.08
     half = (found.needed.value + 0.02) / 2.0
     fresh = assemblies_of(lot_of(with_backlash(half), ASSUMED), drawn_at_random(4096, 9), Workers())
-    assert jammed(fresh).least > 1e-3
-    assert found.first_order.difference < 0.25
-    assert all(one.error_mm < 0.05 * one.displaced_mm for one in found.errors)
+    assert jammed(fresh.pairs).least > 1e-3
+    (pair,) = found.pairs
+    assert pair.first_order.difference < 0.25
+    assert all(one.error_mm < 0.05 * one.displaced_mm for one in pair.errors)
 
 
 @pytest.mark.slow
@@ -477,32 +772,34 @@ def test_results_are_the_same_whatever_the_workers() -> None:
     lot = ellipse_lot()
     tasks = drawn_evenly(512, 1)
     alone, two = (assemblies_of(lot, tasks, Workers(None, count)) for count in (1, 2))
-    for name, values in vars(alone).items():
-        assert np.array_equal(values, getattr(two, name))
+    for one, other in ((alone, two), (alone.pairs[0], two.pairs[0])):
+        arrays = {name: values for name, values in vars(one).items() if name != "pairs"}
+        assert all(np.array_equal(values, getattr(other, name)) for name, values in arrays.items())
 
 
 @pytest.mark.thorough
 def test_places_that_no_assembly_reaches_may_be_left_out() -> None:
     """Even where everything is at its limit; and most of the others are reached by some."""
     one, lot = drive("ellipse"), ellipse_lot()
-    whole = mesh_of(one.teeth, placed(one.pitch, PER_TOOTH), one.gears.face_width_mm, 0.25)
+    whole = mesh_of(face_of(one), placed(one.pitch, PER_TOOTH), 0.25)
     random = np.random.default_rng(4)
     chances = Chances(
-        random.choice([1e-9, 1.0 - 1e-9], (COUNT, 64)), random.choice([1e-9, 1.0 - 1e-9], (2, lot.limits.flanks, 64))
+        random.choice([1e-9, 1.0 - 1e-9], (COUNT, 64)), random.choice([1e-9, 1.0 - 1e-9], (2, *lot.flanks, 64))
     )
-    of = drawn(lot.limits, chances)
-    assert np.array_equal(whole.leads(of), lot.mesh.leads(of))
-    assert lot.mesh.lead.size < 0.8 * whole.lead.size
+    (pair,) = lot.pairs
+    of = drawn(pair.limits, chances)
+    assert np.array_equal(whole.leads(of), pair.mesh.leads(of))
+    assert pair.mesh.lead.size < 0.8 * whole.lead.size
 
 
 @pytest.mark.slow
 def test_twice_as_many_positions_change_little() -> None:
     one = drive("ellipse")
     coarse = ellipse_lot()
-    of = drawn(coarse.limits, drawn_evenly(64, 1)[0].chances(coarse.limits.flanks))
-    fine = mesh_of(one.teeth, placed(one.pitch, 4 * PER_TOOTH), one.gears.face_width_mm, 0.2)
+    (of,) = coarse.drawn(drawn_evenly(64, 1)[0])
+    fine = mesh_of(face_of(one), placed(one.pitch, 4 * PER_TOOTH), 0.2)
     for side, sign in ((PUSHING, 1.0), (BACK, -1.0)):
-        errors = [sign * mesh.leads(of)[side] for mesh in (coarse.mesh, fine)]
+        errors = [sign * mesh.leads(of)[side] for mesh in (coarse.pairs[0].mesh, fine)]
         spans = [np.ptp(error, axis=0) for error in errors]
         assert np.abs(spans[0] - spans[1]).max() < 0.06 * spans[1].max()
 
@@ -539,19 +836,6 @@ def test_small_modules_have_no_grade() -> None:
         limits_of(Drive(design_of(data)), ASSUMED)
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("baler-66-two-stage", "two pairs of gears"),
-        ("helical-ellipse", "helical teeth"),
-        ("spiral-pair", "to and fro"),
-    ],
-)
-def test_what_is_not_computed_is_refused(name: str, words: str) -> None:
-    with pytest.raises(WrongInput, match=words):
-        tolerated(drive(name), 64, 1, Workers(), lambda done, total: None)
-
-
 @pytest.mark.slow
 def test_the_command_writes_its_files(run: Run, tmp_path: Path) -> None:
     status, said, _ = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", "64", "--out", "made")
@@ -562,6 +846,26 @@ def test_the_command_writes_its_files(run: Run, tmp_path: Path) -> None:
     assert figures["assemblies"] == table.size == 64
     assert figures["figures"]["least_play_mm"]["median"] == pytest.approx(float(np.median(table["least_play_mm"])))
     assert figures["jam"]["value"] == np.mean(table["least_play_mm"] < 0.0)
+
+
+@pytest.mark.slow
+def test_the_command_tells_both_pairs_and_the_machine(run: Run, tmp_path: Path) -> None:
+    text = STAGED.format(first="[-0.2]", second=", second_stage: {cosine: [-0.25], sine: [-0.1]}")
+    (tmp_path / "two.yaml").write_text(text.replace("backlash_mm: 0.08", "backlash_mm: 0.025"), encoding="utf-8")
+    status, said, _ = run("tolerance", "two.yaml", "--samples", "64", "--out", "made")
+    assert status == 0
+    assert "stage 2: least play" in said
+    figures = json.loads((tmp_path / "made" / "tolerance.json").read_text(encoding="utf-8"))
+    table = np.genfromtxt(tmp_path / "made" / "assemblies.csv", delimiter=",", names=True)
+    plays = [table[f"stage_{number}_least_play_mm"] for number in (1, 2)]
+    assert np.array_equal(table["least_play_mm"], np.minimum(*plays))
+    jam = [play < 0.0 for play in plays]
+    assert figures["jam"]["value"] == np.mean(jam[0] | jam[1])
+    assert [figures["stages"][f"stage_{number}"]["jam"]["value"] for number in (1, 2)] == [*map(np.mean, jam)]
+    assert max(map(np.mean, jam)) < figures["jam"]["value"] <= sum(map(np.mean, jam))
+    sources = {one["source"] for one in figures["indices"]["motion_error"]}
+    assert {"stage_1_index_driven", "stage_2_index_driving"} <= sources
+    assert {path.name for path in (tmp_path / "made").glob("stage-*/*")} == {"spread.png"}
 
 
 def test_a_number_of_samples_that_is_no_power_of_two_is_refused(run: Run) -> None:
@@ -575,8 +879,8 @@ def test_assemblies_join_in_their_order() -> None:
     tasks = drawn_evenly(128, 1)
     parts = [computed(lot, task) for task in tasks]
     assert Assemblies.joined(parts).count == 128
-    swapped = Task(0, tasks[0].pair, tasks[0].seeds, "pitch", tasks[1]).chances(lot.limits.flanks)
-    own, other = (task.chances(lot.limits.flanks) for task in tasks)
+    (swapped,) = replace(tasks[0], source=Source("pitch"), other=tasks[1]).chances(lot.flanks)
+    (own,), (other,) = (task.chances(lot.flanks) for task in tasks)
     assert np.array_equal(swapped.teeth[0], other.teeth[0])
     assert np.array_equal(swapped.teeth[1], own.teeth[1])
     assert np.array_equal(swapped.pair, own.pair)

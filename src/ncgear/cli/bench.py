@@ -45,5 +45,5 @@ def bench(
         if verbose:
             typer.echo(bench_text(stages, name, list(written_lines(run.paths, run.kept))))
         else:
-            then = f"see {folder}/bench-teeth.png" if loaded.design.gears else f"see {folder}/bench-motion.png"
-            typer.echo(answer_text(bench_answer(stages, name, then), run.paths, run.kept))
+            shown = next((made for made in written if made.startswith("bench-teeth")), "bench-motion.png")
+            typer.echo(answer_text(bench_answer(stages, name, f"see {folder}/{shown}"), run.paths, run.kept))

@@ -33,6 +33,7 @@ NAMES = {
     "peak back force": "peak back force, one pair of teeth",
     "peak mesh force": "peak mesh force, all pairs together",
     "peak pushing force": "peak pushing force, one pair of teeth",
+    "play max": "greatest play of the last driven gear",
     "reversal play": "play where torque turns round",
     "peak tooth force": "peak tooth force, one pair of teeth",
     "rms torque": "r.m.s. torque",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,9 @@ from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
-from ncgear.project.tolerance import TURNING, Tolerated
-from ncgear.tolerances.assemblies import Assemblies
-from ncgear.tolerances.drawn import MADE_C
+from ncgear.project.tolerance import TURNING, Tolerated, ToleratedPair
+from ncgear.tolerances.assemblies import Assemblies, PairAssemblies
+from ncgear.tolerances.drawn import MADE_C, Source
 from ncgear.tolerances.iso1328 import rounded_um
 from ncgear.tolerances.study import Share
 
@@ -38,16 +38,29 @@ SOURCES = {
 PERCENT_HIGH, PERCENT_LOW = 99.0, 1.0
 
 
-def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
-    """The figures of assemblies by keys that end in their units, shape (N,) each.
+def source_words(source: Source) -> str:
+    """``stage 1 centre distance``, or without its stage where it is of a single pair or of both."""
+    return SOURCES[source.name] if source.stage is None else f"{stage_words(source.stage)} {SOURCES[source.name]}"
 
-    ``reversal_play_mm`` is left out where the torque never turns round, and where no load is known.
+
+def stage_words(stage: int | None) -> str:
+    """``stage 1``; empty of a single pair."""
+    return "" if stage is None else f"stage {stage}"
+
+
+def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
+    """The figures of the machine in assemblies by keys that end in their units, shape (N,) each.
+
+    Plays and contact ratio are those of the pair in which they are worst.  ``reversal_play_mm`` is left out where the
+    torque never turns round, and where no load is known; ``play_max_rad`` of a single pair; ``contact_ratio_min`` where
+    all flanks touch at an end of a range.
     """
     output = tolerated.drive.linkage.OUTPUT
     told = {
         "least_play_mm": found.least_play_mm,
         "largest_play_mm": found.largest_play_mm,
         "reversal_play_mm": found.reversal_play_mm,
+        "play_max_rad": found.play_max_rad,
         "transmission_error_mm": found.transmission_error_mm,
         "transmission_error_rad": found.transmission_error_rad,
         "contact_ratio_min": found.least_arc,
@@ -55,6 +68,25 @@ def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
         f"peak_acceleration_{output.acceleration.ending}": found.peak_acceleration,
     }
     if tolerated.knock is None or not tolerated.loaded:
+        del told["reversal_play_mm"]
+    if len(tolerated.pairs) == 1:
+        del told["play_max_rad"]
+    if not np.isfinite(found.least_arc).all():
+        del told["contact_ratio_min"]
+    return told
+
+
+def pair_figures(found: PairAssemblies, of: ToleratedPair, *, loaded: bool) -> dict[str, Array]:
+    """The same figures of one of two pairs, as far as a pair has them; ``loaded`` tells whether any load is known."""
+    told = {
+        "least_play_mm": found.least_play_mm,
+        "largest_play_mm": found.largest_play_mm,
+        "reversal_play_mm": found.reversal_play_mm,
+        "transmission_error_mm": found.transmission_error_mm,
+        "transmission_error_rad": found.transmission_error_rad,
+        "contact_ratio_min": found.least_arc,
+    }
+    if of.knock is None or not loaded:
         del told["reversal_play_mm"]
     return told
 
@@ -65,8 +97,20 @@ def worst_is_least(key: str) -> bool:
 
 
 def percentiles(tolerated: Tolerated) -> dict[str, dict[str, float]]:
-    """Each figure as designed, its median, and what 99 of 100 assemblies keep, on the side that is bad."""
-    nominal = figures_of(tolerated.nominal, tolerated)
+    """Each figure of the machine as designed, its median, and what 99 of 100 assemblies keep, on the bad side."""
+    return _percentiles(figures_of(tolerated.assemblies, tolerated), figures_of(tolerated.nominal, tolerated))
+
+
+def pair_percentiles(tolerated: Tolerated) -> list[dict[str, dict[str, float]]]:
+    """The same of each pair."""
+    loaded = tolerated.loaded
+    return [
+        _percentiles(*(pair_figures(one, pair, loaded=loaded) for one in (pair.assemblies, pair.nominal)))
+        for pair in tolerated.pairs
+    ]
+
+
+def _percentiles(told: Mapping[str, Array], nominal: Mapping[str, Array]) -> dict[str, dict[str, float]]:
     return {
         key: {
             "as_designed": float(nominal[key][0]),
@@ -75,7 +119,7 @@ def percentiles(tolerated: Tolerated) -> dict[str, dict[str, float]]:
             "least": float(values.min()),
             "largest": float(values.max()),
         }
-        for key, values in figures_of(tolerated.assemblies, tolerated).items()
+        for key, values in told.items()
     }
 
 
@@ -87,7 +131,7 @@ def share_words(share: Share) -> str:
 
 def limit_words(tolerated: Tolerated) -> list[str]:
     """What deviates, by its largest value."""
-    limits, given = tolerated.lot.limits, tolerated.tolerances
+    limits, given = tolerated.pairs[0].lot.limits, tolerated.tolerances
     driving, driven = given.driving, given.driven
     words = [
         f"centre distance \u00b1{limits.center_distance_mm:g} mm" if limits.center_distance_mm else "",
@@ -112,22 +156,19 @@ def _both(text: str, driving: float, driven: float) -> str:
 
 
 def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
-    """Everything but the single assemblies."""
-    lot, needed, first = tolerated.lot, tolerated.needed, tolerated.first_order
-    knock = tolerated.knock
+    """Everything but the single assemblies; what a pair has by itself under ``stages`` where there are two."""
+    needed, single = tolerated.needed, len(tolerated.pairs) == 1
+    pair = tolerated.pairs[0]
     return {
         "design": tolerated.drive.design.name,
         "assumed": tolerated.assumed,
         "tolerances": tolerated.tolerances.model_dump(exclude_none=True),
-        "single_pitch_um": [rounded_um(float(one)) for one in (lot.limits.pitch_mm.min(), lot.limits.pitch_mm.max())],
-        "total_profile_um": [
-            rounded_um(float(one)) for one in (lot.limits.profile_mm.min(), lot.limits.profile_mm.max())
-        ],
+        **(_grades(pair) if single else {}),
         "assemblies": tolerated.assemblies.count,
         "seed": tolerated.seed,
         "figures": percentiles(tolerated),
         "jam": vars(tolerated.jam),
-        "knock": None if knock is None else {**vars(knock), "largest_play_mm": tolerated.knocking_mm},
+        "knock": _knock(pair) if single else None if tolerated.knock is None else vars(tolerated.knock),
         "loads_known": tolerated.loaded,
         "backlash_needed": None
         if needed is None
@@ -139,21 +180,63 @@ def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
             "jam_with_it": None if needed.jammed is None else vars(needed.jammed),
             "refused": needed.refused,
         },
-        "indices": {name: [vars(one) for one in found] for name, found in tolerated.indices.items()},
+        "indices": {
+            name: [{**vars(one), "source": one.source.key} for one in found]
+            for name, found in tolerated.indices.items()
+        },
         "index_samples": tolerated.index_samples,
+        **(_checks(pair) if single else {"stages": _stages(tolerated)}),
+    }
+
+
+def _stages(tolerated: Tolerated) -> dict[str, Any]:
+    """What each of two pairs has by itself."""
+    needed = [None] * len(tolerated.pairs) if tolerated.needed is None else tolerated.needed.of_pairs
+    return {
+        f"stage_{pair.drive.stage}": {
+            **_grades(pair),
+            "figures": told,
+            "jam": vars(pair.jam),
+            "knock": _knock(pair),
+            "backlash_needed": value,
+            **_checks(pair),
+        }
+        for pair, told, value in zip(tolerated.pairs, pair_percentiles(tolerated), needed, strict=True)
+    }
+
+
+def _grades(pair: ToleratedPair) -> dict[str, Any]:
+    pitch, profile = pair.flank_limits_mm
+    return {
+        "single_pitch_um": [rounded_um(float(one)) for one in (pitch.min(), pitch.max())],
+        "total_profile_um": [rounded_um(float(one)) for one in (profile.min(), profile.max())],
+    }
+
+
+def _knock(pair: ToleratedPair) -> dict[str, Any] | None:
+    return None if pair.knock is None else {**vars(pair.knock), "largest_play_mm": pair.knocking_mm}
+
+
+def _checks(pair: ToleratedPair) -> dict[str, Any]:
+    first = pair.first_order
+    return {
         "first_order": {
             "play_deviation_mm": float(first.linear_mm.max()),
             "play_deviation_drawn_mm": float(first.drawn_mm.max()),
             "difference": first.difference,
             "by_source_mm": {source: float(one.max()) for source, one in first.by_source.items()},
         },
-        "checked_by_outlines": [vars(one) for one in tolerated.errors],
+        "checked_by_outlines": [vars(one) for one in pair.errors],
     }
 
 
 def assemblies_csv(tolerated: Tolerated) -> str:
-    """One row for each assembly."""
+    """One row for each assembly; of two pairs, the figures of each after those of the machine."""
     told = figures_of(tolerated.assemblies, tolerated)
+    if len(tolerated.pairs) > 1:
+        for pair in tolerated.pairs:
+            own = pair_figures(pair.assemblies, pair, loaded=tolerated.loaded)
+            told.update({f"stage_{pair.drive.stage}_{key}": values for key, values in own.items()})
     return csv_text(list(told), list(told.values()))
 
 
@@ -171,7 +254,9 @@ def index_rows(tolerated: Tolerated) -> list[tuple[str, str]]:
     return [
         (
             BRIEF[name],
-            ", ".join(f"{SOURCES[one.source]} {fixed(100.0 * one.total, 0)} %" for one in found if one.total >= SMALL),
+            ", ".join(
+                f"{source_words(one.source)} {fixed(100.0 * one.total, 0)} %" for one in found if one.total >= SMALL
+            ),
         )
         for name, found in tolerated.indices.items()
     ]
@@ -192,22 +277,31 @@ def _key(name: str, tolerated: Tolerated) -> str:
 
 def tolerance_text(tolerated: Tolerated, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """All of it as text."""
-    lot, first, needed = tolerated.lot, tolerated.first_order, tolerated.needed
-    told = percentiles(tolerated)
+    needed, single = tolerated.needed, len(tolerated.pairs) == 1
     heads = ["", "as designed", "median", "99 % keep", "least", "largest"]
-    rows = [[name_of(key), *(figure(key, value) for value in values.values())] for key, values in told.items()]
+    grades = [
+        "  {}single pitch {}, total profile {} from tooth to tooth".format(_of(pair), *map(_um, pair.flank_limits_mm))
+        for pair in tolerated.pairs
+    ]
+    tables = [("", percentiles(tolerated))]
+    if not single:
+        tables += [
+            (f"Stage {pair.drive.stage}", told)
+            for pair, told in zip(tolerated.pairs, pair_percentiles(tolerated), strict=True)
+        ]
     blocks = [
         f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies, seed {tolerated.seed}\n"
-        f"  {'assumed: ' if tolerated.assumed else ''}{', '.join(limit_words(tolerated))}\n"
-        f"  single pitch {_um(lot.limits.pitch_mm)}, total profile {_um(lot.limits.profile_mm)} from tooth to tooth",
-        "\n".join(aligned([heads, *rows], left=1)),
-        f"Jam: {share_words(tolerated.jam)}\nKnock: {knock_words(tolerated)}\nBacklash: {needed_words(tolerated)}",
+        f"  {'assumed: ' if tolerated.assumed else ''}{', '.join(limit_words(tolerated))}\n" + "\n".join(grades)
     ]
+    for title, told in tables:
+        rows = [[name_of(key), *(figure(key, value) for value in values.values())] for key, values in told.items()]
+        blocks.append("\n".join([*([title] if title else []), *aligned([heads, *rows], left=1)]))
+    blocks.append(f"Jam: {jam_words(tolerated)}\nKnock: {knock_words(tolerated)}\nBacklash: {needed_words(tolerated)}")
     for name, found in tolerated.indices.items():
         key = _key(name, tolerated)
         lines = [
             [
-                SOURCES[one.source],
+                source_words(one.source),
                 fixed(one.first, 3),
                 fixed(one.total, 3),
                 f"\u00b1{fixed(one.error, 3)}",
@@ -216,20 +310,31 @@ def tolerance_text(tolerated: Tolerated, paths: Sequence[Path], kept: Sequence[P
         ]
         title = f"What {name_of(key)} varies with (indices of Sobol, {tolerated.index_samples} samples each)"
         blocks.append("\n".join([title, *aligned([["", "first", "total", "95 %"], *lines], left=1)]))
-    checks = [
-        f"Spread of the play (one sigma): {to_digits(1e3 * first.linear_mm.max(), 3)} \u00b5m by first order, "
-        f"{to_digits(1e3 * first.drawn_mm.max(), 3)} \u00b5m of the assemblies; "
-        f"up to {fixed(100.0 * first.difference, 0)} % apart",
-        *(
-            f"Outlines of {'the tightest assembly' if place == 0 else f'assembly {place}'}: the model is off by "
-            f"{to_digits(1e3 * one.error_mm, 3)} \u00b5m where flanks are moved by up to "
-            f"{to_digits(1e3 * one.displaced_mm, 3)} \u00b5m"
-            for place, one in enumerate(tolerated.errors)
-        ),
-    ]
+    checks = [line for pair in tolerated.pairs for line in _check_lines(pair)]
     if needed is not None and needed.refused:
         checks.append(f"With that backlash: {needed.refused}")
     return "\n\n".join([*blocks, "\n".join(checks), "\n".join(written_lines(paths, kept))])
+
+
+def _of(pair: ToleratedPair) -> str:
+    """The stage in front of a line about one of two pairs."""
+    return "" if pair.drive.stage is None else f"{stage_words(pair.drive.stage)}: "
+
+
+def _check_lines(pair: ToleratedPair) -> list[str]:
+    first, of = pair.first_order, _of(pair).capitalize()
+    spread, outlines = ("spread", "outlines") if of else ("Spread", "Outlines")
+    return [
+        f"{of}{spread} of the play (one sigma): {to_digits(1e3 * first.linear_mm.max(), 3)} \u00b5m by first order, "
+        f"{to_digits(1e3 * first.drawn_mm.max(), 3)} \u00b5m of the assemblies; "
+        f"up to {fixed(100.0 * first.difference, 0)} % apart",
+        *(
+            f"{of}{outlines} of {'the tightest assembly' if place == 0 else f'assembly {place}'}: the model is off by "
+            f"{to_digits(1e3 * one.error_mm, 3)} \u00b5m where flanks are moved by up to "
+            f"{to_digits(1e3 * one.displaced_mm, 3)} \u00b5m"
+            for place, one in enumerate(pair.errors)
+        ),
+    ]
 
 
 def _um(limits_mm: Array) -> str:
@@ -237,12 +342,22 @@ def _um(limits_mm: Array) -> str:
     return f"{low:g} \u00b5m" if low == high else f"{low:g} to {high:g} \u00b5m"
 
 
+def jam_words(tolerated: Tolerated) -> str:
+    """The share that jams, and that of each of two pairs."""
+    words = share_words(tolerated.jam)
+    if len(tolerated.pairs) == 1:
+        return words
+    parts = (f"{_of(pair)}{to_digits(100.0 * pair.jam.value, 3)} %" for pair in tolerated.pairs)
+    return f"{words}; {', '.join(parts)}"
+
+
 def knock_words(tolerated: Tolerated) -> str:
     """The share that knocks, or why none does."""
     if tolerated.knock is None:
         return "none, since the torque never turns round"
     where = "where the torque turns round" if tolerated.loaded else "anywhere"
-    return f"{share_words(tolerated.knock)}: play over {to_digits(tolerated.knocking_mm, 3)} mm {where}"
+    over = [f"{_of(pair)}{to_digits(pair.knocking_mm, 3)} mm" for pair in tolerated.pairs if pair.knock is not None]
+    return f"{share_words(tolerated.knock)}: play over {', '.join(over)} {where}"
 
 
 def needed_words(tolerated: Tolerated) -> str:
@@ -251,6 +366,9 @@ def needed_words(tolerated: Tolerated) -> str:
     if needed is None:
         return f"not told of so few; --samples {_power_of_two(tolerated.too_few)} or more is right"
     words = f"99.9 % turn with {needed.value:g} ({needed.given:g} given)"
+    if len(tolerated.pairs) > 1:
+        parts = zip(tolerated.pairs, needed.of_pairs, strict=True)
+        words = f"{words}; {', '.join(f'{_of(pair)}{value:g}' for pair, value in parts)}"
     if needed.jammed is None:
         return f"{words}, but such gears cannot be made"
     return f"{words}; of fresh ones then {share_words(needed.jammed)} jam"

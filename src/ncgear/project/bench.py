@@ -12,7 +12,7 @@ and a hundredth of a stress.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from statistics import median
 from time import perf_counter
@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -107,16 +106,14 @@ class Stage:
 
 
 def benched(drive: Drive, on_step: Callable[[str], None]) -> list[Stage]:
-    """All stages that a design has, from its motion to its finite elements.
+    """All stages that a design has, from its motion to its finite elements; raises what the stages of the drive raise.
 
-    Raises WrongInput for two pairs of gears, and what the stages of the drive raise.
+    Two pairs of gears have all but the motion twice, each named by its pair: ``teeth of stage 1``.
     """
-    if drive.design.stages > 1:
-        raise WrongInput("two pairs of gears; the speed and error of one are measured", key="motion.second_stage")
     found = []
     for name, stage in _stages(drive):
         on_step(name)
-        found.append(stage())
+        found.append(replace(stage(), name=name))
     return found
 
 
@@ -129,13 +126,15 @@ def _stages(drive: Drive) -> Iterator[tuple[str, Callable[[], Stage]]]:
     yield "motion", partial(_motion, drive)
     if drive.design.gears is None:
         return
-    yield "pitch curves", partial(_pitch_curves, drive)
-    yield "teeth", partial(_teeth, drive)
-    yield "contact", partial(_contact, drive)
-    if drive.helix is None:
-        yield "solids", partial(_solids, drive)
-        if drive.design.masses is not None or drive.design.resistance is not None:
-            yield "elements", partial(_elements, drive)
+    for pair in drive.by_stage:
+        of = "" if pair.stage is None else f" of stage {pair.stage}"
+        yield f"pitch curves{of}", partial(_pitch_curves, pair)
+        yield f"teeth{of}", partial(_teeth, pair)
+        yield f"contact{of}", partial(_contact, pair)
+        if pair.helix is None:
+            yield f"solids{of}", partial(_solids, pair)
+            if drive.design.masses is not None or drive.design.resistance is not None:
+                yield f"elements{of}", partial(_elements, pair)
 
 
 def _timed(compute: Callable[[], Result]) -> tuple[Result, float]:

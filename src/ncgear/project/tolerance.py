@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import ceil, degrees, radians
+from dataclasses import dataclass, replace
+from math import ceil, cos, degrees, radians
 
 import numpy as np
 
@@ -13,13 +13,21 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.law import require_whole_turns
 from ncgear.project.service import choices_of
-from ncgear.teeth.gear import ToothedGear, toothed_pair
-from ncgear.tolerances.assemblies import TOGETHER, Assemblies, Lot, Task, follower_of
-from ncgear.tolerances.drawn import Limits, drawn, reachable
+from ncgear.solids.helical.sections import said_of_section
+from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
+from ncgear.tolerances.assemblies import (
+    TOGETHER,
+    Assemblies,
+    Lot,
+    PairAssemblies,
+    PairLot,
+    Task,
+    lot_of_pairs,
+)
+from ncgear.tolerances.drawn import Limits, reachable
 from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
-from ncgear.tolerances.mesh import mesh_of
+from ncgear.tolerances.mesh import Face, Mesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import LinearError, exact_of, linear_errors
 from ncgear.tolerances.study import (
     FirstOrder,
@@ -72,41 +80,66 @@ KNOCKING = 2.0, 0.05
 class Needed:
     """The backlash with which 99.9 % of all assemblies turn, with 95 % confidence, by its key in the design file.
 
-    ``jammed`` is the share of fresh assemblies of the gears with that backlash that jam.  It is None where these gears
-    cannot be made, for the reason ``refused``.
+    ``of_pairs`` are those with which each pair would by itself; the key holds for all of them.  ``jammed`` is the share
+    of fresh assemblies of the gears with that backlash that jam.  It is None where these gears cannot be made, for the
+    reason ``refused``.
     """
 
     key: str
     value: float
     given: float
+    of_pairs: tuple[float, ...]
     jammed: Share | None
     refused: str = ""
 
 
 @dataclass(frozen=True, eq=False)
-class Tolerated:
-    """What the assemblies of a design within its tolerances do.
+class ToleratedPair:
+    """What one pair does in the assemblies of a design.
 
-    ``needed`` is None where fewer assemblies are drawn than tell it.  ``knock`` is None where the torque of the driven
-    gear never turns round; ``loaded`` tells whether any load is known: if not, every angle counts as one where it does.
+    ``knock`` is None where the torque of its driven gear never turns round.  ``errors`` are those of the linear mesh
+    for its assembly with the least play and for the first ones.
+    """
+
+    drive: Drive
+    lot: PairLot
+    assemblies: PairAssemblies
+    nominal: PairAssemblies
+    jam: Share
+    knock: Share | None
+    knocking_mm: float
+    first_order: FirstOrder
+    errors: tuple[LinearError, ...]
+
+    @property
+    def flank_limits_mm(self) -> tuple[Array, Array]:
+        """Tolerances of the pitch and of the profile of all flanks that touch any, shape (k,) each."""
+        flank = np.unique(self.lot.mesh.flank)
+        return self.lot.limits.pitch_mm[flank], self.lot.limits.profile_mm[flank]
+
+
+@dataclass(frozen=True, eq=False)
+class Tolerated:
+    """What the assemblies of a design within its tolerances do: the machine, and each of its pairs.
+
+    A machine jams or knocks where one of its pairs does.  ``needed`` is None where fewer assemblies are drawn than tell
+    it.  ``knock`` is None where the torque of no driven gear ever turns round; ``loaded`` tells whether any load is
+    known: if not, every angle counts as one where it does.
     """
 
     drive: Drive
     tolerances: AssemblyTolerances
     assumed: bool
-    lot: Lot
     seed: int
     assemblies: Assemblies
     nominal: Assemblies
+    pairs: tuple[ToleratedPair, ...]
     jam: Share
     knock: Share | None
-    knocking_mm: float
     loaded: bool
     indices: dict[str, tuple[Index, ...]]
     index_samples: int
     needed: Needed | None
-    first_order: FirstOrder
-    errors: tuple[LinearError, ...]
 
     @property
     def too_few(self) -> int:
@@ -123,56 +156,101 @@ def tolerated(
 ) -> Tolerated:
     """What ``samples`` assemblies do, a power of two; calls ``on_done`` with the numbers done and in all.
 
-    Raises WrongInput for designs of two pairs, helical teeth and gears that turn less than once, and as the drive does.
+    Raises WrongInput where a grade does not hold for the gears, and as the drive does.
     """
     design = drive.design
-    if design.stages > 1:
-        raise WrongInput("two pairs of gears; tolerances are computed of one", key="motion.second_stage")
-    require_whole_turns(design, "the computation of tolerances")
-    if drive.helix is not None:
-        raise WrongInput("helical teeth are not followed with tolerances; leave it out", key="gears.helix")
     given = design.tolerances or ASSUMED
     lot = lot_of(drive, given)
-    tasks = drawn_evenly(samples, seed)
-    nominal = lot.assembled(drawn(nothing(lot.limits), tasks[0].chances(lot.limits.flanks)).one(0))
+    tasks = drawn_evenly(samples, seed, len(lot.pairs))
+    perfect = replace(lot, pairs=tuple(replace(pair, limits=nothing(pair.limits)) for pair in lot.pairs))
+    nominal = perfect.assembled([own.one(0) for own in perfect.drawn(tasks[0])])
     found = assemblies_of(lot, tasks, workers, on_done)
     index_samples = max(samples // 8, 64)
     indices = sobol_indices_of(lot, assemblies_of(lot, sobol_tasks(lot, index_samples, seed), workers, on_done))
     needed = _needed(drive, given, lot, found, samples, seed, workers, on_done)
-    knocking_mm = given.largest_play_mm or max(
-        KNOCKING[0] * float(nominal.largest_play_mm[0]), KNOCKING[1] * drive.pitch.size.module_mm
-    )
+    pairs = tuple(_pair(pair, number, given, lot, found, nominal, tasks) for number, pair in enumerate(drive.by_stage))
+    turning = [(pair.assemblies, pair.knocking_mm) for pair in pairs if pair.knock is not None]
     return Tolerated(
         drive=drive,
         tolerances=given,
         assumed=design.tolerances is None,
-        lot=lot,
         seed=seed,
         assemblies=found,
         nominal=nominal,
-        jam=jammed(found),
-        knock=knocking(found, knocking_mm) if lot.reversals.size else None,
-        knocking_mm=knocking_mm,
+        pairs=pairs,
+        jam=jammed(found.pairs),
+        knock=knocking(*zip(*turning, strict=True)) if turning else None,
         loaded=_is_loaded(drive),
         indices=indices,
         index_samples=index_samples,
         needed=needed,
-        first_order=first_order(lot, tasks[: max(len(tasks) // 4, 1)]),
-        errors=_checked(drive, lot, found, tasks),
     )
 
 
-def _checked(drive: Drive, lot: Lot, found: Assemblies, tasks: list[Task]) -> tuple[LinearError, ...]:
+def _pair(
+    drive: Drive,
+    number: int,
+    given: AssemblyTolerances,
+    lot: Lot,
+    found: Assemblies,
+    nominal: Assemblies,
+    tasks: list[Task],
+) -> ToleratedPair:
+    """What the pair ``number`` of a lot, whose drive is given, does in the assemblies found."""
+    own, designed, pair = found.pairs[number], nominal.pairs[number], lot.pairs[number]
+    knocking_mm = given.largest_play_mm or max(
+        KNOCKING[0] * float(designed.largest_play_mm[0]), KNOCKING[1] * drive.pitch.size.module_mm
+    )
+    return ToleratedPair(
+        drive=drive,
+        lot=pair,
+        assemblies=own,
+        nominal=designed,
+        jam=jammed([own]),
+        knock=knocking([own], [knocking_mm]) if pair.reversals.size else None,
+        knocking_mm=knocking_mm,
+        first_order=first_order(lot, number, tasks[: max(len(tasks) // 4, 1)]),
+        errors=_checked(drive, number, lot, own, tasks),
+    )
+
+
+def _checked(drive: Drive, number: int, lot: Lot, found: PairAssemblies, tasks: list[Task]) -> tuple[LinearError, ...]:
     """The errors of the linear mesh by the outlines of the assembly with the least play, and of the first ones."""
     assemblies = []
-    for number in (int(np.argmin(found.least_play_rad)), *range(CHECKED)):
-        task, place = divmod(number, TOGETHER)
-        assemblies.append(drawn(lot.limits, tasks[task].chances(lot.limits.flanks)).one(place))
+    for chosen in (int(np.argmin(found.least_play_rad)), *range(CHECKED)):
+        task, place = divmod(chosen, TOGETHER)
+        assemblies.append(lot.drawn(tasks[task])[number].one(place))
     coarse, fine = (share * drive.pitch.size.module_mm for share in FINE_IN_MODULES)
-    teeth = toothed_pair(drive.pitch, drive.tooth_form, coarse, flank_tolerance_mm=fine)
-    width, both = drive.gears.face_width_mm, drive.gears.drives == "both_ways"
-    exact = exact_of(drive.pitch, teeth, placement_of(drive), lot.mesh, width, CHECKED_POSITIONS, both_ways=both)
+    face, both = face_of(drive, (coarse, fine)), drive.gears.drives == "both_ways"
+    mesh = lot.pairs[number].mesh
+    exact = exact_of(drive.pitch, face, placement_of(drive), mesh, CHECKED_POSITIONS, both_ways=both)
     return tuple(linear_errors(exact, assemblies))
+
+
+def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> Face:
+    """The sections of a pair: straight teeth have one, helical ones PER_TOOTH for each pitch that they advance.
+
+    Their outlines are those of the design, or have the given chord tolerances, the second on flanks.  Raises
+    NoSuchMechanism, naming the height, where no tooth can stand.
+    """
+    form, pitch, helix = drive.tooth_form, drive.pitch, drive.helix
+    chord, flank = tolerances_mm or (drive.design.output.chord_tolerance_mm, None)
+
+    def made(advance_mm: float) -> ToothedPair:
+        if tolerances_mm is None and advance_mm == 0.0:
+            return drive.teeth
+        return toothed_pair(pitch, form, chord, flank_tolerance_mm=flank, advance_mm=advance_mm)
+
+    if helix is None:
+        return straight_face(made(0.0), drive.gears.face_width_mm)
+    steps = ceil(PER_TOOTH * drive.overlap_ratio)
+    above_mm, sections = [], []
+    for height in np.linspace(0.0, helix.rise_mm, steps + 1).tolist():
+        with said_of_section(height):
+            sections.append(made(helix.advance_mm(height)))
+        middle = helix.face_width_mm / 2.0
+        above_mm.append(middle - height if helix.herringbone else height - middle)
+    return Face(tuple(sections), tuple(above_mm), helix.herringbone, drive.overlap_ratio)
 
 
 def placement_of(drive: Drive) -> Placement:
@@ -182,21 +260,29 @@ def placement_of(drive: Drive) -> Placement:
 
 def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
     """What assemblies of a design are computed from; raises as ``Drive.designed_contact`` where teeth are not sound."""
+    peak = drive.check.peak_acceleration_cycle.value
+    made = [(*_mesh_and_limits(pair, given), _reversals(pair), pair.pair) for pair in drive.by_stage]
+    first = drive.by_stage[0]
+    toothed = first.pitch.toothed
+    pitches = first.teeth.driving.teeth if toothed is None else toothed.covered_mm / first.rack.pitch_mm
+    return lot_of_pairs(drive.machine, made, pitches, abs(peak))
+
+
+def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[Mesh, Limits]:
+    """The linear mesh of one pair, and what it may deviate by."""
     _ = drive.designed_contact
     limits, module = limits_of(drive, given), drive.pitch.size.module_mm
-    placement = placement_of(drive)
     size = drive.pitch.center_distance_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
-    both = drive.gears.drives == "both_ways"
-    mesh = reachable(mesh_of(drive.teeth, placement, drive.gears.face_width_mm, within, both_ways=both), limits)
-    peak = drive.check.peak_acceleration_cycle.value
-    follower = follower_of(drive.machine, mesh, drive.teeth.driving.teeth, abs(peak))
-    return Lot(mesh, limits, follower, _reversals(drive, placement))
+    face, both = face_of(drive), drive.gears.drives == "both_ways"
+    return reachable(mesh_of(face, placement_of(drive), within, both_ways=both), limits), limits
 
 
 def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
     """The limits in mm and rad; raises WrongInput where a grade does not hold for the gears."""
-    module, each = drive.pitch.size.module_mm, (given.driving, given.driven)
+    # The grades of helical teeth go by the module across the flank.
+    module = drive.pitch.size.module_mm * cos(drive.helix.angle_rad if drive.helix else 0.0)
+    each = given.driving, given.driven
     pitch, profile = [], []
     for gear, own in zip(Gear, each, strict=True):
         one, other = _of_teeth(drive.teeth.of(gear), own, given.grade, module, f"tolerances.{gear.name.lower()}")
@@ -263,11 +349,18 @@ def _is_loaded(drive: Drive) -> bool:
     return drive.design.masses is not None or drive.design.resistance is not None
 
 
-def _reversals(drive: Drive, placement: Placement) -> IndexArray:
-    """The positions beside which the torque of the driven gear turns round; all of them where no load is known."""
+def _reversals(drive: Drive) -> IndexArray:
+    """The positions of one pair beside which the torque of its driven gear turns round; all where no load is known.
+
+    Where gears turn to and fro it turns round at both ends of the range, since loads act against the motion.
+    """
+    placement = placement_of(drive)
     if not _is_loaded(drive):
         return np.arange(placement.count)
     sign = np.sign(drive.tooth_load.torque_n_mm(placement.phi1_rad))
+    if placement.toothed is not None:
+        turning = np.flatnonzero(sign[1:] * sign[:-1] < 0.0)
+        return np.unique(np.concatenate([[0], turning, turning + 1, [placement.count - 1]]))
     turning = np.flatnonzero(sign * np.roll(sign, -1) < 0.0)
     return np.unique(np.concatenate([turning, (turning + 1) % placement.count]))
 
@@ -283,23 +376,31 @@ def _needed(
     on_done: OnDone,
 ) -> Needed | None:
     """The backlash that is needed; play by turning adds the same angle everywhere, so that the quantile tells it."""
-    least = surpassed(found.least_play_rad, TURNING)
-    if least is None:
-        return None
-    gears, play = drive.gears, drive.play
-    angle = max(play.driven_rad - least, 0.0)
+    gears = drive.gears
     in_degrees = gears.backlash_deg is not None
-    arm = float(lot.mesh.arm_mm[BACK].min())
-    value = _rounded_up(degrees(angle) if in_degrees else angle * arm, 4 if in_degrees else 3)
-    key = "backlash_deg" if in_degrees else "backlash_mm"
+    key, decimals = ("backlash_deg", 4) if in_degrees else ("backlash_mm", 3)
+    # What the assemblies of each pair would leave of a backlash of 0, by the key's unit.
+    left = []
+    for pair, lot_of_pair, own in zip(drive.by_stage, lot.pairs, found.pairs, strict=True):
+        unit = degrees(1.0) if in_degrees else float(lot_of_pair.mesh.arm_mm[BACK].min())
+        left.append(unit * (own.least_play_rad - pair.play.driven_rad))
+
+    def enough(values: Array) -> float | None:
+        lost = surpassed(values, TURNING)
+        return None if lost is None else _rounded_up(max(-lost, 0.0), decimals)
+
+    value = enough(np.minimum.reduce(left))
+    if value is None:
+        return None
+    of_pairs = tuple(one for values in left if (one := enough(values)) is not None)
+    told = key, value, float(getattr(gears, key)), of_pairs
     changed = gears.model_copy(update={key: value})
-    told = key, value, float(getattr(gears, key))
     try:
         other = Drive(drive.design.model_copy(update={"gears": changed}))
-        fresh = assemblies_of(lot_of(other, given), drawn_at_random(samples, seed), workers, on_done)
+        fresh = assemblies_of(lot_of(other, given), drawn_at_random(samples, seed, len(lot.pairs)), workers, on_done)
     except (NoSuchMechanism, WrongInput) as error:
         return Needed(*told, None, str(error))
-    return Needed(*told, jammed(fresh))
+    return Needed(*told, jammed(fresh.pairs))
 
 
 def _rounded_up(value: float, decimals: int) -> float:

@@ -3,11 +3,20 @@
 What counts is kinematic and quasi-static: the gears turn slowly and rest on their pushing flanks, without load.  The
 output follows the driven gear, and so its transmission error; of it, the part that is slower than the teeth counts in
 the acceleration, up to a quarter of the number of teeth per turn.  Faster ones shake the machine as vibration, which
-needs masses and stiffness: that is what ``ncgear simulate`` computes.
+needs masses and stiffness: that is what ``ncgear simulate`` computes.  Gears that turn to and fro are followed from one
+end of their range to the other.
+
+Of two pairs in series, the first turns the second by its error e1, which the second passes on by its law's slope.  To
+first order the crank is ahead by
+
+    e = e2 + phi2'(psi) (e1 + delta1)
+
+at the angle psi of the shaft between, delta1 being the keyway of the gear that is driven there.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from math import pi
@@ -18,35 +27,114 @@ from ncgear.contact.placement import BACK, PUSHING
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
-from ncgear.tolerances.drawn import COUNT, Chances, Limits, drawn
+from ncgear.ratio.transmission import Pair
+from ncgear.tolerances.drawn import COUNT, Chances, Limits, Source, chances_of, drawn, sources_of, with_source
 from ncgear.tolerances.mesh import Deviations, Mesh
 
 SLOW_SHARE = 0.25
-"""Share of the number of teeth up to which waves per turn of the driving gear count as slow."""
+"""Share of the number of teeth up to which waves per turn of the driving gear, or in its range, count as slow."""
+
+
+@dataclass(frozen=True, eq=False)
+class Between:
+    """Where angles lie between the rising positions of a cycle, shape (n,) each: between which two, and how far."""
+
+    before: IndexArray
+    after: IndexArray
+    share: Array
+
+    def of(self, values: Array) -> Array:
+        """Values at the positions, shape (p, N), at the angles by straight lines, shape (n, N)."""
+        share = self.share[:, None]
+        return np.asarray((1.0 - share) * values[self.before] + share * values[self.after])
+
+
+def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> Between:
+    """Angles (shape (n,)) between positions (shape (p,)).
+
+    The first position comes again after ``cycle_rad``; None of a range, which ends with the last one.
+    """
+    before = np.searchsorted(position_rad, angle_rad, side="right") - 1
+    if cycle_rad is None:
+        before = np.minimum(before, position_rad.size - 2)
+        ends = position_rad
+    else:
+        ends = np.append(position_rad, position_rad[0] + cycle_rad)
+    share = (angle_rad - ends[before]) / (ends[before + 1] - ends[before])
+    return Between(before, (before + 1) % position_rad.size, share)
+
+
+@dataclass(frozen=True)
+class Waves:
+    """The slow part over a cycle of driving angles: waves up to ``count`` in it."""
+
+    cycle_rad: float
+    count: int
+
+    def of(self, even: Array) -> Array:
+        """The slow part of values at even angles (shape (g, N)) with its first two derivatives, shape (3, g, N)."""
+        found = np.fft.rfft(even, axis=0)[: self.count + 1]
+        rate = (2j * pi / self.cycle_rad * np.arange(found.shape[0]))[:, None]
+        return np.stack([np.fft.irfft(found * rate**order, even.shape[0], axis=0) for order in range(3)])
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """The slow part over a range from end to end: what is left when ``count`` waves in the range are halved.
+
+    The sum of the squared differences from the values and of the squared third differences, times a penalty, is least
+    (Whittaker 1923, Henderson 1924).  Of w waves it leaves 1 / (1 + (w / count)^6).  Nothing is made up beyond the
+    ends, as going round or back would: a parabola is left as it is, up to the ends.
+    """
+
+    range_rad: float
+    count: float
+
+    def of(self, even: Array) -> Array:
+        """The slow part of values at even angles (shape (g, N)) with its first two derivatives, shape (3, g, N)."""
+        from scipy.interpolate import make_interp_spline
+        from scipy.linalg import solveh_banded
+
+        angle, step = np.linspace(0.0, self.range_rad, even.shape[0], retstep=True)
+        penalty = (2.0 * pi * self.count / self.range_rad * float(step)) ** -6
+        banded = np.zeros((4, even.shape[0]))
+        for offset in range(4):
+            # The diagonals of D'D, where D takes third differences.
+            products = THIRD[offset:] * THIRD[: 4 - offset]
+            banded[offset, : even.shape[0] - offset] = penalty * np.convolve(products, np.ones(even.shape[0] - 3))
+        banded[0] += 1.0
+        spline = make_interp_spline(angle, solveh_banded(banded, even, lower=True), k=5)
+        return np.stack([spline.derivative(order)(angle) if order else spline(angle) for order in range(3)])
+
+
+THIRD = np.array([-1.0, 3.0, -3.0, 1.0])
+"""The third difference of four values."""
 
 
 @dataclass(frozen=True, eq=False)
 class Follower:
-    """The output of a machine, at the p positions of a mesh and at g even driving angles over the cycle of meetings.
+    """The output of a machine, at the machine's p positions and at g even driving angles over the cycle or range.
 
-    ``slope`` (shape (p,)) is the output's way per driven angle, in mm/rad or rad/rad.  ``driven`` (shape (2, g)) are
-    the first and second derivative of the driven angle by the driving angle, ``output`` (shape (3, g)) the first three
-    of the output by the driven angle.  ``waves`` is the number of waves per cycle up to which errors are slow.
+    ``radius_mm`` (shape (p,)) is the pitch radius of the last driven gear, ``slope`` (shape (p,)) the output's way per
+    driven angle, in mm/rad or rad/rad.  ``driven`` (shape (2, g)) are the first and second derivative of the driven
+    angle by the driving angle, ``output`` (shape (3, g)) the first three of the output by the driven angle.  ``even``
+    tells where the even angles lie between the positions, and ``slowly`` what of the errors there is slow.
     ``designed_peak`` is the largest acceleration of the output without deviations, in mm/s2 or rad/s2.
     """
 
+    radius_mm: Array
     slope: Array
     speed_rad_s: float
     designed_peak: float
-    even_rad: Array
+    even: Between
+    slowly: Waves | Smoothed
     driven: Array
     output: Array
-    waves: int
 
     @cached_property
     def _even_peak(self) -> float:
         """The largest second derivative of the output by the driving angle at the even angles, without deviations."""
-        return float(np.abs(self._seconds(np.zeros((3, self.even_rad.size, 1)))).max())
+        return float(np.abs(self._seconds(np.zeros((3, self.even.share.size, 1)))).max())
 
     def peaks(self, error: Array) -> Array:
         """Largest acceleration with an error of the driven angle and its two derivatives, shape (3, g, N); shape (N,).
@@ -65,47 +153,19 @@ class Follower:
         seconds: Array = (second + third * value) * speed**2 + (first + second * value) * acceleration
         return seconds
 
-    def slow(self, phi1_rad: Array, cycle_rad: float, error_rad: Array) -> Array:
-        """The slow part of errors at rising driving angles (shape (p, N)) and its two derivatives, shape (3, g, N)."""
-        index = np.searchsorted(phi1_rad, self.even_rad, side="right") - 1
-        angle = np.append(phi1_rad, phi1_rad[0] + cycle_rad)
-        share = ((self.even_rad - angle[index]) / (angle[index + 1] - angle[index]))[:, None]
-        after = (index + 1) % phi1_rad.size
-        even = (1.0 - share) * error_rad[index] + share * error_rad[after]
-        found = np.fft.rfft(even, axis=0)[: self.waves + 1]
-        rate = (2j * pi / cycle_rad * np.arange(found.shape[0]))[:, None]
-        count = self.even_rad.size
-        return np.stack([np.fft.irfft(found * rate**order, count, axis=0) for order in range(3)])
-
-
-def follower_of(machine: Machine, mesh: Mesh, driving_teeth: int, designed_peak: float) -> Follower:
-    """The output of a machine with a single pair of gears, whose largest acceleration is ``designed_peak``."""
-    count = mesh.phi1_rad.size
-    even = np.linspace(0.0, mesh.cycle_rad, count, endpoint=False)
-    law = machine.transmission.driven_angle(even, 2)
-    output = machine.linkage.displacement(Jet.variable(law.value, 3))
-    slope = machine.linkage.displacement(Jet.variable(mesh.phi2_rad, 1)).derivative(1)
-    turns = round(mesh.cycle_rad / (2.0 * pi))
-    return Follower(
-        slope=slope,
-        speed_rad_s=machine.speed_rad_s,
-        designed_peak=designed_peak,
-        even_rad=even,
-        driven=np.stack([law.derivative(order) for order in (1, 2)]),
-        output=np.stack([output.derivative(order) for order in (1, 2, 3)]),
-        waves=max(int(SLOW_SHARE * driving_teeth), 1) * turns,
-    )
+    def slow(self, error_rad: Array) -> Array:
+        """The slow part of errors at the positions (shape (p, N)) and its two derivatives, shape (3, g, N)."""
+        return self.slowly.of(self.even.of(error_rad))
 
 
 @dataclass(frozen=True, eq=False)
-class Assemblies:
-    """What N assemblies do over a cycle of meetings, shape (N,) each.
+class PairAssemblies:
+    """What one pair of N assemblies does over a cycle of meetings, shape (N,) each.
 
     ``transmission_error_rad`` and ``transmission_error_mm`` are peak to peak, of the driven shaft's angle and of that
     times the pitch radius.  Plays are those of the driven gear in rad, and of the idle flanks along their normal; those
     below 0 mean that the teeth jam.  ``reversal_play_mm`` is the largest play where the torque turns round.
-    ``least_arc`` is in pitches.  ``motion_error`` is the largest deviation of the output's place, and
-    ``peak_acceleration`` its largest acceleration: in mm and mm/s2, or in rad and rad/s2 where it turns.
+    ``least_arc`` is in pitches.
     """
 
     transmission_error_rad: Array
@@ -115,53 +175,192 @@ class Assemblies:
     largest_play_mm: Array
     reversal_play_mm: Array
     least_arc: Array
+
+    @classmethod
+    def joined(cls, parts: Sequence[PairAssemblies]) -> PairAssemblies:
+        """Those of all parts, in their order."""
+        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
+
+
+@dataclass(frozen=True, eq=False)
+class Assemblies:
+    """What N assemblies do over a cycle of meetings, shape (N,) each: each pair by itself, and the machine.
+
+    The transmission errors, peak to peak, are those of the last driven gear against the driving shaft, and
+    ``play_max_rad`` is how far that gear can be turned at most while the driving shaft is held.  ``motion_error`` is
+    the largest deviation of the output's place, and ``peak_acceleration`` its largest acceleration: in mm and mm/s2,
+    or in rad and rad/s2 where it turns.
+    """
+
+    pairs: tuple[PairAssemblies, ...]
+    transmission_error_rad: Array
+    transmission_error_mm: Array
+    play_max_rad: Array
     motion_error: Array
     peak_acceleration: Array
 
     @property
     def count(self) -> int:
         """How many they are."""
-        return self.least_play_rad.size
+        return self.motion_error.size
+
+    @property
+    def least_play_mm(self) -> Array:
+        """The least play of any pair."""
+        return np.asarray(np.minimum.reduce([pair.least_play_mm for pair in self.pairs]))
+
+    @property
+    def largest_play_mm(self) -> Array:
+        """The largest play of any pair."""
+        return np.asarray(np.maximum.reduce([pair.largest_play_mm for pair in self.pairs]))
+
+    @property
+    def reversal_play_mm(self) -> Array:
+        """The largest play of any pair where the torque on it turns round."""
+        return np.asarray(np.maximum.reduce([pair.reversal_play_mm for pair in self.pairs]))
+
+    @property
+    def least_arc(self) -> Array:
+        """The least arc of contact in any pair."""
+        return np.asarray(np.minimum.reduce([pair.least_arc for pair in self.pairs]))
 
     @classmethod
     def joined(cls, parts: list[Assemblies]) -> Assemblies:
         """Those of all parts, in their order."""
-        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
+        pairs = tuple(map(PairAssemblies.joined, zip(*(part.pairs for part in parts), strict=True)))
+        own = [field.name for field in fields(cls)[1:]]
+        return cls(pairs, *(np.concatenate([getattr(part, name) for part in parts]) for name in own))
 
 
 @dataclass(frozen=True, eq=False)
-class Lot:
-    """All that assemblies are computed from: their mesh, limits and output.
+class PairLot:
+    """One pair of a machine, of which assemblies are computed.
 
-    ``reversals`` are the positions next to which the torque of the driven gear turns round.
+    ``reversals`` are the positions next to which the torque of the driven gear turns round.  ``way`` tells where the
+    machine's positions lie between those of the mesh, and ``slope`` (shape (p,)) by how much the last driven gear turns
+    there, per angle of this pair's.
     """
 
     mesh: Mesh
     limits: Limits
-    follower: Follower
     reversals: IndexArray
+    way: Between
+    slope: Array
 
-    def assembled(self, of: Deviations) -> Assemblies:
-        """What assemblies with given deviations do."""
-        mesh = self.mesh
-        lead = mesh.leads(of)
-        error, play = lead[PUSHING], -lead[PUSHING] - lead[BACK]
-        play_mm = play * mesh.arm_mm[BACK][:, None]
-        placed = self.follower.slope[:, None] * (error + of.output_rad)
-        slow = self.follower.slow(mesh.phi1_rad, mesh.cycle_rad, error)
-        slow[0] += of.output_rad
-        turned = play_mm[self.reversals]
+    def carried(self, angle_rad: Array) -> Array:
+        """Angles of this pair's driven gear (shape (q, N)) as those of the last one, at the machine's positions."""
+        return np.asarray(self.slope[:, None] * self.way.of(angle_rad))
+
+
+@dataclass(frozen=True, eq=False)
+class Lot:
+    """All that assemblies are computed from: their pairs from the driving shaft on, and the output."""
+
+    pairs: tuple[PairLot, ...]
+    follower: Follower
+
+    @property
+    def flanks(self) -> tuple[int, ...]:
+        """Number of flanks of each pair."""
+        return tuple(pair.limits.flanks for pair in self.pairs)
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """What deviates."""
+        return sources_of([pair.limits for pair in self.pairs])
+
+    @property
+    def places(self) -> int:
+        """Number of places of contact of all pairs."""
+        return sum(pair.mesh.lead.size for pair in self.pairs)
+
+    def drawn(self, task: Task) -> tuple[Deviations, ...]:
+        """What each pair deviates by in the assemblies of a task."""
+        chances = task.chances(self.flanks)
+        return tuple(drawn(pair.limits, own) for pair, own in zip(self.pairs, chances, strict=True))
+
+    def assembled(self, of: Sequence[Deviations]) -> Assemblies:
+        """What assemblies with given deviations of each pair do."""
+        leads = [pair.mesh.leads(own) for pair, own in zip(self.pairs, of, strict=True)]
+        # The last keyway sets off the output, and is no error of the gears.
+        *between_rad, last_rad = (own.output_rad for own in of)
+        keyed = zip(self.pairs, leads, [*between_rad, 0.0], strict=True)
+        error = np.asarray(sum(pair.carried(lead[PUSHING] + off_rad) for pair, lead, off_rad in keyed))
+        play = np.asarray(sum(pair.carried(-lead.sum(axis=0)) for pair, lead in zip(self.pairs, leads, strict=True)))
+        follower = self.follower
+        slow = follower.slow(error)
+        slow[0] += last_rad
         return Assemblies(
+            pairs=tuple(map(_of_pair, self.pairs, of, leads)),
             transmission_error_rad=np.ptp(error, axis=0),
-            transmission_error_mm=np.ptp(error * mesh.radius_mm[:, None], axis=0),
-            least_play_rad=play.min(axis=0),
-            least_play_mm=play_mm.min(axis=0),
-            largest_play_mm=play_mm.max(axis=0),
-            reversal_play_mm=turned.max(axis=0, initial=-np.inf),
-            least_arc=mesh.least_arcs(of),
-            motion_error=np.abs(placed).max(axis=0),
-            peak_acceleration=self.follower.peaks(slow),
+            transmission_error_mm=np.ptp(error * follower.radius_mm[:, None], axis=0),
+            play_max_rad=play.max(axis=0),
+            motion_error=np.abs(follower.slope[:, None] * (error + last_rad)).max(axis=0),
+            peak_acceleration=follower.peaks(slow),
         )
+
+
+def _of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
+    """What a pair does whose first contacts lead by so much, shape (2, q, N)."""
+    mesh = pair.mesh
+    error, play = lead[PUSHING], -lead[PUSHING] - lead[BACK]
+    play_mm = play * mesh.arm_mm[BACK][:, None]
+    return PairAssemblies(
+        transmission_error_rad=np.ptp(error, axis=0),
+        transmission_error_mm=np.ptp(error * mesh.radius_mm[:, None], axis=0),
+        least_play_rad=play.min(axis=0),
+        least_play_mm=play_mm.min(axis=0),
+        largest_play_mm=play_mm.max(axis=0),
+        reversal_play_mm=play_mm[pair.reversals].max(axis=0, initial=-np.inf),
+        least_arc=mesh.least_arcs(of),
+    )
+
+
+def lot_of_pairs(
+    machine: Machine,
+    made: Sequence[tuple[Mesh, Limits, IndexArray, Pair]],
+    pitches: float,
+    designed_peak: float,
+) -> Lot:
+    """The lot of a machine's pairs from the driving shaft on, each by its mesh, limits, reversals and law.
+
+    The machine's positions are those of all pairs.  ``pitches`` is how many tooth pitches a turn of the first driving
+    gear has, or its range where gears turn less than once.  ``designed_peak`` is the largest acceleration of the output
+    as designed.  Two pairs have one lobe each, so that the cycle of meetings of both is one turn of every shaft.
+    """
+    last, covered, is_open = made[-1][0], made[0][0].cycle_rad, machine.transmission.lobes.range is not None
+    cycle = None if is_open else covered
+    shafts = [np.maximum(law.shaft_rad(mesh.phi1_rad), 0.0) for mesh, _, _, law in made]
+    ways, slopes = [], []
+    angle = position = np.unique(np.concatenate(shafts))
+    for shaft, (_, _, _, law) in zip(shafts, made, strict=True):
+        ways.append(between(position, shaft, cycle))
+        turned = law.transmission.driven_angle(angle, 1)
+        slopes.append(turned.derivative(1))
+        angle = turned.value
+    even = np.linspace(0.0, covered, position.size, endpoint=is_open)
+    slowly = (
+        Smoothed(covered, SLOW_SHARE * pitches)
+        if is_open
+        else Waves(covered, max(int(SLOW_SHARE * pitches), 1) * round(covered / (2.0 * pi)))
+    )
+    driven = machine.transmission.driven_angle(even, 2)
+    output = machine.linkage.displacement(Jet.variable(driven.value, 3))
+    follower = Follower(
+        radius_mm=ways[-1].of(last.radius_mm[:, None])[:, 0],
+        slope=machine.linkage.displacement(Jet.variable(angle, 1)).derivative(1),
+        speed_rad_s=machine.speed_rad_s,
+        designed_peak=designed_peak,
+        even=between(even, position, cycle),
+        slowly=slowly,
+        driven=np.stack([driven.derivative(order) for order in (1, 2)]),
+        output=np.stack([output.derivative(order) for order in (1, 2, 3)]),
+    )
+    pairs = tuple(
+        PairLot(mesh, limits, reversals, way, np.prod([np.ones_like(position), *slopes[number + 1 :]], axis=0))
+        for number, ((mesh, limits, reversals, _), way) in enumerate(zip(made, ways, strict=True))
+    )
+    return Lot(pairs, follower)
 
 
 TOGETHER = 64
@@ -170,33 +369,36 @@ TOGETHER = 64
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """Some assemblies to be drawn: the numbers of the pair (shape (COUNT, n)), and seeds of those of the teeth.
+    """Some assemblies to be drawn: the numbers of s pairs (shape (s COUNT, n)), and seeds of those of the teeth.
 
     With ``other`` they have the numbers of ``source`` from there and everything else from here.
     """
 
     number: int
-    pair: Array
+    pairs: Array
     seeds: tuple[int, ...]
-    source: str = ""
+    source: Source | None = None
     other: Task | None = None
 
-    def chances(self, flanks: int) -> Chances:
-        """The numbers between 0 and 1 of these assemblies."""
+    def chances(self, flanks: Sequence[int]) -> tuple[Chances, ...]:
+        """The numbers between 0 and 1 of these assemblies, for each pair by its number of flanks."""
         from scipy.stats import uniform
 
+        count = self.pairs.shape[1]
         random = np.random.default_rng(self.seeds)
-        teeth = uniform.ppf(random.random((2, flanks, self.pair.shape[1])))
-        own = Chances(self.pair, teeth)
-        return own if self.other is None else own.with_source(self.source, self.other.chances(flanks))
+        teeth = uniform.ppf(random.random((2, sum(flanks), count)))
+        own = chances_of(self.pairs.reshape(len(flanks), COUNT, count), np.split(teeth, np.cumsum(flanks)[:-1], axis=1))
+        if self.source is None or self.other is None:
+            return own
+        return with_source(own, self.source, self.other.chances(flanks))
 
 
 def computed(lot: Lot, task: Task) -> Assemblies:
     """What the assemblies of a task do."""
-    return lot.assembled(drawn(lot.limits, task.chances(lot.limits.flanks)))
+    return lot.assembled(lot.drawn(task))
 
 
-def sobol_points(count: int, seed: int, dimensions: int = COUNT) -> Array:
+def sobol_points(count: int, seed: int, dimensions: int) -> Array:
     """Scrambled points of Sobol, shape (dimensions, count); ``count`` is a power of two."""
     from scipy.stats import qmc
 
@@ -205,9 +407,9 @@ def sobol_points(count: int, seed: int, dimensions: int = COUNT) -> Array:
     return np.ascontiguousarray(np.clip(points.T, 1e-12, 1.0 - 1e-12))
 
 
-def tasks_of(pair: Array, seed: int, stream: int) -> list[Task]:
+def tasks_of(pairs: Array, seed: int, stream: int) -> list[Task]:
     """Tasks of at most TOGETHER assemblies each; the teeth of each have their own seed."""
-    starts = range(0, pair.shape[1], TOGETHER)
+    starts = range(0, pairs.shape[1], TOGETHER)
     return [
-        Task(number, pair[:, start : start + TOGETHER], (seed, stream, number)) for number, start in enumerate(starts)
+        Task(number, pairs[:, start : start + TOGETHER], (seed, stream, number)) for number, start in enumerate(starts)
     ]

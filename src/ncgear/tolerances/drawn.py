@@ -9,11 +9,13 @@ Each tolerance has a distribution, which is drawn by its percent point function 
 - temperature: uniform between its two ends, the same for gears and housing;
 - wear: uniform from none to the limit, at the same share of it on both gears.
 
-All are independent of each other.
+All are independent of each other.  Of two pairs in series each has its own, but for the temperature and the share of
+the wear, which both have alike.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 
@@ -116,6 +118,49 @@ class Chances:
         else:
             pair[rows_of(source)] = other.pair[rows_of(source)]
         return Chances(pair, teeth)
+
+
+SHARED = "temperature", "wear"
+"""What the pairs of a machine have alike."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """What deviates, of the pair ``stage`` of two; None of what both have alike, and of a single pair."""
+
+    name: str
+    stage: int | None = None
+
+    @property
+    def key(self) -> str:
+        """``stage_1_pitch``, or the plain name."""
+        return self.name if self.stage is None else f"stage_{self.stage}_{self.name}"
+
+
+def sources_of(pairs: Sequence[Limits]) -> tuple[Source, ...]:
+    """The sources by which the pairs of a machine deviate at all."""
+    found = [
+        Source(name, None if len(pairs) == 1 or name in SHARED else number)
+        for number, limits in enumerate(pairs, start=1)
+        for name in active(limits)
+    ]
+    return tuple(dict.fromkeys(found))
+
+
+def chances_of(pairs: Array, teeth: Sequence[Array]) -> tuple[Chances, ...]:
+    """Those of s pairs, from numbers of shape (s, COUNT, N) and of the teeth of each; of SHARED the first's count."""
+    pairs = pairs.copy()
+    for name in SHARED:
+        pairs[:, rows_of(name)] = pairs[0, rows_of(name)]
+    return tuple(Chances(own, flanks) for own, flanks in zip(pairs, teeth, strict=True))
+
+
+def with_source(pairs: Sequence[Chances], source: Source, others: Sequence[Chances]) -> tuple[Chances, ...]:
+    """The same with the numbers of one source taken from others."""
+    return tuple(
+        own.with_source(source.name, other) if source.stage in (None, number) else own
+        for number, (own, other) in enumerate(zip(pairs, others, strict=True), start=1)
+    )
 
 
 def rows_of(source: str) -> slice:

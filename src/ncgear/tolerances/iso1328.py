@@ -69,9 +69,13 @@ def rounded_um(tolerance_mm: float) -> float:
 
 
 def tooth_diameters_mm(gear: ToothedGear) -> Array:
-    """Diameter of the circle of curvature of the pitch curve where each flank crosses it, shape (flanks,)."""
+    """Diameter of the circle of curvature of the pitch curve where each flank crosses it, shape (flanks,).
+
+    Where the curve is flat or hollow it is the largest diameter of the curve, as far as it has teeth.
+    """
     flanks = gear.flanks
     curvature = np.asarray(flanks.curve.at_length(flanks.crossing_mm).curvature)
-    largest = 2.0 * float(np.linalg.norm(flanks.curve.at_length(flanks.crossing_mm).position, axis=-1).max())
+    toothed = flanks.curve.at_length(flanks.crossing_mm[flanks.is_made]).position
+    largest = 2.0 * float(np.linalg.norm(toothed, axis=-1).max())
     local = 2.0 / np.maximum(curvature, 2.0 / largest)
     return np.asarray(np.clip(local, *DIAMETERS_MM))

@@ -22,6 +22,10 @@ growths g1, g2 and gh of gears and housing, the index error eps1 of the driving 
 driven gear turns.  A tilted bore makes a section at height z run out by z tau.  As n . u is linear in z, the flanks
 touch first at one end of the face width b, by b/2 |n . (tau2 exp(i s phi2) - tau1 exp(i phi1))| earlier.
 
+Helical teeth are a pair of spur gears in each section, whose teeth stand farther along the pitch curves.  All sections
+turn together, so that their places of contact are those of one mesh, and the first of all sections carries.  A tilted
+bore moves each by its own height.  Material counts across the flank in the section.
+
 A flank whose pitch deviates by x stands turned about its gear's axis, as an indexing error of the machine leaves it: by
 x cos(alpha) / L0, where L0 is the arm of its normal where it crosses the pitch curve.  Deviations of the profile and
 wear move a flank along its own normal; where a corner touches, their part along n counts.
@@ -39,7 +43,7 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.designed.flanks import flank_contacts
+from ncgear.contact.designed.flanks import FlankContacts, flank_contacts
 from ncgear.contact.placement import PUSHING, Placement, meetings
 from ncgear.dynamics.pair_places import fixed_tangents
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
@@ -88,6 +92,25 @@ class Deviations:
 
 
 @dataclass(frozen=True, eq=False)
+class Face:
+    """The sections of a pair over its face width, at heights in mm above its middle.
+
+    With ``mirrored`` each is there at the opposite height too: straight teeth are one section that ends in two, and
+    both halves of herringbone teeth are alike.  ``overlap`` is the overlap ratio of the helix.
+    """
+
+    sections: tuple[ToothedPair, ...]
+    heights_mm: tuple[float, ...]
+    mirrored: bool
+    overlap: float = 0.0
+
+
+def straight_face(teeth: ToothedPair, face_width_mm: float) -> Face:
+    """That of straight teeth."""
+    return Face((teeth,), (face_width_mm / 2.0,), mirrored=True)
+
+
+@dataclass(frozen=True, eq=False)
 class Mesh:
     """The linear mesh of a pair at p positions, with r places of contact.
 
@@ -97,8 +120,9 @@ class Mesh:
     ``pitch_share`` and its ``profile_share``: what their deviations change the lead by, in rad per mm.
 
     ``radius_mm`` (shape (p,)) is the driven pitch radius, ``arm_mm`` (shape (2, p)) the arm of each side's normal.
-    ``arcs`` (shape (k,)) are the arcs of contact in pitches of all pairs of flanks that carry, ``arc_rates`` (shape
-    (k, 8)) how they change with the first of RIGID.
+    With ``mirrored`` each place is there at the opposite height too.  ``arcs`` (shape (k,)) are the arcs of contact in
+    pitches of all pairs of flanks that carry, those of the overlap included, ``arc_rates`` (shape (k, 8)) how they
+    change with the first of RIGID.
     """
 
     phi1_rad: Array
@@ -113,6 +137,7 @@ class Mesh:
     flank: IndexArray
     pitch_share: Array
     profile_share: Array
+    mirrored: bool
     arcs: Array
     arc_rates: Array
 
@@ -121,16 +146,20 @@ class Mesh:
         lead = self.rigid @ of.rigid
         lead += self.lead[:, None]
         if of.tilt.any():
-            lead += np.abs(self.tilt @ of.tilt)
+            tilted = self.tilt @ of.tilt
+            lead += np.abs(tilted) if self.mirrored else tilted
         for flank, pitch, profile in zip(self.flank, self.pitch_share, self.profile_share, strict=True):
             lead += pitch[:, None] * of.pitch[flank]
             lead += profile[:, None] * of.profile[flank]
         return np.asarray(np.maximum.reduceat(lead, self.first, axis=0).reshape(2, self.phi1_rad.size, -1))
 
     def least_arcs(self, of: Deviations) -> Array:
-        """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,)."""
+        """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,).
+
+        It is infinite where all touch at an end of a range.
+        """
         arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
-        return np.asarray(np.maximum(arcs.min(axis=0), 0.0))
+        return np.asarray(np.maximum(arcs.min(axis=0, initial=np.inf), 0.0))
 
     def kept(self, rows: Mask) -> Mesh:
         """The same with some of the places of contact, at least one on each side at each position."""
@@ -156,15 +185,61 @@ class Mesh:
         return foremost
 
 
-def mesh_of(
-    teeth: ToothedPair, placement: Placement, face_width_mm: float, within_mm: float, *, both_ways: bool = False
-) -> Mesh:
+def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> Mesh:
     """The linear mesh of a pair, with all places that touch once the first ones are pressed in by ``within_mm``.
 
     With ``both_ways`` backs carry and wear as pushing flanks do.
     """
+    found = [
+        _places(teeth, height, placement, within_mm, both_ways=both_ways)
+        for teeth, height in zip(face.sections, face.heights_mm, strict=True)
+    ]
+    joined = {field.name: np.concatenate([getattr(one, field.name) for one in found]) for field in fields(_Places)}
+    order = np.argsort(joined["place"], kind="stable")
+    rows = _Places(**{name: values[order] for name, values in joined.items()})
+    arcs, rates = zip(*(arc_rates(teeth, placement, both_ways=both_ways) for teeth in face.sections), strict=True)
+    mesh = Mesh(
+        phi1_rad=placement.phi1_rad,
+        phi2_rad=placement.phi2_rad,
+        cycle_rad=placement.cycle_rad,
+        radius_mm=placement.driven_radius_mm,
+        arm_mm=np.zeros((2, placement.count)),
+        first=np.searchsorted(rows.place, np.arange(2 * placement.count)),
+        lead=rows.lead,
+        rigid=rows.rigid,
+        tilt=rows.tilt,
+        flank=np.ascontiguousarray(rows.flank.T),
+        pitch_share=np.ascontiguousarray(rows.pitch_share.T),
+        profile_share=np.ascontiguousarray(rows.profile_share.T),
+        mirrored=face.mirrored,
+        arcs=np.concatenate(arcs) + face.overlap,
+        arc_rates=np.concatenate(rates),
+    )
+    return replace(mesh, arm_mm=rows.lever_mm[mesh.foremost])
+
+
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """Places of contact in one section: their side and position as ``place``, and the rows of ``Mesh``, shape (r, ...).
+
+    Of both gears there are two columns.  ``lever_mm`` is the arm of the normal about the driven axis.
+    """
+
+    place: IndexArray
+    lever_mm: Array
+    lead: Array
+    rigid: Array
+    tilt: Array
+    flank: IndexArray
+    pitch_share: Array
+    profile_share: Array
+
+
+def _places(
+    teeth: ToothedPair, height_mm: float, placement: Placement, within_mm: float, *, both_ways: bool
+) -> _Places:
+    """Those of a section at a height above the middle of the face width."""
     found = Contacts.joined(contacts_within(teeth, placement, within_mm))
-    found = found.kept(np.argsort(found.place(placement), kind="stable"))
     place, tangent = fixed_tangents(found, placement)
     normal = 1j * placement.mesh.sense * found.urge * tangent
     lever = found.lever_mm
@@ -191,24 +266,16 @@ def mesh_of(
             *worn,
         ]
     )
-    arcs, rates = arc_rates(teeth, placement, both_ways=both_ways)
-    mesh = Mesh(
-        phi1_rad=placement.phi1_rad,
-        phi2_rad=placement.phi2_rad,
-        cycle_rad=placement.cycle_rad,
-        radius_mm=placement.driven_radius_mm,
-        arm_mm=np.zeros((2, placement.count)),
-        first=np.searchsorted(found.place(placement), np.arange(2 * placement.count)),
+    return _Places(
+        place=found.place(placement),
+        lever_mm=lever,
         lead=found.lead_rad,
         rigid=rigid / lever[:, None],
-        tilt=face_width_mm / 2.0 * rigid[:, 1:5] / lever[:, None],
-        flank=np.stack([found.driving, found.driven + teeth.driving.flanks.count]),
-        pitch_share=np.stack([side.pitch for side in sides]) / lever,
-        profile_share=np.stack([side.share * side.along for side in sides]) / lever,
-        arcs=arcs,
-        arc_rates=rates,
+        tilt=height_mm * rigid[:, 1:5] / lever[:, None],
+        flank=np.column_stack([found.driving, found.driven + teeth.driving.flanks.count]),
+        pitch_share=np.column_stack([side.pitch / lever for side in sides]),
+        profile_share=np.column_stack([side.share * side.along / lever for side in sides]),
     )
-    return replace(mesh, arm_mm=lever[mesh.foremost])
 
 
 @dataclass(frozen=True, eq=False)
@@ -284,18 +351,22 @@ def arc_rates(teeth: ToothedPair, placement: Placement, *, both_ways: bool) -> t
     step = STEP_IN_MODULES * teeth.driving.flanks.rack.module_mm
     distance = placement.center_distance_mm
 
-    def ends(moved_mm: complex, scale: float) -> Array:
+    def contacts(moved_mm: complex, scale: float) -> FlankContacts:
         given: dict[str, Any] = {field.name: getattr(placement, field.name) for field in fields(placement)}
-        made = Displaced(**given, moved_mm=moved_mm, scale=scale)
-        return flank_contacts(teeth, made, met).reach_ends[:, carrying]
+        return flank_contacts(teeth, Displaced(**given, moved_mm=moved_mm, scale=scale), met)
 
-    nominal = ends(0.0j, 1.0)
-    lasting = np.isfinite(nominal).all(axis=0)
+    def ends(moved_mm: complex, scale: float) -> Array:
+        return contacts(moved_mm, scale).reach_ends[:, carrying]
+
+    designed = contacts(0.0j, 1.0)
+    nominal = designed.reach_ends[:, carrying]
+    # Flanks that touch at an end of a range do so over a part of their arc.
+    lasting = np.isfinite(nominal).all(axis=0) & designed.whole[carrying]
     carrying, nominal = carrying[lasting], nominal[:, lasting]
     changes = (step, 0.0), (1j * step, 0.0), (0.0, step / distance)
     rates = []
     for moved, grown in changes:
-        after, before = (ends(sign * moved, 1.0 + sign * grown)[:, lasting] for sign in (1.0, -1.0))
+        after, before = (ends(sign * moved, 1.0 + sign * grown) for sign in (1.0, -1.0))
         change = (after - before) / (2.0 * (abs(moved) or grown))
         rates.append(np.where(np.isfinite(change), change, 0.0))
     x_rate, y_rate, growth_rate = rates

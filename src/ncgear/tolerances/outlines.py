@@ -22,8 +22,8 @@ from ncgear.numerics.plane import along, as_complex, as_points, square
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh as MeshKind
 from ncgear.teeth.flank import FILLET, FLANK
-from ncgear.teeth.gear import ToothedGear, ToothedPair
-from ncgear.tolerances.mesh import Deviations, Mesh, crossing_arms_mm
+from ncgear.teeth.gear import ToothedGear
+from ncgear.tolerances.mesh import Deviations, Face, Mesh, crossing_arms_mm
 
 ALONG = 64
 """Points along each run of a side among which that of each vertex is looked for."""
@@ -96,23 +96,32 @@ ROOM_IN_MODULES = 0.02
 
 
 @dataclass(frozen=True, eq=False)
+class Section:
+    """The outlines of both gears in a section, at ``height_mm`` above the middle of the face width.
+
+    ``turns`` is how far a flank is turned, in rad per mm of its deviation along the pitch curve.
+    """
+
+    height_mm: float
+    gears: tuple[OnSides, OnSides]
+    turns: tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
 class Exact:
     """Assemblies of a pair by their outlines at some of the positions of its ``mesh``, which ``rows`` tells.
 
-    ``turns`` is how far a flank is turned, in rad per mm of its deviation along the pitch curve.  ``leads`` begins
-    where the linear mesh says that flanks nearly touch.  Flanks on the other side of the teeth are moved out of the way
-    there, so that a pair without play is turned together like any other.
+    ``leads`` begins where the linear mesh says that flanks nearly touch.  Flanks on the other side of the teeth are
+    moved out of the way there, so that a pair without play is turned together like any other.
     """
 
-    gears: tuple[OnSides, OnSides]
+    sections: tuple[Section, ...]
     mesh: Mesh
     placement: Placement
     rows: IndexArray
     reach_mm: float
-    turns: tuple[Array, Array]
     idle: tuple[Mask, Mask]
     module_mm: float
-    face_width_mm: float
     both_ways: bool
 
     def leads(self, of: Deviations) -> Array:
@@ -121,11 +130,11 @@ class Exact:
         Raises NoSuchMechanism where flanks do not meet near to where the linear mesh has them.
         """
         linear = self.mesh.leads(of)[:, self.rows, 0]
-        ends = (-1.0, 1.0) if of.tilt.any() else (0.0,)
-        found = [self._section(of, linear, end * self.face_width_mm / 2.0) for end in ends]
+        ends = (-1.0, 1.0) if self.mesh.mirrored and of.tilt.any() else (1.0,)
+        found = [self._in(section, of, linear, end * section.height_mm) for section in self.sections for end in ends]
         return np.asarray(np.maximum.reduce(found))
 
-    def _section(self, of: Deviations, linear: Array, height_mm: float) -> Array:
+    def _in(self, section: Section, of: Deviations, linear: Array, height_mm: float) -> Array:
         distance, *moved = of.rigid[:, 0]
         first_x, first_y, second_x, second_y, *grown, housing, index, first_wear, second_wear = moved
         offsets = complex(first_x, first_y), complex(second_x, second_y)
@@ -136,13 +145,13 @@ class Exact:
         leads = np.empty_like(linear)
         for side, urge in ((PUSHING, 1.0), (BACK, -1.0)):
             outlines, start = [], 0
-            for place, gear in enumerate(self.gears):
+            for place, gear in enumerate(section.gears):
                 idle = self.idle[place]
                 flanks = slice(start, start + idle.size)
                 start = flanks.stop
                 worn = np.where(self.both_ways | ~idle, (first_wear, second_wear)[place], 0.0)
                 worn = worn + np.where(idle == (side == PUSHING), lacking, 0.0)
-                outline = gear.deviating(of.pitch[flanks, 0] * self.turns[place], -worn, of.profile[flanks, 0])
+                outline = gear.deviating(of.pitch[flanks, 0] * section.turns[place], -worn, of.profile[flanks, 0])
                 outlines.append(outline * (1.0 + grown[place]) + offsets[place] + height_mm * leaning[place])
             start_rad = urge * (linear[side] + gap / arm[side])
             placement = replace(
@@ -162,28 +171,28 @@ class Exact:
 
 
 def exact_of(
-    pitch: PitchPair,
-    teeth: ToothedPair,
-    placement: Placement,
-    mesh: Mesh,
-    face_width_mm: float,
-    positions: int,
-    *,
-    both_ways: bool = False,
+    pitch: PitchPair, face: Face, placement: Placement, mesh: Mesh, positions: int, *, both_ways: bool = False
 ) -> Exact:
     """The outlines of a pair at about so many of the positions of a mesh at most, evenly chosen."""
     rows = np.arange(0, placement.count, -(-placement.count // positions))
-    every = teeth.driving.flanks, teeth.driven.flanks
+    ring = pitch.mesh is MeshKind.INTERNAL
+    sections = tuple(
+        Section(
+            height,
+            (on_sides(teeth.driving, ring=False), on_sides(teeth.driven, ring=ring)),
+            (_turns(teeth.driving), _turns(teeth.driven)),
+        )
+        for teeth, height in zip(face.sections, face.heights_mm, strict=True)
+    )
+    every = face.sections[0].driving.flanks, face.sections[0].driven.flanks
     return Exact(
-        gears=(on_sides(teeth.driving, ring=False), on_sides(teeth.driven, ring=pitch.mesh is MeshKind.INTERNAL)),
+        sections=sections,
         mesh=mesh,
         placement=placed_at(pitch, placement, placement.rolled_mm[rows]),
         rows=rows,
-        reach_mm=reach_mm(pitch, teeth),
-        turns=(_turns(teeth.driving), _turns(teeth.driven)),
+        reach_mm=max(reach_mm(pitch, teeth) for teeth in face.sections),
         idle=(every[0].idle, every[1].idle),
         module_mm=every[0].rack.module_mm,
-        face_width_mm=face_width_mm,
         both_ways=both_ways,
     )
 

@@ -1,9 +1,9 @@
-"""Many assemblies of a pair: what they do, with what chance, which tolerance matters, and what play is needed."""
+"""Many assemblies of a machine: what they do, with what chance, which tolerance matters, and what play is needed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from math import sqrt
 
@@ -11,8 +11,8 @@ import numpy as np
 
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.numerics.arrays import Array
-from ncgear.tolerances.assemblies import Assemblies, Lot, Task, computed, sobol_points, tasks_of
-from ncgear.tolerances.drawn import COUNT, active, spread
+from ncgear.tolerances.assemblies import Assemblies, Lot, PairAssemblies, Task, computed, sobol_points, tasks_of
+from ncgear.tolerances.drawn import COUNT, Source, spread
 from ncgear.workers import finished
 
 JAMMED_RAD = 1e-9
@@ -37,8 +37,8 @@ def assemblies_of(
     lot: Lot, tasks: list[Task], workers: Workers, on_done: OnDone = lambda done, total: None
 ) -> Assemblies:
     """The assemblies of tasks, in the order of tasks; the same whatever the workers."""
-    total = sum(task.pair.shape[1] for task in tasks)
-    alone = workers.scheduler is None and lot.mesh.lead.size * total < ALONE
+    total = sum(task.pairs.shape[1] for task in tasks)
+    alone = workers.scheduler is None and lot.places * total < ALONE
     processes = workers.processes or (1 if alone else None)
     found: dict[int, Assemblies] = {}
     done = 0
@@ -49,14 +49,14 @@ def assemblies_of(
     return Assemblies.joined([found[task.number] for task in tasks])
 
 
-def drawn_evenly(count: int, seed: int) -> list[Task]:
-    """Tasks of assemblies whose pair is drawn from scrambled points of Sobol; ``count`` is a power of two."""
-    return tasks_of(sobol_points(count, seed), seed, 0)
+def drawn_evenly(count: int, seed: int, pairs: int = 1) -> list[Task]:
+    """Tasks of assemblies whose pairs are drawn from scrambled points of Sobol; ``count`` is a power of two."""
+    return tasks_of(sobol_points(count, seed, pairs * COUNT), seed, 0)
 
 
-def drawn_at_random(count: int, seed: int) -> list[Task]:
+def drawn_at_random(count: int, seed: int, pairs: int = 1) -> list[Task]:
     """Tasks of assemblies that are drawn at random altogether."""
-    return tasks_of(np.random.default_rng([seed, 1]).random((COUNT, count)), seed, 1)
+    return tasks_of(np.random.default_rng([seed, 1]).random((pairs * COUNT, count)), seed, 1)
 
 
 @dataclass(frozen=True)
@@ -76,14 +76,18 @@ def share_of(count: int, total: int) -> Share:
     return Share(count / total, float(interval.low), float(interval.high))
 
 
-def jammed(found: Assemblies) -> Share:
-    """The share that jams: somewhere in the cycle both flanks of a tooth touch and are pressed."""
-    return share_of(int(np.count_nonzero(found.least_play_rad < -JAMMED_RAD)), found.count)
+def jammed(pairs: Sequence[PairAssemblies]) -> Share:
+    """The share in which one of the pairs jams: somewhere in the cycle both flanks of a tooth touch and are pressed."""
+    jam = np.logical_or.reduce([pair.least_play_rad < -JAMMED_RAD for pair in pairs])
+    return share_of(int(np.count_nonzero(jam)), jam.size)
 
 
-def knocking(found: Assemblies, largest_mm: float) -> Share:
-    """The share that knocks: the play is larger than ``largest_mm`` where the torque turns round."""
-    return share_of(int(np.count_nonzero(found.reversal_play_mm > largest_mm)), found.count)
+def knocking(pairs: Sequence[PairAssemblies], largest_mm: Sequence[float]) -> Share:
+    """The share in which one of the pairs knocks: its play is larger than ``largest_mm`` where its torque turns."""
+    knock = np.logical_or.reduce(
+        [pair.reversal_play_mm > largest for pair, largest in zip(pairs, largest_mm, strict=True)]
+    )
+    return share_of(int(np.count_nonzero(knock)), knock.size)
 
 
 CONFIDENCE = 0.95
@@ -120,7 +124,7 @@ class Index:
     ``error`` is half the width of the 95 % range of the second, whose estimator is a mean (Jansen 1999).
     """
 
-    source: str
+    source: Source
     first: float
     total: float
     error: float
@@ -131,16 +135,15 @@ def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
 
     ``count`` is a power of two, a multiple of the number of assemblies in a task or less.
     """
-    points = sobol_points(count, seed, 2 * COUNT)
-    own, others = tasks_of(points[:COUNT], seed, 2), tasks_of(points[COUNT:], seed, 3)
+    half = COUNT * len(lot.pairs)
+    points = sobol_points(count, seed, 2 * half)
+    own, others = tasks_of(points[:half], seed, 2), tasks_of(points[half:], seed, 3)
     swapped = [
-        Task(0, task.pair, task.seeds, source, other)
-        for source in active(lot.limits)
+        replace(task, source=source, other=other)
+        for source in lot.sources
         for task, other in zip(own, others, strict=True)
     ]
-    return [
-        Task(number, one.pair, one.seeds, one.source, one.other) for number, one in enumerate(own + others + swapped)
-    ]
+    return [replace(one, number=number) for number, one in enumerate(own + others + swapped)]
 
 
 def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
@@ -150,7 +153,7 @@ def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]
     """
     from scipy.stats import sobol_indices
 
-    sources = active(lot.limits)
+    sources = lot.sources
     count = found.count // (len(sources) + 2)
     indices = {}
     for name in INDEXED:
@@ -184,15 +187,13 @@ class FirstOrder:
         return float(np.abs(self.linear_mm - self.drawn_mm).max() / self.drawn_mm.max())
 
 
-def first_order(lot: Lot, tasks: Iterable[Task]) -> FirstOrder:
-    """The spread of the play by the root of the sum of squares, beside that of drawn assemblies.
+def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
+    """The spread of the play of the pair ``number`` of the lot by the first order, beside that of drawn assemblies.
 
-    The first order knows one place of contact at each position and side, that of the pair without deviations, and no
-    tilt.
+    The first order takes the root of the sum of squares.  It knows one place of contact at each position and side, that
+    of the pair without deviations, and no tilt.
     """
-    from ncgear.tolerances.drawn import drawn
-
-    mesh, known = lot.mesh, spread(lot.limits)
+    mesh, known = lot.pairs[number].mesh, spread(lot.pairs[number].limits)
     arm = mesh.arm_mm[BACK]
     rows = mesh.foremost
     variance: dict[str, Array] = {}
@@ -206,8 +207,6 @@ def first_order(lot: Lot, tasks: Iterable[Task]) -> FirstOrder:
         variance[source] = sum(
             (shares[gear][row] * sizes[mesh.flank[gear][row]]) ** 2 for gear in (0, 1) for row in rows
         )
-    plays = np.concatenate(
-        [-mesh.leads(drawn(lot.limits, task.chances(lot.limits.flanks))).sum(axis=0) for task in tasks], axis=1
-    )
+    plays = np.concatenate([-mesh.leads(lot.drawn(task)[number]).sum(axis=0) for task in tasks], axis=1)
     by_source = {source: np.sqrt(one) * arm for source, one in variance.items()}
     return FirstOrder(np.sqrt(sum(variance.values())) * arm, plays.std(axis=1) * arm, by_source)

@@ -154,7 +154,7 @@ class FlankContacts:
         """Pairs that touch over ``arcs``, from the stretches, in positions, in which they do."""
         placement = self.placement
         steps, pitches = placement.steps, placement.steps / placement.per_tooth
-        whole = self._whole[self.meetings.side == side]
+        whole = self.whole[self.meetings.side == side]
         if not starts.size:
             return PairsInContact(arcs, np.array([[0.0, steps]]), 0, placement.count, pitches, whole)
         starts, ends = np.sort(starts), np.sort(ends)
@@ -169,7 +169,7 @@ class FlankContacts:
         return PairsInContact(arcs, gaps, fewest, placement.count, pitches, whole)
 
     @cached_property
-    def _whole(self) -> Mask:
+    def whole(self) -> Mask:
         """Of which meetings the whole arc of contact lies within the positions, shape (m,).
 
         Of flanks that cannot touch at all, the crossing of the pitch point does.

@@ -99,6 +99,7 @@ def sources(of: Mapping[str, Mapping[str, tuple[float, float]]], title: str) -> 
     axes.set_yticks(np.arange(len(names)), names)
     dress(axes, "share of the variance, with others together, in %", "")
     axes.set_xlim(left=0.0)
+    axes.set_ylim(-0.7, len(names) - 0.3)
     axes.grid(False, axis="y")
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(of), frameon=False, fontsize=SMALL)
     return png(made)

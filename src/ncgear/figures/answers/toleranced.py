@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.toleranced import (
     index_rows,
+    jam_words,
     knock_words,
     limit_words,
     needed_words,
+    pair_percentiles,
     percentiles,
-    share_words,
 )
 from ncgear.project.tolerance import TURNING, Tolerated
 
 HEADS = "as designed", "median", "99 % keep"
+SHOWN = "as_designed", "median", "of_99_percent"
 
 MOST_OFF = 0.1
 """Error of the linear model, as a share of what flanks are displaced by, from which it is a warning."""
@@ -26,18 +30,23 @@ ASSUMED = "Assumed, as the file has no section tolerances: "
 def tolerance_answer(tolerated: Tolerated) -> Answer:
     """What assemblies of a design do."""
     told = percentiles(tolerated)
-    columns = [
-        Row(name_of(key), tuple(figure(key, values[name]) for name in ("as_designed", "median", "of_99_percent")))
-        for key, values in told.items()
-        if key not in ("reversal_play_mm", "transmission_error_rad")
-    ]
-    worst = max(tolerated.errors, key=lambda one: one.error_mm)
+    left_out = ["reversal_play_mm", "transmission_error_rad"]
+    columns = []
+    if len(tolerated.pairs) > 1:
+        left_out += ["least_play_mm", "largest_play_mm"]
+        columns = [
+            _row(f"stage {pair.drive.stage}: ", "least_play_mm", own["least_play_mm"])
+            for pair, own in zip(tolerated.pairs, pair_percentiles(tolerated), strict=True)
+        ]
+    columns += [_row("", key, values) for key, values in told.items() if key not in left_out]
+    errors = [one for pair in tolerated.pairs for one in pair.errors]
+    worst = max(errors, key=lambda one: one.error_mm)
     checked = (
-        f"linear model off the outlines of {len(tolerated.errors)} assemblies by "
+        f"linear model off the outlines of {len(errors)} assemblies by "
         f"{to_digits(1e3 * worst.error_mm, 3)} of {to_digits(1e3 * worst.displaced_mm, 3)} \u00b5m"
     )
     rows = [
-        Row("jam", (share_words(tolerated.jam),)),
+        Row("jam", (jam_words(tolerated),)),
         Row("knock", (knock_words(tolerated),)),
         Row("backlash", (needed_words(tolerated),)),
         *(Row(name, (f"varies with {words}",)) for name, words in index_rows(tolerated)[:3] if words),
@@ -56,6 +65,10 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
     )
 
 
+def _row(of: str, key: str, values: Mapping[str, float]) -> Row:
+    return Row(f"{of}{name_of(key)}", tuple(figure(key, values[name]) for name in SHOWN))
+
+
 def _faults(tolerated: Tolerated) -> tuple[Fault, ...]:
     needed, faults = tolerated.needed, []
     if tolerated.jam.value > 1.0 - TURNING:
@@ -64,7 +77,7 @@ def _faults(tolerated: Tolerated) -> tuple[Fault, ...]:
     if tolerated.knock is not None and tolerated.knock.value > 0.0:
         share = to_digits(100.0 * tolerated.knock.value, 3)
         faults.append(Fault(f"{share} % of the assemblies knock", ("less backlash, or finer tolerances",)))
-    off = max(one.error_mm / max(one.displaced_mm, 1e-12) for one in tolerated.errors)
+    off = max(one.error_mm / max(one.displaced_mm, 1e-12) for pair in tolerated.pairs for one in pair.errors)
     if off > MOST_OFF:
         faults.append(
             Fault(
