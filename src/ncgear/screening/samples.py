@@ -24,7 +24,6 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, require_return
 from ncgear.ratio.sampled_strokes import (
-    PEAK_PIECES,
     Points,
     ReturnSamples,
     edges_about,
@@ -37,8 +36,11 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at, stroke_refusals
 from ncgear.screening.batch import Batch
 
-RETURN_PIECES = 3
-"""Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
+WHOLE = 0.0, 1.0
+"""Ends of the one piece of an approach."""
+
+THIRDS = 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0
+"""Ends of the pieces of a return: where its ratio is small, a polynomial's inverse varies fast."""
 
 CLOSING_STEPS = 24
 """Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
@@ -121,13 +123,21 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
 
 @dataclass(frozen=True)
 class Fineness:
-    """How finely laws are sampled: points of a piece, and whether strokes are cut towards where their ratio is extreme.
+    """How finely laws are sampled: points of a piece, and where strokes are cut.
 
-    There the driven gear's speed may have a peak that even pieces do not resolve.
+    Approach and return are cut at shares of themselves, or, with ``towards_peak``, towards where their ratio is extreme:
+    there the driven gear's speed may have a peak that fixed pieces do not resolve.
     """
 
     count: int
     towards_peak: bool = False
+    approach: tuple[float, ...] = WHOLE
+    returned: tuple[float, ...] = THIRDS
+
+    @property
+    def for_strokes(self) -> bool:
+        """Whether it differs from one of as many points by its cuts of three-segment strokes alone."""
+        return self.towards_peak or self.approach != WHOLE
 
 
 def sampled(batch: Batch, fineness: Fineness) -> Sampled:
@@ -174,19 +184,19 @@ class _Strokes:
 def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
     """Three-segment strokes that advance."""
     strokes, linkage, count = laws.strokes, laws.batch.mechanisms, fineness.count
-    pieces, closed = (PEAK_PIECES, peaked_returns) if fineness.towards_peak else (RETURN_PIECES, returns_with_constant)
-    points = Points(pieces, count, CLOSING_STEPS)
+    closed = peaked_returns if fineness.towards_peak else returns_with_constant
+    points = Points(fineness.returned, count, CLOSING_STEPS)
     returns = closed(strokes, linkage, laws.period_rad, laws.batch.column("motion.return.e"), points)
-    segments = _segments(strokes, fineness.towards_peak)
+    segments = _segments(strokes, fineness)
     back = return_samples(returns, linkage, points, 2)
-    samples = _stroke_samples(strokes, linkage, segments, back, returns.widths_rad(points))
+    widths = returns.widths_rad(points)
+    samples = _stroke_samples(strokes, linkage, segments, back, widths)
     # Other points than those of the samples tell whether the law closes.
     judges = replace(points, count=count + OTHER)
     slopes = [
         segment.widths_rad[..., None] * segment.driven(strokes, linkage, judges.count, 1)[0] for segment in segments
     ]
-    ratio = returns.polynomial(judges, 1).value.reshape(-1, judges.pieces, judges.count)
-    slopes.append(returns.widths_rad(judges)[..., None] / ratio)
+    slopes.append(widths[..., None] / returns.polynomial(judges, 1).value.reshape(*widths.shape, judges.count))
     closing = integrated(np.concatenate(slopes, axis=1)) - 2.0 * pi
     speed_rpm = strokes.law_speed_rad_s / RAD_S_PER_RPM
     return Sampled(samples, linkage.stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
@@ -218,14 +228,14 @@ class _Segment:
         return [driven.derivative(k).reshape(phi1.shape) for k in range(1, order + 1)]
 
 
-def _segments(strokes: WorkingStrokes[Array], towards_peak: bool) -> list[_Segment]:
-    """Approach, pressing and braking, whole, or cut towards where v/phi1 is least and towards theta4.
+def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[_Segment]:
+    """Approach, pressing and braking, cut as asked for, or towards where v/phi1 is least and towards theta4.
 
     There the ratio may be nearly singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
     """
     theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
-    cuts = [np.array([0.0, 1.0])[None, :]] * 3
-    if towards_peak:
+    cuts = [np.array(one)[None, :] for one in (fineness.approach, (0.0, 1.0), (0.0, 1.0))]
+    if fineness.towards_peak:
         slowest = _slowest(strokes)
         cuts[0] = slowest[:, None] + edges_about(slowest, WORKING_QUARTERINGS)
         # The pieces beyond the end of the braking have no length in any stroke.
