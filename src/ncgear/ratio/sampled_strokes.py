@@ -149,6 +149,7 @@ ten-thousandth of its mean there; narrower ones are left to the solver of one re
 EVERYWHERE = (1.0 / 32.0, 1.0 / 8.0, 1.0 / 2.0, 7.0 / 8.0, 31.0 / 32.0, 127.0 / 128.0)
 """Shares of a stretch at which it is cut besides, since the ratio may change fast beside its ends as well."""
 
+
 def edges_about(about: Array, quarterings: int) -> Array:
     """Ends of pieces of [0, 1], less ``about`` (shape (n,)) in it, shape (n, pieces + 1); some have no length."""
     quarters = np.append(0.25 ** np.arange(quarterings + 1.0), 0.0)

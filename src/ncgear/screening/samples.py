@@ -125,8 +125,8 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
 class Fineness:
     """How finely laws are sampled: points of a piece, and where strokes are cut.
 
-    Approach and return are cut at shares of themselves, or, with ``towards_peak``, towards where their ratio is extreme:
-    there the driven gear's speed may have a peak that fixed pieces do not resolve.
+    Approach and return are cut at shares of themselves, or, with ``towards_peak``, towards where their ratio is
+    extreme: there the driven gear's speed may have a peak that fixed pieces do not resolve.
     """
 
     count: int
