@@ -23,11 +23,19 @@ from ncgear.screening.samples import Fineness, refused_at_once
 
 MADE = "made"
 
-CUT = Fineness(33, approach=(0.0, 0.25, 0.75, 1.0), returned=(0.0, 0.45, 0.75, 0.9, 1.0))
-"""Few points on pieces that are short where laws bend most: four in five strokes at the border need no more."""
-
-FINENESSES = (CUT, Fineness(65), Fineness(65, True), Fineness(97, True), Fineness(129), Fineness(257), Fineness(513))
-"""The next one is tried where the one before does not resolve a law."""
+FINENESSES = (
+    Fineness(33, (0.0, 0.25, 0.75, 1.0), (0.0, 0.45, 0.75, 0.9, 1.0)),
+    Fineness(33, (0.0, 0.1, 0.3, 0.75, 1.0), (0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.85, 0.95, 1.0)),
+    Fineness(49, (0.0, 0.1, 0.3, 0.75, 1.0), None),
+    Fineness(65, None, None),
+    Fineness(97, None, None),
+    Fineness(65),
+    Fineness(129),
+    Fineness(257),
+    Fineness(513),
+)
+"""The next one is tried where the one before does not resolve a law: few points on pieces that are short where strokes
+bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
 
 TOGETHER = 256
 """Designs computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""

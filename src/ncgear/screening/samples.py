@@ -123,21 +123,20 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
 
 @dataclass(frozen=True)
 class Fineness:
-    """How finely laws are sampled: points of a piece, and where strokes are cut.
+    """How finely laws are sampled: points of a piece, and the shares at which a stroke's approach and return are cut.
 
-    Approach and return are cut at shares of themselves, or, with ``towards_peak``, towards where their ratio is
-    extreme: there the driven gear's speed may have a peak that fixed pieces do not resolve.
+    None cuts towards the place where the ratio is extreme: there the driven gear's speed may have a peak that fixed
+    pieces do not resolve.
     """
 
     count: int
-    towards_peak: bool = False
-    approach: tuple[float, ...] = WHOLE
-    returned: tuple[float, ...] = THIRDS
+    approach: tuple[float, ...] | None = WHOLE
+    returned: tuple[float, ...] | None = THIRDS
 
     @property
     def for_strokes(self) -> bool:
         """Whether it differs from one of as many points by its cuts of three-segment strokes alone."""
-        return self.towards_peak or self.approach != WHOLE
+        return self.approach != WHOLE or self.returned != THIRDS
 
 
 def sampled(batch: Batch, fineness: Fineness) -> Sampled:
@@ -184,8 +183,8 @@ class _Strokes:
 def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
     """Three-segment strokes that advance."""
     strokes, linkage, count = laws.strokes, laws.batch.mechanisms, fineness.count
-    closed = peaked_returns if fineness.towards_peak else returns_with_constant
-    points = Points(fineness.returned, count, CLOSING_STEPS)
+    closed = peaked_returns if fineness.returned is None else returns_with_constant
+    points = Points(fineness.returned or WHOLE, count, CLOSING_STEPS)
     returns = closed(strokes, linkage, laws.period_rad, laws.batch.column("motion.return.e"), points)
     segments = _segments(strokes, fineness)
     back = return_samples(returns, linkage, points, 2)
@@ -234,8 +233,8 @@ def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[_Segme
     There the ratio may be nearly singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
     """
     theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
-    cuts = [np.array(one)[None, :] for one in (fineness.approach, (0.0, 1.0), (0.0, 1.0))]
-    if fineness.towards_peak:
+    cuts = [np.array(one)[None, :] for one in (fineness.approach or WHOLE, WHOLE, WHOLE)]
+    if fineness.approach is None:
         slowest = _slowest(strokes)
         cuts[0] = slowest[:, None] + edges_about(slowest, WORKING_QUARTERINGS)
         # The pieces beyond the end of the braking have no length in any stroke.
