@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.zeros import zeros_between
 
 LAST = 3
@@ -23,6 +23,14 @@ may be zero by chance."""
 NEGLIGIBLE = 1e-13
 """A top between two points is looked for only if it may exceed the largest value by more than this share of it;
 rounding errors of the slopes make less."""
+
+HIGHER = 0.5
+"""Share of its largest second difference along the points by which a function may exceed its largest value at them.
+
+The points are even in the angle whose cosine they are.  Between two of them a function leaves its chord by an eighth of
+the step's square times its second derivative, hence by an eighth of a second difference; four times that is allowed,
+since the second derivative of a resolved function may be larger between the points, but not by as much
+(tests/test_sampled.py)."""
 
 NEWTON_STEPS = 2
 """Newton's steps to the place of a top from the zero of the line through the slopes at two neighbouring points."""
@@ -65,16 +73,14 @@ def tails(values: Array) -> Array:
     return np.where(np.isfinite(last) & np.isfinite(largest), share, np.inf)
 
 
-def extremes(values: Array, owner: IndexArray) -> tuple[Array, Array]:
-    """Smallest and largest value over each owner's functions, given by their finite values (shape (r, count)).
+def extremes(values: Array, there: Mask) -> tuple[Array, Array]:
+    """Smallest and largest value of each of n over its p functions, given by values of shape (n, p, count).
 
-    ``owner`` (shape (r,)) counts from 0 on without a gap; the results have one value for each owner.
+    ``there`` (shape (n, p)) says which functions count: their values are finite.  The results have shape (n,); without
+    any function they are infinite.
     """
-    owners = int(owner.max()) + 1
-    fine, slope = _refinement(values.shape[1])
-    grid, slopes = values @ fine.T, values @ slope.T
-    high = _largest(values, grid, slopes, owner, owners)
-    return -_largest(-values, -grid, -slopes, owner, owners), high
+    bend = np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]).max(axis=2)
+    return -_largest(values, there, bend, -1.0), _largest(values, there, bend, 1.0)
 
 
 def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
@@ -99,16 +105,22 @@ def sums_at(values: Array, share: Array) -> Array:
     return _sums(_coefficients(values.shape[1]) @ values.T, share)
 
 
-def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owners: int) -> Array:
-    """Largest value over each owner's functions, shape (owners,); ``grid`` and ``slopes`` are at the finer points."""
-    best = np.full(owners, -np.inf)
+def _largest(values: Array, there: Mask, bend: Array, sign: float) -> Array:
+    """Largest value of ``sign`` times the functions, shape (n,); ``bend`` (shape (n, p)) is their second difference."""
+    samples = np.where(there, values.max(axis=2) if sign > 0.0 else -values.min(axis=2), -np.inf)
+    best: Array = samples.max(axis=1)
+    owner, place = np.nonzero(samples + HIGHER * bend > (best + NEGLIGIBLE * np.abs(best))[:, None])
+    chosen = sign * values[owner, place]
+    fine, slope = _refinement(values.shape[2])
+    grid, slopes = chosen @ fine.T, chosen @ slope.T
     np.maximum.at(best, owner, grid.max(axis=1))
     rising = slopes > 0.0
     row, place = np.nonzero(rising[:, :-1] & ~rising[:, 1:])
-    kept = _reach(grid, slopes, row, place) > best[owner[row]] + NEGLIGIBLE * np.abs(best[owner[row]])
+    known = best[owner[row]]
+    kept = _reach(grid, slopes, row, place) > known + NEGLIGIBLE * np.abs(known)
     row, place = row[kept], place[kept]
-    points = shares(FINER * values.shape[1] - 1)
-    np.maximum.at(best, owner[row], _turned(values[row], points[place], points[place + 1])[1])
+    points = shares(grid.shape[1])
+    np.maximum.at(best, owner[row], _turned(chosen[row], points[place], points[place + 1])[1])
     return best
 
 

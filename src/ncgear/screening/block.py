@@ -37,8 +37,8 @@ FINENESSES = (
 """The next one is tried where the one before does not resolve a law: few points on pieces that are short where strokes
 bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
 
-TOGETHER = 256
-"""Designs computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
+TOGETHER = 1 << 16
+"""Samples computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +65,7 @@ def screened_block(data: dict[str, Any], keys: Sequence[str], values: Array) -> 
         raise written
     table = _Table(figure_names(written), len(numbers))
     for batch, rows in _batches(data, written, keys, numbers):
-        for first in range(0, rows.size, TOGETHER):
-            part = np.arange(first, min(first + TOGETHER, rows.size))
-            computed_together(batch.kept(part), rows[part], table)
+        computed_together(batch, rows, table)
     for row in np.nonzero([not verdict for verdict in table.verdicts])[0].tolist():
         design = checked_design(data, keys, numbers[row].tolist())
         if isinstance(design, WrongInput):
@@ -143,7 +141,7 @@ def computed_together(
 ) -> None:
     """Put down what a batch is sure of, by the rows' numbers (shape (n,)).
 
-    ``finenesses`` are tried one after the other.
+    ``finenesses`` are tried one after the other, each on all designs that those before do not resolve.
     """
     refused = refused_at_once(batch)
     for place, error in refused.items():
@@ -154,12 +152,16 @@ def computed_together(
             return
         if fineness.for_strokes and not batch.kind.has_return:
             continue
-        try:
-            found = found_of(batch.kept(places), fineness)
-        except DesignError:
-            # A resistance that is no smooth function: each design is refused by itself.
-            return
-        table.make(rows[places[found.made]], found.figures)
-        for place, error in found.refused.items():
-            table.refuse(int(rows[places[place]]), error)
-        places = np.delete(places, [*found.made.tolist(), *found.refused])
+        count, left = max(1, TOGETHER // fineness.samples(batch.kind)), list[IndexArray]()
+        for first in range(0, places.size, count):
+            part = places[first : first + count]
+            try:
+                found = found_of(batch.kept(part), fineness)
+            except DesignError:
+                # A resistance that is no smooth function: each design is refused by itself.
+                return
+            table.make(rows[part[found.made]], found.figures)
+            for place, error in found.refused.items():
+                table.refuse(int(rows[part[place]]), error)
+            left.append(np.delete(part, [*found.made.tolist(), *found.refused]))
+        places = np.concatenate(left)

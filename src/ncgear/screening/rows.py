@@ -105,16 +105,9 @@ def _resolved(samples: Samples, quantities: dict[str, Array]) -> Mask:
 
 
 def _ranges(quantities: dict[str, Array], there: Mask, resolved: Mask) -> Ranges:
-    """Smallest and largest value of every quantity over the pieces that are there; zeros for laws not resolved."""
-    laws = np.where(resolved[:, None], there, np.arange(there.shape[1]) == 0)
-    rows, owners = [], []
-    for number, values in enumerate(quantities.values()):
-        law, piece = np.nonzero(laws[:, : values.shape[1]])
-        rows.append(np.where(resolved[law][:, None], values[law, piece], 0.0))
-        owners.append(law + number * len(laws))
-    low, high = extremes(np.vstack(rows), np.concatenate(owners))
-    lows, highs = (side.reshape(len(quantities), -1) for side in (low, high))
-    return {name: (lows[number], highs[number]) for number, name in enumerate(quantities)}
+    """Smallest and largest value of every quantity over the pieces that are there; infinite for laws not resolved."""
+    laws = there & resolved[:, None]
+    return {name: extremes(values, laws[:, : values.shape[1]]) for name, values in quantities.items()}
 
 
 def single_figures(design: Design) -> dict[str, float]:

@@ -24,6 +24,7 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, require_return
 from ncgear.ratio.sampled_strokes import (
+    QUARTERINGS,
     Points,
     ReturnSamples,
     edges_about,
@@ -34,7 +35,7 @@ from ncgear.ratio.sampled_strokes import (
 )
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at, stroke_refusals
-from ncgear.screening.batch import Batch
+from ncgear.screening.batch import Batch, Kind
 
 WHOLE = 0.0, 1.0
 """Ends of the one piece of an approach."""
@@ -137,6 +138,16 @@ class Fineness:
     def for_strokes(self) -> bool:
         """Whether it differs from one of as many points by its cuts of three-segment strokes alone."""
         return self.approach != WHOLE or self.returned != THIRDS
+
+    def samples(self, kind: Kind) -> int:
+        """How many samples a law has."""
+        if not kind.has_return:
+            return 2 * HARMONIC_PIECES * self.count
+        approach, returned = (
+            3 * quarterings if cuts is None else len(cuts)
+            for cuts, quarterings in ((self.approach, 2 * WORKING_QUARTERINGS), (self.returned, QUARTERINGS))
+        )
+        return (approach + returned) * self.count
 
 
 def sampled(batch: Batch, fineness: Fineness) -> Sampled:
