@@ -7,6 +7,7 @@ between the points and extrema are taken from the polynomial.  The functions run
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from math import pi
 
@@ -64,23 +65,35 @@ def integrated(values: Array) -> Array:
     return total
 
 
-def tails(values: Array) -> Array:
-    """Largest of the last coefficients over the largest value, shape (...,); infinite where a value is not finite."""
-    last = np.abs(values @ _coefficients(values.shape[-1])[-LAST:].T).max(axis=-1)
-    largest = np.abs(values).max(axis=-1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.where(largest > 0.0, last / largest, 0.0)
-    return np.where(np.isfinite(last) & np.isfinite(largest), share, np.inf)
+def tails(values: Array) -> tuple[Array, Array]:
+    """Largest of the last coefficients, and the largest value, of each function, shape (...,) both.
 
-
-def extremes(values: Array, there: Mask) -> tuple[Array, Array]:
-    """Smallest and largest value of each of n over its p functions, given by values of shape (n, p, count).
-
-    ``there`` (shape (n, p)) says which functions count: their values are finite.  The results have shape (n,); without
-    any function they are infinite.
+    The coefficients are infinite where a value is not finite.
     """
-    bend = np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]).max(axis=2)
-    return -_largest(values, there, bend, -1.0), _largest(values, there, bend, 1.0)
+    last = np.abs(values @ _coefficients(values.shape[-1])[-LAST:].T).max(axis=-1)
+    size = np.maximum(values.max(axis=-1), -values.min(axis=-1))
+    return np.where(np.isfinite(last) & np.isfinite(size), last, np.inf), size
+
+
+def extremes(quantities: Sequence[Array], there: Mask) -> list[tuple[Array, Array]]:
+    """Smallest and largest value of each quantity over the p functions of each of n owners, shape (n,) each.
+
+    A quantity has values of shape (n, p, count), or of fewer functions, the first ones.  ``there`` (shape (n, p)) says
+    which functions count: their values are finite.  Without any function results are infinite.
+    """
+    best, chosen, owners = list[Array](), list[Array](), list[IndexArray]()
+    for values in quantities:
+        counted = there[:, : values.shape[1]]
+        higher = HIGHER * np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]).max(axis=2)
+        for sign, ends in ((-1.0, -values.min(axis=2)), (1.0, values.max(axis=2))):
+            ends = np.where(counted, ends, -np.inf)
+            most = ends.max(axis=1)
+            owner, place = np.nonzero(ends + higher > (most + NEGLIGIBLE * np.abs(most))[:, None])
+            chosen.append(sign * values[owner, place])
+            owners.append(owner + len(best) * len(there))
+            best.append(most)
+    rows = _largest(np.concatenate(chosen), np.concatenate(owners), np.concatenate(best)).reshape(-1, 2, len(there))
+    return [(-low, high) for low, high in rows]
 
 
 def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
@@ -105,14 +118,10 @@ def sums_at(values: Array, share: Array) -> Array:
     return _sums(_coefficients(values.shape[1]) @ values.T, share)
 
 
-def _largest(values: Array, there: Mask, bend: Array, sign: float) -> Array:
-    """Largest value of ``sign`` times the functions, shape (n,); ``bend`` (shape (n, p)) is their second difference."""
-    samples = np.where(there, values.max(axis=2) if sign > 0.0 else -values.min(axis=2), -np.inf)
-    best: Array = samples.max(axis=1)
-    owner, place = np.nonzero(samples + HIGHER * bend > (best + NEGLIGIBLE * np.abs(best))[:, None])
-    chosen = sign * values[owner, place]
-    fine, slope = _refinement(values.shape[2])
-    grid, slopes = chosen @ fine.T, chosen @ slope.T
+def _largest(values: Array, owner: IndexArray, samples: Array) -> Array:
+    """Largest value of functions (shape (r, count)) by their owners, whose largest samples are known; shape (n,)."""
+    best, (fine, slope) = samples.copy(), _refinement(values.shape[1])
+    grid, slopes = values @ fine.T, values @ slope.T
     np.maximum.at(best, owner, grid.max(axis=1))
     rising = slopes > 0.0
     row, place = np.nonzero(rising[:, :-1] & ~rising[:, 1:])
@@ -120,7 +129,7 @@ def _largest(values: Array, there: Mask, bend: Array, sign: float) -> Array:
     kept = _reach(grid, slopes, row, place) > known + NEGLIGIBLE * np.abs(known)
     row, place = row[kept], place[kept]
     points = shares(grid.shape[1])
-    np.maximum.at(best, owner[row], _turned(chosen[row], points[place], points[place + 1])[1])
+    np.maximum.at(best, owner[row], _turned(values[row], points[place], points[place + 1])[1])
     return best
 
 
