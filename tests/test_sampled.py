@@ -5,9 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import extremes, integration, shares, tails
 
 COUNTS = (24, 33, 64)
+
+
+def alone(values: Array) -> tuple[Array, Array]:
+    """The extremes of each function (shape (n, count)) by itself."""
+    return extremes([values[:, None]], np.ones((len(values), 1), dtype=bool))[0]
 
 
 @pytest.mark.parametrize("count", COUNTS)
@@ -22,28 +28,57 @@ def test_integrals_are_those_of_the_closed_form(count: int) -> None:
 def test_extremes_between_the_points_are_exact(count: int) -> None:
     """A wave of one crest and one trough somewhere inside: plus and minus one, wherever they lie."""
     phase = np.linspace(0.0, 6.0, 200)[:, None]
-    low, high = extremes(np.sin(2.0 * np.pi * shares(count) + phase), np.arange(200))
+    low, high = alone(np.sin(2.0 * np.pi * shares(count) + phase))
     assert np.abs(low + 1.0).max() < 1e-13
     assert np.abs(high - 1.0).max() < 1e-13
 
 
 def test_an_owner_of_several_functions_has_the_extremes_of_all() -> None:
     t = shares(33)
-    low, high = extremes(
-        np.stack([t * (1.0 - t), t - 3.0, 0.5 * np.cos(3.0 * t), 0.0 * t + 2.0]), np.array([0, 1, 0, 1])
-    )
+    values = np.stack([[t * (1.0 - t), 0.5 * np.cos(3.0 * t)], [t - 3.0, 0.0 * t + 2.0]])
+    ((low, high),) = extremes([values], np.ones((2, 2), dtype=bool))
     assert low == pytest.approx([0.5 * np.cos(3.0), -3.0], rel=1e-14)
     assert high == pytest.approx([0.5, 2.0], rel=1e-14)
 
 
 def test_a_top_that_is_lower_than_another_functions_end_does_not_count() -> None:
     t = shares(33)
-    assert extremes(np.stack([t * (1.0 - t), 0.3 - 0.1 * t]), np.array([0, 0]))[1] == pytest.approx([0.3], rel=1e-14)
+    values = np.stack([t * (1.0 - t), 0.3 - 0.1 * t])[None, :]
+    assert extremes([values], np.ones((1, 2), dtype=bool))[0][1] == pytest.approx([0.3], rel=1e-14)
+
+
+def test_a_function_that_is_not_there_does_not_count() -> None:
+    t = shares(33)
+    values = np.stack([[t, np.full(33, np.nan)], [t + 5.0, np.full(33, np.inf)]])
+    with np.errstate(invalid="ignore"):
+        ((low, high),) = extremes([values], np.array([[True, False], [False, False]]))
+    assert low.tolist() == [0.0, np.inf]
+    assert high.tolist() == [1.0, -np.inf]
+
+
+@pytest.mark.parametrize("count", COUNTS)
+def test_the_highest_top_is_found_among_functions_that_nearly_reach_it(count: int) -> None:
+    """Nine waves whose tops differ by less than what samples miss of them, against the values at very many places."""
+    random = np.random.default_rng(5)
+    turns, phase = random.uniform(0.5, count / 12.0, (300, 9, 1)), random.uniform(0.0, 6.3, (300, 9, 1))
+    size = 1.0 + 1e-4 * random.standard_normal((300, 9, 1))
+
+    def at(places: Array) -> Array:
+        return size * np.cos(turns * 2.0 * np.pi * places + phase)
+
+    assert (tails(at(shares(count)))[0] < 1e-7).all()
+    both = extremes([at(shares(count)), at(shares(count))[:, :4]], np.ones((300, 9), dtype=bool))
+    assert (both[1][1] <= both[0][1] + 1e-12).all()
+    low, high = both[0]
+    many = at(np.linspace(0.0, 1.0, 4001))
+    assert (high >= many.max(axis=(1, 2)) - 1e-7).all()
+    assert (low <= many.min(axis=(1, 2)) + 1e-7).all()
+    assert (high <= many.max(axis=(1, 2)) + 1e-4).all()
 
 
 def test_constants_and_rounding_errors_have_extremes() -> None:
     rough = 5.0 + 1e-15 * np.random.default_rng(3).standard_normal((50, 65))
-    low, high = extremes(rough, np.arange(50))
+    low, high = alone(rough)
     assert np.abs(low - 5.0).max() < 1e-13
     assert np.abs(high - 5.0).max() < 1e-13
 
@@ -55,7 +90,7 @@ def test_samples_alone_would_miss_the_top() -> None:
 
 
 def test_tails_fall_with_the_count_and_show_what_is_not_resolved() -> None:
-    runge = [float(tails(1.0 / (1e-2 + (shares(count) - 0.5) ** 2))) for count in (17, 33, 65, 129)]
+    runge = [float(tails(0.01 / (0.01 + (shares(count) - 0.5) ** 2))[0]) for count in (17, 33, 65, 129)]
     assert runge[0] > 1e-2
     # Bernstein ellipse of the pole at 0.5 + 0.1i: rho = 0.2 + sqrt(1.04) a coefficient.
     assert runge[2] / runge[1] == pytest.approx((0.2 + 1.04**0.5) ** -32, rel=0.5)
@@ -66,4 +101,6 @@ def test_tails_fall_with_the_count_and_show_what_is_not_resolved() -> None:
 def test_tails_of_what_is_not_finite_are_infinite(wrong: float) -> None:
     values = np.ones((2, 33))
     values[0, 4] = wrong
-    assert tails(values).tolist() == [np.inf, pytest.approx(0.0, abs=1e-15)]
+    last, size = tails(values)
+    assert last.tolist() == [np.inf, pytest.approx(0.0, abs=1e-15)]
+    assert size[1] == 1.0

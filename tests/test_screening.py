@@ -19,7 +19,7 @@ from ncgear.numerics.sampled import integrated
 from ncgear.screening import block as block_module
 from ncgear.screening import rows as figures_module
 from ncgear.screening.batch import Batch, kind_of
-from ncgear.screening.block import MADE, TOGETHER, Block, screened_block
+from ncgear.screening.block import MADE, Block, screened_block
 from ncgear.screening.rows import single_figures
 from ncgear.screening.samples import Fineness, sampled
 
@@ -369,7 +369,7 @@ def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch, alone: 
 @pytest.mark.slow
 def test_rows_and_their_neighbours_do_not_matter() -> None:
     """Neither their order nor the sizes of batches change a digit beyond rounding."""
-    data, values = data_of("baler"), in_box(BORDER, TOGETHER + 40, 8)
+    data, values = data_of("baler"), in_box(BORDER, 300, 8)
     whole, half = (screened_block(data, list(BORDER), rows) for rows in (values, values[::-2]))
     assert half.verdicts == whole.verdicts[::-2]
     for name, column in whole.figures.items():

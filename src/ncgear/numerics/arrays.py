@@ -35,6 +35,11 @@ def repeated(many: Any, count: int) -> Any:
     return replace(many, **arrays) if arrays else many
 
 
+def chosen(many: Any, rows: IndexArray) -> Any:
+    """Some of the designs, in a dataclass whose arrays count designs along their last axis."""
+    return replace(many, **{name: values[..., rows] for name, values in _arrays(many).items()})
+
+
 @dataclass(frozen=True, eq=False)
 class Columns:
     """Base of dataclasses whose arrays all count the same things along their first axis."""

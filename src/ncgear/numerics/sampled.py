@@ -7,13 +7,14 @@ between the points and extrema are taken from the polynomial.  The functions run
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from math import pi
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.zeros import zeros_between
 
 LAST = 3
@@ -23,6 +24,14 @@ may be zero by chance."""
 NEGLIGIBLE = 1e-13
 """A top between two points is looked for only if it may exceed the largest value by more than this share of it;
 rounding errors of the slopes make less."""
+
+HIGHER = 0.5
+"""Share of its largest second difference along the points by which a function may exceed its largest value at them.
+
+The points are even in the angle whose cosine they are.  Between two of them a function leaves its chord by an eighth of
+the step's square times its second derivative, hence by an eighth of a second difference; four times that is allowed,
+since the second derivative of a resolved function may be larger between the points, but not by as much
+(tests/test_sampled.py)."""
 
 NEWTON_STEPS = 2
 """Newton's steps to the place of a top from the zero of the line through the slopes at two neighbouring points."""
@@ -56,25 +65,35 @@ def integrated(values: Array) -> Array:
     return total
 
 
-def tails(values: Array) -> Array:
-    """Largest of the last coefficients over the largest value, shape (...,); infinite where a value is not finite."""
-    last = np.abs(values @ _coefficients(values.shape[-1])[-LAST:].T).max(axis=-1)
-    largest = np.abs(values).max(axis=-1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.where(largest > 0.0, last / largest, 0.0)
-    return np.where(np.isfinite(last) & np.isfinite(largest), share, np.inf)
+def tails(values: Array) -> tuple[Array, Array]:
+    """Largest of the last coefficients, and the largest value, of each function, shape (...,) both.
 
-
-def extremes(values: Array, owner: IndexArray) -> tuple[Array, Array]:
-    """Smallest and largest value over each owner's functions, given by their finite values (shape (r, count)).
-
-    ``owner`` (shape (r,)) counts from 0 on without a gap; the results have one value for each owner.
+    The coefficients are infinite where a value is not finite.
     """
-    owners = int(owner.max()) + 1
-    fine, slope = _refinement(values.shape[1])
-    grid, slopes = values @ fine.T, values @ slope.T
-    high = _largest(values, grid, slopes, owner, owners)
-    return -_largest(-values, -grid, -slopes, owner, owners), high
+    last = np.abs(values @ _coefficients(values.shape[-1])[-LAST:].T).max(axis=-1)
+    size = np.maximum(values.max(axis=-1), -values.min(axis=-1))
+    return np.where(np.isfinite(last) & np.isfinite(size), last, np.inf), size
+
+
+def extremes(quantities: Sequence[Array], there: Mask) -> list[tuple[Array, Array]]:
+    """Smallest and largest value of each quantity over the p functions of each of n owners, shape (n,) each.
+
+    A quantity has values of shape (n, p, count), or of fewer functions, the first ones.  ``there`` (shape (n, p)) says
+    which functions count: their values are finite.  Without any function results are infinite.
+    """
+    best, chosen, owners = list[Array](), list[Array](), list[IndexArray]()
+    for values in quantities:
+        counted = there[:, : values.shape[1]]
+        higher = HIGHER * np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]).max(axis=2)
+        for sign, ends in ((-1.0, -values.min(axis=2)), (1.0, values.max(axis=2))):
+            ends = np.where(counted, ends, -np.inf)
+            most = ends.max(axis=1)
+            owner, place = np.nonzero(ends + higher > (most + NEGLIGIBLE * np.abs(most))[:, None])
+            chosen.append(sign * values[owner, place])
+            owners.append(owner + len(best) * len(there))
+            best.append(most)
+    rows = _largest(np.concatenate(chosen), np.concatenate(owners), np.concatenate(best)).reshape(-1, 2, len(there))
+    return [(-low, high) for low, high in rows]
 
 
 def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
@@ -99,15 +118,17 @@ def sums_at(values: Array, share: Array) -> Array:
     return _sums(_coefficients(values.shape[1]) @ values.T, share)
 
 
-def _largest(values: Array, grid: Array, slopes: Array, owner: IndexArray, owners: int) -> Array:
-    """Largest value over each owner's functions, shape (owners,); ``grid`` and ``slopes`` are at the finer points."""
-    best = np.full(owners, -np.inf)
+def _largest(values: Array, owner: IndexArray, samples: Array) -> Array:
+    """Largest value of functions (shape (r, count)) by their owners, whose largest samples are known; shape (n,)."""
+    best, (fine, slope) = samples.copy(), _refinement(values.shape[1])
+    grid, slopes = values @ fine.T, values @ slope.T
     np.maximum.at(best, owner, grid.max(axis=1))
     rising = slopes > 0.0
     row, place = np.nonzero(rising[:, :-1] & ~rising[:, 1:])
-    kept = _reach(grid, slopes, row, place) > best[owner[row]] + NEGLIGIBLE * np.abs(best[owner[row]])
+    known = best[owner[row]]
+    kept = _reach(grid, slopes, row, place) > known + NEGLIGIBLE * np.abs(known)
     row, place = row[kept], place[kept]
-    points = shares(FINER * values.shape[1] - 1)
+    points = shares(grid.shape[1])
     np.maximum.at(best, owner[row], _turned(values[row], points[place], points[place + 1])[1])
     return best
 

@@ -45,7 +45,7 @@ lies at a bound, except at theta2 = theta3."""
 SEGMENT_POINTS = 65, 17, 33
 """Points on each segment of the stroke, ends included; the accelerations are of degree 3, 0 and 2."""
 
-RETURN_POINTS = Points(pieces=1, count=97, steps=8)
+RETURN_POINTS = Points(edges=(0.0, 1.0), count=97, steps=8)
 """Points on the return; four of Newton's steps give five digits."""
 
 CLOSED = 1e-6

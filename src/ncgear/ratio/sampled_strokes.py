@@ -89,7 +89,8 @@ class Returns:
 
     def widths_rad(self, points: Points) -> Array:
         """The driving angle of each piece, shape (n, pieces)."""
-        return np.broadcast_to((self.length_rad / points.pieces)[:, None], (self.length_rad.size, points.pieces))
+        widths: Array = self.length_rad[:, None] * np.diff(points.edges)
+        return widths
 
     def polynomial(self, points: Points, order: int) -> Jet:
         """Its value and derivatives by the driving angle up to ``order``, at most 2, at all points of each return."""
@@ -148,9 +149,6 @@ ten-thousandth of its mean there; narrower ones are left to the solver of one re
 EVERYWHERE = (1.0 / 32.0, 1.0 / 8.0, 1.0 / 2.0, 7.0 / 8.0, 31.0 / 32.0, 127.0 / 128.0)
 """Shares of a stretch at which it is cut besides, since the ratio may change fast beside its ends as well."""
 
-PEAK_PIECES = 2 * QUARTERINGS + 2 + len(EVERYWHERE)
-"""Pieces of a return that is quartered towards a place, on both sides of it."""
-
 
 def edges_about(about: Array, quarterings: int) -> Array:
     """Ends of pieces of [0, 1], less ``about`` (shape (n,)) in it, shape (n, pieces + 1); some have no length."""
@@ -194,19 +192,19 @@ class ReturnSamples:
 
 @dataclass(frozen=True)
 class Points:
-    """A return is cut into equal pieces of tau with ``count`` Chebyshev points each, ends included.
+    """A return is cut at ``edges`` in tau, from 0 to 1, into pieces of ``count`` Chebyshev points each, ends included.
 
     ``steps`` of Newton's method on these points close a return in the ratio.
     """
 
-    pieces: int
+    edges: tuple[float, ...]
     count: int
     steps: int
 
     @property
     def basis(self) -> Basis:
         """The parts of a return's polynomial at all points."""
-        return _basis(self.pieces, self.count)
+        return _basis(self.edges, self.count)
 
 
 class Basis(NamedTuple):
@@ -223,12 +221,13 @@ class Basis(NamedTuple):
 
 
 @cache
-def _basis(pieces: int, count: int) -> Basis:
-    tau = ((np.arange(pieces)[:, None] + shares(count)) / pieces).ravel()
+def _basis(edges: tuple[float, ...], count: int) -> Basis:
+    starts, widths = np.array(edges[:-1])[:, None], np.diff(edges)[:, None]
+    tau = (starts + widths * shares(count)).ravel()
     bump = tau**2 * (1.0 - tau) ** 2, 2.0 * tau * (1.0 - tau) * (1.0 - 2.0 * tau), 2.0 - 12.0 * tau * (1.0 - tau)
     slant = 2.0 * tau - 1.0
     skew = slant * bump[0], 2.0 * bump[0] + slant * bump[1], 4.0 * bump[1] + slant * bump[2]
-    weights = np.tile(integration(count)[-1] / pieces, pieces)
+    weights = (widths * integration(count)[-1]).ravel()
     return Basis(tau, weights, tau[:, None] ** np.arange(4.0), bump, skew)
 
 
@@ -334,7 +333,8 @@ def return_samples(
     returns: Returns | PeakedReturns, linkage: Mechanisms[Any], points: Points, order: int
 ) -> ReturnSamples:
     """The returns, dphi2/dphi1 with derivatives up to ``order`` (1 or 2), and the slider's motion at all points."""
-    shape, widths = (-1, points.pieces, points.count), returns.widths_rad(points)[..., None]
+    widths = returns.widths_rad(points)[..., None]
+    shape = (len(widths), widths.shape[1], points.count)
     slope = returns.polynomial(points, order)
     slope = slope if returns.inverse else 1.0 / slope
     turned = (slope.value.reshape(-1, points.count) @ integration(points.count).T).reshape(shape)
@@ -342,7 +342,7 @@ def return_samples(
     before = np.cumsum(turned[:, :, -1:], axis=1) - turned[:, :, -1:]
     driven = turned + before + np.reshape(linkage.working_angle_rad, (-1, 1, 1))
     moved = slope.truncated(1).integrated(driven.ravel())
-    motion = repeated(linkage, points.pieces * points.count).displacement(moved)
+    motion = repeated(linkage, widths.shape[1] * points.count).displacement(moved)
     slopes = tuple(slope.derivative(k).reshape(shape) for k in range(order + 1))
     displacement, velocity, acceleration = (motion.derivative(k).reshape(shape) for k in range(3))
     return ReturnSamples(slopes, displacement, velocity, acceleration, driven[:, -1, -1])

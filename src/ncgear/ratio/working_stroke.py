@@ -23,7 +23,7 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.mechanisms.mechanism import SLIDER, Output
-from ncgear.numerics.arrays import Array, Number
+from ncgear.numerics.arrays import Array, Number, chosen
 from ncgear.numerics.roots import real_roots
 from ncgear.numerics.units import RAD_S_PER_RPM, in_words
 
@@ -290,7 +290,7 @@ def stroke_refusals(
         rows = np.nonzero(~sound)[0]
         if not rows.size:
             return {}
-        asked, closed = _rows(requests, rows), _rows(strokes, rows)
+        asked, closed = chosen(requests, rows), chosen(strokes, rows)
         per_v1, per_v2, _ = _stroke_sensitivities(asked)
         most = _most_of_v1(asked)
         speeds = _closing_speeds(asked, most)
@@ -308,11 +308,6 @@ def stroke_refusals(
         )
         refusals[number] = row.refusal()
     return refusals
-
-
-def _rows(many: Any, rows: Any) -> Any:
-    """The chosen ones of many strokes or requests."""
-    return replace(many, **{name: values[..., rows] for name, values in vars(many).items() if values is not None})
 
 
 def _row(many: Any, row: int) -> Any:

@@ -23,11 +23,22 @@ from ncgear.screening.samples import Fineness, refused_at_once
 
 MADE = "made"
 
-FINENESSES = (Fineness(65), Fineness(65, True), Fineness(97, True), Fineness(129), Fineness(257), Fineness(513))
-"""The next one is tried where the one before does not resolve a law."""
+FINENESSES = (
+    Fineness(33, (0.0, 0.25, 0.75, 1.0), (0.0, 0.45, 0.75, 0.9, 1.0)),
+    Fineness(33, (0.0, 0.1, 0.3, 0.75, 1.0), (0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.85, 0.95, 1.0)),
+    Fineness(49, (0.0, 0.1, 0.3, 0.75, 1.0), None),
+    Fineness(65, None, None),
+    Fineness(97, None, None),
+    Fineness(65),
+    Fineness(129),
+    Fineness(257),
+    Fineness(513),
+)
+"""The next one is tried where the one before does not resolve a law: few points on pieces that are short where strokes
+bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
 
-TOGETHER = 256
-"""Designs computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
+TOGETHER = 1 << 16
+"""Samples computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +65,7 @@ def screened_block(data: dict[str, Any], keys: Sequence[str], values: Array) -> 
         raise written
     table = _Table(figure_names(written), len(numbers))
     for batch, rows in _batches(data, written, keys, numbers):
-        for first in range(0, rows.size, TOGETHER):
-            part = np.arange(first, min(first + TOGETHER, rows.size))
-            computed_together(batch.kept(part), rows[part], table)
+        computed_together(batch, rows, table)
     for row in np.nonzero([not verdict for verdict in table.verdicts])[0].tolist():
         design = checked_design(data, keys, numbers[row].tolist())
         if isinstance(design, WrongInput):
@@ -132,7 +141,7 @@ def computed_together(
 ) -> None:
     """Put down what a batch is sure of, by the rows' numbers (shape (n,)).
 
-    ``finenesses`` are tried one after the other.
+    ``finenesses`` are tried one after the other, each on all designs that those before do not resolve.
     """
     refused = refused_at_once(batch)
     for place, error in refused.items():
@@ -141,14 +150,18 @@ def computed_together(
     for fineness in finenesses:
         if not places.size:
             return
-        if fineness.towards_peak and not batch.kind.has_return:
+        if fineness.for_strokes and not batch.kind.has_return:
             continue
-        try:
-            found = found_of(batch.kept(places), fineness)
-        except DesignError:
-            # A resistance that is no smooth function: each design is refused by itself.
-            return
-        table.make(rows[places[found.made]], found.figures)
-        for place, error in found.refused.items():
-            table.refuse(int(rows[places[place]]), error)
-        places = np.delete(places, [*found.made.tolist(), *found.refused])
+        count, left = max(1, TOGETHER // fineness.samples(batch.kind)), list[IndexArray]()
+        for first in range(0, places.size, count):
+            part = places[first : first + count]
+            try:
+                found = found_of(batch.kept(part), fineness)
+            except DesignError:
+                # A resistance that is no smooth function: each design is refused by itself.
+                return
+            table.make(rows[part[found.made]], found.figures)
+            for place, error in found.refused.items():
+                table.refuse(int(rows[part[place]]), error)
+            left.append(np.delete(part, [*found.made.tolist(), *found.refused]))
+        places = np.concatenate(left)

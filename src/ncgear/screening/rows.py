@@ -6,7 +6,7 @@ keys.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from math import degrees, pi, radians
@@ -28,7 +28,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import RIGHT_ANGLE_DEG, require_pushing, require_pushing_flanks
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
-from ncgear.screening.batch import Batch, Kind
+from ncgear.screening.batch import Batch
 from ncgear.screening.samples import Fineness, Sampled, Samples, sampled
 
 RESOLVED = 1e-12
@@ -38,83 +38,61 @@ hundredth of that where the ratio varies by 1:100, still has ten digits (tests/t
 SEEN = 2
 """Fewest samples of a law on a panel of the force; peaks between two samples make panels that are narrower still."""
 
-Ranges = dict[str, tuple[Array, Array]]
-
-
 ROUNDED_RAD = 1e-9
 """Driving angle that messages round to zero."""
 
 
-@dataclass(frozen=True, eq=False)
-class LawFigures:
-    """Figures of n laws, shape (n,) each, per radian of the driving angle and at unit centre distance.
+Range = tuple[Array, Array]
+"""Smallest and largest values of n laws, shape (n,) each."""
 
-    ``ranges`` has the smallest and largest value of the ratio, the tangent of the pitch curves' inclination, their
-    curvatures, the slider's velocity and acceleration over the cycle and over the working stroke, and the power.
-    ``length`` is the pitch curves' over one turn of the driven gear, ``resolved`` says whose figures hold.
+
+@dataclass(frozen=True, eq=False)
+class CurveFigures:
+    """What n ratios and the shape of their pitch curves are, shape (n,) each; ``resolved`` says whose figures hold.
+
+    ``steepest`` is the largest tangent of the pitch curves' inclination, ``length`` theirs over one turn of the driven
+    gear at unit centre distance.
     """
 
-    ranges: Ranges
+    ratio: Range
+    steepest: Array
     length: Array
     resolved: Mask
 
-    def largest(self, name: str) -> Array:
-        """Largest magnitude of a quantity."""
-        low, high = self.ranges[name]
-        magnitude: Array = np.maximum(-low, high)
-        return magnitude
+
+def curve_figures(samples: Samples) -> CurveFigures:
+    """The figures of ratios and pitch curves."""
+    at = samples.at
+    steepness, rates = tangent(at), samples.turning * length_rate(at)
+    resolved = _died_away((at.ratio, steepness, rates, samples.turning), samples.there) & _closes(samples)
+    ratio, inclination = extremes((at.ratio, steepness), samples.there & resolved[:, None])
+    return CurveFigures(ratio, _magnitude(inclination), integrated(rates), resolved)
 
 
-def law_figures(samples: Samples, force_n: Callable[[Array], Array]) -> LawFigures:
-    """The figures of laws against a resistance, as a function of displacements in mm (any shape)."""
-    working = samples.displacement_mm.shape[1]
-    quantities = _quantities(samples, force_n)
-    resolved = _resolved(samples, quantities)
-    quantities["working_acceleration"] = samples.acceleration[:, :working]
-    length = integrated(samples.turning * length_rate(samples.at))
-    return LawFigures(_ranges(quantities, samples.there, resolved), length, resolved)
+def _magnitude(values: Range) -> Array:
+    """Largest magnitude between both ends."""
+    magnitude: Array = np.maximum(-values[0], values[1])
+    return magnitude
 
 
-def _quantities(samples: Samples, force_n: Callable[[Array], Array]) -> dict[str, Array]:
-    at, working = samples.at, samples.displacement_mm.shape[1]
-    return {
-        "ratio": at.ratio,
-        "tangent": tangent(at),
-        "driving_curvature": driving_curvature(at),
-        "driven_curvature": driven_curvature(at),
-        "velocity": samples.velocity,
-        "acceleration": samples.acceleration,
-        "power": force_n(samples.displacement_mm) * samples.velocity[:, :working],
-    }
+def _died_away(quantities: Iterable[Array], there: Mask) -> Mask:
+    """Of which laws the last coefficients of all quantities have died away on the pieces that are there."""
+    resolved = np.ones(len(there), dtype=bool)
+    for values in quantities:
+        counted = there[:, : values.shape[1]]
+        last, size = tails(values)
+        size = np.where(counted, size, 0.0).max(axis=1, keepdims=True)
+        resolved &= (((last <= RESOLVED * size) & np.isfinite(size)) | ~counted).all(axis=1)
+    return resolved
 
 
-def _resolved(samples: Samples, quantities: dict[str, Array]) -> Mask:
-    """Which laws close, with the last coefficients of all quantities and lengths died away."""
-    rates = samples.turning * length_rate(samples.at)
-    resolved = np.ones(len(samples.there), dtype=bool)
-    for values in (*quantities.values(), rates, samples.turning):
-        there = samples.there[:, : values.shape[1]]
-        size = np.where(there, np.abs(values).max(axis=2), 0.0)
-        small = tails(values) * size <= RESOLVED * size.max(axis=1, keepdims=True)
-        resolved &= (small | ~there).all(axis=1)
+def _closes(samples: Samples) -> Mask:
+    """Which laws close, and do not nearly stand still."""
     ratio = np.where(samples.there[..., None], samples.at.ratio, samples.at.ratio[:, :1])
     lowest, highest = ratio.min(axis=(1, 2)), ratio.max(axis=(1, 2))
     closed = np.abs(integrated(samples.turning) - 2.0 * np.pi) <= CLOSED
-    answer: Mask = resolved & closed & (lowest > 2.0 * STANDSTILL * highest)
+    answer: Mask = closed & (lowest > 2.0 * STANDSTILL * highest)
     return answer
-
-
-def _ranges(quantities: dict[str, Array], there: Mask, resolved: Mask) -> Ranges:
-    """Smallest and largest value of every quantity over the pieces that are there; zeros for laws not resolved."""
-    laws = np.where(resolved[:, None], there, np.arange(there.shape[1]) == 0)
-    rows, owners = [], []
-    for number, values in enumerate(quantities.values()):
-        law, piece = np.nonzero(laws[:, : values.shape[1]])
-        rows.append(np.where(resolved[law][:, None], values[law, piece], 0.0))
-        owners.append(law + number * len(laws))
-    low, high = extremes(np.vstack(rows), np.concatenate(owners))
-    lows, highs = (side.reshape(len(quantities), -1) for side in (low, high))
-    return {name: (lows[number], highs[number]) for number, name in enumerate(quantities)}
 
 
 def single_figures(design: Design) -> dict[str, float]:
@@ -201,42 +179,82 @@ class Found:
 
 
 def found_of(batch: Batch, fineness: Fineness) -> Found:
-    """The figures and refusals of a batch of the designs that it is sure of when sampled so finely."""
-    kind = batch.kind
+    """The figures and refusals of a batch of the designs that it is sure of when sampled so finely.
 
-    def fitted_n(displacement_mm: Array) -> Array:
-        """The curve of the force with its negative stretches, as the exact peak of power uses it."""
-        return kind.resistance.fitted_n(Jet(displacement_mm.reshape(1, -1))).value.reshape(displacement_mm.shape)
-
+    Whether teeth can roll on the pitch curves is asked first, as for a design by itself: the motion of a slider that no
+    teeth can drive is not computed.
+    """
     # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
     with np.errstate(all="ignore"):
         found = sampled(batch, fineness)
-        figures = law_figures(found.samples, fitted_n)
-    sure = np.nonzero(figures.resolved & _force_is_seen(kind.resistance, found, figures.resolved))[0]
-    if not sure.size:
-        return Found(sure, {}, {})
-    speed = batch.column("operation.speed_rpm")[sure] * RAD_S_PER_RPM
-    columns = {**_law_of_rows(found, figures, sure), **_check_of_rows(kind, found, figures, sure, speed)}
-    gears = batch.written[0].gears
-    if gears is None:
-        return Found(sure, columns, {})
-    pitch, unsized = _pitch_of_rows(batch.kept(sure), figures, sure)
-    tangent = np.arctan(figures.largest("tangent"))[sure]
+        curves = curve_figures(found.samples)
+    left, refused = np.nonzero(curves.resolved)[0], dict[int, DesignError]()
+    if batch.written[0].gears is not None and left.size:
+        left, refused = _rolling(batch, found, curves, left)
+    if not left.size:
+        return Found(left, {}, refused)
+    with np.errstate(all="ignore"):
+        sure, columns = _figures_of_rows(batch, found, curves, left)
+    return Found(left[sure], {name: values[sure] for name, values in columns.items()}, refused)
+
+
+def _rolling(
+    batch: Batch, found: Sampled, curves: CurveFigures, known: IndexArray
+) -> tuple[IndexArray, dict[int, DesignError]]:
+    """Those of some designs whose teeth fill the pitch curves and can push, and why others are refused.
+
+    Those that are in neither are left to a single computation.
+    """
+    _, fits = _distance(batch.kept(known), curves.length[known])
+    steepness = np.arctan(curves.steepest[known])
     racks = [design.gears.rack for design in batch.written if design.gears is not None]
-    steeper = np.array([max(rack.angles_deg) for rack in racks])[batch.follows[sure]]
-    steep = np.nonzero((np.degrees(tangent) + steeper >= RIGHT_ANGLE_DEG) & ~unsized)[0]
+    steeper = np.array([max(rack.angles_deg) for rack in racks])[batch.follows[known]]
+    pushes = np.degrees(steepness) + steeper < RIGHT_ANGLE_DEG
     refused: dict[int, DesignError] = {}
-    for place in np.nonzero(unsized)[0].tolist():
-        if (error := _refusal(partial(_require_size, batch, figures, int(sure[place])))) is not None:
-            refused[int(sure[place])] = error
-    where = _steepest(found.samples.kept(sure[steep]), kind.lobes)
+    for row in known[~fits].tolist():
+        if (error := _refusal(partial(_require_size, batch, curves, row))) is not None:
+            refused[row] = error
+    steep = np.nonzero(fits & ~pushes)[0]
+    where = _steepest(found.samples.kept(known[steep]), batch.kind.lobes)
     for place, at_rad in zip(steep.tolist(), where.tolist(), strict=True):
-        rack = racks[batch.follows[sure[place]]]
-        if (error := _refusal(partial(require_pushing, float(tangent[place]), at_rad, rack))) is not None:
-            refused[int(sure[place])] = error
-    made = ~unsized
-    made[steep] = False
-    return Found(sure[made], {name: values[made] for name, values in {**columns, **pitch}.items()}, refused)
+        row = int(known[place])
+        demand = partial(require_pushing, float(steepness[place]), at_rad, racks[batch.follows[row]])
+        if (error := _refusal(demand)) is not None:
+            refused[row] = error
+    return known[fits & pushes], refused
+
+
+def _figures_of_rows(
+    batch: Batch, found: Sampled, curves: CurveFigures, rows: IndexArray
+) -> tuple[Mask, dict[str, Array]]:
+    """Whose figures hold, of some designs, and the figures."""
+    kind, samples, moved = batch.kind, found.samples.kept(rows), found.motion(rows)
+    working = moved.displacement.shape[1]
+    force_n = kind.resistance.fitted_n(Jet(moved.displacement.reshape(1, -1))).value
+    quantities = {
+        "driving": driving_curvature(samples.at),
+        "driven": driven_curvature(samples.at),
+        "velocity": moved.velocity,
+        "acceleration": moved.acceleration,
+        "power": force_n.reshape(moved.displacement.shape) * moved.velocity[:, :working],
+    }
+    resolved = _died_away(quantities.values(), samples.there)
+    quantities["working_acceleration"] = moved.acceleration[:, :working]
+    stroke_mm = found.stroke_mm[rows]
+    sure = resolved & _force_is_seen(kind.resistance, moved.displacement, stroke_mm, resolved)
+    ranges = dict(zip(quantities, extremes([*quantities.values()], samples.there & sure[:, None]), strict=True))
+    kept = batch.kept(rows)
+    columns = {
+        "drive.law_speed_rpm": found.law_speed_rpm[rows],
+        "closure.residual_rad": np.abs(found.closing_error_rad[rows]),
+        "closure.stroke_residual_mm": np.abs(found.stroke_error_mm[rows]),
+        "ratio.min": curves.ratio[0][rows],
+        "ratio.max": curves.ratio[1][rows],
+        **_check_of_rows(kept, ranges, stroke_mm),
+    }
+    if batch.written[0].gears is not None:
+        columns |= _pitch_of_rows(kept, ranges, curves.length[rows], curves.steepest[rows])
+    return sure, columns
 
 
 def _refusal(require: Callable[[], object]) -> DesignError | None:
@@ -248,51 +266,58 @@ def _refusal(require: Callable[[], object]) -> DesignError | None:
     return None
 
 
-def _force_is_seen(resistance: Resistance, found: Sampled, known: Mask) -> Mask:
+def _force_is_seen(resistance: Resistance, displacement_mm: Array, stroke_mm: Array, known: Mask) -> Mask:
     """Whether every panel of the force's curve holds two samples of the law, so that none hides a peak."""
-    displacement, stroke = found.samples.displacement_mm, found.stroke_mm[known]
-    if not known.any() or not (panels := resistance.panels_mm(float(stroke.max()))).size:
+    if not known.any() or not (panels := resistance.panels_mm(float(stroke_mm[known].max()))).size:
         return known
-    count = np.stack([np.searchsorted(np.sort(row, axis=None), panels) for row in displacement])
-    seen: Mask = np.all((np.diff(count, axis=1) >= SEEN) | (panels[1:] > found.stroke_mm[:, None]), axis=1)
+    count = np.stack([np.searchsorted(np.sort(row, axis=None), panels) for row in displacement_mm])
+    seen: Mask = np.all((np.diff(count, axis=1) >= SEEN) | (panels[1:] > stroke_mm[:, None]), axis=1)
     return seen
 
 
-def _law_of_rows(found: Sampled, figures: LawFigures, sure: IndexArray) -> dict[str, Array]:
-    low, high = figures.ranges["ratio"]
+def _check_of_rows(batch: Batch, ranges: dict[str, Range], stroke_mm: Array) -> dict[str, Array]:
+    """Peaks of the motion and mean power at the speed of operation."""
+    kind, speed_rad_s = batch.kind, batch.column("operation.speed_rpm") * RAD_S_PER_RPM
+    cycle = kind.lobes.driven * kind.lobes.driving_period_rad
+    work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
     return {
-        "drive.law_speed_rpm": found.law_speed_rpm[sure],
-        "closure.residual_rad": np.abs(found.closing_error_rad[sure]),
-        "closure.stroke_residual_mm": np.abs(found.stroke_error_mm[sure]),
-        "ratio.min": low[sure],
-        "ratio.max": high[sure],
-    }
-
-
-def _check_of_rows(
-    kind: Kind, found: Sampled, figures: LawFigures, sure: IndexArray, speed_rad_s: Array
-) -> dict[str, Array]:
-    stroke, cycle = found.stroke_mm[sure], kind.lobes.driven * kind.lobes.driving_period_rad
-    work = kind.resistance.work_n_mm(stroke, float(stroke.max())) / 1000.0
-    return {
-        "check.peak_power_w": np.maximum(figures.ranges["power"][1][sure], 0.0) * speed_rad_s / 1000.0,
+        "check.peak_power_w": np.maximum(ranges["power"][1], 0.0) * speed_rad_s / 1000.0,
         "check.mean_power_w": work * speed_rad_s / cycle,
-        "check.peak_speed_mm_s": figures.largest("velocity")[sure] * speed_rad_s,
-        "check.peak_acceleration_working_mm_s2": figures.largest("working_acceleration")[sure] * speed_rad_s**2,
-        "check.peak_acceleration_cycle_mm_s2": figures.largest("acceleration")[sure] * speed_rad_s**2,
+        "check.peak_speed_mm_s": _magnitude(ranges["velocity"]) * speed_rad_s,
+        "check.peak_acceleration_working_mm_s2": _magnitude(ranges["working_acceleration"]) * speed_rad_s**2,
+        "check.peak_acceleration_cycle_mm_s2": _magnitude(ranges["acceleration"]) * speed_rad_s**2,
     }
 
 
-def _pitch_of_rows(batch: Batch, figures: LawFigures, sure: IndexArray) -> tuple[dict[str, Array], Mask]:
-    """Figures of the pitch curves at their size, and whose teeth do not fill them.
+def _pitch_of_rows(batch: Batch, ranges: dict[str, Range], length: Array, steepest: Array) -> dict[str, Array]:
+    """Figures of the pitch curves at their size."""
+    lobes, (distance, _) = batch.kind.lobes, _distance(batch, length)
+    gears = [design.gears for design in batch.written if design.gears is not None]
+    carrying = np.array([one.carrying_angle_deg for one in gears])[batch.follows]
+    tangent_deg = np.degrees(np.arctan(steepest))
+    driving, driven = ranges["driving"], ranges["driven"]
+    return {
+        "pitch.center_distance_mm": distance,
+        "pitch.length_driving_mm": length * lobes.driving / lobes.driven * distance,
+        "pitch.length_driven_mm": length * distance,
+        "pitch.driving_convex": (driving[0] >= -STRAIGHT).astype(float),
+        "pitch.driven_convex": (driven[0] >= -STRAIGHT).astype(float),
+        "pitch.min_radius_driving_mm": distance / driving[1],
+        "pitch.min_radius_driven_mm": distance / driven[1],
+        "pitch.max_tangent_angle_deg": tangent_deg,
+        "pitch.max_pressure_angle_deg": tangent_deg + carrying,
+    }
+
+
+def _distance(batch: Batch, length: Array) -> tuple[Array, Mask]:
+    """Centre distances in mm of pitch curves of a length at unit distance, and whose teeth fill them.
 
     The formulas are those of ``pitch.pair.solved_size``, which refuses one pair.
     """
-    lobes, ranges = batch.kind.lobes, figures.ranges
-    length = figures.length[sure]
+    lobes = batch.kind.lobes
     driving_length = length * lobes.driving / lobes.driven
     teeth, module_mm, distance_mm = (batch.given(f"gears.{name}") for name in SIZES)
-    fits = np.ones(sure.size, dtype=bool)
+    fits = np.ones(length.size, dtype=bool)
     if teeth is None:
         assert module_mm is not None
         assert distance_mm is not None
@@ -306,30 +331,15 @@ def _pitch_of_rows(batch: Batch, figures: LawFigures, sure: IndexArray) -> tuple
     if distance_mm is not None:
         fits &= np.abs(distance - distance_mm) <= CONSISTENT * np.maximum(distance, distance_mm)
     fits &= (teeth * lobes.driven % lobes.driving == 0.0) & (teeth <= MOST_TEETH)
-    gears = [design.gears for design in batch.written if design.gears is not None]
-    carrying = np.array([one.carrying_angle_deg for one in gears])[batch.follows]
-    tangent_deg = np.degrees(np.arctan(figures.largest("tangent")))[sure]
-    driving, driven = ([side[sure] for side in ranges[f"{gear}_curvature"]] for gear in ("driving", "driven"))
-    found = {
-        "pitch.center_distance_mm": distance,
-        "pitch.length_driving_mm": driving_length * distance,
-        "pitch.length_driven_mm": length * distance,
-        "pitch.driving_convex": (driving[0] >= -STRAIGHT).astype(float),
-        "pitch.driven_convex": (driven[0] >= -STRAIGHT).astype(float),
-        "pitch.min_radius_driving_mm": distance / driving[1],
-        "pitch.min_radius_driven_mm": distance / driven[1],
-        "pitch.max_tangent_angle_deg": tangent_deg,
-        "pitch.max_pressure_angle_deg": tangent_deg + carrying,
-    }
-    return found, ~fits
+    return distance, fits
 
 
-def _require_size(batch: Batch, figures: LawFigures, row: int) -> None:
+def _require_size(batch: Batch, curves: CurveFigures, row: int) -> None:
     """Refuse teeth that do not fill the pitch curves of one design; raises WrongInput."""
     lobes = batch.kind.lobes
     given = [batch.given(f"gears.{name}") for name in SIZES]
     teeth, module_mm, distance_mm = (None if values is None else float(values[row]) for values in given)
-    length = float(figures.length[row]) * lobes.driving / lobes.driven
+    length = float(curves.length[row]) * lobes.driving / lobes.driven
     size = solved_size(length, lobes, None if teeth is None else int(teeth), module_mm, distance_mm)
     refuse_many_teeth(size.driving_teeth)
 

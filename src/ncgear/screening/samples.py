@@ -8,6 +8,7 @@ of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import log, pi
@@ -17,28 +18,30 @@ import numpy as np
 
 from ncgear.errors import DesignError
 from ncgear.mechanisms.mechanism import Mechanisms
-from ncgear.numerics.arrays import Array, IndexArray, Mask, repeated
+from ncgear.numerics.arrays import Array, IndexArray, Mask, chosen, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integrated, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velocity
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, require_return
 from ncgear.ratio.sampled_strokes import (
-    PEAK_PIECES,
+    QUARTERINGS,
+    Motion,
     Points,
-    ReturnSamples,
     edges_about,
     peaked_returns,
-    return_samples,
     returns_with_constant,
     working_motions_at,
 )
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at, stroke_refusals
-from ncgear.screening.batch import Batch
+from ncgear.screening.batch import Batch, Kind
 
-RETURN_PIECES = 3
-"""Equal pieces that a return is cut into: where its ratio is small, a polynomial's inverse varies fast."""
+WHOLE = 0.0, 1.0
+"""Ends of the one piece of an approach."""
+
+THIRDS = 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0
+"""Ends of the pieces of a return: where its ratio is small, a polynomial's inverse varies fast."""
 
 CLOSING_STEPS = 24
 """Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
@@ -67,32 +70,30 @@ harmonic law closes."""
 class Samples:
     """n laws over one cycle of the slider, cut into p pieces of m points each; arrays have shape (n, p, m).
 
-    ``at`` holds ln i12 and what follows from it; velocities are in mm/rad and accelerations in mm/rad^2 of the driving
-    angle.  ``displacement_mm`` (shape (n, w, m)) covers the first w pieces, which make the working stroke.
-    ``turning`` is the driven angle per share of the piece, ``there`` (shape (n, p)) where a piece has any length.
+    ``at`` holds ln i12 and what follows from it.  ``turning`` is the driven angle per share of the piece, ``there``
+    (shape (n, p)) where a piece has any length.
     """
 
     at: Place
-    velocity: Array
-    acceleration: Array
-    displacement_mm: Array
     turning: Array
     there: Mask
 
     def kept(self, rows: IndexArray) -> Samples:
         """Some of the laws."""
-        arrays = {name: values[rows] for name, values in vars(self).items() if name != "at"}
-        return Samples(Place(*(values[rows] for values in self.at)), **arrays)
+        return Samples(Place(*(values[rows] for values in self.at)), self.turning[rows], self.there[rows])
 
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
     """Samples of n laws and what is known of them besides, shape (n,) each.
 
+    ``motion`` gives the slider's motion of some laws by their rows: velocities in mm/rad and accelerations in mm/rad^2
+    of the driving angle, and displacements on the first w pieces, which make the working stroke, shape (k, w, m).
     ``closing_error_rad`` is by how much a cycle misses its angle, from other points than the samples.
     """
 
     samples: Samples
+    motion: Callable[[IndexArray], Motion]
     stroke_mm: Array
     law_speed_rpm: Array
     stroke_error_mm: Array
@@ -121,13 +122,30 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
 
 @dataclass(frozen=True)
 class Fineness:
-    """How finely laws are sampled: points of a piece, and whether strokes are cut towards where their ratio is extreme.
+    """How finely laws are sampled: points of a piece, and the shares at which a stroke's approach and return are cut.
 
-    There the driven gear's speed may have a peak that even pieces do not resolve.
+    None cuts towards the place where the ratio is extreme: there the driven gear's speed may have a peak that fixed
+    pieces do not resolve.
     """
 
     count: int
-    towards_peak: bool = False
+    approach: tuple[float, ...] | None = WHOLE
+    returned: tuple[float, ...] | None = THIRDS
+
+    @property
+    def for_strokes(self) -> bool:
+        """Whether it differs from one of as many points by its cuts of three-segment strokes alone."""
+        return self.approach != WHOLE or self.returned != THIRDS
+
+    def samples(self, kind: Kind) -> int:
+        """How many samples a law has."""
+        if not kind.has_return:
+            return 2 * HARMONIC_PIECES * self.count
+        approach, returned = (
+            3 * quarterings if cuts is None else len(cuts)
+            for cuts, quarterings in ((self.approach, 2 * WORKING_QUARTERINGS), (self.returned, QUARTERINGS))
+        )
+        return (approach + returned) * self.count
 
 
 def sampled(batch: Batch, fineness: Fineness) -> Sampled:
@@ -174,22 +192,29 @@ class _Strokes:
 def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
     """Three-segment strokes that advance."""
     strokes, linkage, count = laws.strokes, laws.batch.mechanisms, fineness.count
-    pieces, closed = (PEAK_PIECES, peaked_returns) if fineness.towards_peak else (RETURN_PIECES, returns_with_constant)
-    points = Points(pieces, count, CLOSING_STEPS)
+    closed = peaked_returns if fineness.returned is None else returns_with_constant
+    points = Points(fineness.returned or WHOLE, count, CLOSING_STEPS)
     returns = closed(strokes, linkage, laws.period_rad, laws.batch.column("motion.return.e"), points)
-    segments = _segments(strokes, fineness.towards_peak)
-    back = return_samples(returns, linkage, points, 2)
-    samples = _stroke_samples(strokes, linkage, segments, back, returns.widths_rad(points))
-    # Other points than those of the samples tell whether the law closes.
+    segments, back_rad = _segments(strokes, fineness), returns.widths_rad(points)
+    places = [segment.place(strokes, linkage, count) for segment in segments]
+    places.append(_return_place(returns.polynomial(points, 2), (*back_rad.shape, count)))
+    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(*places, strict=True)))
+    widths = np.concatenate([*(segment.widths_rad for segment in segments), back_rad], axis=1)
+    samples = Samples(at, turning=at.slope * widths[..., None], there=widths > 0.0)
+    # The working stroke turns by what the angle differs at its ends; other points than those of the samples tell what
+    # the return turns by.
     judges = replace(points, count=count + OTHER)
-    slopes = [
-        segment.widths_rad[..., None] * segment.driven(strokes, linkage, judges.count, 1)[0] for segment in segments
-    ]
-    ratio = returns.polynomial(judges, 1).value.reshape(-1, judges.pieces, judges.count)
-    slopes.append(returns.widths_rad(judges)[..., None] / ratio)
-    closing = integrated(np.concatenate(slopes, axis=1)) - 2.0 * pi
+    ratio = returns.polynomial(judges, 1).value.reshape(*back_rad.shape, judges.count)
+    closing = integrated(back_rad[..., None] / ratio) - 2.0 * pi
+    for segment in segments:
+        closing = closing + segment.turned_rad(strokes, linkage)
+
+    def motion(rows: IndexArray) -> Motion:
+        kept = [replace(segment, edges_rad=segment.edges_rad[rows]) for segment in segments]
+        return _stroke_motion(chosen(strokes, rows), chosen(linkage, rows), kept, samples.kept(rows))
+
     speed_rpm = strokes.law_speed_rad_s / RAD_S_PER_RPM
-    return Sampled(samples, linkage.stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
+    return Sampled(samples, motion, linkage.stroke_mm, speed_rpm, strokes.closing_error_mm, closing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,22 +235,32 @@ class _Segment:
         widths: Array = np.diff(self.edges_rad, axis=1)
         return widths
 
-    def driven(self, strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], count: int, order: int) -> list[Array]:
-        """Derivatives of the driven angle from the first up to ``order``, shape (n, p, count) each."""
+    def place(self, strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], count: int) -> Place:
+        """The ratio at the points of the pieces, shape (n, p, count) each."""
         phi1 = self.phi1_rad(count)
-        each = phi1.shape[1] * count
-        driven = self.angle(repeated(strokes, each), repeated(linkage, each), phi1.ravel(), order)
-        return [driven.derivative(k).reshape(phi1.shape) for k in range(1, order + 1)]
+        driven = self._driven(strokes, linkage, phi1, 3)
+        return _place_of(*(driven.derivative(k).reshape(phi1.shape) for k in (1, 2, 3)))
+
+    def turned_rad(self, strokes: WorkingStrokes[Array], linkage: Mechanisms[Array]) -> Array:
+        """The driven angle from the first to the last end, shape (n,)."""
+        start, end = self._driven(strokes, linkage, self.edges_rad[:, [0, -1], None], 0).value.reshape(-1, 2).T
+        turned: Array = end - start
+        return turned
+
+    def _driven(self, strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], phi1: Array, order: int) -> Jet:
+        each = phi1.shape[1] * phi1.shape[2]
+        driven: Jet = self.angle(repeated(strokes, each), repeated(linkage, each), phi1.ravel(), order)
+        return driven
 
 
-def _segments(strokes: WorkingStrokes[Array], towards_peak: bool) -> list[_Segment]:
-    """Approach, pressing and braking, whole, or cut towards where v/phi1 is least and towards theta4.
+def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[_Segment]:
+    """Approach, pressing and braking, cut as asked for, or towards where v/phi1 is least and towards theta4.
 
     There the ratio may be nearly singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
     """
     theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
-    cuts = [np.array([0.0, 1.0])[None, :]] * 3
-    if towards_peak:
+    cuts = [np.array(one)[None, :] for one in (fineness.approach or WHOLE, WHOLE, WHOLE)]
+    if fineness.approach is None:
         slowest = _slowest(strokes)
         cuts[0] = slowest[:, None] + edges_about(slowest, WORKING_QUARTERINGS)
         # The pieces beyond the end of the braking have no length in any stroke.
@@ -254,17 +289,11 @@ def _slowest(strokes: WorkingStrokes[Array]) -> Array:
     return slowest
 
 
-def _stroke_samples(
-    strokes: WorkingStrokes[Array],
-    linkage: Mechanisms[Array],
-    segments: list[_Segment],
-    back: ReturnSamples,
-    back_rad: Array,
-) -> Samples:
-    """The segments of the working stroke, and the pieces of a return of widths ``back_rad``, as many points each."""
-    laws, _, count = back.velocity.shape
-    places = [_place_of(*segment.driven(strokes, linkage, count, 3)) for segment in segments]
-    at = Place(*(np.concatenate(columns, axis=1) for columns in zip(*places, _place_of(*back.slopes), strict=True)))
+def _stroke_motion(
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], segments: list[_Segment], samples: Samples
+) -> Motion:
+    """The slider's motion by the segments' own polynomials, and on the return by the driven angle."""
+    laws, _, count = samples.turning.shape
     phi1, pressing, braking = (segment.phi1_rad(count) for segment in segments)
     beyond, before = pressing - strokes.theta2_rad[:, None, None], strokes.theta4_rad[:, None, None] - braking
     motions = working_motions_at(strokes, *(angles.reshape(laws, -1) for angles in (phi1, beyond, before)))
@@ -272,15 +301,24 @@ def _stroke_samples(
         np.concatenate([part.reshape(laws, -1, count) for part in parts], axis=1)
         for parts in zip(*motions, strict=True)
     )
-    every = np.concatenate([*(segment.widths_rad for segment in segments), back_rad], axis=1)
-    return Samples(
-        at=at,
-        velocity=np.concatenate([speed, back.velocity], axis=1),
-        acceleration=np.concatenate([change, back.acceleration], axis=1),
-        displacement_mm=displacement,
-        turning=at.slope * every[..., None],
-        there=every > 0.0,
+    working = displacement.shape[1]
+    turned = samples.turning[:, working:] @ integration(count).T
+    before = np.cumsum(turned[..., -1:], axis=1) - turned[..., -1:]
+    driven = turned + before + np.reshape(linkage.working_angle_rad, (-1, 1, 1))
+    back = _moved(linkage, driven, Place(*(values[:, working:] for values in samples.at)))
+    return Motion(
+        displacement,
+        np.concatenate([speed, back.velocity], axis=1),
+        np.concatenate([change, back.acceleration], axis=1),
     )
+
+
+def _moved(linkage: Mechanisms[Array], driven_rad: Array, at: Place) -> Motion:
+    """The slider's motion at driven angles of shape (n, p, count), where the ratio is known."""
+    motion = repeated(linkage, driven_rad[0].size).displacement(Jet.variable(driven_rad.ravel(), 2))
+    displacement, first, second = (motion.derivative(k).reshape(driven_rad.shape) for k in range(3))
+    slider = Slider(first, second, third=0.0, force_n=0.0)
+    return Motion(displacement, velocity(at, slider, 1.0), acceleration(at, slider, 1.0))
 
 
 def _place_of(slope: Array, first: Array, second: Array) -> Place:
@@ -295,13 +333,29 @@ def _place_of(slope: Array, first: Array, second: Array) -> Place:
     )
 
 
+def _return_place(ratio: Jet, shape: tuple[int, ...]) -> Place:
+    """The ratio from its derivatives by phi1: d ln i/dphi2 = di/dphi1, d2 ln i/dphi2^2 = i d2i/dphi1^2."""
+    value, first, second = (ratio.derivative(k).reshape(shape) for k in range(3))
+    return Place(np.log(value), value, 1.0 / value, first, value * second)
+
+
 def _harmonics(batch: Batch, count: int) -> Sampled:
     """Harmonics of the ratio; the law holds at any speed, so its own speed is the speed of operation."""
     cosine, sine = batch.series("cosine"), batch.series("sine")
     longest = max(cosine.shape[1], sine.shape[1])
     cosine, sine = (np.pad(one, ((0, 0), (0, longest - one.shape[1]))) for one in (cosine, sine))
     linkage, lobes = batch.mechanisms, batch.kind.lobes
-    samples = _harmonic_samples(cosine, sine, linkage, lobes, count)
+    # The mechanisms all have the first one's working angle, as crank-sliders without offset do.
+    phi2, width = _angles(float(linkage.working_angle_rad[0]), count)
+    at = _places(cosine, sine, lobes, phi2, width)
+    turning = np.broadcast_to(width[:, None], at.ratio.shape)
+    samples = Samples(at, turning, there=np.ones(turning.shape[:2], dtype=bool))
+
+    def motion(rows: IndexArray) -> Motion:
+        kept = samples.kept(rows).at
+        moved = _moved(chosen(linkage, rows), np.broadcast_to(phi2, kept.ratio.shape), kept)
+        return moved._replace(displacement=moved.displacement[:, :HARMONIC_PIECES])
+
     speed = batch.column("operation.speed_rpm")
     # The samples' ln i12 at phi2 = 0 holds the constant that closes the law; even places around a turn judge it.
     places = 2.0 * pi * (np.arange(EVEN_PLACES * count) + OFF) / (EVEN_PLACES * count)
@@ -309,29 +363,7 @@ def _harmonics(batch: Batch, count: int) -> Sampled:
     turned = np.arange(1.0, cosine.shape[1] + 1.0)[:, None] * lobes.driven * places
     mean = np.exp(constant[:, None] + cosine @ np.cos(turned) + sine @ np.sin(turned)).mean(axis=1)
     closing = 2.0 * pi * (1.0 - mean * lobes.driving / lobes.driven)
-    return Sampled(samples, linkage.stroke_mm, speed, 0.0 * speed, closing)
-
-
-def _harmonic_samples(cosine: Array, sine: Array, linkage: Mechanisms[Array], lobes: Lobes, count: int) -> Samples:
-    """Laws of coefficients of shape (n, harmonics) at ``count`` points a piece.
-
-    The mechanisms (shape (n,)) must all have the first one's working angle, as crank-sliders without offset do.
-    """
-    phi2, width = _angles(float(linkage.working_angle_rad[0]), count)
-    at = _places(cosine, sine, lobes, phi2, width)
-    everywhere = np.broadcast_to(phi2, at.log.shape)
-    motion = repeated(linkage, phi2.size).displacement(Jet.variable(everywhere.ravel(), 2))
-    displacement, first, second = (motion.derivative(k).reshape(everywhere.shape) for k in (0, 1, 2))
-    slider = Slider(first, second, third=0.0, force_n=0.0)
-    there = np.ones(everywhere.shape[:2], dtype=bool)
-    return Samples(
-        at,
-        velocity(at, slider, 1.0),
-        acceleration(at, slider, 1.0),
-        displacement[:, :HARMONIC_PIECES],
-        np.broadcast_to(width[:, None], everywhere.shape),
-        there,
-    )
+    return Sampled(samples, motion, linkage.stroke_mm, speed, 0.0 * speed, closing)
 
 
 def _angles(working_rad: float, count: int) -> tuple[Array, Array]:
