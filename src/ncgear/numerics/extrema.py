@@ -56,14 +56,20 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     [start, end] only.  It varies about equally between any two neighbours of ``knots`` (shape (m,), rising); knots
     outside [start, end] are ignored.
     """
-    grid, slope = _beside_flat(function, *_sampled(function, grid_between(start, end, knots)))
+    return _stationary(function, grid_between(start, end, knots))
+
+
+def _stationary(function: Callable[[Array], Jet], grid: Array) -> Array:
+    """As ``stationary_points``, on a grid that is given."""
+    ends = grid[[0, -1]]
+    grid, slope = _beside_flat(function, *_sampled(function, grid))
     change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]
     flat = grid[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])]
     if not change.size:
-        return distinct(np.concatenate([[start, end], flat]))
-    ends = slope[change], slope[change + 1]
-    found = zeros_between(lambda points: function(points).derivative(1), grid[change], grid[change + 1], ends)
-    return distinct(np.concatenate([[start, end], flat, found]))
+        return distinct(np.concatenate([ends, flat]))
+    known = slope[change], slope[change + 1]
+    found = zeros_between(lambda points: function(points).derivative(1), grid[change], grid[change + 1], known)
+    return distinct(np.concatenate([ends, flat, found]))
 
 
 def grid_between(start: float, end: float, knots: Array) -> Array:
@@ -136,8 +142,13 @@ def _may_be_extreme(values: Array, missed: Array, middle: IndexArray) -> Mask:
 def extremes(
     function: Callable[[Array], Jet], start: float, end: float, knots: Array = NO_KNOTS
 ) -> tuple[Extremum, Extremum]:
-    """Smallest and largest value on [start, end]."""
-    points = stationary_points(function, start, end, knots)
+    """Smallest and largest value on [start, end], as of ``stationary_points``."""
+    return extremes_on(function, grid_between(start, end, knots))
+
+
+def extremes_on(function: Callable[[Array], Jet], grid: Array) -> tuple[Extremum, Extremum]:
+    """Smallest and largest value from the first to the last point of a grid as ``grid_between`` makes it."""
+    points = _stationary(function, grid)
     values = function(points).value
     low, high = int(np.argmin(values)), int(np.argmax(values))
     return Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high]))

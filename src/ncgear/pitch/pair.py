@@ -140,9 +140,7 @@ class PitchPair(Shown):
         return {gear: self._curvature_range(gear) for gear in Gear}
 
     def _curvature_range(self, gear: Gear) -> tuple[Extremum, Extremum]:
-        low, high = self.transmission.extremes(
-            lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, self.mesh)
-        )
+        low, high = self.transmission.extremes(lambda slope: shape.curvature(slope, gear, self.mesh), 2)
         size = self.center_distance_mm
         return Extremum(low.value / size, low.at), Extremum(high.value / size, high.at)
 
@@ -229,7 +227,7 @@ def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTE
     """Largest angle between the pitch curves' tangent and the normal to the centre line, whatever their size."""
 
     def steepest(piece: Piece) -> tuple[Extremum, Extremum]:
-        return piece.extremes(lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), mesh))
+        return piece.extremes(lambda slope: shape.tangent_slope(slope, mesh), 1)
 
     found = [extremum for piece in transmission.made_pieces for extremum in steepest(piece)]
     worst = max(abs(extremum.value) for extremum in found)
