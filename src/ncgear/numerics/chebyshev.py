@@ -114,16 +114,19 @@ class Cells:
     powers: Array
 
     @cached_property
-    def _starts(self) -> Array:
-        return self.ends[1:, 0].copy()
+    def _places(self) -> tuple[Array, Array, Array]:
+        """Where all cells but the first begin, and both ends of all, each next to each other in memory."""
+        left, right = (end.copy() for end in self.ends.T)
+        return left[1:], left, right
 
     def __call__(self, points: Array) -> Array:
         """Values at ``points`` (any shape), the trailing axis appended; as ``PiecewiseChebyshev``."""
         flat = np.ravel(points)
-        cell = np.searchsorted(self._starts, flat, side="right")
-        left, right = np.take(self.ends, cell, axis=0).T
+        starts, *ends = self._places
+        cell = starts.searchsorted(flat, side="right")
+        left, right = (end.take(cell) for end in ends)
         local = ((flat - left) - (right - flat)) / (right - left)
-        values: Array = _powers(local, self.powers.shape[1])[:, None] @ np.take(self.powers, cell, axis=0)
+        values: Array = _powers(local, self.powers.shape[1])[:, None] @ self.powers.take(cell, axis=0)
         return values.reshape(*np.shape(points), self.powers.shape[2])
 
 
