@@ -232,7 +232,7 @@ def test_heights_of_lands_by_newtons_method_are_those_in_brackets(backlash_mm: f
         edges, every = tips._Edges(flanks, *tip_crossing(flanks)), np.arange(0, flanks.count, 2)
         back = every[edges.met.reshape(-1, 2).all(axis=1)]
         least = 1.05 * float(tips._land(flanks, back).max())
-        found, met = tips._newton_lands(edges, back, least)
+        found, _, met = tips._newton_lands(edges, back, least)
         assert np.count_nonzero(met) >= 0.9 * back.size
         bracketed = tips._height_of_land(flanks, back, least)
         assert found[met] == pytest.approx(bracketed[met], abs=1e-9)

@@ -142,7 +142,8 @@ def sqrt(argument: Jet) -> Jet:
     root = np.empty_like(a)
     root[0] = np.sqrt(a[0])
     for k in range(1, len(a)):
-        root[k] = (a[k] - _paired(root[1:k], root[1:k])) / (2.0 * root[0])
+        rest = a[k] - _paired(root[1:k], root[1:k]) if k > 1 else a[k]
+        root[k] = rest / (2.0 * root[0])
     return Jet(root)
 
 

@@ -201,8 +201,12 @@ def _edges_in(
 def _running_into(path: Array, teeth: Array, tooth: IndexArray, neighbours: int) -> Mask:
     """Which of n paths cross the tooth of their number (from 0) or a neighbour on either side of it; shape (n,)."""
     hit = np.zeros(len(path), dtype=bool)
-    for neighbour in range(-neighbours, neighbours + 1):
-        hit[chord_crossings(path, teeth[(tooth + neighbour) % len(teeth)])[0]] = True
+    beside = (tooth[:, None] + np.arange(-neighbours, neighbours + 1)) % len(teeth)
+    # Most teeth are out of reach: their boxes do not meet the path's.
+    (low, high), (least, most) = ((points.min(axis=1), points.max(axis=1)) for points in (path, teeth))
+    near = np.all((high[:, None] >= least[beside]) & (low[:, None] <= most[beside]), axis=2)
+    row, column = np.nonzero(near)
+    hit[row[chord_crossings(path[row], teeth[beside[row, column]])[0]]] = True
     return hit
 
 

@@ -102,11 +102,14 @@ class _Edges:
         moved = np.nonzero(height_mm != self.flanks.tip_height_mm)[0]
         if not moved.size:
             return self
-        flanks = self.flanks.with_tips(height_mm)
-        found = self.top_mm.copy(), self.at_mm.copy(), self.met.copy()
-        for values, new in zip(found, tip_crossing(flanks, moved), strict=True):
-            values[moved] = new
-        return _Edges(flanks, *found)
+        return self.placed(height_mm, moved, tip_crossing(self.flanks.with_tips(height_mm), moved))
+
+    def placed(self, height_mm: Array, rows: IndexArray, found: tuple[Array, Array, Mask]) -> _Edges:
+        """The edges of tips of other heights, of which those of ``rows`` are as found."""
+        known = self.top_mm.copy(), self.at_mm.copy(), self.met.copy()
+        for values, new in zip(known, found, strict=True):
+            values[rows] = new
+        return _Edges(self.flanks.with_tips(height_mm), *known)
 
 
 def bounded(own: Flanks, contact_mm: Array, tip_mm: Array, undercut: Mask) -> Bounds:
@@ -137,11 +140,10 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     even = even_heights(flanks, free)
     limit = np.where(even < free, np.maximum(limit, Limit.SLOPE), limit)
     edges = edges.moved(even)
-    wide, narrow = _with_lands(edges, least_land_mm)
+    edges, narrow = _with_lands(edges, least_land_mm)
     limit = np.where(narrow, Limit.LAND, limit)
-    edges = edges.moved(wide)
     too_high = edges.top_mm > allowed + AGREEMENT * flanks.rack.module_mm
-    lost = np.nonzero(~edges.met | (wide <= 0.0) | (edges.top_mm <= 0.0) | too_high)[0]
+    lost = np.nonzero(~edges.met | (edges.flanks.tip_height_mm <= 0.0) | (edges.top_mm <= 0.0) | too_high)[0]
     if lost.size:
         raise no_tip(flanks, int(lost[0]))
     return Tips(edges.flanks, edges.top_mm, edges.at_mm, limit, undercut, np.full(flanks.count, np.inf))
@@ -284,22 +286,25 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
     return height, sigma, np.isfinite(height) & np.isfinite(sigma)
 
 
-def _with_lands(edges: _Edges, least: float) -> tuple[Array, Mask]:
-    """Tip heights, lowered where their land is narrower than ``least``, and which those are."""
+def _with_lands(edges: _Edges, least: float) -> tuple[_Edges, Mask]:
+    """The edges of tips that are lowered where their land is narrower than ``least``, and which those are."""
     flanks, height = edges.flanks, edges.flanks.tip_height_mm
-    both = np.arange(flanks.count)
-    width = _width(flanks, both, flanks.offset(edges.at_mm, height), edges.at_mm, edges.met)
+    width = _width(flanks, np.arange(flanks.count), flanks.offset(edges.at_mm, height), edges.at_mm, edges.met)
     narrow = ~(width >= least)
     if not narrow.any():
-        return height, np.zeros(flanks.count, dtype=bool)
+        return edges, np.zeros(flanks.count, dtype=bool)
     back = 2 * np.nonzero(narrow)[0]
     most = np.full(flanks.count, np.inf)
-    lands, met = _newton_lands(edges, back, least)
-    lost = np.nonzero(~met)[0]
+    lands, found, met = _newton_lands(edges, back, least)
+    lost = back[~met]
     if lost.size:
-        lands[lost] = _height_of_land(flanks, back[lost], least)
+        lands[~met] = _height_of_land(flanks, lost, least)
     most[back] = most[back + 1] = lands
-    return np.minimum(height, most), most < height
+    wide, both = np.minimum(height, most), np.repeat(met, 2)
+    chosen = np.column_stack([back, back + 1]).ravel()[both]
+    known = np.where(np.isin(np.arange(flanks.count), chosen), wide, height)
+    top, at = (values[both] for values in found)
+    return edges.placed(known, chosen, (top, at, np.ones(chosen.size, dtype=bool))).moved(wide), most < height
 
 
 STEPS = 12
@@ -307,8 +312,10 @@ STEPS = 12
 
 
 @np.errstate(all="ignore")
-def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array, Mask]:
-    """As ``_height_of_land``, by Newton's method, and which heights it finds; shape (n,) each.
+def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array, tuple[Array, Array], Mask]:
+    """As ``_height_of_land``, by Newton's method: heights, where their edges are, and which of them it finds.
+
+    They have shape (n,), and those of the edges, which are heights of contact and arc lengths, (2 n,).
 
     A tip's height and where both flanks reach its land are sought together.  An edge that is as high as the tip moves
     by N for each mm of that height, N being the pitch curve's normal; an edge that is lower moves only along the land.
@@ -343,7 +350,8 @@ def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array,
         land = land + higher
     found &= met & (land > LOWEST * high) & (land <= high)
     tip = np.minimum(own, np.repeat(land, 2))
-    return land, found & _before_cusps(flanks, both, height, sigma, tip).reshape(-1, 2).all(axis=1)
+    found &= _before_cusps(flanks, both, height, sigma, tip).reshape(-1, 2).all(axis=1)
+    return land, (height, sigma), found
 
 
 def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
