@@ -126,7 +126,7 @@ def _fitted_to_mates(
     raised = (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1]))
     paths = None
     if min(gear.curve.curvature_bounds[0] for gear in gears) < 0.0:
-        paths = (paths_near_concave(*gears, mates[0]), paths_near_concave(*gears[::-1], mates[1]))
+        paths = paths_near_concave(gears, mates)
     found: list[PairTips] = []
     refusals: list[NoSuchMechanism] = []
     for way in WAYS if limits.way is None else (limits.way,):
