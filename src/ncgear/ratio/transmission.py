@@ -11,7 +11,7 @@ stroke.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -167,16 +167,17 @@ class Piece:
         """dphi2/dphi1 = 1/i12 with derivatives by phi1."""
         return self.driven_angle(phi1, order + 1).differentiated()
 
-    def extremes(self, quantity: OfSlope, lost: int) -> tuple[Extremum, Extremum]:
-        """Smallest and largest value on the piece of a quantity of dphi2/dphi1, which takes ``lost`` derivatives of it.
+    def extremes(self, quantities: Sequence[OfSlope], lost: int) -> list[tuple[Extremum, Extremum]]:
+        """Smallest and largest values on the piece of quantities of dphi2/dphi1, which take ``lost`` derivatives of it.
 
-        The quantity maps the jet of dphi2/dphi1 to one of an order less by ``lost``, which is 0, 1 or 2.
+        A quantity maps the jet of dphi2/dphi1 to one of an order less by ``lost``, which is 0, 1 or 2.
         """
         grid, known = self._sampled_slope
 
-        def by_angle(phi1: Array) -> Jet:
-            # Several quantities are looked for on one grid; what the law is there is found once.
-            return quantity(known.truncated(lost + 1) if phi1 is grid else self.slope(phi1, lost + 1))
+        def by_angle(phi1: Array) -> list[Jet]:
+            # Extremes are looked for on one grid; what the law is there is found once.
+            slope = known.truncated(lost + 1) if phi1 is grid else self.slope(phi1, lost + 1)
+            return [quantity(slope) for quantity in quantities]
 
         return extremes_on(by_angle, grid)
 
@@ -272,9 +273,16 @@ class Transmission(Shown):
 
     def extremes(self, quantity: OfSlope, lost: int) -> tuple[Extremum, Extremum]:
         """Smallest and largest value of a quantity of dphi2/dphi1, as of ``Piece``, over what gears are made on."""
-        lows, highs = zip(*(piece.extremes(quantity, lost) for piece in self.made_pieces), strict=True)
+        return self.extremes_of_each([quantity], lost)[0]
+
+    def extremes_of_each(self, quantities: Sequence[OfSlope], lost: int) -> list[tuple[Extremum, Extremum]]:
+        """As ``extremes``, of several quantities in less time than one by one."""
+        by_piece = [piece.extremes(quantities, lost) for piece in self.made_pieces]
         value = attrgetter("value")
-        return min(lows, key=value), max(highs, key=value)
+        return [
+            (min((low for low, _ in found), key=value), max((high for _, high in found), key=value))
+            for found in zip(*by_piece, strict=True)
+        ]
 
     @property
     def ratio_range(self) -> tuple[Extremum, Extremum]:
