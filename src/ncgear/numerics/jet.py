@@ -109,9 +109,10 @@ class Jet:
             return Jet(self.coefficients / other)
         a, b = self.coefficients, other.coefficients
         quotient = a.copy()
-        for k in range(len(a)):
+        for k in range(len(a) - 1):
             quotient[k] /= b[0]
             quotient[k + 1 :] -= quotient[k] * b[1 : len(a) - k]
+        quotient[-1] /= b[0]
         return Jet(quotient)
 
     def __pow__(self, exponent: float) -> Jet:
