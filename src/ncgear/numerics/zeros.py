@@ -84,44 +84,42 @@ def _first_zeros_of_series(coefficients: Array) -> Array:
     They are halved until bounds prove each part positive, or to fall evenly through a zero.
     """
     degree, count = len(coefficients) - 1, coefficients.shape[1]
-    # The first part of each series that has a zero for certain, as far as is known: it begins on it where both are one.
-    first = np.full((2, count), np.inf)
-    row, ends, parts = np.arange(count), np.tile([[-1.0], [1.0]], count), coefficients
+    # The first part of each series that has a zero for certain, as far as is known: both ends, and values there.
+    first = np.full((4, count), np.inf)
+    row, left, right, parts = np.arange(count), -np.ones(count), np.ones(count), coefficients
     for _ in range(HALVED):
         slope = chebyshev.differentiation_matrix(degree) @ parts
         even, odd = parts[::2].sum(axis=0), parts[1::2].sum(axis=0)
-        at_once, falling = even <= odd, -EVEN * slope[0] >= np.abs(slope[1:]).sum(axis=0)
-        crossing = falling & (even + odd <= 0.0) & ~at_once
-        _keep_first(first, row[at_once], ends[[0, 0]][:, at_once])
-        _keep_first(first, row[crossing], ends[:, crossing])
-        beyond = ends[0] >= first[0, row]
+        falling = -EVEN * slope[0] >= np.abs(slope[1:]).sum(axis=0)
+        crossing = (even <= odd) | (falling & (even + odd <= 0.0))
+        _keep_first(first, row[crossing], np.array([left, right, even - odd, even + odd])[:, crossing])
+        beyond = left >= first[0, row]
         rest = np.nonzero(~(falling | beyond | (parts[0] > np.abs(parts[1:]).sum(axis=0))))[0]
-        row, (left, right) = np.tile(row[rest], 2), ends[:, rest]
-        middle = (left + right) / 2.0
-        ends = np.array([np.concatenate([left, middle]), np.concatenate([middle, right])])
-        parts = np.concatenate([half @ parts[:, rest] for half in chebyshev.halves(degree)], axis=1)
+        row, middle = np.tile(row[rest], 2), (left[rest] + right[rest]) / 2.0
         if not rest.size:
             break
+        left, right = np.concatenate([left[rest], middle]), np.concatenate([middle, right[rest]])
+        parts = np.concatenate([half @ parts[:, rest] for half in chebyshev.halves(degree)], axis=1)
     places = np.where(np.isinf(first[0]), np.nan, first[0])
-    inside = np.nonzero(first[0] < first[1])[0]
-    places[inside] = _zeros_of_falling_series(coefficients[:, inside], first[:, inside])
+    inside = np.nonzero(np.isfinite(first[0]) & (first[2] > 0.0))[0]
+    if inside.size:
+        places[inside] = _zeros_of_falling_series(coefficients[:, inside], *np.split(first[:, inside], 2))
     for number in distinct(row):
         places[number] = _first_zero(coefficients[:, number])
     return places
 
 
-def _keep_first(first: Array, row: IndexArray, ends: Array) -> None:
-    """Note parts of rows between ``ends`` (shape (2, n)) where they are before those of ``first``, shape (2, m)."""
-    for number in np.nonzero(ends[0] < first[0, row])[0]:
-        if ends[0, number] < first[0, row[number]]:
-            first[:, row[number]] = ends[:, number]
+def _keep_first(first: Array, row: IndexArray, parts: Array) -> None:
+    """Note parts of rows (shape (4, n)) where they begin before those of ``first``, shape (4, m)."""
+    for number in np.nonzero(parts[0] < first[0, row])[0]:
+        if parts[0, number] < first[0, row[number]]:
+            first[:, row[number]] = parts[:, number]
 
 
-def _zeros_of_falling_series(coefficients: Array, ends: Array) -> Array:
-    """Zeros of series that fall evenly between ``ends`` (shape (2, m)), from positive values to others."""
+def _zeros_of_falling_series(coefficients: Array, ends: Array, values: Array) -> Array:
+    """Zeros of series that fall evenly between ``ends``, from positive ``values`` to others (shape (2, m) both)."""
     slope = chebyshev.differentiation_matrix(len(coefficients) - 1) @ coefficients
-    low, high = ((chebyshev.polynomials(at, len(coefficients)).T * coefficients).sum(axis=0) for at in ends)
-    at: Array = np.clip((ends[0] * high - ends[1] * low) / (high - low), *ends)
+    at: Array = np.clip((ends[0] * values[1] - ends[1] * values[0]) / (values[1] - values[0]), *ends)
     for _ in range(NEWTON_STEPS):
         terms = chebyshev.polynomials(at, len(coefficients)).T
         step = (terms * coefficients).sum(axis=0) / (terms * slope).sum(axis=0)
