@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.zeros import zeros_between
+from ncgear.numerics.zeros import zeros_between, zeros_by_slope
 
 
 def test_many_zeros_at_once() -> None:
@@ -90,3 +90,74 @@ def test_a_zero_that_is_found_early_stays_while_others_are_sought(seed: int) -> 
     found = zeros_between(function, low, high)
     assert len(tried) > 40  # the last one is slow, the others need a dozen steps
     assert np.max(np.abs(found - zero)[:-1]) <= 1e-15
+
+
+# --- by Newton's method ------------------------------------------------------------------------------------------
+
+WITHIN = 1e-12
+
+
+def by_slope(function: Callable[[Array], Array], slope: Callable[[Array], Array], good: float, bad: float) -> float:
+    ends = np.array([good]), np.array([bad])
+    values = function(ends[0]), function(ends[1])
+    return float(zeros_by_slope(lambda at, _: (function(at), slope(at)), *ends, values, WITHIN)[0])
+
+
+@pytest.mark.judges("numerics")
+@pytest.mark.parametrize(
+    ("function", "slope", "good", "bad"),
+    [
+        (np.cos, lambda t: -np.sin(t), 0.0, 3.0),
+        (lambda t: 1.0 - t**9, lambda t: -9.0 * t**8, 0.0, 4.0),
+        (lambda t: np.exp(50.0 * (t - 1.0)) - 1.0, lambda t: 50.0 * np.exp(50.0 * (t - 1.0)), 1.5, -3.0),
+        (lambda t: 2.0 - t - 3.0 * np.abs(t - 0.6), lambda t: -1.0 - 3.0 * np.sign(t - 0.6), 0.5, 2.0),
+    ],
+    ids=["cosine", "steep", "flat at one end", "kinked"],
+)
+def test_places_beside_zeros_by_slope_are_those_of_bisection(
+    function: Callable[[Array], Array], slope: Callable[[Array], Array], good: float, bad: float
+) -> None:
+    """Bisection to the last digit; values are positive at the places, by twice what is asked for at most."""
+    found = by_slope(function, slope, good, bad)
+    low, high = good, bad
+    for _ in range(200):
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if function(np.array(middle)) > 0.0 else (low, middle)
+    assert 0.0 <= function(np.array(found)) <= 2.0 * WITHIN
+    assert found == pytest.approx(low, abs=5e-12)
+
+
+def test_slopes_that_are_wrong_cost_steps_but_no_digits() -> None:
+    """The negative control of the slopes: of the wrong sign, zero, and no number at all."""
+    for wrong in (np.sin, np.zeros_like, lambda t: t * np.nan):
+        assert by_slope(np.cos, wrong, 0.0, 3.0) == pytest.approx(np.pi / 2.0, abs=3e-12)
+
+
+def test_beside_a_jump_the_place_is_on_the_side_that_is_not_negative() -> None:
+    """What is no number counts as beyond the zero."""
+    jump = by_slope(lambda t: np.where(t <= 0.3, 1.0, -1.0), np.zeros_like, 0.0, 1.0)
+    assert 0.3 - 1e-15 <= jump <= 0.3
+    with np.errstate(invalid="ignore"):
+        lost = by_slope(lambda t: np.sqrt(0.3 - t) + 1.0, np.zeros_like, 0.0, 1.0)
+    assert 0.3 - 1e-15 <= lost <= 0.3
+
+
+def test_each_bracket_is_closed_in_on_by_itself() -> None:
+    """Brackets are numbered; those whose zero is found are not asked for any more."""
+    zero, asked = np.linspace(0.1, 0.9, 50), []
+
+    def function(at: Array, row: Array) -> tuple[Array, Array]:
+        asked.append(row.size)
+        power = np.where(row == 7, 5, 1)
+        return (zero[row] - at) ** power, -power * (zero[row] - at) ** (power - 1)
+
+    ends = np.zeros(50), np.ones(50)
+    found = zeros_by_slope(function, *ends, tuple(function(end, np.arange(50))[0] for end in ends), WITHIN)
+    assert np.max(np.abs(found - zero)[np.arange(50) != 7]) <= 2.0 * WITHIN
+    assert 0.0 <= zero[7] - found[7] <= (2.0 * WITHIN) ** 0.2
+    assert asked[-1] == 1
+
+
+def test_a_bracket_whose_ends_have_one_sign_is_refused_by_slope() -> None:
+    with pytest.raises(ArithmeticError, match="different signs"):
+        by_slope(np.cos, lambda t: -np.sin(t), 0.0, 1.0)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shapely import LineString
 
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.crossing import CurveFunction, chord_crossings, circle_crossings, refined_crossings
@@ -52,6 +53,31 @@ def test_rows_are_only_compared_with_their_own_row() -> None:
     row, along1, along2 = chord_crossings(np.array([diagonal, diagonal]), np.array([far, level]))
     assert row.tolist() == [1]
     assert (along1[0], along2[0]) == pytest.approx((0.25, 0.25), abs=1e-15)
+
+
+@pytest.mark.judges("numerics")
+@pytest.mark.parametrize("points", [2, 17, 18, 33, 100])
+def test_long_polylines_cross_where_each_pair_of_chords_does(points: int) -> None:
+    """Shapely tells them pair by pair.  The negative control: polylines that are moved apart cross nowhere."""
+    noise = np.random.default_rng(points)
+    first, second = (np.cumsum(noise.normal(size=(3, count, 2)), axis=1) for count in (40, points))
+    row, along1, along2 = chord_crossings(first, second)
+    expected = [
+        (number, i, j)
+        for number in range(3)
+        for i in range(39)
+        for j in range(points - 1)
+        if LineString(first[number, i : i + 2]).intersects(LineString(second[number, j : j + 2]))
+    ]
+    assert list(zip(row.tolist(), along1.astype(int).tolist(), along2.astype(int).tolist(), strict=True)) == expected
+    for number, one, other in zip(row, along1, along2, strict=True):
+        places = [
+            line[number, int(at)] + (at - int(at)) * (line[number, int(at) + 1] - line[number, int(at)])
+            for line, at in ((first, one), (second, other))
+        ]
+        assert places[0] == pytest.approx(places[1], abs=1e-10)
+    assert expected or points == 2
+    assert not chord_crossings(first, second + 1e3)[0].size
 
 
 @pytest.mark.parametrize(

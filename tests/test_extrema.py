@@ -13,7 +13,7 @@ from numpy.polynomial import Polynomial
 
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import extremes, stationary_points
+from ncgear.numerics.extrema import extremes, extremes_on, grid_between, stationary_points
 from ncgear.numerics.jet import Jet
 
 ORDER = 2
@@ -154,3 +154,19 @@ def test_it_never_looks_beyond_the_ends() -> None:
         return jet.sin_cos(Jet.variable(points, ORDER) * 9.0)[0]
 
     extremes(guarded, 0.25, 1.75)
+
+
+def test_extremes_of_several_functions_are_those_of_each() -> None:
+    """One with many changes of sign, one with none and one with a single one, in any order."""
+    functions = [
+        lambda t: jet.sin_cos(t * 9.0)[0],
+        lambda t: t * t * t + t,
+        lambda t: (t - 0.3) * (t - 0.3),
+    ]
+    grid = grid_between(-1.0, 2.0, np.empty(0))
+    for order in ([0, 1, 2], [2, 0, 1], [1]):
+        chosen = [functions[number] for number in order]
+        found = extremes_on(lambda at, chosen=chosen: [of_jet(function)(at) for function in chosen], grid)
+        assert found == [extremes(of_jet(function), -1.0, 2.0) for function in chosen]
+    both = extremes_on(lambda at: [of_jet(function)(at) for function in functions], grid)
+    assert len({low.at for low, _ in both}) == 3

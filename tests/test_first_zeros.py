@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.polynomial import chebyshev
 
-from ncgear.numerics.zeros import first_zeros
+from ncgear.numerics.zeros import _first_zeros_of_series, first_zeros
 
 Array = np.ndarray
 Function = Callable[[Array], Array]
@@ -107,3 +108,28 @@ def test_a_dip_between_samples_is_found() -> None:
 
     assert dip(np.linspace(0.0, 3.0, 41)).min() > 0.5
     assert first_zero(dip, 0.0, 3.0) == pytest.approx(1.2345 - 0.02 * np.sqrt(np.log(1.5)), abs=1e-12)
+
+
+@pytest.mark.judges("numerics")
+def test_first_zeros_of_series_are_the_least_of_all_their_roots() -> None:
+    """Eigenvalues of companion matrices tell all roots of series, in their middles, at ends, double ones and none.
+
+    The negative control: the series' last roots are others.
+    """
+    noise, several = np.random.default_rng(5), 0
+    for degree in (3, 8, 24):
+        decay = 0.6 ** np.arange(degree + 1.0)
+        series = noise.normal(size=(degree + 1, 300)) * decay[:, None]
+        series[0] += noise.uniform(0.0, 2.0, 300)
+        found = _first_zeros_of_series(series)
+        for column, place in zip(series.T, found, strict=True):
+            roots = chebyshev.chebroots(column)
+            real = np.sort(roots.real[(np.abs(roots.imag) < 1e-12) & (np.abs(roots.real) <= 1.0)])
+            if chebyshev.chebval(-1.0, column) <= 0.0:
+                assert place == -1.0
+            elif not real.size:
+                assert np.isnan(place)
+            else:
+                assert place == pytest.approx(real[0], abs=1e-11)
+                several += real.size > 1 and abs(place - real[-1]) > 1e-3
+    assert several > 50

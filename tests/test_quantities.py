@@ -203,9 +203,7 @@ def exact_peaks(seed: int) -> Array:
     found = figures(replace(task(seed), masses=None), single(law))
     curves = []
     for gear in Gear:
-        ends = law.extremes(
-            lambda piece, gear=gear: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, Mesh.EXTERNAL)
-        )
+        ends = law.extremes(lambda slope, gear=gear: shape.curvature(slope, gear, Mesh.EXTERNAL), 2)
         curves.append(max(abs(end.value) for end in ends))
     steep = np.tan(found.tangent_rad)
     return np.array([found.peak_acceleration_mm_s2, np.log(found.ratio_max), steep, *curves])

@@ -17,12 +17,12 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.teeth import fitting
+from ncgear.teeth import fitting, tips
 from ncgear.teeth.flank import flanks_of, mating_flanks
 from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.regular import regular_depth, regular_height
-from ncgear.teeth.tips import Limit, Tips, tip_crossing
+from ncgear.teeth.tips import Limit, Tips, even_heights, tip_crossing
 from ncgear.teeth.tool import RackLine
 from oracles import meshing
 from oracles.rack_cut import involute
@@ -220,6 +220,24 @@ def test_no_land_is_narrower_than_asked_for_and_the_shortened_are_just_as_wide(n
         assert width[narrow] == pytest.approx(least, abs=1e-9)
         limited += int(narrow.sum())
     assert limited > 0
+
+
+@pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
+def test_heights_of_lands_by_newtons_method_are_those_in_brackets(backlash_mm: float) -> None:
+    """All are found, also between edges of different heights and of turned flanks; a wider land is lower by far."""
+    form = ToothForm(rack(), backlash=Backlash(backlash_mm), limits=TipLimits(0.2 * MODULE))
+    for gear in both(made("baler", form)):
+        uneven = np.where(np.arange(gear.flanks.count) % 3 == 0, 1.02, 1.1)
+        flanks = gear.flanks.with_tips(even_heights(gear.flanks, gear.flanks.tip_height_mm * uneven))
+        edges, every = tips._Edges(flanks, *tip_crossing(flanks)), np.arange(0, flanks.count, 2)
+        back = every[edges.met.reshape(-1, 2).all(axis=1)]
+        least = 1.05 * float(tips._land(flanks, back).max())
+        found, _, met = tips._newton_lands(edges, back, least)
+        assert np.count_nonzero(met) >= 0.9 * back.size
+        bracketed = tips._height_of_land(flanks, back, least)
+        assert found[met] == pytest.approx(bracketed[met], abs=1e-9)
+        wider = tips._newton_lands(edges, back, 1.01 * least)[0]
+        assert np.all(wider[met] < found[met] - 1e-3)
 
 
 @pytest.mark.tiers(slow=["1:2"], rest="long")

@@ -66,7 +66,7 @@ class PiecewiseChebyshev:
         local = ((points - left) - (right - points)) / (right - left)
         if self.coefficients.ndim == 2:
             return on_panels(self.coefficients, panel, local)
-        rows = _polynomials(local.ravel(), len(self.coefficients))[:, None]
+        rows = polynomials(local.ravel(), len(self.coefficients))[:, None]
         values: Array = rows @ self._by_panel[panel.ravel()]
         return values.reshape(panel.shape + self.coefficients.shape[2:])
 
@@ -114,16 +114,19 @@ class Cells:
     powers: Array
 
     @cached_property
-    def _starts(self) -> Array:
-        return self.ends[1:, 0].copy()
+    def _places(self) -> tuple[Array, Array, Array]:
+        """Where all cells but the first begin, and both ends of all, each next to each other in memory."""
+        left, right = (end.copy() for end in self.ends.T)
+        return left[1:], left, right
 
     def __call__(self, points: Array) -> Array:
         """Values at ``points`` (any shape), the trailing axis appended; as ``PiecewiseChebyshev``."""
         flat = np.ravel(points)
-        cell = np.searchsorted(self._starts, flat, side="right")
-        left, right = np.take(self.ends, cell, axis=0).T
+        starts, *ends = self._places
+        cell = starts.searchsorted(flat, side="right")
+        left, right = (end.take(cell) for end in ends)
         local = ((flat - left) - (right - flat)) / (right - left)
-        values: Array = _powers(local, self.powers.shape[1])[:, None] @ np.take(self.powers, cell, axis=0)
+        values: Array = _powers(local, self.powers.shape[1])[:, None] @ self.powers.take(cell, axis=0)
         return values.reshape(*np.shape(points), self.powers.shape[2])
 
 
@@ -133,7 +136,7 @@ def cells_of(form: PiecewiseChebyshev) -> Cells:
     Halving a polynomial divides its coefficient of degree k by about 2^k, so few rounds are enough.
     """
     degree = len(form.coefficients) - 1
-    halves = _halves(degree)
+    both = halves(degree)
     left, right, series = form.breaks[:-1], form.breaks[1:], form.coefficients
     least = CELL_ROUNDING * np.abs(series).max(axis=(0, 1))
     done: list[tuple[Array, Array]] = []
@@ -143,7 +146,7 @@ def cells_of(form: PiecewiseChebyshev) -> Cells:
         left, right, series = left[~short], right[~short], series[:, ~short]
         middle = (left + right) / 2.0
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
-        series = np.concatenate([np.tensordot(half, series, axes=1) for half in halves], axis=1)
+        series = np.concatenate([np.tensordot(half, series, axes=1) for half in both], axis=1)
     ends = np.concatenate([both for both, _ in done])
     short_series = np.concatenate([block for _, block in done], axis=1)
     order = np.argsort(ends[:, 0])
@@ -152,7 +155,7 @@ def cells_of(form: PiecewiseChebyshev) -> Cells:
 
 
 @cache
-def _halves(degree: int) -> tuple[Array, Array]:
+def halves(degree: int) -> tuple[Array, Array]:
     """Matrices from the coefficients of a series to those of its left and its right half, (degree + 1) square each.
 
     T_k((x -+ 1) / 2) follows from the recurrence of Chebyshev polynomials; all numbers are exact.
@@ -284,6 +287,13 @@ def _transform(degree: int) -> Array:
 
 
 @cache
+def differentiation_matrix(degree: int) -> Array:
+    """Matrix from coefficients to those of the derivative on [-1, 1], square, its last row zero."""
+    matrix: Array = np.pad(chebyshev.chebder(np.eye(degree + 1), axis=0), ((0, 1), (0, 0)))
+    return matrix
+
+
+@cache
 def integration_matrix(degree: int) -> Array:
     """Matrix from values at the first-kind points of [-1, 1] to the integrals from -1 to each of them, square."""
     integrals = chebyshev.chebint(np.eye(degree + 1), lbnd=-1, axis=0)
@@ -301,7 +311,7 @@ def on_panels(coefficients: Array, panel: IndexArray, local: Array) -> Array:
     return total
 
 
-def _polynomials(local: Array, count: int) -> Array:
+def polynomials(local: Array, count: int) -> Array:
     """T_0, T_1, ... at points of [-1, 1] (shape (n,)), by their recurrence; shape (n, count)."""
     values = np.empty((count, local.size))
     values[0], values[1] = 1.0, local

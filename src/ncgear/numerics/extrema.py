@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -56,14 +57,52 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     [start, end] only.  It varies about equally between any two neighbours of ``knots`` (shape (m,), rising); knots
     outside [start, end] are ignored.
     """
-    grid, slope = _beside_flat(function, *_sampled(function, grid_between(start, end, knots)))
-    change = np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0]
-    flat = grid[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])]
-    if not change.size:
-        return distinct(np.concatenate([[start, end], flat]))
-    ends = slope[change], slope[change + 1]
-    found = zeros_between(lambda points: function(points).derivative(1), grid[change], grid[change + 1], ends)
-    return distinct(np.concatenate([[start, end], flat, found]))
+    return _stationary(lambda points: [function(points)], grid_between(start, end, knots))[0]
+
+
+Functions = Callable[[Array], Sequence[Jet]]
+"""From points, shape (n,), to jets of several functions there, each of order 1 or more."""
+
+
+def _stationary(functions: Functions, grid: Array) -> list[Array]:
+    """As ``stationary_points``, of each of several functions, on a grid that is given."""
+    sampled = [
+        _beside_flat(one, *_sampled(one, grid, first))
+        for number, first in enumerate(functions(grid))
+        for one in (partial(_one_of, functions, number),)
+    ]
+    changes = [np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0] for _, slope in sampled]
+    brackets = [
+        np.array([points[change], points[change + 1], slope[change], slope[change + 1]])
+        for (points, slope), change in zip(sampled, changes, strict=True)
+    ]
+    found = _changes_of_sign(functions, brackets)
+    return [
+        distinct(np.concatenate([grid[[0, -1]], points[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])], zeros]))
+        for (points, slope), zeros in zip(sampled, found, strict=True)
+    ]
+
+
+def _one_of(functions: Functions, number: int, points: Array) -> Jet:
+    return functions(points)[number]
+
+
+def _changes_of_sign(functions: Functions, brackets: list[Array]) -> list[Array]:
+    """Zeros of the slopes of several functions, all sought at once since these have much in common.
+
+    The brackets of each have shape (4, n): low and high ends, and slopes there.
+    """
+    low, high, *known = np.concatenate(brackets, axis=1)
+    if not low.size:
+        return [low for _ in brackets]
+    counts = [bracket.shape[1] for bracket in brackets]
+    owner, every = np.repeat(np.arange(len(brackets)), counts), np.arange(low.size)
+
+    def slopes(points: Array) -> Array:
+        chosen: Array = np.array([jet.derivative(1) for jet in functions(points)])[owner, every]
+        return chosen
+
+    return np.split(zeros_between(slopes, low, high, (known[0], known[1])), np.cumsum(counts)[:-1])
 
 
 def grid_between(start: float, end: float, knots: Array) -> Array:
@@ -77,12 +116,13 @@ def grid_between(start: float, end: float, knots: Array) -> Array:
     return np.append((edges[:-1, None] + np.diff(edges)[:, None] * shares).ravel(), end)
 
 
-def _sampled(function: Callable[[Array], Jet], grid: Array) -> tuple[Array, Array]:
-    """Points and slopes, more of them where a sample is far from the cubic through its two neighbours.
+def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> tuple[Array, Array]:
+    """Points and slopes, more of them than those of the grid where the function's ``jet`` there tells too little.
 
+    That is where a sample is far from the cubic through its two neighbours.
     The samples compared are every other point of the grid, from the second on; they lie halfway between neighbours.
     """
-    points, jet = grid, function(grid)
+    points = grid
     values, slopes = jet.value, jet.derivative(1)
     low = np.arange(0, grid.size - 2, 2)
     middle, high = low + 1, low + 2
@@ -136,8 +176,19 @@ def _may_be_extreme(values: Array, missed: Array, middle: IndexArray) -> Mask:
 def extremes(
     function: Callable[[Array], Jet], start: float, end: float, knots: Array = NO_KNOTS
 ) -> tuple[Extremum, Extremum]:
-    """Smallest and largest value on [start, end]."""
-    points = stationary_points(function, start, end, knots)
-    values = function(points).value
-    low, high = int(np.argmin(values)), int(np.argmax(values))
-    return Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high]))
+    """Smallest and largest value on [start, end], as of ``stationary_points``."""
+    return extremes_on(lambda points: [function(points)], grid_between(start, end, knots))[0]
+
+
+def extremes_on(functions: Functions, grid: Array) -> list[tuple[Extremum, Extremum]]:
+    """Smallest and largest value of several functions on a grid as ``grid_between`` makes it, from end to end."""
+    places = _stationary(functions, grid)
+    ends = np.cumsum([points.size for points in places])
+    found = []
+    for number, (points, jet) in enumerate(zip(places, functions(np.concatenate(places)), strict=True)):
+        values = jet.value[ends[number] - points.size : ends[number]]
+        low, high = int(np.argmin(values)), int(np.argmax(values))
+        found.append(
+            (Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high])))
+        )
+    return found

@@ -109,9 +109,10 @@ class Jet:
             return Jet(self.coefficients / other)
         a, b = self.coefficients, other.coefficients
         quotient = a.copy()
-        for k in range(len(a)):
+        for k in range(len(a) - 1):
             quotient[k] /= b[0]
             quotient[k + 1 :] -= quotient[k] * b[1 : len(a) - k]
+        quotient[-1] /= b[0]
         return Jet(quotient)
 
     def __pow__(self, exponent: float) -> Jet:
@@ -142,7 +143,8 @@ def sqrt(argument: Jet) -> Jet:
     root = np.empty_like(a)
     root[0] = np.sqrt(a[0])
     for k in range(1, len(a)):
-        root[k] = (a[k] - _paired(root[1:k], root[1:k])) / (2.0 * root[0])
+        rest = a[k] - _paired(root[1:k], root[1:k]) if k > 1 else a[k]
+        root[k] = rest / (2.0 * root[0])
     return Jet(root)
 
 

@@ -1,10 +1,11 @@
 """Zeros of functions: all or the first of them from Chebyshev forms, or one in each of many brackets.
 
 ``first_zeros`` and ``all_zeros`` take piecewise Chebyshev forms that are resolved to rounding error, so that no zero is
-missed.  ``zeros_between`` closes in on zeros in brackets, all at once, by the method of T. R. Chandrupatla, "A new
-hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives", Advances
-in Engineering Software 28 (1997), 145-149.  SciPy has the method too, but its bookkeeping takes ten times as long as
-the evaluation of this program's functions.
+missed.  ``zeros_by_slope`` takes functions with their slopes, and Newton's method.  ``zeros_between`` closes in on
+zeros in brackets, all at once, by the method of T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm for
+finding the zero of a nonlinear function without using derivatives", Advances in Engineering Software 28 (1997),
+145-149.  SciPy has the method too, but its bookkeeping takes ten times as long as the evaluation of this program's
+functions.
 """
 
 from __future__ import annotations
@@ -72,33 +73,59 @@ NEWTON_STEPS = 200
 LAST_STEP = 1e-10
 """Step after which a zero counts as found: what it leaves is about its square."""
 
+HALVED = 10
+"""Rounds of halving series of which bounds do not tell whether they are positive, or fall evenly.  Two do as a rule;
+where a series only touches zero none does, and eigenvalues tell."""
+
 
 def _first_zeros_of_series(coefficients: Array) -> Array:
-    """Smallest places in [-1, 1] at which Chebyshev series (shape (degree + 1, m)) are not positive; NaN for none."""
-    slope = np.asarray(series.chebder(coefficients), dtype=float)
-    falling = -EVEN * slope[0] >= np.abs(slope[1:]).sum(axis=0)
-    places = np.empty(falling.size)
-    places[falling] = _zeros_of_falling_series(coefficients[:, falling], slope[:, falling])
-    for number in np.nonzero(~falling)[0]:
+    """Smallest places in [-1, 1] at which Chebyshev series (shape (degree + 1, m)) are not positive; NaN for none.
+
+    They are halved until bounds prove each part positive, or to fall evenly through a zero.
+    """
+    degree, count = len(coefficients) - 1, coefficients.shape[1]
+    # The first part of each series that has a zero for certain, as far as is known: both ends, and values there.
+    first = np.full((4, count), np.inf)
+    row, left, right, parts = np.arange(count), -np.ones(count), np.ones(count), coefficients
+    for _ in range(HALVED):
+        slope = chebyshev.differentiation_matrix(degree) @ parts
+        even, odd = parts[::2].sum(axis=0), parts[1::2].sum(axis=0)
+        falling = -EVEN * slope[0] >= np.abs(slope[1:]).sum(axis=0)
+        crossing = (even <= odd) | (falling & (even + odd <= 0.0))
+        _keep_first(first, row[crossing], np.array([left, right, even - odd, even + odd])[:, crossing])
+        beyond = left >= first[0, row]
+        rest = np.nonzero(~(falling | beyond | (parts[0] > np.abs(parts[1:]).sum(axis=0))))[0]
+        row, middle = np.tile(row[rest], 2), (left[rest] + right[rest]) / 2.0
+        if not rest.size:
+            break
+        left, right = np.concatenate([left[rest], middle]), np.concatenate([middle, right[rest]])
+        parts = np.concatenate([half @ parts[:, rest] for half in chebyshev.halves(degree)], axis=1)
+    places = np.where(np.isinf(first[0]), np.nan, first[0])
+    inside = np.nonzero(np.isfinite(first[0]) & (first[2] > 0.0))[0]
+    if inside.size:
+        places[inside] = _zeros_of_falling_series(coefficients[:, inside], *np.split(first[:, inside], 2))
+    for number in distinct(row):
         places[number] = _first_zero(coefficients[:, number])
     return places
 
 
-def _zeros_of_falling_series(coefficients: Array, slope: Array) -> Array:
-    """As ``_first_zeros_of_series``, of series that fall evenly, whose slopes are given as series too."""
-    even, odd = coefficients[::2].sum(axis=0), coefficients[1::2].sum(axis=0)
-    low, high = even - odd, even + odd
-    places = np.where(low <= 0.0, -1.0, np.nan)
-    inside = np.nonzero((low > 0.0) & (high <= 0.0))[0]
-    coefficients, slope = coefficients[:, inside], slope[:, inside]
-    at = ((low + high) / (low - high))[inside]
+def _keep_first(first: Array, row: IndexArray, parts: Array) -> None:
+    """Note parts of rows (shape (4, n)) where they begin before those of ``first``, shape (4, m)."""
+    for number in np.nonzero(parts[0] < first[0, row])[0]:
+        if parts[0, number] < first[0, row[number]]:
+            first[:, row[number]] = parts[:, number]
+
+
+def _zeros_of_falling_series(coefficients: Array, ends: Array, values: Array) -> Array:
+    """Zeros of series that fall evenly between ``ends``, from positive ``values`` to others (shape (2, m) both)."""
+    slope = chebyshev.differentiation_matrix(len(coefficients) - 1) @ coefficients
+    at: Array = np.clip((ends[0] * values[1] - ends[1] * values[0]) / (values[1] - values[0]), *ends)
     for _ in range(NEWTON_STEPS):
-        terms = series.chebvander(at, len(slope)).T
-        step = (terms * coefficients).sum(axis=0) / (terms[:-1] * slope).sum(axis=0)
-        at = np.clip(at - step, -1.0, 1.0)
+        terms = chebyshev.polynomials(at, len(coefficients)).T
+        step = (terms * coefficients).sum(axis=0) / (terms * slope).sum(axis=0)
+        at = np.clip(at - step, *ends)
         if np.all(np.abs(step) <= LAST_STEP):
-            places[inside] = at
-            return places
+            return at
     raise ArithmeticError("the zero of a series that falls evenly was not found")
 
 
@@ -142,22 +169,6 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, k
     the function is nothing but rounding errors, its sign at a point depends on the other points.  Raises
     ArithmeticError where it is not finite, or has one sign at both ends.
     """
-    (new, value), (old, old_value) = _closed_in(function, low, high, known)
-    return np.where(np.abs(value) < np.abs(old_value), new, old)
-
-
-def not_negative_beside_zeros(
-    function: Callable[[Array], Array], low: Array, high: Array, known: Known = None
-) -> Array:
-    """As ``zeros_between``, but points next to the zeros at which the function's values are not negative."""
-    (new, value), (old, _) = _closed_in(function, low, high, known)
-    return np.where(value >= 0.0, new, old)
-
-
-def _closed_in(
-    function: Callable[[Array], Array], low: Array, high: Array, known: Known
-) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Both ends of brackets closed in on zeros, each with the function's values; raises as ``zeros_between``."""
     new, old = low, high
     value, old_value = _zero_at_an_end(*(known or (function(low), function(high))))
     share = np.full(low.shape, 0.5)
@@ -175,7 +186,7 @@ def _closed_in(
             least = CLOSE * (np.abs(best) + CLOSE * np.abs(high - low)) / np.abs(old - new)
             done = (least > 0.5) | (value == 0.0) | (old_value == 0.0)
             if np.all(done):
-                return (new, value), (old, old_value)
+                return np.where(np.abs(value) < np.abs(old_value), new, old)
             share = _next_share((new, old, older), (value, old_value, older_value), least)
             # A zero that is found stays where it is: a step within so narrow a bracket could leave it.
             share = np.where(done, 0.0, share)
@@ -202,3 +213,45 @@ def _next_share(points: tuple[Array, Array, Array], values: tuple[Array, Array, 
     trusted: Mask = (height**2 < place) & ((1.0 - height) ** 2 < 1.0 - place)
     share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
     return np.clip(np.where(trusted & np.isfinite(share), share, 0.5), np.minimum(least, 0.5), 1.0 - least)
+
+
+SLOWEST = 0.5
+"""Share of a function's value that a step of Newton's method may leave; after a slower one a bracket is halved."""
+
+BySlope = Callable[[Array, IndexArray], tuple[Array, Array]]
+"""From points and the numbers of their brackets to a function's values and slopes, shape (n,) each."""
+
+
+def zeros_by_slope(
+    function: BySlope, positive: Array, other: Array, values: tuple[Array, Array], within: float
+) -> Array:
+    """Places beside zeros between points (shape (n,)) at which a function is ``positive``, and ``other`` points.
+
+    Its ``values`` at both are given.  At the places they are not negative, and no greater than twice ``within``; but
+    where the function jumps, the places are as near to the jump as numbers tell.  Newton's steps, and halves of
+    brackets where they lead out of them or do not gain; what is no number counts as not positive.  Raises
+    ArithmeticError where a given value has the wrong sign.
+    """
+    if not (np.all(values[0] >= 0.0) and not np.any(values[1] > 0.0)):
+        raise ArithmeticError("a zero was sought between points at which a function does not have different signs")
+    good, bad, row = positive.copy(), other.copy(), np.arange(positive.size)
+    with np.errstate(all="ignore"):
+        at = good + (bad - good) * values[0] / (values[0] - values[1])
+    at, last = np.where(np.isfinite(at), at, (good + bad) / 2.0), np.full(at.shape, np.inf)
+    for _ in range(MOST_STEPS):
+        value, slope = function(at, row)
+        above = value > 0.0
+        good[row], bad[row] = np.where(above, at, good[row]), np.where(above, bad[row], at)
+        # Sought is a value of ``within``, so that rounding leaves a positive one.
+        missing = value - within
+        near, far = good[row], bad[row]
+        found = above & (np.abs(missing) <= within)
+        found |= np.abs(far - near) <= CLOSE * np.maximum(np.abs(near), np.abs(far))
+        if found.all():
+            return good
+        with np.errstate(all="ignore"):
+            step = at - missing / slope
+        gaining = (np.abs(missing) <= SLOWEST * last) & (np.minimum(near, far) < step) & (step < np.maximum(near, far))
+        at, last = np.where(gaining, step, (near + far) / 2.0)[~found], np.abs(missing)[~found]
+        row = row[~found]
+    raise ArithmeticError("no zero was found between points at which a function has different signs")

@@ -301,7 +301,7 @@ def _range_sharpness(law: Transmission) -> list[float]:
     """The sharpness of each curve on the range."""
 
     def sharpness(gear: Gear) -> float:
-        low, high = law.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, Mesh.EXTERNAL))
+        low, high = law.extremes(lambda slope: shape.curvature(slope, gear, Mesh.EXTERNAL), 2)
         return _sharper(low.value, high.value)
 
     return [sharpness(gear) for gear in Gear]

@@ -21,7 +21,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, Columns
 from ncgear.numerics.chebyshev import Cells, NotSmooth, PiecewiseChebyshev, cells_of
-from ncgear.numerics.plane import turned
+from ncgear.numerics.plane import along, as_complex, turned
 from ncgear.numerics.units import in_words
 from ncgear.pitch import shape
 from ncgear.pitch.shape import Gear, Mesh
@@ -328,13 +328,13 @@ def nearest(curve: RollingCurve, point_mm: Array, start_mm: Array, tolerance_mm:
 
     ``point_mm`` has shape (n, 2), ``start_mm`` (n,).  Where no nearest point is found near the start, both are NaN.
     """
-    sigma = start_mm
+    sigma, point = start_mm, as_complex(point_mm)
     for _ in range(STEPS):
         at = curve.at_length(sigma)
-        arm = point_mm - at.position
-        along, outwards = np.sum(arm * at.tangent, axis=1), np.sum(arm * at.normal, axis=1)
-        if np.all(np.abs(along) <= tolerance_mm):
-            break
-        sigma = sigma + along / np.maximum(1.0 + outwards * at.curvature, LEAST_SHARE)
-    found = np.abs(along) <= tolerance_mm
+        arm = point - as_complex(at.position)
+        ahead, outwards = along(as_complex(at.tangent), arm), along(as_complex(at.normal), arm)
+        found = np.abs(ahead) <= tolerance_mm
+        if found.all():
+            return sigma, outwards
+        sigma = sigma + ahead / np.maximum(1.0 + outwards * at.curvature, LEAST_SHARE)
     return np.where(found, sigma, np.nan), np.where(found, outwards, np.nan)

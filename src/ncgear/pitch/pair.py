@@ -7,7 +7,7 @@ of gears that turn less than once need not be filled: any module suits any centr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import atan, degrees, floor, isclose, pi
 
 import numpy as np
@@ -137,14 +137,14 @@ class PitchPair(Shown):
         Curvature is positive where the gear's material is convex; a ring's is negative except where its curve is
         dented.
         """
-        return {gear: self._curvature_range(gear) for gear in Gear}
-
-    def _curvature_range(self, gear: Gear) -> tuple[Extremum, Extremum]:
-        low, high = self.transmission.extremes(
-            lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, self.mesh)
-        )
         size = self.center_distance_mm
-        return Extremum(low.value / size, low.at), Extremum(high.value / size, high.at)
+        found = self.transmission.extremes_of_each(
+            [partial(shape.curvature, gear=gear, mesh=self.mesh) for gear in Gear], 2
+        )
+        return {
+            gear: (Extremum(low.value / size, low.at), Extremum(high.value / size, high.at))
+            for gear, (low, high) in zip(Gear, found, strict=True)
+        }
 
     def _bend_range(self, gear: Gear) -> tuple[float, float]:
         """Smallest and largest curvature of the closed curve, positive where it bulges outwards, also on a ring."""
@@ -229,7 +229,7 @@ def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTE
     """Largest angle between the pitch curves' tangent and the normal to the centre line, whatever their size."""
 
     def steepest(piece: Piece) -> tuple[Extremum, Extremum]:
-        return piece.extremes(lambda phi1: shape.tangent_slope(piece.slope(phi1, 2), mesh))
+        return piece.extremes([lambda slope: shape.tangent_slope(slope, mesh)], 1)[0]
 
     found = [extremum for piece in transmission.made_pieces for extremum in steepest(piece)]
     worst = max(abs(extremum.value) for extremum in found)

@@ -63,5 +63,5 @@ def pumped(
         return fitted(value, [piece.start_rad, *piece.knots_rad, piece.end_rad]).integrated().final
 
     periods = 2.0 * pi / transmission.lobes.driving_period_rad
-    least, most = transmission.extremes(lambda piece: lambda phi1: per_rad(piece.slope(phi1, 1)))
+    least, most = transmission.extremes(per_rad, 0)
     return Pumped(periods * sum(map(of, transmission.pieces)), least, most)

@@ -56,7 +56,7 @@ def tooth_load(
     """The load of the teeth of a pair of the machine; raises NoSuchMechanism where they cannot hold it."""
     found = ToothLoad(load, RigidMachine(machine, masses), pair, place)
     # The pressure angle is judged where it is largest, too, which is where the curves lean most, either way.
-    leaning = pair.transmission.extremes(lambda piece: lambda angle: tangent_slope(piece.slope(angle, 2), place.mesh))
+    leaning = pair.transmission.extremes(lambda slope: tangent_slope(slope, place.mesh), 1)
     angle = np.append(sample_angles(pair.transmission), [extremum.at for extremum in leaning])
     refuse_locked_at(angle, found.torque_n_mm(angle), found.mesh_force(angle).pressure_angle_rad.value)
     return found

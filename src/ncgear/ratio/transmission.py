@@ -11,7 +11,7 @@ stroke.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -24,7 +24,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.extrema import Extremum, extremes_on, grid_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import integrated_slope
 from ncgear.numerics.units import in_words
@@ -32,6 +32,9 @@ from ncgear.shown import Shown
 
 JetFunction = Callable[[Array, int], Jet]
 """From driving angles in rad, shape (n,), and an order to the driven angle in rad with its derivatives."""
+
+OfSlope = Callable[[Jet], Jet]
+"""From the jet of dphi2/dphi1 by phi1 to that of another quantity, of a lower order where that takes derivatives."""
 
 CLOSED = 1e-12
 """Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
@@ -164,9 +167,25 @@ class Piece:
         """dphi2/dphi1 = 1/i12 with derivatives by phi1."""
         return self.driven_angle(phi1, order + 1).differentiated()
 
-    def extremes(self, quantity: Callable[[Array], Jet]) -> tuple[Extremum, Extremum]:
-        """Smallest and largest value on the piece of a function of phi1 that returns jets of order 1 or more."""
-        return extremes(quantity, self.start_rad, self.end_rad, np.array(self.knots_rad))
+    def extremes(self, quantities: Sequence[OfSlope], lost: int) -> list[tuple[Extremum, Extremum]]:
+        """Smallest and largest values on the piece of quantities of dphi2/dphi1, which take ``lost`` derivatives of it.
+
+        A quantity maps the jet of dphi2/dphi1 to one of an order less by ``lost``, which is 0, 1 or 2.
+        """
+        grid, known = self._sampled_slope
+
+        def by_angle(phi1: Array) -> list[Jet]:
+            # Extremes are looked for on one grid; what the law is there is found once.
+            slope = known.truncated(lost + 1) if phi1 is grid else self.slope(phi1, lost + 1)
+            return [quantity(slope) for quantity in quantities]
+
+        return extremes_on(by_angle, grid)
+
+    @cached_property
+    def _sampled_slope(self) -> tuple[Array, Jet]:
+        """Driving angles between which extremes are looked for, and dphi2/dphi1 there with three derivatives."""
+        grid = grid_between(self.start_rad, self.end_rad, np.array(self.knots_rad))
+        return grid, self.slope(grid, 3)
 
 
 class DrivenGearStops(NoSuchMechanism):
@@ -250,13 +269,20 @@ class Transmission(Shown):
     @cached_property
     def slope_range(self) -> tuple[Extremum, Extremum]:
         """Smallest and largest dphi2/dphi1 over the period."""
-        return self.extremes(lambda piece: lambda phi1: piece.slope(phi1, 1))
+        return self.extremes(lambda slope: slope, 0)
 
-    def extremes(self, quantity: Callable[[Piece], Callable[[Array], Jet]]) -> tuple[Extremum, Extremum]:
-        """Smallest and largest value of a quantity given piece by piece, over the pieces that gears are made on."""
-        lows, highs = zip(*(piece.extremes(quantity(piece)) for piece in self.made_pieces), strict=True)
+    def extremes(self, quantity: OfSlope, lost: int) -> tuple[Extremum, Extremum]:
+        """Smallest and largest value of a quantity of dphi2/dphi1, as of ``Piece``, over what gears are made on."""
+        return self.extremes_of_each([quantity], lost)[0]
+
+    def extremes_of_each(self, quantities: Sequence[OfSlope], lost: int) -> list[tuple[Extremum, Extremum]]:
+        """As ``extremes``, of several quantities in less time than one by one."""
+        by_piece = [piece.extremes(quantities, lost) for piece in self.made_pieces]
         value = attrgetter("value")
-        return min(lows, key=value), max(highs, key=value)
+        return [
+            (min((low for low, _ in found), key=value), max((high for _, high in found), key=value))
+            for found in zip(*by_piece, strict=True)
+        ]
 
     @property
     def ratio_range(self) -> tuple[Extremum, Extremum]:

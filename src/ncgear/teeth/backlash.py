@@ -19,20 +19,18 @@ radii and the prime is a derivative by the driving angle.  Along the normal the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import cos, degrees, sin
 
 from ncgear.errors import WrongInput
 from ncgear.numerics import jet
-from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet
 from ncgear.pitch import shape
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.transmission import Piece
+from ncgear.ratio.transmission import OfSlope
 from ncgear.teeth.form import Backlash, BasicRack
 
 MOST_THINNED = 0.8
@@ -68,7 +66,7 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
         return NO_PLAY
     least, largest = (
         Extremum(arm.value * pitch.center_distance_mm, arm.at)
-        for arm in pitch.transmission.extremes(lambda piece: _idle_arm(piece, pitch, rack.angles_rad[1]))
+        for arm in pitch.transmission.extremes(_idle_arm(pitch, rack.angles_rad[1]), 1)
     )
     angle = asked.driven_rad or asked.least_normal_mm / least.value
     cosine = cos(rack.angles_rad[1])
@@ -92,13 +90,12 @@ def _too_much(asked: Backlash, most: float) -> WrongInput:
     )
 
 
-def _idle_arm(piece: Piece, pitch: PitchPair, angle_rad: float) -> Callable[[Array], Jet]:
-    """L at unit centre distance, by phi1."""
+def _idle_arm(pitch: PitchPair, angle_rad: float) -> OfSlope:
+    """L at unit centre distance from dphi2/dphi1, one order less."""
 
-    def arm(phi1: Array) -> Jet:
-        slope = piece.slope(phi1, 2)
+    def arm(slope: Jet) -> Jet:
         tilt = shape.tangent_slope(slope, pitch.mesh)
-        radius = shape.radius(slope.truncated(1), Gear.DRIVEN, pitch.mesh)
+        radius = shape.radius(slope.truncated(tilt.order), Gear.DRIVEN, pitch.mesh)
         return radius * (cos(angle_rad) - sin(angle_rad) * tilt) / jet.sqrt(tilt * tilt + 1.0)
 
     return arm

@@ -19,7 +19,7 @@ from ncgear.teeth.form import WAYS, TipLimits
 from ncgear.teeth.fouling import Mates, TipPaths, freed, freed_of_bottoms, paths_near_concave
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.spaces import cut_spaces, mated_spaces
-from ncgear.teeth.tips import Bounds, Limit, Tips, fitted_tips, held_below, no_tip
+from ncgear.teeth.tips import Bounds, Limit, Tips, bounded, fitted_tips, held_below, no_tip
 from ncgear.teeth.tool import PinionCircle
 
 FAR = 2.0
@@ -94,7 +94,7 @@ def _tips_in(
     # Rounding errors of the full depth must not count as a shorter tip.
     tip = np.where(tip > own.tip_height_mm * (1.0 - 1e-9), np.inf, tip)
     blamed = _least(own.count, mates, np.where(mate_undercut, 0.0, 1.0)) < 1.0
-    return fitted_tips(own, Bounds(contact, tip, blamed), undercut, limits.least_land_mm)
+    return fitted_tips(own, bounded(own, contact, tip, blamed), undercut, limits.least_land_mm)
 
 
 def _below_ceilings(tips: PairTips, limits: TipLimits) -> PairTips:
@@ -120,16 +120,18 @@ def _fitted_to_mates(
     on whether tips are raised first: the best way is kept.
     """
     regular = (_regular_spaces(gears[0], limits.avoid_undercut), _regular_spaces(gears[1], limits.avoid_undercut))
-    plain = _regular_tips(gears, regular, mates, limits)
+    bounds = _bounds(gears[0], regular[1], mates[0]), _bounds(gears[1], regular[0], mates[1])
+    undercut = regular[0][1], regular[1][1]
+    plain = _regular_tips(gears, bounds, undercut, limits)
     raised = (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1]))
     paths = None
     if min(gear.curve.curvature_bounds[0] for gear in gears) < 0.0:
-        paths = (paths_near_concave(*gears, mates[0]), paths_near_concave(*gears[::-1], mates[1]))
+        paths = paths_near_concave(gears, mates)
     found: list[PairTips] = []
     refusals: list[NoSuchMechanism] = []
     for way in WAYS if limits.way is None else (limits.way,):
         try:
-            tips = _regular_tips(raised, regular, mates, limits) if way.raised else plain
+            tips = _regular_tips(raised, bounds, undercut, limits) if way.raised else plain
             free = _freed(tips, paths, way.first)
             first, second = _below_ceilings(free, limits)
             deep = _deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)
@@ -152,19 +154,23 @@ def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> Spaces:
     return (allowed if avoid_undercut else np.full(gear.count, far)), regular < gear.flank_depth_mm
 
 
+def _bounds(own: Flanks, mate: Spaces, mates: Mates) -> Bounds:
+    """What regular flanks of the mate allow, however high the tips are."""
+    allowed, undercut = mate
+    contact = _least(own.count, mates, allowed)
+    blamed = _least(own.count, mates, np.where(undercut, 0.0, 1.0)) < 1.0
+    return bounded(own, contact, np.full(own.count, np.inf), blamed)
+
+
 def _regular_tips(
-    gears: tuple[Flanks, Flanks], regular: tuple[Spaces, Spaces], mates: tuple[Mates, Mates], limits: TipLimits
+    gears: tuple[Flanks, Flanks], bounds: tuple[Bounds, Bounds], undercut: tuple[Mask, Mask], limits: TipLimits
 ) -> PairTips:
     """Tips that meet regular flanks only."""
-    tips = []
-    for number, own in enumerate(gears):
-        allowed, undercut = regular[1 - number]
-        contact = _least(own.count, mates[number], allowed)
-        blamed = _least(own.count, mates[number], np.where(undercut, 0.0, 1.0)) < 1.0
-        bounds = Bounds(contact, np.full(own.count, np.inf), blamed)
-        land = max(limits.least_land_mm, BLUNT * own.rack.module_mm)
-        tips.append(fitted_tips(own, bounds, regular[number][1], land))
-    return tips[0], tips[1]
+    first, second = (
+        fitted_tips(own, allowed, marked, max(limits.least_land_mm, BLUNT * own.rack.module_mm))
+        for own, allowed, marked in zip(gears, bounds, undercut, strict=True)
+    )
+    return first, second
 
 
 def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:

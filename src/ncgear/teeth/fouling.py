@@ -82,13 +82,22 @@ Fouling = Callable[[Flanks, Array, TipPaths], Mask]
 """From flanks, heights of their tips and the paths to look at to which tips run into the mate; shape (2 z,)."""
 
 
-def paths_near_concave(own: Flanks, mate: Flanks, mates: Mates) -> TipPaths:
-    """The paths within reach of a concave stretch of either curve; tips foul nowhere else."""
-    reach, pitch = _reach_mm(own, mate), own.rack.pitch_mm
-    rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / pitch) + 1)
-    sigma = own.crossing_mm[mates[0]][:, None] + rolled
+def paths_near_concave(gears: tuple[Flanks, Flanks], mates: tuple[Mates, Mates]) -> tuple[TipPaths, TipPaths]:
+    """Both gears' paths within reach of a concave stretch of either curve; tips foul nowhere else."""
+    reach = _reach_mm(*gears)
+    return _paths_near_concave(*gears, mates[0], reach), _paths_near_concave(*gears[::-1], mates[1], reach)
+
+
+def _paths_near_concave(own: Flanks, mate: Flanks, mates: Mates, reach: float) -> TipPaths:
+    crossing = own.crossing_mm[mates[0]]
+    ends = crossing - reach, crossing + reach
+    # Most paths are convex for certain on both curves, and need not be followed.
+    least = np.min([flanks.curve.curvature_between(*ends)[0] for flanks in (own, mate)], axis=0)
+    doubtful = np.nonzero(~(least >= 0.0))[0]
+    rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / own.rack.pitch_mm) + 1)
+    sigma = crossing[doubtful, None] + rolled
     at, there = own.curve.at_length(sigma), mate.curve.at_length(sigma)
-    paths = TipPaths(*mates, at, there)
+    paths = TipPaths(mates[0][doubtful], mates[1][doubtful], at, there)
     return paths.kept(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
 
 
@@ -201,8 +210,12 @@ def _edges_in(
 def _running_into(path: Array, teeth: Array, tooth: IndexArray, neighbours: int) -> Mask:
     """Which of n paths cross the tooth of their number (from 0) or a neighbour on either side of it; shape (n,)."""
     hit = np.zeros(len(path), dtype=bool)
-    for neighbour in range(-neighbours, neighbours + 1):
-        hit[chord_crossings(path, teeth[(tooth + neighbour) % len(teeth)])[0]] = True
+    beside = (tooth[:, None] + np.arange(-neighbours, neighbours + 1)) % len(teeth)
+    # Most teeth are out of reach: their boxes do not meet the path's.
+    (low, high), (least, most) = ((points.min(axis=1), points.max(axis=1)) for points in (path, teeth))
+    near = np.all((high[:, None] >= least[beside]) & (low[:, None] <= most[beside]), axis=2)
+    row, column = np.nonzero(near)
+    hit[row[chord_crossings(path[row], teeth[beside[row, column]])[0]]] = True
     return hit
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.zeros import first_zeros
 from ncgear.pitch.curve import PitchCurve
@@ -27,33 +27,35 @@ AT_END = 1e-12
 numbers left to tell its sides apart."""
 
 
-def regular_height(flanks: Flanks, limit_mm: float) -> Array:
-    """Height over the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,).
+def regular_height(flanks: Flanks, limit_mm: float | Array, which: IndexArray | None = None) -> Array:
+    """Height over the pitch line, at most ``limit_mm``, up to which flanks are regular; of all, or of those numbered.
 
-    Raises NoSuchMechanism where the pitch curve bends many times along the height of one tooth.
+    Both limits and heights have shape (n,), but one limit does for all.  Raises NoSuchMechanism where the pitch curve
+    bends many times along the height of one tooth.
     """
-    return _reach(flanks, limit_mm, 1.0)
+    return _reach(flanks, limit_mm, 1.0, which)
 
 
-def regular_depth(flanks: Flanks, limit_mm: float) -> Array:
-    """Depth below the pitch line, at most ``limit_mm``, up to which each flank is regular; shape (2 z,).
+def regular_depth(flanks: Flanks, limit_mm: float | Array) -> Array:
+    """Depth below the pitch line, at most ``limit_mm`` (also of shape (2 z,)), up to which flanks are; shape (2 z,).
 
     A tool cuts away what is deeper (undercut).  Raises NoSuchMechanism as ``regular_height`` does.
     """
-    return _reach(flanks, limit_mm, -1.0)
+    return _reach(flanks, limit_mm, -1.0, None)
 
 
-def _reach(flanks: Flanks, limit: float, sense: float) -> Array:
+def _reach(flanks: Flanks, limit: float | Array, sense: float, which: IndexArray | None) -> Array:
     """Largest h in [0, limit] such that sin^2(alpha) + sense h k stays positive from 0 to h."""
-    reached, every = np.full(flanks.count, limit, dtype=float), np.arange(flanks.count)
-    doubtful = np.nonzero(~flanks.surely_regular(every, sense * reached))[0]
-    if not doubtful.size:
+    flank = np.arange(flanks.count) if which is None else which
+    reached: Array = np.broadcast_to(limit, flank.shape).astype(float)
+    rows = np.nonzero(~flanks.surely_regular(flank, sense * reached))[0]
+    if not rows.size:
         return reached
-    per_mm = -sense * flanks.side * flanks.slant.height_per_rolled
-    ends, joints = np.array([0.0, limit]), _joints(flanks)
-    cuts = [_cuts(ends, (joints - flanks.crossing_mm[i]) * per_mm[i]) for i in doubtful]
+    doubtful, per_mm = flank[rows], -sense * flanks.side * flanks.slant.height_per_rolled
+    ends, joints = np.column_stack([np.zeros(rows.size), reached[rows]]), _joints(flanks)
+    cuts = [_cuts(end, (joints - flanks.crossing_mm[i]) * per_mm[i]) for end, i in zip(ends, doubtful, strict=True)]
     try:
-        reached[doubtful] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
+        reached[rows] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
     except NotSmooth as fault:
         problem = (
             f"the {flanks.curve.gear.value} pitch curve bends too often along the height of one tooth for its flanks "

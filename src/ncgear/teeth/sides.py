@@ -66,8 +66,7 @@ def regular_sides(tips: Tips) -> tuple[Sides, Mask]:
     """All sides as if they were regular, and which flanks are not; shape (2 z,)."""
     flanks = tips.flanks
     every, depth = np.arange(flanks.count), flanks.flank_depth_mm
-    deepest = float(np.max(depth))
-    undercut = regular_depth(flanks, deepest) < depth if deepest > 0.0 else np.zeros(flanks.count, dtype=bool)
+    undercut = regular_depth(flanks, np.maximum(depth, 0.0)) < depth
     roots = roots_of(flanks)
     sides = Sides(
         owner=np.repeat(every, 2),

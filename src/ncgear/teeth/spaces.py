@@ -21,14 +21,14 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points
-from ncgear.numerics.zeros import not_negative_beside_zeros
+from ncgear.numerics.zeros import zeros_by_slope
 from ncgear.pitch.curve import CurvePoints, PitchCurve
 from ncgear.teeth.flank import Flanks, Sweep, flank_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
-from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, Rounding, rounding_of
+from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, rounding_of, rounding_rates
 
-Depth = Callable[[Array, IndexArray], Array]
-"""From radii and flank numbers to the depths of flanks, shape (n,) each."""
+ByRadius = Callable[[Array, IndexArray], tuple[Array, Array]]
+"""From radii and numbers of flanks or teeth to values and how fast they grow with the radius, shape (n,) each."""
 
 ROUND_ENOUGH = 0.9
 """Largest radius of a rounding, as a share of f / sin(alpha), the way from the flank's end to the pitch point.  With
@@ -52,19 +52,26 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     every, sine = np.arange(flanks.count), np.broadcast_to(slant.sine, flanks.count)
     beside = np.where(flanks.side > 0.0, every + 1, every - 1) % flanks.count
 
-    def bound(radius: Array, flank: IndexArray) -> Array:
+    def bounded(radius: Array, flank: IndexArray) -> tuple[Array, Array]:
         # The tool's tip is level, though its rounding ends higher beside the flatter flank.
-        other = beside[flank]
-        level: Array = np.minimum(allowed[flank], allowed[other] + radius * (sine[flank] - sine[other]))
-        return level
+        other, own = beside[flank], flanks.slant.of(flank)
+        depths = [
+            allowed[flank],
+            allowed[other] + radius * (sine[flank] - sine[other]),
+            tool.flank_depth_mm(own, full[flank], radius),
+        ]
+        rates = [
+            np.zeros_like(radius),
+            sine[flank] - sine[other],
+            tool.flank_depth_per_radius(own, full[flank], radius),
+        ]
+        return np.min(depths, axis=0), np.choose(np.argmin(depths, axis=0), rates)
 
     radii = _largest_radii(flanks, np.minimum(of_spaces(allowed), depth), rack.root_radius_mm)
     if flanks.is_turned or not isinstance(tool, RackLine):
         # Play leaves the driven gear's teeth thicker, and the rack's thinner, before its idle flanks are turned.
-        radii = _fitted(
-            flanks, radii, lambda r, i: np.minimum(bound(r, i), tool.flank_depth_mm(slant.of(i), full[i], r))
-        )
-    depth = np.minimum(bound(radii, every), tool.flank_depth_mm(slant, full, radii))
+        radii = _fitted(flanks, radii, bounded)
+    depth = bounded(radii, every)[0]
     return replace(flanks, flank_depth_mm=depth, root_radius_mm=radii), undercut
 
 
@@ -75,7 +82,7 @@ def mated_spaces(flanks: Flanks, depth_mm: Array, radius_mm: Array) -> Flanks:
     """
     radii = _largest_radii(flanks, depth_mm, radius_mm)
     deep = replace(flanks, flank_depth_mm=depth_mm)
-    rounded = replace(deep, root_radius_mm=_fitted(deep, radii, lambda r, i: depth_mm[i]))
+    rounded = replace(deep, root_radius_mm=_fitted(deep, radii, lambda r, i: (depth_mm[i], np.zeros_like(r))))
     lost = np.nonzero(np.isnan(rounded.root_depth_mm))[0]
     if lost.size:
         raise no_root(flanks, int(lost[0]), "no rounded tip fits the mate's tooth")
@@ -99,20 +106,22 @@ def _largest_radii(flanks: Flanks, depth: Array, wanted: Array | float) -> Array
     return of_spaces(np.minimum(wanted, most))
 
 
-def _fitted(flanks: Flanks, radii: Array, depth_of: Depth) -> Array:
+def _fitted(flanks: Flanks, radii: Array, depth_of: ByRadius) -> Array:
     """The radii, reduced where the tool's tooth is too narrow for them, or its tip would slope beyond 45 degrees."""
     front, back, turn = _sides_of_spaces(flanks)
+    module = flanks.rack.module_mm
 
-    def trial(flank: IndexArray, radius: Array) -> Rounding:
+    def flats(radius: Array, number: IndexArray) -> tuple[Array, Array]:
+        flank, radius = np.concatenate([front[number], back[number]]), np.tile(radius, 2)
+        slant, crossing, side = flanks.slant.of(flank), flanks.crossing_mm[flank], flanks.side[flank]
         depth = depth_of(radius, flank)
-        module, slant = flanks.rack.module_mm, flanks.slant.of(flank)
-        return rounding_of(flanks.tool, module, slant, flanks.crossing_mm[flank], flanks.side[flank], depth, radius)
+        trial = rounding_of(flanks.tool, module, slant, crossing, side, depth[0], radius)
+        rates = rounding_rates(flanks.tool, slant, crossing, side, depth, radius, trial)
+        (first, last), rate = trial.lowest_mm.reshape(2, -1), np.subtract(*rates[0].reshape(2, -1)[::-1])
+        slope, steeper = (np.subtract(*values.reshape(2, -1)[::-1]) for values in (trial.depth_mm, rates[1]))
+        return last + turn[number] - first - np.abs(slope), rate - np.sign(slope) * steeper
 
-    def flats(radius: Array, number: IndexArray) -> Array:
-        first, last = trial(front[number], radius), trial(back[number], radius)
-        return last.lowest_mm + turn[number] - first.lowest_mm - np.abs(last.depth_mm - first.depth_mm)
-
-    fitting = _largest_fitting(flats, radii[front], LEAST_FLAT * flanks.rack.module_mm)
+    fitting = _largest_fitting(flats, radii[front], LEAST_FLAT * module, AGREEMENT * module)
     if np.isnan(fitting).any():
         raise _pointed(flanks, int(front[np.isnan(fitting)][0]))
     fitted = np.empty(flanks.count)
@@ -127,27 +136,28 @@ def _sides_of_spaces(flanks: Flanks) -> tuple[IndexArray, IndexArray, Array]:
     return front, back, np.where(back == 0, flanks.curve.length_mm, 0.0)
 
 
-def _largest_fitting(flats: Callable[[Array, IndexArray], Array], most_mm: Array, least_mm: float) -> Array:
+def _largest_fitting(flats: ByRadius, most_mm: Array, least_mm: float, within_mm: float) -> Array:
     """Largest radii, at most ``most_mm`` (shape (n,)), that leave flats of ``least_mm`` between two roundings.
 
-    ``flats`` tells the flats at radii for tooth numbers, shape (m,) each.  NaN where not even sharp corners leave one.
+    The flats are no longer than that by twice ``within_mm``.  ``flats`` tells them at radii for tooth numbers; where a
+    tip is too pointed for its radius they are NaN.  NaN where not even sharp corners leave one.
     """
     radii, every = most_mm.copy(), np.arange(most_mm.size)
-    tight = every[~(flats(radii, every) >= least_mm)]
+    most = flats(radii, every)[0] - least_mm
+    tight = every[~(most >= 0.0)]
     if not tight.size:
         return radii
-    sharp = ~(flats(np.zeros(tight.size), tight) >= least_mm)
-    radii[tight[sharp]] = np.nan
-    tight = tight[~sharp]
-    if not tight.size:
-        return radii
-    most = most_mm[tight]
+    sharp = flats(np.zeros(tight.size), tight)[0] - least_mm
+    pointed = ~(sharp >= 0.0)
+    radii[tight[pointed]] = np.nan
+    tight, sharp = tight[~pointed], sharp[~pointed]
 
-    def excess(trial: Array) -> Array:
-        # A tip too pointed for its radius counts as having no flat at all.
-        return np.nan_to_num(flats(trial, tight), nan=-float(most.max())) - least_mm
+    def excess(radius: Array, row: IndexArray) -> tuple[Array, Array]:
+        flat, rate = flats(radius, tight[row])
+        return flat - least_mm, rate
 
-    radii[tight] = not_negative_beside_zeros(excess, np.zeros(tight.size), most)
+    ends = np.zeros(tight.size), most_mm[tight]
+    radii[tight] = zeros_by_slope(excess, *ends, (sharp, most[tight]), within_mm)
     return radii
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
-from ncgear.numerics.plane import turned
+from ncgear.numerics.plane import across, along, as_complex, turned
 from ncgear.numerics.zeros import zeros_between
 from ncgear.pitch.curve import LEAST_SHARE, nearest
 from ncgear.teeth.flank import Flanks, flank_name
@@ -35,6 +35,9 @@ FAR = 3.0
 
 LOWEST = 0.05
 """Share of a pointed tip's height at which the search for the height of the least land begins."""
+
+ROUNDING = 1e-14
+"""Share of a height that is more than rounding errors of its products."""
 
 MOST_SLOPE = 0.25
 """Largest rise from edge to edge of a tip, in widths of its level land: beyond it the higher edge would be sharp."""
@@ -57,12 +60,14 @@ class Limit(IntEnum):
 class Bounds:
     """What the mate allows each flank, shape (2 z,).
 
-    ``contact_mm`` is the greatest height of contact over the pitch line, ``tip_mm`` that of the tip land; ``undercut``
+    ``contact_mm`` is the greatest height of contact over the pitch line, ``tip_mm`` that of the tip land, and
+    ``regular_mm`` the height up to which the flank itself is regular, if that is less than the contact's; ``undercut``
     marks flanks whose bound comes from a mate that a tool of full depth would undercut.
     """
 
     contact_mm: Array
     tip_mm: Array
+    regular_mm: Array
     undercut: Mask
 
 
@@ -97,11 +102,21 @@ class _Edges:
         moved = np.nonzero(height_mm != self.flanks.tip_height_mm)[0]
         if not moved.size:
             return self
-        flanks = self.flanks.with_tips(height_mm)
-        found = self.top_mm.copy(), self.at_mm.copy(), self.met.copy()
-        for values, new in zip(found, tip_crossing(flanks, moved), strict=True):
-            values[moved] = new
-        return _Edges(flanks, *found)
+        return self.placed(height_mm, moved, tip_crossing(self.flanks.with_tips(height_mm), moved))
+
+    def placed(self, height_mm: Array, rows: IndexArray, found: tuple[Array, Array, Mask]) -> _Edges:
+        """The edges of tips of other heights, of which those of ``rows`` are as found."""
+        known = self.top_mm.copy(), self.at_mm.copy(), self.met.copy()
+        for values, new in zip(known, found, strict=True):
+            values[rows] = new
+        return _Edges(self.flanks.with_tips(height_mm), *known)
+
+
+def bounded(own: Flanks, contact_mm: Array, tip_mm: Array, undercut: Mask) -> Bounds:
+    """The bounds of flanks of which it is found out how far they are regular."""
+    # A little higher, lest rounding make a flank that is regular all the way end in a cusp.
+    limit = np.maximum(contact_mm, 0.0) * (1.0 + ROUNDING) / CLEAR_OF_CUSPS
+    return Bounds(contact_mm, tip_mm, regular_height(own, limit), undercut)
 
 
 def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: float) -> Tips:
@@ -112,7 +127,7 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     height = np.minimum(flanks.tip_height_mm, bounds.tip_mm)
     reason = np.where(bounds.undercut, Limit.UNDERCUT, Limit.FILLET)
     limit = np.where(height < flanks.tip_height_mm, reason, Limit.FULL)
-    regular = CLEAR_OF_CUSPS * regular_height(flanks, float(np.max(bounds.contact_mm)) / CLEAR_OF_CUSPS)
+    regular = CLEAR_OF_CUSPS * bounds.regular_mm
     cusp = regular < bounds.contact_mm
     allowed = np.minimum(regular, bounds.contact_mm)
     flanks = flanks.with_tips(height)
@@ -125,11 +140,10 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     even = even_heights(flanks, free)
     limit = np.where(even < free, np.maximum(limit, Limit.SLOPE), limit)
     edges = edges.moved(even)
-    wide, narrow = _with_lands(edges, least_land_mm)
+    edges, narrow = _with_lands(edges, least_land_mm)
     limit = np.where(narrow, Limit.LAND, limit)
-    edges = edges.moved(wide)
     too_high = edges.top_mm > allowed + AGREEMENT * flanks.rack.module_mm
-    lost = np.nonzero(~edges.met | (wide <= 0.0) | (edges.top_mm <= 0.0) | too_high)[0]
+    lost = np.nonzero(~edges.met | (edges.flanks.tip_height_mm <= 0.0) | (edges.top_mm <= 0.0) | too_high)[0]
     if lost.size:
         raise no_tip(flanks, int(lost[0]))
     return Tips(edges.flanks, edges.top_mm, edges.at_mm, limit, undercut, np.full(flanks.count, np.inf))
@@ -213,19 +227,25 @@ def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Arra
 
 def _newton_crossing(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
     """Crossings by Newton's method.  Where it leads far away or beyond a cusp they do not count as met."""
-    rack, tip, crossing = flanks.rack, flanks.tip_height_mm[which], flanks.crossing_mm[which]
+    tip = flanks.tip_height_mm[which]
     height, sigma, met = refined_crossings(
         lambda h: flanks.flank(which, h),
         lambda s: flanks.offset(s, tip),
         *_crossing_on_circle(flanks, which),
-        AGREEMENT * rack.module_mm,
+        AGREEMENT * flanks.rack.module_mm,
     )
-    met &= (height > 0.0) & (height < FAR * tip) & (np.abs(sigma - crossing) < rack.pitch_mm / 2.0)
-    near = np.nonzero(met)[0]
+    return height, sigma, met & _before_cusps(flanks, which, height, sigma, tip)
+
+
+def _before_cusps(flanks: Flanks, which: IndexArray, height: Array, sigma: Array, tip: Array) -> Mask:
+    """Which flanks reach tips of heights ``tip`` near the flank, and at heights before any cusp; all of shape (n,)."""
+    reach = flanks.rack.pitch_mm / 2.0
+    before = (height > 0.0) & (height < FAR * tip) & (np.abs(sigma - flanks.crossing_mm[which]) < reach)
+    near = np.nonzero(before)[0]
     doubtful = near[~flanks.surely_regular(which[near], height[near])]
     way = height[doubtful, None] * np.linspace(0.0, 1.0, PROBES)
-    met[doubtful] = flanks.regularity(which[doubtful, None], way).min(axis=1) > 0.0
-    return height, sigma, met
+    before[doubtful] = flanks.regularity(which[doubtful, None], way).min(axis=1) > 0.0
+    return before
 
 
 def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array]:
@@ -248,7 +268,7 @@ def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array
 def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
     """Crossings in brackets from the pitch curve up to the cusps."""
     tip = flanks.tip_height_mm[which]
-    high = np.minimum(FAR * tip, regular_height(flanks, FAR * float(np.max(tip)))[which])
+    high = regular_height(flanks, np.maximum(FAR * tip, 0.0), which)
 
     lost = np.zeros(which.size, dtype=bool)
 
@@ -266,17 +286,72 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
     return height, sigma, np.isfinite(height) & np.isfinite(sigma)
 
 
-def _with_lands(edges: _Edges, least: float) -> tuple[Array, Mask]:
-    """Tip heights, lowered where their land is narrower than ``least``, and which those are."""
+def _with_lands(edges: _Edges, least: float) -> tuple[_Edges, Mask]:
+    """The edges of tips that are lowered where their land is narrower than ``least``, and which those are."""
     flanks, height = edges.flanks, edges.flanks.tip_height_mm
-    width = _width(flanks, np.arange(flanks.count), edges.at_mm, edges.met)
+    width = _width(flanks, np.arange(flanks.count), flanks.offset(edges.at_mm, height), edges.at_mm, edges.met)
     narrow = ~(width >= least)
     if not narrow.any():
-        return height, np.zeros(flanks.count, dtype=bool)
+        return edges, np.zeros(flanks.count, dtype=bool)
     back = 2 * np.nonzero(narrow)[0]
     most = np.full(flanks.count, np.inf)
-    most[back] = most[back + 1] = _height_of_land(flanks, back, least)
-    return np.minimum(height, most), most < height
+    lands, found, met = _newton_lands(edges, back, least)
+    lost = back[~met]
+    if lost.size:
+        lands[~met] = _height_of_land(flanks, lost, least)
+    most[back] = most[back + 1] = lands
+    wide, both = np.minimum(height, most), np.repeat(met, 2)
+    chosen = np.column_stack([back, back + 1]).ravel()[both]
+    known = np.where(np.isin(np.arange(flanks.count), chosen), wide, height)
+    top, at = (values[both] for values in found)
+    return edges.placed(known, chosen, (top, at, np.ones(chosen.size, dtype=bool))).moved(wide), most < height
+
+
+STEPS = 12
+"""Steps of Newton's method to the height of a land; five do as a rule."""
+
+
+@np.errstate(all="ignore")
+def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array, tuple[Array, Array], Mask]:
+    """As ``_height_of_land``, by Newton's method: heights, where their edges are, and which of them it finds.
+
+    They have shape (n,), and those of the edges, which are heights of contact and arc lengths, (2 n,).
+
+    A tip's height and where both flanks reach its land are sought together.  An edge that is as high as the tip moves
+    by N for each mm of that height, N being the pitch curve's normal; an edge that is lower moves only along the land.
+    What play adds to a land's width hardly changes, and is left out of the slope.  Where no step leads on, numbers go
+    astray, and the height is not found.
+    """
+    flanks, both = edges.flanks, np.column_stack([back, back + 1]).ravel()
+    own, plain, agreement = flanks.tip_height_mm[both], flanks.unturned, AGREEMENT * flanks.rack.module_mm
+    high = own.reshape(-1, 2).max(axis=1)
+    land, height, sigma = high, edges.top_mm[both], edges.at_mm[both]
+    found = edges.met[both].reshape(-1, 2).all(axis=1)
+    for _ in range(STEPS):
+        tip = np.minimum(own, np.repeat(land, 2))
+        over, (point, rise) = plain.offset(sigma, tip), map(as_complex, plain.flank(both, height))
+        edge, ahead = map(as_complex, over)
+        missing = _width(flanks, both, over, sigma, np.ones(both.size, dtype=bool)) - least
+        gap, area = edge - point, across(rise, ahead)
+        met = (np.abs(gap.reshape(-1, 2)) <= agreement).all(axis=1) & (np.abs(missing) <= agreement)
+        if met[found].all():
+            break
+        outwards = np.where(own >= np.repeat(land, 2), as_complex(flanks.curve.at_length(sigma).normal), 0.0)
+        # Newton's steps of both parameters: what closes the gap, and what follows the tip for each mm of its height.
+        steps = [(across(way, ahead) / area, across(way, rise) / area) for way in (gap, outwards)]
+        moved = steps[0][1] * ahead, steps[1][1] * ahead + outwards
+        chord = np.repeat(np.diff(edge.reshape(-1, 2))[:, 0] * np.sign(np.diff(sigma.reshape(-1, 2))[:, 0]), 2)
+        wider = [np.diff(along(chord / np.abs(chord), way).reshape(-1, 2))[:, 0] for way in moved]
+        higher = np.clip(land - (missing + wider[0]) / wider[1], LOWEST * high, high) - land
+        height, sigma = (
+            here + at_once + each * np.repeat(higher, 2)
+            for here, at_once, each in zip((height, sigma), *steps, strict=True)
+        )
+        land = land + higher
+    found &= met & (land > LOWEST * high) & (land <= high)
+    tip = np.minimum(own, np.repeat(land, 2))
+    found &= _before_cusps(flanks, both, height, sigma, tip).reshape(-1, 2).all(axis=1)
+    return land, (height, sigma), found
 
 
 def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
@@ -300,20 +375,21 @@ def _land(flanks: Flanks, back: IndexArray) -> Array:
     """Width in mm of the tip lands behind the given back flanks, as ``_width``."""
     both = np.column_stack([back, back + 1]).ravel()
     _, at, met = tip_crossing(flanks, both)
-    return _width(flanks, both, at, met)
+    return _width(flanks, both, flanks.offset(at, flanks.tip_height_mm[both]), at, met)
 
 
-def _width(flanks: Flanks, both: IndexArray, at: Array, met: Mask) -> Array:
+def _width(flanks: Flanks, both: IndexArray, land: tuple[Array, Array], at: Array, met: Mask) -> Array:
     """Width of tip lands in mm along the chord, negative where the flanks have crossed below it.
 
     ``both`` are the back and the front flank of each of n lands, one after the other, ``at`` the arc lengths where they
-    reach it, if they have ``met`` it; shape (2 n,).  Play takes off what it moves the flanks along the curve.
+    reach it, if they have ``met`` it, shape (2 n,), and ``land`` the points there and the land's derivatives.  Play
+    takes off what it moves the flanks along the curve.
     """
-    point, along = flanks.offset(at, flanks.tip_height_mm[both])
+    point, way = land
     edges = point.reshape(-1, 2, 2)
     width = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) * np.sign(np.diff(at.reshape(-1, 2), axis=1)[:, 0])
     if flanks.is_turned:
-        moved = np.sum((turned(point, flanks.turn_rad[both]) - point) * along, axis=1) / np.linalg.norm(along, axis=1)
+        moved = np.sum((turned(point, flanks.turn_rad[both]) - point) * way, axis=1) / np.linalg.norm(way, axis=1)
         width = width + np.diff(moved.reshape(-1, 2), axis=1)[:, 0]
     return np.where(met.reshape(-1, 2).all(axis=1), width, -np.inf)
 

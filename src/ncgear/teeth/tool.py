@@ -19,6 +19,7 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import along, as_complex
 from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import CurvePoints, PitchCurve, RollingCurve, nearest
 from ncgear.pitch.pair import STRAIGHT, PitchPair
@@ -43,6 +44,10 @@ class RackLine:
     def flank_depth_mm(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """How deep the straight flank goes on a tool tooth of a depth and a tip radius."""
         return depth_mm - radius_mm * (1.0 - slant.sine)
+
+    def flank_depth_per_radius(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
+        """How fast that depth grows with the radius."""
+        return np.zeros_like(depth_mm) - (1.0 - slant.sine)
 
 
 @dataclass(frozen=True)
@@ -72,10 +77,21 @@ class PinionCircle:
         The rounding's centre runs on an involute of the same base circle R cos(alpha); at the depth f of the contact
         its distance to the base circle's tangent point is R sin(alpha) + f / sin(alpha) - rho.
         """
-        sine, base = slant.sine, self.radius_mm * slant.cosine
-        tangent = np.sqrt((self.radius_mm + depth_mm - radius_mm) ** 2 - base**2)
-        depth: Array = sine * (tangent - self.radius_mm * sine + radius_mm)
+        tangent = self._tangent(slant, depth_mm, radius_mm)
+        depth: Array = slant.sine * (tangent - self.radius_mm * slant.sine + radius_mm)
         return depth
+
+    def flank_depth_per_radius(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
+        """How fast that depth grows with the radius."""
+        out = self.radius_mm + depth_mm - radius_mm
+        rate: Array = slant.sine * (1.0 - out / self._tangent(slant, depth_mm, radius_mm))
+        return rate
+
+    def _tangent(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
+        """Distance of the rounding's centre from the point where its flank's normal touches the base circle."""
+        out, base = self.radius_mm + depth_mm - radius_mm, self.radius_mm * slant.cosine
+        tangent: Array = np.sqrt(out**2 - base**2)
+        return tangent
 
 
 Tool = RackLine | PinionCircle | PitchCurve
@@ -117,6 +133,35 @@ def rounding_of(
     center = at.position + u[:, None] * at.tangent - v[:, None] * at.normal
     lowest, outwards = nearest(tool, center, sigma + u, AGREEMENT * module_mm)
     return Rounding(lowest, outwards + radius_mm, center)
+
+
+def rounding_rates(
+    tool: RollingCurve,
+    slant: Slant,
+    crossing_mm: Array,
+    side: Array,
+    depth: tuple[Array, Array],
+    radius_mm: Array,
+    rounding: Rounding,
+) -> tuple[Array, Array]:
+    """How fast ``lowest_mm`` and ``depth_mm`` of roundings grow with their radius, shape (n,) each.
+
+    ``depth`` has the depths at which flanks end and how fast these grow with the radius; all else is as
+    ``rounding_of`` has it.  A tool's tangent turns by its curvature k: dT = -k N, dN = k T for each mm of arc length.
+    """
+    flank_depth, deeper = depth
+    sigma = crossing_mm + side * flank_depth / slant.height_per_rolled
+    both = tool.at_length(np.concatenate([sigma, rounding.lowest_mm]))
+    at, under = (both.kept(rows) for rows in np.arange(2 * sigma.size).reshape(2, -1))
+    u = side * slant.cosine * (radius_mm - flank_depth / slant.sine)
+    v = radius_mm * slant.sine - flank_depth
+    moved = side * deeper / slant.height_per_rolled
+    ahead = moved * (1.0 - v * at.curvature) + side * slant.cosine * (1.0 - deeper / slant.sine)
+    inwards = moved * u * at.curvature + slant.sine - deeper
+    center = ahead * as_complex(at.tangent) - inwards * as_complex(at.normal)
+    arm = rounding.depth_mm - radius_mm
+    lowest: Array = along(as_complex(under.tangent), center) / (1.0 + arm * under.curvature)
+    return lowest, along(as_complex(under.normal), center) + 1.0
 
 
 FEWER_TEETH = 10

@@ -243,7 +243,7 @@ def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
     mesh = drive.pitch.mesh
 
     def dented(transmission: Transmission) -> bool:
-        low, high = transmission.extremes(lambda piece: lambda phi1: shape.curvature(piece.slope(phi1, 3), gear, mesh))
+        low, high = transmission.extremes(lambda slope: shape.curvature(slope, gear, mesh), 2)
         return (-high.value if shape.is_ring(gear, mesh) else low.value) < -STRAIGHT
 
     sought = optimised(drive, convex=True) if mesh is Mesh.EXTERNAL else ()
