@@ -16,12 +16,12 @@ from functools import cached_property
 
 import numpy as np
 
-from ncgear.contact.designed.as_designed import contacts_within
+from ncgear.contact.designed.as_designed import first_within
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import Placement, placed
 from ncgear.dynamics.pair_places import PairStiffness, fixed_tangents, pair_places
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask, row_blocks
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
 from ncgear.numerics.plane import along
 from ncgear.numerics.units import in_words
@@ -71,11 +71,28 @@ def first_of_pairs(contacts: Contacts, urge: float) -> Contacts:
 
 @dataclass(frozen=True, eq=False)
 class RowCubics:
-    """Cubics of rows over intervals, sorted by interval; ``coefficients`` have shape (4, k, q), the others (k,)."""
+    """Cubics of rows over k intervals, sorted by interval, shape (k,) each.
 
-    row: IndexArray
+    A cubic goes from the row ``start`` to the row ``end`` in ``values`` with ``slopes`` (shape (n, q)), over ``width``;
+    -1 stands for a row's straight continuation.
+    """
+
+    values: Array
+    slopes: Array
     interval: IndexArray
-    coefficients: Array
+    start: IndexArray
+    end: IndexArray
+    width: Array
+
+    @property
+    def row(self) -> IndexArray:
+        """The row of each cubic."""
+        return np.where(self.start < 0, self.end, self.start)
+
+    def coefficients(self, chosen: slice) -> Array:
+        """Of the chosen cubics, shape (4, chosen, q), highest power first."""
+        width = self.width[chosen]
+        return cubics(width, *_ends(self.values, self.slopes, self.start[chosen], self.end[chosen], width))
 
 
 def row_cubics(rows: Rows, placement: Placement) -> RowCubics:
@@ -87,11 +104,9 @@ def row_cubics(rows: Rows, placement: Placement) -> RowCubics:
     start = np.concatenate([np.arange(rows.position.size), np.full(begins.size, -1)])
     end = np.concatenate([following, begins])
     interval = np.concatenate([rows.position, (rows.position[begins] - 1) % count])
-    width = _widths(placement)[interval]
-    ends = _ends(rows.values, slopes, start, end, width)
     order = np.argsort(interval, kind="stable")
-    chosen = np.where(start < 0, end, start)
-    return RowCubics(chosen[order], interval[order], cubics(width, *ends)[:, order])
+    start, end, interval = start[order], end[order], interval[order]
+    return RowCubics(rows.values, slopes, interval, start, end, _widths(placement)[interval])
 
 
 def _ends(
@@ -252,7 +267,7 @@ class Gaps:
 def gaps_of(teeth: ToothedPair, pitch: PitchPair, stiffness: PairStiffness, per_tooth: int = PER_TOOTH) -> Gaps:
     """The pairs of a mesh, from contacts at ``per_tooth`` positions per tooth (an even number)."""
     placement = placed(pitch, per_tooth)
-    found = contacts_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm)
+    found = first_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm)
     sides = [_rows(contacts, urge, placement, stiffness) for contacts, urge in zip(found, (1.0, -1.0), strict=True)]
     return _slotted(Rows.joined(sides).in_order(), placement)
 
@@ -277,7 +292,9 @@ def _slotted(rows: Rows, placement: Placement) -> Gaps:
     slot = np.arange(found.interval.size) - np.searchsorted(found.interval, found.interval)
     place, shape = (found.interval, slot), (placement.count, int(slot.max()) + 1)
     coefficients = np.zeros((4, *shape, rows.values.shape[1]))
-    coefficients[:, *place] = found.coefficients
+    in_line, number = coefficients.reshape(4, -1, rows.values.shape[1]), found.interval * shape[1] + slot
+    for chosen in row_blocks(number.size):
+        in_line[:, number[chosen]] = found.coefficients(chosen)
     urge, pair = np.zeros(shape), np.zeros((*shape, 2), dtype=int)
     urge[place], pair[place] = rows.urge[found.row], rows.teeth[found.row]
     breaks = np.append(placement.phi1_rad, placement.cycle_rad)

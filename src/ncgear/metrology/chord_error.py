@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from ncgear.numerics.arrays import Array, counted_up
+from ncgear.numerics.arrays import Array, ComplexArray, counted_up
+from ncgear.numerics.plane import as_complex
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
 
@@ -19,8 +19,9 @@ OFF_GRID = 0.382
 CHORDS = 8
 """Chords of an outline that are found as one line."""
 
-FEW = 16
-"""Every so many points are measured at once; each of the others where they do not show that it is nearer."""
+FEW = 256
+"""Points that are measured first, from those that seem nearest to those that seem farthest; of the others those that do
+not show to be nearer than the farthest of these."""
 
 
 def exact_points(gear: ToothedGear) -> Array:
@@ -38,14 +39,37 @@ def farthest_mm(points: Array, outline_mm: Array) -> float:
     last = np.minimum(first + CHORDS, len(outline_mm))
     line, corner = counted_up(first, last - first + 1)
     tree = shapely.STRtree(shapely.linestrings(outline_mm[corner % len(outline_mm)], indices=line))
-    places = shapely.points(points)
-    # Most points are seen to be nearer than the farthest of a few; only the others are measured.
-    few = _farthest_mm(places[::FEW], tree)
-    nearer, _ = tree.query(places, predicate="dwithin", distance=few)
-    return max(few, _farthest_mm(np.delete(places, nearer), tree))
+    most = _at_most_mm(as_complex(points), as_complex(outline_mm))
+    chosen = np.argsort(most)[:: max(most.size // FEW, 1)]
+    few = _farthest_mm(points[chosen], tree)
+    most[chosen] = 0.0
+    return max(few, _farthest_mm(points[most > few], tree))
 
 
-def _farthest_mm(places: NDArray[np.object_], tree: shapely.STRtree) -> float:
-    """The largest distance of places from the nearest line of a tree each; 0 for no places."""
-    _, distance = tree.query_nearest(places, return_distance=True, all_matches=False)
+def _at_most_mm(points: ComplexArray, outline: ComplexArray) -> Array:
+    """Distances of points (n,) from two chords of a closed line (m,) each: no point is farther from the line.
+
+    The chords are those at the corner next to the point by the angle about the axis, which on teeth that no ray from
+    the axis crosses twice are the nearest ones or next to them.
+    """
+    angle = np.angle(outline)
+    by_angle = np.argsort(angle)
+    corner = by_angle[np.searchsorted(angle[by_angle], np.angle(points)) - 1]
+    return np.minimum(
+        _from_chords_mm(points, outline[corner], outline[(corner + 1) % outline.size]),
+        _from_chords_mm(points, outline[corner], outline[corner - 1]),
+    )
+
+
+def _from_chords_mm(points: ComplexArray, start: ComplexArray, end: ComplexArray) -> Array:
+    """Distances of points from chords, shape (n,) each."""
+    chord, way = end - start, points - start
+    length = np.square(chord.real) + np.square(chord.imag)
+    share = (way.real * chord.real + way.imag * chord.imag) / np.where(length > 0.0, length, 1.0)
+    return np.abs(way - np.clip(share, 0.0, 1.0) * chord)
+
+
+def _farthest_mm(points: Array, tree: shapely.STRtree) -> float:
+    """The largest distance of points (n, 2) from the nearest line of a tree each; 0 for no points."""
+    _, distance = tree.query_nearest(shapely.points(points), return_distance=True, all_matches=False)
     return float(distance.max(initial=0.0))

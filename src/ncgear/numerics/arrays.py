@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self, TypeVar
 
@@ -44,7 +44,7 @@ def chosen(many: Any, rows: IndexArray) -> Any:
 class Columns:
     """Base of dataclasses whose arrays all count the same things along their first axis."""
 
-    def kept(self, rows: Mask | IndexArray) -> Self:
+    def kept(self, rows: Mask | IndexArray | slice) -> Self:
         """The chosen rows of every array; fields that are no arrays stay."""
         return replace(self, **{name: values[rows] for name, values in _arrays(self).items()})
 
@@ -74,6 +74,16 @@ def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexA
     row = np.repeat(np.arange(count.size), count)
     before = np.cumsum(count) - count
     return row, np.arange(row.size) + (first - before)[row]
+
+
+AT_ONCE = 4096
+"""Rows of wide arrays that are computed at once: what they need on the way stays in the cache of a processor, while all
+rows at once would ask the system for new memory at each step."""
+
+
+def row_blocks(count: int) -> Iterator[slice]:
+    """Blocks of at most ``AT_ONCE`` rows that together are ``count`` rows."""
+    return (slice(start, min(start + AT_ONCE, count)) for start in range(0, count, AT_ONCE))
 
 
 def largest_rows(values: Array, group: IndexArray, groups: int) -> IndexArray:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.dynamics.pair_places import PairPlaces
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, row_blocks
 from ncgear.numerics.plane import along, as_complex
 from ncgear.strength.contacts import FlankPlaces
 from ncgear.strength.hertz import half_width_mm
@@ -98,6 +98,10 @@ class LinearTeeth:
 
         Edges count as the ends of their flanks, so that the stiffness goes on where contact goes over to an edge.
         """
+        parts = [self._of_few(places.kept(rows)) for rows in row_blocks(places.driving_flank.size)]
+        return np.concatenate([np.empty(0), *parts])
+
+    def _of_few(self, places: PairPlaces) -> Array:
         driving, first = on_flanks(
             self.teeth.driving, FlankPlaces(places.driving_flank, places.driving_point, places.driving_inwards)
         )

@@ -10,7 +10,7 @@ import numpy as np
 
 from ncgear.contact.designed.clearance import TipClearance, tip_clearances
 from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
-from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits
+from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits, first_edge_contacts
 from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, PairsInContact, flank_contacts, foremost_two
 from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
@@ -199,6 +199,14 @@ def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) 
     """What touches on pushing flanks, and on their backs, once the first contacts are pressed in by ``within_mm``."""
     found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), within_mm)
     contacts = _contacts_among(found, within_mm)
+    return contacts.on(PUSHING), contacts.on(BACK)
+
+
+def first_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
+    """As ``contacts_within``, of each pair of teeth at each position its first contact on each side at least."""
+    found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), within_mm)
+    flanks = found.flanks.contacts
+    contacts = Contacts.joined([flanks, first_edge_contacts(found.hits, flanks, found.first_rad, within_mm)])
     return contacts.on(PUSHING), contacts.on(BACK)
 
 

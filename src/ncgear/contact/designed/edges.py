@@ -30,6 +30,10 @@ NEWTON_STEPS = 12
 CLOSE_IN_MODULES = 1e-10
 """Last step of Newton's method, which is taken along the tangent: the curve leaves that by the square of the step."""
 
+SURELY = 2.0
+"""How far the angle at which a curve holds its corner may be from that of its chord, in strays over the lever: a curve
+leans from its chord, and its own arm is a little shorter."""
+
 CUBIC_STEPS = 2
 """Steps of Newton's method from a chord to a circle along the cubic that has the curve's slopes at the chord's ends."""
 
@@ -152,16 +156,51 @@ def edge_contacts(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array 
     ``first_rad`` is as in ``edge_hits``; ``within_mm`` broadcasts with it and is nowhere greater than there.  Depths
     are measured across the chords.  Raises ArithmeticError if a corner that comes near is not found on its curve.
     """
+    return Contacts.joined([_touching(hits) for hits in _hits_within(found, first_rad, within_mm)])
+
+
+def first_edge_contacts(
+    found: Sequence[EdgeHits], flanks: Contacts, first_rad: Array, within_mm: Array | float
+) -> Contacts:
+    """As ``edge_contacts``, without corners that surely touch later than another place of their pair of teeth does.
+
+    ``flanks`` are all contacts of flanks.  At each position and on each side the first contact of each pair is kept.
+    """
+    near = _hits_within(found, first_rad, within_mm)
+    placement = found[0].curves.placement
+    error = [SURELY * hits.stray_mm / np.maximum(hits.lever_mm, TINY) for hits in near]
+    places = [flanks.place(placement), *(hits.place for hits in near)]
+    met = [(flanks.driving, flanks.driven), *((hits.driving, hits.driven) for hits in near)]
+    teeth = [driving // 2 * placement.driven_teeth + driven // 2 for driving, driven in met]
+    pair = np.concatenate([own * len(URGE) * placement.count + at for own, at in zip(teeth, places, strict=True)])
+    surely = [flanks.lead_rad, *(hits.lead_rad - by for hits, by in zip(near, error, strict=True))]
+    order = np.argsort(pair, kind="stable")
+    begins = np.flatnonzero(np.append(True, np.diff(pair[order]) != 0))
+    first = np.empty(pair.size)
+    first[order] = np.repeat(
+        np.maximum.reduceat(np.concatenate(surely)[order], begins), np.diff(begins, append=pair.size)
+    )
+    of_hits = np.split(first, np.cumsum([of.size for of in places])[:-1])[1:]
+    return Contacts.joined(
+        [
+            _touching(hits.kept(hits.lead_rad + by >= leads))
+            for hits, by, leads in zip(near, error, of_hits, strict=True)
+        ]
+    )
+
+
+def _hits_within(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array | float) -> list[EdgeHits]:
+    """The hits whose corners ``edge_contacts`` places on their curves."""
     first, within = first_rad.flatten(), np.broadcast_to(within_mm, first_rad.shape).ravel()
     for hits in found:
         # The curve may hold its corner later than the chord does.
         np.maximum.at(first, hits.place, hits.lead_rad - hits.stray_mm / np.maximum(hits.lever_mm, TINY))
-    touching = []
+    near = []
     for hits in found:
         # How far each corner is from its chord when the first contact of its position touches.
         behind_mm = (first[hits.place] - hits.lead_rad) * hits.lever_mm
-        touching.append(_touching(hits.kept(behind_mm <= within[hits.place] + hits.stray_mm)))
-    return Contacts.joined(touching)
+        near.append(hits.kept(behind_mm <= within[hits.place] + hits.stray_mm))
+    return near
 
 
 def _touching(hits: EdgeHits) -> Contacts:

@@ -70,7 +70,7 @@ class Board:
 
     def has_room(self, text: Text) -> bool:
         """Whether a text is inside the box and covers nothing."""
-        area = Polygon(text.corners).buffer(SLACK_MM, join_style="mitre")
+        area = Polygon(_widened(text.corners))
         return bool(self.box.covers(area)) and not self._texts.meet(area) and not self._lines.meet(area)
 
     def is_free(self, lines: Iterable[Line]) -> bool:
@@ -120,6 +120,15 @@ class Board:
         if found is not None:
             self.add(*found[0], found[1])
         return found is not None
+
+
+def _widened(box: Array) -> Array:
+    """The corners of a text's box with the room around it, shape (4, 2)."""
+    along, upwards = box[1] - box[0], box[3] - box[0]
+    along, upwards = SLACK_MM * along / np.hypot(*along), SLACK_MM * upwards / np.hypot(*upwards)
+    return np.array(
+        [box[0] - along - upwards, box[1] + along - upwards, box[2] + along + upwards, box[3] - along + upwards]
+    )
 
 
 def _pieces(line: Line | Ring) -> list[BaseGeometry]:

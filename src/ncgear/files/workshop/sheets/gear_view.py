@@ -41,7 +41,7 @@ from ncgear.files.workshop.sheets.sheet import (
     arrow,
     length,
 )
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear, meeting_direction_rad
 from ncgear.project.drive import Drive
 from ncgear.project.measured import MeasuredGear
@@ -149,28 +149,29 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
     apart = gear.flanks.curve.length_mm * view.scale / (gear.flanks.count // 2)
     crowded = fifths or apart < FIFTH_UNDER_MM
     depth = view.scale * gear.flanks.rack.dedendum_mm + LETTER_MM / 2.0
-    for number in range(1, teeth + 1):
-        if crowded and number != 1 and number % 5:
-            continue
-        middle, outward = middles[number - 1], outwards[number - 1]
-        tries = [-(depth + more) for more in np.arange(0.6, 6.0, 0.4)]
-        tries += [depth + more for more in np.arange(0.0, 6.0, 0.4)]
-        aside = np.array([-outward[1], outward[0]])
-        shifts = [shift for shift in ASIDE_MM if abs(shift) < ASIDE_SHARE * apart]
-        places = (middle + distance * outward + shift * aside for shift in shifts for distance in tries)
-        own = (place for place in places if _is_nearest(heights, number - 1, place))
-        board.put_text(centered(str(number), place, LETTER_MM, f"{name}-{number}") for place in own)
+    shifts = np.array([shift for shift in ASIDE_MM if abs(shift) < ASIDE_SHARE * apart])
+    tries = np.concatenate([-(depth + np.arange(0.6, 6.0, 0.4)), depth + np.arange(0.0, 6.0, 0.4)])
+    for row in [row for row in range(teeth) if not crowded or row == 0 or row % 5 == 4]:
+        aside = np.array([-outwards[row, 1], outwards[row, 0]])
+        places = (middles[row] + tries[:, None] * outwards[row] + shifts[:, None, None] * aside).reshape(-1, 2)
+        parts = (places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER))
+        own = (place for part in parts for place in part[_is_nearest(heights, row, part)])
+        board.put_text(centered(str(row + 1), place, LETTER_MM, f"{name}-{row + 1}") for place in own)
 
 
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
 """Places of a number from which its tooth must be the nearest."""
 
+TOGETHER = 8
+"""Places that are looked at together: mostly one of the first has room."""
 
-def _is_nearest(heights: Sequence[Array], row: int, place: Array) -> bool:
-    """Whether a tooth is the nearest to a place on paper, by its points at several heights, shape (z, 2) each."""
-    way = np.stack(heights)[:, None] - (place + UP_AND_DOWN_MM)[:, None]
-    nearest = np.argmin(np.square(way).sum(axis=-1), axis=-1)
-    return bool((nearest == row).all())
+
+def _is_nearest(heights: Sequence[Array], row: int, places: Array) -> Mask:
+    """Whether a tooth is the nearest to places on paper (n, 2), by its points at several heights, shape (z, 2) each."""
+    from_places = (places[:, None] + UP_AND_DOWN_MM).reshape(-1, 2)
+    x, y = (np.stack(heights)[:, None, :, axis] - from_places[:, axis, None] for axis in (0, 1))
+    nearest = np.argmin(x * x + y * y, axis=-1).reshape(len(heights), len(places), len(UP_AND_DOWN_MM))
+    return np.asarray((nearest == row).all(axis=(0, 2)))
 
 
 def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
