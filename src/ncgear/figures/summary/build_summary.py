@@ -397,7 +397,7 @@ def bodies_summary(drive: Drive) -> dict[str, Any]:
 def _body(solid: GearSolid) -> dict[str, Any]:
     plan = solid.plan
     return {
-        "volume_mm3": float(solid.mesh.volume),
+        "volume_mm3": solid.mesh.volume,
         "height_mm": plan.height_mm,
         **({"bore_mm": plan.bore.diameter_mm} if plan.bore else {}),
         **(_hub(plan.hub) if plan.hub else {}),
