@@ -22,6 +22,7 @@ from ncgear.errors import WrongInput
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.summary.build_summary import bodies_summary
+from ncgear.files.workshop.drawing import pair_drawings
 from ncgear.files.workshop.dxf import dxf_files
 from ncgear.files.workshop.svg import svg_files
 from ncgear.project.drive import Drive
@@ -91,7 +92,7 @@ def test_files_have_the_hole() -> None:
     assert found.exterior.hausdorff_distance(place) == pytest.approx(3.0, abs=2e-3)
     (drawn,) = [
         circle
-        for text in dxf_files(made).values()
+        for text in dxf_files(pair_drawings(made)).values()
         if (drawing := ezdxf.read(io.StringIO(text.decode() if isinstance(text, bytes) else text)))
         for circle in drawing.modelspace().query('CIRCLE[layer=="CRANK_PIN"]')
     ][:1]

@@ -26,7 +26,7 @@ from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
 from ncgear.figures.quantities import SIZES, name_of, told
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import summary_text
-from ncgear.files.workshop.drawing import written
+from ncgear.files.workshop.drawing import pair_drawings, written
 from ncgear.files.workshop.dxf import dxf_files
 from ncgear.files.workshop.svg import svg_files
 from oracles import dxf
@@ -154,7 +154,7 @@ DXF_BULGE = 42
 @pytest.mark.slow
 @both
 def test_drawings_have_coordinates_without_rounding_errors(name: str) -> None:
-    for data in dxf_files(drive(name)).values():
+    for data in dxf_files(pair_drawings(drive(name))).values():
         for entity in dxf.entities(data.decode()):
             for code, value in entity.codes:
                 if code in DXF_COORDINATES or code == DXF_BULGE:

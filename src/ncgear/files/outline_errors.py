@@ -27,20 +27,28 @@ FLAT_MM = 5e-6
 def outline_errors_mm(drive: Drive, files: Mapping[str, bytes], outlines: list[Outlines]) -> dict[str, float]:
     """The largest distance of both gears' exact curves from their outlines in the files of each kind, by its name.
 
-    ``outlines`` are those of tables and solids, read back.  Drawings of gears from which a process takes its clearance
-    are left out: their outlines are parallels.
+    ``outlines`` are those that are read back already; those of the other files are read now.  Drawings of gears from
+    which a process takes its clearance are left out: their outlines are parallels.
     """
-    found = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
-    if drive.gears.process_clearance_mm == 0.0:
-        for kind, read in READERS.items():
-            names = [f"{gear.value}.{kind}" for gear in Gear]
-            if all(name in files for name in names):
-                found[kind] = (read(files[names[0]]), read(files[names[1]]))
+    known = {one.source for one in outlines}
+    read = [*outlines, *read_outlines({name: files[name] for name in files if name.rsplit(".", 1)[-1] not in known})]
+    parallels = drive.gears.process_clearance_mm != 0.0
+    found = {one.source: (one.driving_mm, one.driven_mm) for one in read if not (parallels and one.source in READERS)}
     exact = [exact_points(drive.teeth.of(gear)) for gear in Gear]
     errors = {kind: max(map(farthest_mm, exact, both)) for kind, both in found.items()}
     if "pair.step" in files:
         errors["step"] = error_of_step_mm(files["pair.step"])
     return errors
+
+
+def read_outlines(files: Mapping[str, bytes]) -> list[Outlines]:
+    """The outlines of both gears in the drawings among these files."""
+    found = []
+    for kind, read in READERS.items():
+        names = [f"{gear.value}.{kind}" for gear in Gear]
+        if all(name in files for name in names):
+            found.append(Outlines(kind, *(read(files[name]) for name in names)))
+    return found
 
 
 def outline_of_dxf(data: bytes) -> Array:

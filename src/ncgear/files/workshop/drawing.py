@@ -159,6 +159,22 @@ def _moved(shape: Shape, x_mm: float) -> Shape:
     return replace(shape, x_mm=shape.x_mm + x_mm)
 
 
+@dataclass(frozen=True, eq=False)
+class PairDrawings:
+    """Both gears in their own frames, the distance of their axes in mm, and sentences about the pair."""
+
+    driving: Drawing
+    driven: Drawing
+    center_distance_mm: float
+    notes: tuple[str, ...]
+
+
+def pair_drawings(drive: Drive) -> PairDrawings:
+    """The drawings of a pair; raises the errors of the drive."""
+    driving, driven = (gear_drawing(drive, gear) for gear in Gear)
+    return PairDrawings(driving, driven, drive.pitch.center_distance_mm, tuple(pair_notes(drive)))
+
+
 def box_around(drawings: Iterable[Drawing]) -> tuple[Array, Array]:
     """Lower left and upper right corner of the box around all shapes."""
     shapes = (shape for drawing in drawings for layer in drawing.layers.values() for shape in layer)
