@@ -97,7 +97,7 @@ both = pytest.mark.parametrize("name", NAMES)
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
     """Sizes of gears have the decimals of a drawing, all other figures five digits."""
-    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], {}, build_advice(drive(name))))
+    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], build_advice(drive(name))))
     assert noise(text) == []
     lines = text.splitlines()
     sizes = [line for line in lines if line.startswith(tuple(f"  {name_of(key)}  " for key in SIZES))]

@@ -18,6 +18,7 @@ from multiprocessing import get_context
 from typing import Any, Protocol
 
 from ncgear.interrupts import deaf_processes, end_processes
+from ncgear.memory import collect_rarely
 from ncgear.workers import core_count, one_thread_each
 
 LIBRARY = "matplotlib"
@@ -79,7 +80,7 @@ def drawing_beside(*drawings: str) -> Iterator[Drawer]:
     if core_count() == 1 or LIBRARY in sys.modules:
         yield HERE
         return
-    pool = ProcessPoolExecutor(1, get_context("spawn"))
+    pool = ProcessPoolExecutor(1, get_context("spawn"), collect_rarely)
     try:
         with deaf_processes(), one_thread_each():
             pool.submit(_loaded, drawings)

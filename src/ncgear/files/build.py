@@ -25,7 +25,7 @@ from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
 from ncgear.figures.data_sheet.pitch_table import pitch_csv
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import json_text
-from ncgear.figures.summary.build_summary import build_summary
+from ncgear.figures.summary.build_summary import build_summary, with_files
 from ncgear.files.manifest import publish_run
 from ncgear.files.meshes import stl_bytes, written_outlines
 from ncgear.files.outline_errors import outline_errors_mm
@@ -150,6 +150,7 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
         workshop = begun_workshop_files(drive, formats, drawer)
     drawn.append(drawer.begun(LOAD_PICTURES, load_pictures(drive, contact)))
     advices = build_advice(drive)
+    figures = build_summary(drive, contact, advices)
     with drive.stopwatch("workshop files"):
         written = workshop()
         files.update(written.files)
@@ -157,8 +158,8 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     with _timed(drive, "plots", on_step):
         for pictures in drawn:
             files.update(pictures())
-    # The summary comes last: only now all timings are known, and a new summary is never beside older files.
-    summary = build_summary(drive, contact, errors_mm, advices)
+    # Only now all timings are known.
+    summary = with_files(figures, errors_mm, drive.timing_s)
     return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact, advices)
 
 
