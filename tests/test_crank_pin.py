@@ -22,8 +22,8 @@ from ncgear.errors import WrongInput
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.summary.build_summary import bodies_summary
-from ncgear.files.workshop.drawing import pair_drawings
 from ncgear.files.workshop.dxf import dxf_files
+from ncgear.files.workshop.gear_drawing import pair_drawings
 from ncgear.files.workshop.svg import svg_files
 from ncgear.project.drive import Drive
 from scenes import carried
@@ -97,7 +97,7 @@ def test_files_have_the_hole() -> None:
         for circle in drawing.modelspace().query('CIRCLE[layer=="CRANK_PIN"]')
     ][:1]
     assert (drawn.dxf.center.x, drawn.dxf.center.y, drawn.dxf.radius) == pytest.approx((hole.x_mm, hole.y_mm, 3.0))
-    assert any("CRANK_PIN" in str(text) for text in svg_files(made).values())
+    assert any("CRANK_PIN" in str(text) for text in svg_files(pair_drawings(made)).values())
     told = assembly_of(made)["crank"]
     assert told["length_mm"] == 26.0
     turned = told["hole"]["x_mm"] + 1j * told["hole"]["y_mm"]

@@ -26,7 +26,8 @@ from drives import drive, drive_of_text
 from ncgear.drawings.plots.coloured_teeth import tooth_rows
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
-from ncgear.files.workshop.sheets.files import drawing_files, sheets_of
+from ncgear.files.workshop.sheets.files import drawing_files
+from ncgear.files.workshop.sheets.pair_sheets import sheets_of
 from ncgear.files.workshop.sheets.pdf import pdf_bytes
 from ncgear.files.workshop.sheets.sheet import Sheet, Text, text_width_mm
 from ncgear.numerics.arrays import Array

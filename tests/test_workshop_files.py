@@ -31,8 +31,9 @@ from ncgear.drawings.beside import HERE
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.outline_errors import outline_errors_mm
 from ncgear.files.workshop import dxf as workshop_dxf
-from ncgear.files.workshop.drawing import Layer, Use, pitch_points
+from ncgear.files.workshop.drawing import Layer, Use
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, begun_workshop_files
+from ncgear.files.workshop.gear_drawing import pitch_points
 from ncgear.files.workshop.sheets import dxf as sheet_dxf
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -141,8 +142,8 @@ def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> N
 @pytest.mark.tiers(slow=["ellipse"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_the_told_errors_of_files_are_those_found_here(name: str) -> None:
-    table = Outlines("csv", outline(name, Gear.DRIVING), outline(name, Gear.DRIVEN))
-    told = outline_errors_mm(drive(name), files(name), [table])
+    table = {"csv": (outline(name, Gear.DRIVING), outline(name, Gear.DRIVEN))}
+    told = outline_errors_mm(drive(name), files(name), table)
     read = {
         "csv": [outline(name, gear) for gear in Gear],
         "dxf": [np.array(drawn(files(name)[f"{g.value}.dxf"], "OUTLINE")[0].points()) for g in Gear],

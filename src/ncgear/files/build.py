@@ -154,7 +154,8 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     with drive.stopwatch("workshop files"):
         written = workshop()
         files.update(written.files)
-        errors_mm = outline_errors_mm(drive, files, [*outlines, *written.outlines])
+        both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
+        errors_mm = outline_errors_mm(drive, files, {**both, **written.outlines})
     with _timed(drive, "plots", on_step):
         for pictures in drawn:
             files.update(pictures())

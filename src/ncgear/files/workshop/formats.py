@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ncgear.contact.written.as_written import Outlines
     from ncgear.drawings.beside import Drawer
+    from ncgear.numerics.arrays import Array
     from ncgear.project.drive import Drive
 
 
@@ -42,9 +43,11 @@ class Writer:
     shown: tuple[str, str] | None = None
 
 
+DRAWINGS = ("gear_drawing", "pair_drawings")
+
 WRITERS = {
-    Format.DXF: Writer("dxf", "dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), ("drawing", "pair_drawings")),
-    Format.SVG: Writer("svg", "svg_files", ("driving.svg", "driven.svg")),
+    Format.DXF: Writer("dxf", "dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), DRAWINGS),
+    Format.SVG: Writer("svg", "svg_files", ("driving.svg", "driven.svg"), DRAWINGS),
     Format.THREEMF: Writer("threemf", "threemf_files", ("gears.3mf", "pair.3mf")),
     Format.GLB: Writer("glb", "glb_files", ("pair.glb",)),
     Format.STEP: Writer("step", "step_files", ("driving.step", "driven.step", "pair.step")),
@@ -52,7 +55,7 @@ WRITERS = {
         "sheets.files",
         "drawing_files",
         tuple(f"{name}_drawing.{kind}" for name in ("driving", "driven", "pair") for kind in ("pdf", "svg", "dxf")),
-        ("sheets.files", "sheets_of"),
+        ("sheets.pair_sheets", "sheets_of"),
     ),
 }
 
@@ -62,7 +65,7 @@ class Written:
     """Files by their names, and the outlines read back from those of them that are read where they are written."""
 
     files: dict[str, bytes]
-    outlines: list[Outlines]
+    outlines: dict[str, tuple[Array, Array]]
 
 
 def begun_workshop_files(drive: Drive, formats: Collection[Format], drawer: Drawer) -> Callable[[], Written]:
@@ -70,8 +73,9 @@ def begun_workshop_files(drive: Drive, formats: Collection[Format], drawer: Draw
 
     ``drawer`` makes those whose library takes long to load.  Raises the errors of the drive.
     """
+    drawings = cache(lambda shown: _function(*shown)(drive))
     waits = [
-        drawer.begun(WRITTEN, kind, _function(*writer.shown)(drive))
+        drawer.begun(WRITTEN, kind, drawings(writer.shown))
         for kind, writer in WRITERS.items()
         if kind in formats and writer.shown is not None
     ]
@@ -83,8 +87,9 @@ def begun_workshop_files(drive: Drive, formats: Collection[Format], drawer: Draw
     def wait() -> Written:
         parts = [part() for part in waits]
         files = {**here, **{name: content for part in parts for name, content in part.files.items()}}
+        outlines = {kind: both for part in parts for kind, both in part.outlines.items()}
         names = [name for writer in WRITERS.values() for name in writer.names if name in files]
-        return Written({name: files[name] for name in names}, [one for part in parts for one in part.outlines])
+        return Written({name: files[name] for name in names}, outlines)
 
     return wait
 
@@ -94,7 +99,7 @@ WRITTEN = f"{__name__}:written_and_read"
 
 def written_and_read(kind: Format, shown: Any) -> Written:
     """The files of a kind from what is shown, and the outlines read back from them."""
-    from ncgear.files.outline_errors import read_outlines
+    from ncgear.files.workshop.read_back import read_outlines
 
     writer = WRITERS[kind]
     files = _function(writer.module, writer.function)(shown)
