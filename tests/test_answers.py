@@ -262,7 +262,7 @@ def in_answer(name: str) -> dict[str, str]:
 
 def everywhere(name: str) -> dict[str, dict[str, str]]:
     made = drive(name)
-    summary = build_summary(made, reports.contacts(name)[0], {}, build_advice(made))
+    summary = build_summary(made, reports.contacts(name)[0], build_advice(made))
     return {
         "screen": in_answer(name),
         "verbose": in_terminal(summary_text(summary)),

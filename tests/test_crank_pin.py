@@ -23,6 +23,7 @@ from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.summary.build_summary import bodies_summary
 from ncgear.files.workshop.dxf import dxf_files
+from ncgear.files.workshop.gear_drawing import pair_drawings
 from ncgear.files.workshop.svg import svg_files
 from ncgear.project.drive import Drive
 from scenes import carried
@@ -85,18 +86,18 @@ def test_files_have_the_hole() -> None:
     made = pinned()
     plan = made.solids.driven.plan
     hole, place = plan.crank_pin, Point(plan.crank_pin.x_mm, plan.crank_pin.y_mm)
-    mesh = trimesh.load(io.BytesIO(made.solids.driven.mesh.export(file_type="stl")), file_type="stl")
+    mesh = trimesh.load(io.BytesIO(made.solids.driven.mesh.as_trimesh().export(file_type="stl")), file_type="stl")
     section = mesh.section(plane_origin=[0.0, 0.0, 5.0], plane_normal=[0.0, 0.0, 1.0]).to_2D(to_2D=np.eye(4))[0]
     (found,) = [ring for ring in section.polygons_closed if Point(ring.centroid).distance(place) < 1e-3]
     assert found.exterior.hausdorff_distance(place) == pytest.approx(3.0, abs=2e-3)
     (drawn,) = [
         circle
-        for text in dxf_files(made).values()
+        for text in dxf_files(pair_drawings(made)).values()
         if (drawing := ezdxf.read(io.StringIO(text.decode() if isinstance(text, bytes) else text)))
         for circle in drawing.modelspace().query('CIRCLE[layer=="CRANK_PIN"]')
     ][:1]
     assert (drawn.dxf.center.x, drawn.dxf.center.y, drawn.dxf.radius) == pytest.approx((hole.x_mm, hole.y_mm, 3.0))
-    assert any("CRANK_PIN" in str(text) for text in svg_files(made).values())
+    assert any("CRANK_PIN" in str(text) for text in svg_files(pair_drawings(made)).values())
     told = assembly_of(made)["crank"]
     assert told["length_mm"] == 26.0
     turned = told["hole"]["x_mm"] + 1j * told["hole"]["y_mm"]

@@ -28,6 +28,7 @@ from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import summary_text
 from ncgear.files.workshop.drawing import written
 from ncgear.files.workshop.dxf import dxf_files
+from ncgear.files.workshop.gear_drawing import pair_drawings
 from ncgear.files.workshop.svg import svg_files
 from oracles import dxf
 
@@ -97,7 +98,7 @@ both = pytest.mark.parametrize("name", NAMES)
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
     """Sizes of gears have the decimals of a drawing, all other figures five digits."""
-    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], {}, build_advice(drive(name))))
+    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], build_advice(drive(name))))
     assert noise(text) == []
     lines = text.splitlines()
     sizes = [line for line in lines if line.startswith(tuple(f"  {name_of(key)}  " for key in SIZES))]
@@ -154,7 +155,7 @@ DXF_BULGE = 42
 @pytest.mark.slow
 @both
 def test_drawings_have_coordinates_without_rounding_errors(name: str) -> None:
-    for data in dxf_files(drive(name)).values():
+    for data in dxf_files(pair_drawings(drive(name))).values():
         for entity in dxf.entities(data.decode()):
             for code, value in entity.codes:
                 if code in DXF_COORDINATES or code == DXF_BULGE:

@@ -27,6 +27,7 @@ from ncgear.drawings.plots.coloured_teeth import tooth_rows
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.files.workshop.sheets.files import drawing_files
+from ncgear.files.workshop.sheets.pair_sheets import sheets_of
 from ncgear.files.workshop.sheets.pdf import pdf_bytes
 from ncgear.files.workshop.sheets.sheet import Sheet, Text, text_width_mm
 from ncgear.numerics.arrays import Array
@@ -50,7 +51,7 @@ A4_MM = 210.0, 297.0
 
 @cache
 def files(name: str) -> dict[str, bytes]:
-    return drawing_files(drive(name))
+    return drawing_files(sheets_of(drive(name)))
 
 
 # --- SVG: texts and lines ---------------------------------------------------------------------------------------------
@@ -375,7 +376,7 @@ gears:
 def test_a_wide_name_is_cut_and_given_tolerances_are_told() -> None:
     limits = "tooth_thickness_upper_mm: -0.02, tooth_thickness_lower_mm: -0.05"
     one = drive_of_text(WIDE.replace("grade: DIN 8", f"grade: DIN 8, {limits}"))
-    made = drawing_files(one)
+    made = drawing_files(sheets_of(one))
     assert {Path(name).suffix for name in made} == {".svg", ".pdf", ".dxf"}
     svg = SVG.parse(BytesIO(made["driving_drawing.svg"]), ppi=25.4)
     words = [text.text for text in texts(svg)]

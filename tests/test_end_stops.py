@@ -21,8 +21,8 @@ from shapely import Point, Polygon, affinity
 from drives import drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.assembly import assembly_of
-from ncgear.files.workshop.drawing import pitch_points
 from ncgear.files.workshop.dxf import dxf_files
+from ncgear.files.workshop.gear_drawing import pair_drawings, pitch_points
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.solids.plan.body import ArcSlot, EndStop, slot_points
@@ -102,7 +102,7 @@ def test_solid_and_drawing_lack_the_slot() -> None:
     lost = bare.solids.driving.mesh.volume - stopped().solids.driving.mesh.volume
     assert lost == pytest.approx(8.0 * exact_area(plan.slot), rel=2e-3)
     assert stopped().solids.driving.mesh.is_watertight
-    drawn = ezdxf.read(StringIO(dxf_files(stopped())["driving.dxf"].decode()))
+    drawn = ezdxf.read(StringIO(dxf_files(pair_drawings(stopped()))["driving.dxf"].decode()))
     (line,) = drawn.modelspace().query('LWPOLYLINE[layer=="END_STOP"]')
     flat = Polygon([(point.x, point.y) for point in ezdxf.path.make_path(line).flattening(1e-4)])
     assert flat.area == pytest.approx(exact_area(plan.slot), rel=1e-4)

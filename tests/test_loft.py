@@ -70,7 +70,7 @@ def test_a_prism_with_points_in_line(points: int, holes: list[Array]) -> None:
     mesh = lofted(np.stack([square(points)] * 3), np.array([0.0, 1.0, 5.0]), holes)
     cut = sum(float(signed_area(hole)) for hole in holes)
     assert mesh.volume == pytest.approx(5.0 * (16.0 - cut), rel=1e-12)
-    assert mesh.euler_number == 2 - 2 * len(holes)
+    assert mesh.as_trimesh().euler_number == 2 - 2 * len(holes)
     np.testing.assert_allclose(mesh.bounds, [[-2.0, -2.0, 0.0], [2.0, 2.0, 5.0]], rtol=0.0, atol=0.0)
     assert read_back(stl_bytes(mesh), mesh).is_watertight
 
@@ -116,7 +116,7 @@ def test_a_land_may_vanish_with_height() -> None:
     upper = lower.copy()
     upper[4:9] = upper[4]
     mesh = lofted(np.stack([lower, lower, upper, lower]), np.arange(4.0), [HOLE])
-    assert mesh.euler_number == 0
+    assert mesh.as_trimesh().euler_number == 0
     assert read_back(stl_bytes(mesh), mesh).is_watertight
 
 

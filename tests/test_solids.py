@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from math import asin, hypot, pi, sqrt
 
 import numpy as np
 import pytest
 import trimesh.creation
 from shapely import Point, Polygon
-from trimesh import Trimesh
+from trimesh.exchange.stl import export_stl
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.assembly import Placed, assembled_pose, met_at, outline_radius_mm
-from ncgear.files.meshes import read_back, stl_bytes
+from ncgear.files.meshes import mesh_of_stl, read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import gear_solid
 from ncgear.solids.mesh.slabs import slab_mesh
+from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.body import Blank, Bore, Keyway, Slab, bore_points, circle_points
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, full_disc, index_hole, largest_bore_mm
 from plane import wave_ring
@@ -33,7 +35,7 @@ def wavy(points: int = 40_000, phase: float = 0.0) -> Array:
     return wave_ring(RADIUS, WAVE, TEETH, points, phase)
 
 
-def extruded(outline: Array, width: float, bore: Bore | None, tolerance: float) -> Trimesh:
+def extruded(outline: Array, width: float, bore: Bore | None, tolerance: float) -> TriangleMesh:
     return gear_solid(Gear.DRIVING, outline, Blank(width, bore), MODULE, tolerance).mesh
 
 
@@ -60,7 +62,7 @@ def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
     # Chords of 8 um on the outline, a chord tolerance of 0.1 um on a bore of 100 mm around at most.
     assert mesh.volume == pytest.approx(20.0 * area, rel=3e-6)
     assert mesh.is_watertight
-    assert mesh.euler_number == (0 if bore else 2)
+    assert mesh.as_trimesh().euler_number == (0 if bore else 2)
     np.testing.assert_allclose(mesh.bounds[:, 2], [0.0, 20.0], rtol=0.0, atol=0.0)
 
 
@@ -85,8 +87,7 @@ def test_a_lost_facet_is_noticed() -> None:
 
 def test_another_solid_is_noticed() -> None:
     mesh = extruded(wavy(400), 20.0, None, TOLERANCE)
-    moved = mesh.copy()
-    moved.apply_translation([0.0, 0.0, 0.01])
+    moved = TriangleMesh(np.add(mesh.vertices, [0.0, 0.0, 0.01]), mesh.faces)
     with pytest.raises(RuntimeError, match="spans"):
         read_back(stl_bytes(moved), mesh)
     with pytest.raises(RuntimeError, match="mm3"):
@@ -164,7 +165,8 @@ def test_outline_that_crosses_itself_is_refused_where_it_does() -> None:
 
 
 def test_a_section_whose_mesh_is_wrong_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ncgear.solids.mesh.slabs.joined", lambda _: trimesh.creation.box((1.0, 1.0, 1.0)))
+    box = trimesh.creation.box((1.0, 1.0, 1.0))
+    monkeypatch.setattr("ncgear.solids.mesh.slabs.joined", lambda _: TriangleMesh(box.vertices, box.faces))
     with pytest.raises(RuntimeError, match="mm3"):
         slab_mesh((Slab(Polygon(wavy(100)), 0.0, 20.0),))
 
@@ -218,7 +220,7 @@ def test_index_holes_face_each_other_on_the_line_of_centres() -> None:
     assert 0.0 < driving.index_hole.x_mm < 2.0 * RADIUS + driven.index_hole.x_mm
     assert abs(driving.index_hole.y_mm) + abs(driven.index_hole.y_mm) < 1e-12
     for solid in (driving, driven):
-        assert solid.mesh.euler_number == -2
+        assert solid.mesh.as_trimesh().euler_number == -2
         hole = solid.index_hole
         assert hole is not None
         # The mesh really has the hole, at the place that is reported.
@@ -261,3 +263,58 @@ def test_points_in_line_stay_corners_of_both_faces(points: int) -> None:
     mesh = slab_mesh([Slab(section, 0.0, 7.0)], None)
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(7.0 * section.area, rel=1e-12)
+
+
+def whole_and_faulty() -> dict[str, TriangleMesh]:
+    """Sound meshes, and meshes with a fault each."""
+    mesh = extruded(wavy(200), 20.0, Bore(30.0), TOLERANCE)
+    turned = mesh.faces.copy()
+    turned[7] = turned[7, ::-1]
+    return {
+        "gear": mesh,
+        "body": gear_solid(Gear.DRIVING, wavy(400), Blank(10.0, Bore(20.0), True, chamfer_mm=0.5), MODULE, 0.01).mesh,
+        "open": TriangleMesh(mesh.vertices, mesh.faces[1:]),
+        "turned": TriangleMesh(mesh.vertices, turned),
+        "spare": TriangleMesh(np.vstack([mesh.vertices, [[1e3, 1e3, 1e3]]]), mesh.faces),
+        "flat": TriangleMesh(mesh.vertices, np.vstack([mesh.faces, [[3, 3, 4]]])),
+    }
+
+
+@pytest.mark.judges("bodies")
+@pytest.mark.parametrize("name", list(whole_and_faulty()))
+def test_what_a_mesh_says_of_itself_is_what_trimesh_says(name: str) -> None:
+    mesh = whole_and_faulty()[name]
+    other = mesh.as_trimesh()
+    assert (mesh.is_watertight, mesh.is_winding_consistent) == (other.is_watertight, other.is_winding_consistent)
+    assert mesh.volume == pytest.approx(other.volume, rel=1e-14)
+    np.testing.assert_array_equal(mesh.bounds, other.bounds)
+    np.testing.assert_allclose(mesh.normals, other.face_normals, rtol=0.0, atol=1e-15)
+
+
+@pytest.mark.judges("bodies")
+@pytest.mark.parametrize("name", list(whole_and_faulty()))
+def test_stl_files_are_those_of_trimesh(name: str) -> None:
+    """Written to the byte, and read with the same vertices and triangles in the same order."""
+    mesh = whole_and_faulty()[name]
+    packed = export_stl(mesh.as_trimesh())
+    if name in ("gear", "body"):
+        assert stl_bytes(mesh) == packed
+    mine, other = mesh_of_stl(packed), trimesh.load_mesh(BytesIO(packed), file_type="stl")
+    np.testing.assert_array_equal(mine.vertices, other.vertices)
+    np.testing.assert_array_equal(mine.faces, other.faces)
+
+
+def test_an_stl_file_that_is_cut_off_is_refused() -> None:
+    data = stl_bytes(extruded(wavy(200), 20.0, None, TOLERANCE))
+    with pytest.raises(ValueError, match="does not hold"):
+        mesh_of_stl(data[:-1])
+
+
+@pytest.mark.judges("bodies")
+def test_points_at_one_place_become_the_first_of_them() -> None:
+    rng = np.random.default_rng(3)
+    vertices = rng.integers(0, 3, (200, 3)) + rng.uniform(-1e-10, 1e-10, (200, 3))
+    faces = rng.integers(0, 150, (80, 3))
+    mine, other = merged(vertices, faces), trimesh.Trimesh(vertices, faces)
+    np.testing.assert_array_equal(mine.vertices, other.vertices)
+    np.testing.assert_array_equal(mine.faces, other.faces)

@@ -14,6 +14,7 @@ from ncgear.figures.csv_text import outline_csv
 from ncgear.files.meshes import FOOT_MM, outline_of_csv, outline_of_stl, section_rings, stl_bytes, written_outlines
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair, gear_solid
+from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.body import Blank, Bore, Hub, Keyway
 from plane import wave_ring
 
@@ -51,10 +52,10 @@ def test_a_section_that_is_not_the_outline_is_seen() -> None:
 
 def test_the_foot_of_twisted_teeth_keeps_its_points() -> None:
     """Close above the foot the section has two points at each corner, one of them on a diagonal, and keeps one."""
-    twisted = gear_solid(Gear.DRIVING, wavy(), Blank(10.0), 2.0, 0.005).mesh
-    vertices = np.array(twisted.vertices)
+    straight = gear_solid(Gear.DRIVING, wavy(), Blank(10.0), 2.0, 0.005).mesh
+    vertices = straight.vertices
     turn = np.exp(0.01j * (vertices[:, 2] > 5.0)) * (vertices[:, 0] + 1j * vertices[:, 1])
-    twisted.vertices = np.column_stack([turn.real, turn.imag, vertices[:, 2]])
+    twisted = TriangleMesh(np.column_stack([turn.real, turn.imag, vertices[:, 2]]), straight.faces)
     found = Polygon(outline_of_stl(stl_bytes(twisted), FOOT_MM))
     assert found.boundary.hausdorff_distance(Polygon(wavy()).boundary) <= 1e-5
 

@@ -20,6 +20,7 @@ from ncgear import __version__
 from ncgear.errors import WrongInput
 from ncgear.extras import require
 from ncgear.interrupts import deaf_processes, end_processes
+from ncgear.memory import collect_rarely
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -114,7 +115,7 @@ def _pools(count: int) -> Iterator[Callable[[], Executor]]:
     pools: list[ProcessPoolExecutor] = []
 
     def new_pool() -> Executor:
-        pools.append(_DeafPool(count, get_context("spawn")))
+        pools.append(_DeafPool(count, get_context("spawn"), collect_rarely))
         return pools[-1]
 
     with one_thread_each():

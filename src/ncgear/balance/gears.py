@@ -23,11 +23,11 @@ from scipy.optimize import linprog, minimize, root
 from shapely import MultiPolygon, Polygon
 from shapely.affinity import rotate
 from shapely.geometry.base import BaseGeometry
-from trimesh import Trimesh
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.solids.mesh.slabs import slab_mesh
+from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.areas import area_moments
 from ncgear.solids.plan.body import KG_MM3, RoundHole, Slab, hole_points
 
@@ -59,12 +59,12 @@ def plate_body(section: Polygon, thickness_mm: float, density_kg_m3: float) -> G
     return GearBody(per_area * moments.area_mm2, per_area * moments.first_mm3, per_area * moments.polar_mm4)
 
 
-def mesh_body(mesh: Trimesh, density_kg_m3: float) -> GearBody:
+def mesh_body(mesh: TriangleMesh, density_kg_m3: float) -> GearBody:
     """A body from the volume integrals of its closed mesh in mm, whose section may change with height."""
-    density = KG_MM3 * density_kg_m3
-    mass, center = density * float(mesh.volume), mesh.center_mass
+    density, solid = KG_MM3 * density_kg_m3, mesh.as_trimesh()
+    mass, center = density * mesh.volume, solid.center_mass
     place = complex(center[0], center[1])
-    inertia = density * mesh.moment_inertia
+    inertia = density * solid.moment_inertia
     about_axis = float(inertia[2, 2]) + mass * abs(place) ** 2
     return GearBody(mass, mass * place, about_axis, -complex(inertia[0, 2], inertia[1, 2]))
 
@@ -262,7 +262,7 @@ class Corrected:
 
     holes: list[RoundHole]
     boss: Boss | None
-    mesh: Trimesh
+    mesh: TriangleMesh
     body: GearBody
 
 

@@ -74,10 +74,10 @@ def build(
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
-    from ncgear.drawings.beside import PAGE_CHARTS, PAIR_PICTURES, drawing_beside
+    from ncgear.drawings.beside import MOTION_PICTURE, PAGE_CHARTS, drawing_beside
     from ncgear.files.publish import prepare
 
-    with drawing_beside(PAIR_PICTURES, *([PAGE_CHARTS] if report else [])) as drawer, opened(design_file) as given:
+    with drawing_beside(MOTION_PICTURE, *([PAGE_CHARTS] if report else [])) as drawer, opened(design_file) as given:
         prepare(out or EXPORT / given.design.name)
         if given.design.gears is None:
             raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")

@@ -5,8 +5,6 @@ This module imports next to nothing, so that the process handles Ctrl-C from the
 
 from __future__ import annotations
 
-import atexit
-import gc
 import os
 import signal
 import sys
@@ -15,6 +13,7 @@ from types import FrameType
 from typing import NoReturn
 
 from ncgear.errors import DesignError
+from ncgear.memory import collect_rarely
 
 INTERRUPTED = 130
 READER_LEFT = 141
@@ -27,13 +26,6 @@ AGAIN_SECONDS = 0.2
 
 COMPILED_IMPORT = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
 """The functions that import a compiled library; some of those libraries abort the process if Ctrl-C is raised there."""
-
-COLLECTED_AFTER = 100_000
-"""New objects after which Python looks for rings of objects that nothing needs any more.
-
-Libraries load hundreds of thousands that stay: to look through them after every 700, as is usual, takes an eighth of a
-build, and to look through them once more at the end as much again.
-"""
 
 LAST_WORDS = "interrupted; what earlier runs have written is untouched"
 
@@ -76,7 +68,7 @@ def _imports_compiled(frame: FrameType | None) -> bool:
 def main() -> NoReturn:
     """Run the command line and exit with its status; at the end the process ignores Ctrl-C."""
     _open_streams()
-    _collect_rarely()
+    collect_rarely()
     # To look for plugins of other packages, pydantic would read what is installed: a tenth of a check.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     ctrl_c = _CtrlC()
@@ -100,15 +92,6 @@ def _open_streams() -> None:
         if getattr(sys, name) is None:
             # The lowest free number is that of the stream, since those before it are open by now.
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
-
-
-def _collect_rarely() -> None:
-    """Make Python look for rings of objects that nothing needs after ``COLLECTED_AFTER`` new ones.
-
-    At the end it looks for none: what a process holds goes with the process.
-    """
-    gc.set_threshold(COLLECTED_AFTER)
-    atexit.register(gc.freeze)
 
 
 def _say(last_words: str) -> None:

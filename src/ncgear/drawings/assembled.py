@@ -54,24 +54,34 @@ class Assembled:
 
 
 @dataclass(frozen=True, eq=False)
-class Pictures:
-    """What the pictures of a pair show; charts of the load are pairs, over the driving angle and over displacement."""
+class MotionPicture:
+    """What the picture of the machine's motion shows."""
 
-    machine: str
+    title: str
+    charts: list[Chart]
+
+
+@dataclass(frozen=True, eq=False)
+class GearPictures:
+    """What the pictures of the pitch curves and of the teeth of a pair show."""
+
     pair: str
-    speed_rpm: float
-    load_name: str
     pitch_curves: tuple[Assembled, tuple[Mask, Mask]]
     teeth: Assembled
     module_mm: float
     positions: list[Position]
-    motion: list[Chart]
-    load: list[tuple[Chart, Chart]]
-    contact: list[Chart]
 
-    def of_machine(self, what: str) -> str:
-        """The heading of a picture of the machine: design, content and speed."""
-        return heading(self.machine, what, self.speed_rpm)
+
+@dataclass(frozen=True, eq=False)
+class LoadPictures:
+    """What the pictures of contact and load show; charts of the load are pairs, over the driving angle and over
+    displacement.
+    """
+
+    pair: str
+    contact: list[Chart]
+    load_title: str
+    load: list[tuple[Chart, Chart]]
 
 
 def heading(name: str, what: str, speed_rpm: float) -> str:

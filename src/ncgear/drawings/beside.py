@@ -1,4 +1,4 @@
-"""Pictures drawn by a second process, which loads matplotlib while this one still computes what they show.
+"""Drawing by a second process, which loads matplotlib and more while this one still computes what is to be drawn.
 
 A drawing is a function named in text, ``module:function``, so that this process need not load it.  Where the second
 process dies, and where what shall be drawn cannot be pickled (the scene of a law that is made of functions), this
@@ -18,13 +18,16 @@ from multiprocessing import get_context
 from typing import Any, Protocol
 
 from ncgear.interrupts import deaf_processes, end_processes
+from ncgear.memory import collect_rarely
 from ncgear.workers import core_count, one_thread_each
 
 LIBRARY = "matplotlib"
 
-PAIR_PICTURES = "ncgear.drawings.plots.pair_pictures:drawn"
+MOTION_PICTURE = "ncgear.drawings.plots.pair_pictures:motion_drawn"
+GEAR_PICTURES = "ncgear.drawings.plots.pair_pictures:gears_drawn"
+LOAD_PICTURES = "ncgear.drawings.plots.pair_pictures:load_drawn"
 PAGE_CHARTS = "ncgear.drawings.page.chart_svg:all_drawn"
-"""The drawings: of the pictures of a pair of gears, and of the charts of the report."""
+"""The drawings: of the pictures of a build, and of the charts of the report."""
 
 
 class Drawer(Protocol):
@@ -77,7 +80,7 @@ def drawing_beside(*drawings: str) -> Iterator[Drawer]:
     if core_count() == 1 or LIBRARY in sys.modules:
         yield HERE
         return
-    pool = ProcessPoolExecutor(1, get_context("spawn"))
+    pool = ProcessPoolExecutor(1, get_context("spawn"), collect_rarely)
     try:
         with deaf_processes(), one_thread_each():
             pool.submit(_loaded, drawings)

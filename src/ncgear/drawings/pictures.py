@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 
 from ncgear.contact.pair import PairContact
-from ncgear.drawings.assembled import Assembled, Pictures, Position, heading
+from ncgear.drawings.assembled import Assembled, GearPictures, LoadPictures, MotionPicture, Position, heading
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
@@ -27,26 +27,39 @@ CURVE_POINTS = 1500
 """Points of a drawn pitch curve; on a gear of 300 mm that fills a screen they are 0.2 mm apart on the screen."""
 
 
-def pictures(drive: Drive, contact: PairContact) -> Pictures:
-    """The pictures of a build."""
-    name = drive.design.name
+def motion_picture(drive: Drive) -> MotionPicture:
+    """The picture of a build that shows the machine's motion."""
+    return MotionPicture(titled(drive, "motion"), [slider_chart(drive, quantity) for quantity in MOTION])
+
+
+def gear_pictures(drive: Drive) -> GearPictures:
+    """The pictures of a build that show the gears, whose contact is not known yet."""
     covered = drive.pair.transmission.lobes.range
     turn = np.arange(POSITIONS) * 2.0 * pi / POSITIONS
-    motion, load = ([slider_chart(drive, quantity) for quantity in quantities] for quantities in (MOTION, LOAD))
-    motions = drive.motion, drive.uniform_motion
-    return Pictures(
-        machine=name,
-        pair=name if drive.stage is None else f"{name}, stage {drive.stage} by its own angles",
-        speed_rpm=drive.design.operation.speed_rpm,
-        load_name=drive.linkage.OUTPUT.load_name,
+    return GearPictures(
+        pair=_name_of_pair(drive),
         pitch_curves=assembled_pitch_curves(drive),
         teeth=assembled_teeth(drive),
         module_mm=drive.pitch.size.module_mm,
         positions=positions_at(drive, np.linspace(0.0, covered.driving_rad, POSITIONS) if covered else turn),
-        motion=motion,
-        load=[(chart, over_displacement(chart, drive.linkage.OUTPUT, motions)) for chart in load],
-        contact=_contact_charts(drive, contact),
     )
+
+
+def load_pictures(drive: Drive, contact: PairContact) -> LoadPictures:
+    """The pictures of a build that show contact and load."""
+    load = [slider_chart(drive, quantity) for quantity in LOAD]
+    motions = drive.motion, drive.uniform_motion
+    return LoadPictures(
+        pair=_name_of_pair(drive),
+        contact=_contact_charts(drive, contact),
+        load_title=titled(drive, f"{drive.linkage.OUTPUT.load_name} and power"),
+        load=[(chart, over_displacement(chart, drive.linkage.OUTPUT, motions)) for chart in load],
+    )
+
+
+def _name_of_pair(drive: Drive) -> str:
+    name = drive.design.name
+    return name if drive.stage is None else f"{name}, stage {drive.stage} by its own angles"
 
 
 def titled(drive: Drive, what: str) -> str:

@@ -15,9 +15,9 @@ from typing import Any
 from ncgear.contact.pair import PairContact
 from ncgear.contact.written.as_written import Outlines
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.drawings.beside import HERE, PAIR_PICTURES, Drawer
+from ncgear.drawings.beside import GEAR_PICTURES, HERE, LOAD_PICTURES, MOTION_PICTURE, Drawer
 from ncgear.drawings.page import REPORT_FILE
-from ncgear.drawings.pictures import pictures
+from ncgear.drawings.pictures import gear_pictures, load_pictures, motion_picture
 from ncgear.figures.advice.collected import build_advice
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.assembly import assembly_of
@@ -25,12 +25,12 @@ from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
 from ncgear.figures.data_sheet.pitch_table import pitch_csv
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import json_text
-from ncgear.figures.summary.build_summary import build_summary
+from ncgear.figures.summary.build_summary import build_summary, with_files
 from ncgear.files.manifest import publish_run
 from ncgear.files.meshes import stl_bytes, written_outlines
 from ncgear.files.outline_errors import outline_errors_mm
 from ncgear.files.publish import prepare
-from ncgear.files.workshop.formats import Format, workshop_files
+from ncgear.files.workshop.formats import Format, begun_workshop_files
 from ncgear.project.drive import Drive
 
 STEPS = {
@@ -136,25 +136,46 @@ class _Pair:
 
 def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format], drawer: Drawer) -> _Pair:
     """All files of one pair of gears."""
-    files, contact, outlines = _written(drive, on_step)
-    drawn = drawer.begun(PAIR_PICTURES, pictures(drive, contact))
+    drawn: list[Callable[[], dict[str, bytes]]] = []
+
+    def begin_pictures(step: str) -> None:
+        # What can be drawn already is drawn beside while the rest is computed.
+        if step == "motion":
+            drawn.append(drawer.begun(MOTION_PICTURE, motion_picture(drive)))
+        if step == "teeth":
+            drawn.append(drawer.begun(GEAR_PICTURES, gear_pictures(drive)))
+
+    files, contact, outlines = _written(drive, on_step, begin_pictures)
     with _timed(drive, "workshop files", on_step):
-        files.update(workshop_files(drive, formats))
-        errors_mm = outline_errors_mm(drive, files, outlines)
+        workshop = begun_workshop_files(drive, formats, drawer)
+    drawn.append(drawer.begun(LOAD_PICTURES, load_pictures(drive, contact)))
     advices = build_advice(drive)
+    figures = build_summary(drive, contact, advices)
+    with drive.stopwatch("workshop files"):
+        written = workshop()
+        files.update(written.files)
+        both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
+        errors_mm = outline_errors_mm(drive, files, {**both, **written.outlines})
     with _timed(drive, "plots", on_step):
-        files.update(drawn())
-    # The summary comes last: only now all timings are known, and a new summary is never beside older files.
-    summary = build_summary(drive, contact, errors_mm, advices)
+        for pictures in drawn:
+            files.update(pictures())
+    # Only now all timings are known.
+    summary = with_files(figures, errors_mm, drive.timing_s)
     return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact, advices)
 
 
-def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact, list[Outlines]]:
-    """Tables and solids of one pair of gears, the contact found in them, and the outlines read back."""
+def _written(
+    drive: Drive, on_step: Callable[[str], None], after_step: Callable[[str], None] = lambda step: None
+) -> tuple[dict[str, bytes], PairContact, list[Outlines]]:
+    """Tables and solids of one pair of gears, the contact found in them, and the outlines read back.
+
+    ``after_step`` is called with the name of each step of the drive after it is computed.
+    """
     for step, attributes in STEPS.items():
         on_step(step)
         for attribute in attributes:
             getattr(drive, attribute)
+        after_step(step)
     with _timed(drive, "files", on_step):
         files = {
             "law.csv": law_csv(drive.motion, drive.linkage.OUTPUT).encode(),

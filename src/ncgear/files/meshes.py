@@ -7,19 +7,17 @@ are read back from tables and, as sections, from STL files, so that the contact 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from io import BytesIO, StringIO
+from io import StringIO
 
 import numpy as np
-import trimesh
 from shapely import Polygon
-from trimesh import Trimesh
-from trimesh.exchange.stl import export_stl
 
 from ncgear.contact.written.as_written import Outlines
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
+from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
 
@@ -42,27 +40,46 @@ Two such points arise where a diagonal crosses the section next to a corner.  Ea
 other one and its other neighbour.
 """
 
+STL_HEAD_BYTES = 80
+STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+"""What binary STL has after its head and the number of triangles: this for each of them."""
+
 FOOT_MM = 1e-6
 """Height of the section of helical teeth: here it is the outline, and farther up it has turned."""
 
 
-def stl_bytes(mesh: Trimesh) -> bytes:
+def stl_bytes(mesh: TriangleMesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
     Raises RuntimeError, a fault of ncgear, when the bytes do not hold the same closed solid.
     """
-    data = export_stl(mesh)
+    packed = np.zeros(len(mesh.faces), dtype=STL_TRIANGLE)
+    packed["normal"], packed["corners"] = mesh.normals, mesh.triangles
+    data = bytes(STL_HEAD_BYTES) + len(packed).to_bytes(4, "little") + packed.tobytes()
     read_back(data, mesh)
     return data
 
 
-def read_back(data: bytes, original: Trimesh) -> Trimesh:
+def mesh_of_stl(data: bytes) -> TriangleMesh:
+    """The triangles of a binary STL file, with corners at the same place as one vertex.
+
+    Raises ValueError where the file is not as long as it says.
+    """
+    head = STL_HEAD_BYTES + 4
+    count = int.from_bytes(data[STL_HEAD_BYTES:head], "little")
+    if len(data) != head + count * STL_TRIANGLE.itemsize:
+        raise ValueError(f"an STL file of {len(data)} bytes does not hold {count} triangles")
+    corners = np.frombuffer(data, dtype=STL_TRIANGLE, offset=head)["corners"]
+    return merged(corners.reshape(-1, 3).astype(float), np.arange(3 * count).reshape(-1, 3))
+
+
+def read_back(data: bytes, original: TriangleMesh) -> TriangleMesh:
     """The solid in an STL file, its vertices merged.
 
     Raises RuntimeError unless it is closed and has the volume and the bounds of ``original`` to single precision.
     """
-    mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
-    require_sound(mesh, float(original.volume), VOLUME_TOLERANCE)
+    mesh = mesh_of_stl(data)
+    require_sound(mesh, original.volume, VOLUME_TOLERANCE)
     allowed = BOUNDS_TOLERANCE * float(np.abs(original.bounds).max())
     if not np.allclose(mesh.bounds, original.bounds, rtol=0.0, atol=allowed):
         raise RuntimeError(f"a written solid spans {mesh.bounds.tolist()} instead of {original.bounds.tolist()} mm")
@@ -107,8 +124,8 @@ def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Arra
     The boundary runs counter-clockwise.  The section is at a height above z = 0.  Raises ValueError unless the mesh is
     closed there.
     """
-    mesh = trimesh.load_mesh(BytesIO(data), file_type="stl")
-    found = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
+    mesh = mesh_of_stl(data)
+    found = section_rings(mesh.vertices, mesh.faces, height_mm)
     chosen = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
     return _without_straight_points(chosen)
 

@@ -25,10 +25,9 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
-    from trimesh import Trimesh
-
     from ncgear.contact.written.as_written import AsWritten
     from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.solids.mesh.triangles import TriangleMesh
     from ncgear.strength.elements.teeth import Elements
     from ncgear.teeth.gear import ToothedPair
 
@@ -341,8 +340,7 @@ def _solids(drive: Drive) -> Stage:
 
     def judge(found: SolidPair) -> tuple[float, int]:
         missed = [
-            abs(float(found.of(gear).mesh.volume) - float(finest.of(gear).mesh.volume))
-            / (length[gear] * gears.face_width_mm)
+            abs(found.of(gear).mesh.volume - finest.of(gear).mesh.volume) / (length[gear] * gears.face_width_mm)
             for gear in Gear
         ]
         away = (_section_error_mm(exact[gear], found.of(gear).mesh, gears.face_width_mm / 2.0) for gear in Gear)
@@ -363,11 +361,11 @@ def _solids(drive: Drive) -> Stage:
     )
 
 
-def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
+def _section_error_mm(exact: Array, mesh: TriangleMesh, height_mm: float) -> float:
     """The farthest of exact points of a tooth outline from a section of a mesh, from its line that is nearest."""
     from ncgear.metrology.chord_error import farthest_mm
 
-    section = mesh.section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
+    section = mesh.as_trimesh().section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
     if section is None:
         raise ArithmeticError(f"a gear's mesh has no section at z = {height_mm:g} mm")
     return min(farthest_mm(exact, np.asarray(line)[:-1, :2]) for line in section.discrete)

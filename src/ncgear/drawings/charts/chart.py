@@ -10,11 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import StrEnum
 from math import floor, log10
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ncgear.numerics.arrays import Array
-from ncgear.ratio.transmission import Transmission
+
+if TYPE_CHECKING:
+    from ncgear.ratio.transmission import Transmission
 
 EMPTY = np.empty(0)
 NO_STRETCHES = np.empty((0, 2))

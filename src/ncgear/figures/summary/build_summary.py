@@ -47,13 +47,10 @@ Smooth joints differ by rounding, 1e-8 at most; others differ by 1e-3 and more.
 """
 
 
-def build_summary(
-    drive: Drive, contact: PairContact, outline_errors_mm: Mapping[str, float], advices: Sequence[Advice]
-) -> dict[str, Any]:
-    """The summary of the check, and pitch curves, teeth, contact, bodies and files.
+def build_summary(drive: Drive, contact: PairContact, advices: Sequence[Advice]) -> dict[str, Any]:
+    """The summary of the check, and pitch curves, teeth, contact and bodies; files and timings are left empty.
 
-    ``outline_errors_mm`` tells, by the kinds of files, how far outlines in them are from the exact ones; ``advices``
-    are those of ``build_advice``.
+    ``advices`` are those of ``build_advice``.
     """
     summary = check_summary(drive)
     comparison, _ = summary.pop("comparison"), summary.pop("warnings")
@@ -72,11 +69,24 @@ def build_summary(
         **_pumped(drive),
         "bodies": bodies_summary(drive),
         **passed_summary(drive),
-        "files": {f"{kind}_outline_error_max_mm": error for kind, error in outline_errors_mm.items()},
+        "files": {},
         "comparison": comparison,
         "warnings": [advice.line for advice in advices if advice.matters],
         "remarks": [advice.line for advice in advices if not advice.matters],
-        "timing_s": {step: round(seconds, 6) for step, seconds in drive.timing_s.items()},
+        "timing_s": {},
+    }
+
+
+def with_files(
+    summary: dict[str, Any], outline_errors_mm: Mapping[str, float], timing_s: Mapping[str, float]
+) -> dict[str, Any]:
+    """The summary with what is known once all files are made: how far outlines in them are from the exact ones, by
+    the kinds of files, and how long each step took.
+    """
+    return {
+        **summary,
+        "files": {f"{kind}_outline_error_max_mm": error for kind, error in outline_errors_mm.items()},
+        "timing_s": {step: round(seconds, 6) for step, seconds in timing_s.items()},
     }
 
 
@@ -397,7 +407,7 @@ def bodies_summary(drive: Drive) -> dict[str, Any]:
 def _body(solid: GearSolid) -> dict[str, Any]:
     plan = solid.plan
     return {
-        "volume_mm3": float(solid.mesh.volume),
+        "volume_mm3": solid.mesh.volume,
         "height_mm": plan.height_mm,
         **({"bore_mm": plan.bore.diameter_mm} if plan.bore else {}),
         **(_hub(plan.hub) if plan.hub else {}),

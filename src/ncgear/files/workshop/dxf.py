@@ -21,17 +21,14 @@ from ncgear.files.workshop.drawing import (
     Circle,
     Cross,
     Drawing,
+    PairDrawings,
     Polyline,
     Shape,
     Use,
     box_around,
-    gear_drawing,
-    pair_notes,
     written,
 )
 from ncgear.numerics.arrays import Array
-from ncgear.pitch.shape import Gear
-from ncgear.project.drive import Drive
 
 VERSION = "R2010"
 """The first version with all features used here; every program of the last fifteen years reads it."""
@@ -54,14 +51,14 @@ SLACK = 1.1
 """Height of the view with which the file opens, divided by the height of the drawing."""
 
 
-def dxf_files(drive: Drive) -> dict[str, bytes]:
+def dxf_files(shown: PairDrawings) -> dict[str, bytes]:
     """``driving.dxf`` and ``driven.dxf`` in their own frames, and ``pair.dxf`` as assembled, by their names."""
-    driving, driven = (gear_drawing(drive, gear) for gear in Gear)
-    assembled = {"DRIVING_": driving, "DRIVEN_": driven.moved(drive.pitch.center_distance_mm)}
+    driving, driven = shown.driving, shown.driven
+    assembled = {"DRIVING_": driving, "DRIVEN_": driven.moved(shown.center_distance_mm)}
     return {
         "driving.dxf": dxf_bytes({"": driving}, driving.notes),
         "driven.dxf": dxf_bytes({"": driven}, driven.notes),
-        "pair.dxf": dxf_bytes(assembled, pair_notes(drive)),
+        "pair.dxf": dxf_bytes(assembled, shown.notes),
     }
 
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from trimesh.exchange.gltf import export_glb
-
-from ncgear.drawings.solid_pair import linear_light, solid_pair
+from ncgear.drawings.solid_pair import linear_light, pair_glb
 from ncgear.project.drive import Drive
 
 
 def glb_files(drive: Drive) -> dict[str, bytes]:
     """``pair.glb`` with the nodes ``driving`` and ``driven``."""
-    # Without normals, viewers shade each triangle by itself, so that edges stay sharp.
-    return {"pair.glb": export_glb(solid_pair(drive, linear_light), include_normals=False)}
+    return {"pair.glb": pair_glb(drive, linear_light)}

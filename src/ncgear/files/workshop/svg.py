@@ -13,16 +13,14 @@ from ncgear.files.workshop.drawing import (
     Circle,
     Cross,
     Drawing,
+    PairDrawings,
     Polyline,
     Shape,
     Use,
     box_around,
-    gear_drawing,
     written,
 )
 from ncgear.numerics.arrays import Array
-from ncgear.pitch.shape import Gear
-from ncgear.project.drive import Drive
 
 NAMESPACE = "http://www.w3.org/2000/svg"
 
@@ -34,10 +32,9 @@ COLORS = {Use.THROUGH: "#000000", Use.PART_WAY: "#0000ff", Use.REFERENCE: "#cc00
 """Colours by which cutters know what to do along a line."""
 
 
-def svg_files(drive: Drive) -> dict[str, bytes]:
+def svg_files(shown: PairDrawings) -> dict[str, bytes]:
     """``driving.svg`` and ``driven.svg``, each gear in its own frame, by their names."""
-    drawings = [gear_drawing(drive, gear) for gear in Gear]
-    return {f"{drawing.name}.svg": svg_bytes(drawing) for drawing in drawings}
+    return {f"{drawing.name}.svg": svg_bytes(drawing) for drawing in (shown.driving, shown.driven)}
 
 
 def svg_bytes(drawing: Drawing) -> bytes:

@@ -1,18 +1,17 @@
-"""3MF files, which hold their unit: both gears side by side on one plate for printing, and assembled at phi1 = 0."""
+"""3MF files, which hold their unit: both gears side by side on one plate for printing, and assembled at phi1 = 0.
+
+Sources: 3MF Consortium, core specification 1.3 and production extension 1.1; parts of the archive by ECMA-376.
+"""
 
 from __future__ import annotations
 
-import re
 import zipfile
 from io import BytesIO
 from itertools import count
 from uuid import UUID
 
-import numpy as np
-from trimesh import Scene, Trimesh
-from trimesh.exchange.threemf import export_3MF
-
 from ncgear.project.drive import Drive
+from ncgear.solids.mesh.triangles import TriangleMesh
 
 GAP_MM = 5.0
 """Gap in mm between the gears on the plate, so that they are not printed as one."""
@@ -20,10 +19,40 @@ GAP_MM = 5.0
 LONG_AGO = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a ZIP archive can hold; with it the same design gives the same bytes at any time."""
 
-REPEATED = re.compile(rb'(<item)(?: xmlns(?::\w+)?="[^"]*")+')
-"""Namespaces that the writer declares again on each item; the 3MF Consortium's own reader refuses them."""
+HEAD = "<?xml version='1.0' encoding='utf-8'?>\n"
 
-IDENTITY = re.compile(rb'UUID="[0-9a-f-]{36}"')
+SCHEMAS = "http://schemas.microsoft.com/3dmanufacturing/"
+NAMESPACES = {
+    "xmlns": "core/2015/02",
+    "xmlns:b": "beamlattice/2017/02",
+    "xmlns:m": "material/2015/02",
+    "xmlns:p": "production/2015/06",
+    "xmlns:s": "slice/2015/07",
+    "xmlns:sc": "securecontent/2019/04",
+}
+"""Namespaces of a model; that of production has the identities."""
+
+RELATIONS = (
+    HEAD + '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+    '<Relationship Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel" Target="/3D/3dmodel.model"'
+    ' Id="rel0"/></Relationships>'
+)
+KINDS = {
+    "jpeg": "image/jpeg",
+    "jpg": "image/jpeg",
+    "model": "application/vnd.ms-package.3dmanufacturing-3dmodel+xml",
+    "png": "image/png",
+    "rels": "application/vnd.openxmlformats-package.relationships+xml",
+    "texture": "application/vnd.ms-package.3dmanufacturing-3dmodeltexture",
+}
+TYPES = "".join(
+    [
+        HEAD,
+        '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">',
+        *(f'<Default Extension="{end}" ContentType="{kind}"/>' for end, kind in KINDS.items()),
+        "</Types>",
+    ]
+)
 
 
 def threemf_files(drive: Drive) -> dict[str, bytes]:
@@ -31,26 +60,38 @@ def threemf_files(drive: Drive) -> dict[str, bytes]:
     driving, driven = drive.solids.driving.mesh, drive.solids.driven.mesh
     apart = float(driving.bounds[1][0] - driven.bounds[0][0]) + GAP_MM
     places = {"gears.3mf": apart, "pair.3mf": drive.pitch.center_distance_mm}
-    return {name: threemf_bytes({"driving": (driving, 0.0), "driven": (driven, x)}) for name, x in places.items()}
+    gears = {"driving": mesh_text(driving), "driven": mesh_text(driven)}
+    return {name: archive(gears, {"driving": 0.0, "driven": x_mm}) for name, x_mm in places.items()}
 
 
-def threemf_bytes(parts: dict[str, tuple[Trimesh, float]]) -> bytes:
-    """A file of meshes in mm by their names, each with its shift along x; the same meshes give the same bytes."""
-    scene = Scene()
-    for name, (mesh, x_mm) in parts.items():
-        place = np.eye(4)
-        place[0, 3] = x_mm
-        scene.add_geometry(mesh, node_name=name, geom_name=name, transform=place)
-    # The archive is only stored here; it is packed when it has its final form.
-    return _reproducible(export_3MF(scene, compression=zipfile.ZIP_STORED))
+def mesh_text(mesh: TriangleMesh) -> str:
+    """A mesh in mm as the elements of a model."""
+    points = '<vertex x="{}" y="{}" z="{}" />' * len(mesh.vertices)
+    triangles = '<triangle v1="{}" v2="{}" v3="{}" />' * len(mesh.faces)
+    points = points.format(*mesh.vertices.ravel().tolist())
+    triangles = triangles.format(*mesh.faces.ravel().tolist())
+    return f"<vertices>{points}</vertices><triangles>{triangles}</triangles>"
 
 
-def _reproducible(archive: bytes) -> bytes:
-    """The archive in a form for strict readers, with a fixed time of writing and counted, not random, identities."""
-    numbers, made = count(1), BytesIO()
-    with zipfile.ZipFile(BytesIO(archive)) as old, zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
-        for name in old.namelist():
-            plain = REPEATED.sub(rb"\1", old.read(name))
-            content = IDENTITY.sub(lambda _: f'UUID="{UUID(int=next(numbers))}"'.encode(), plain)
-            new.writestr(zipfile.ZipInfo(name, LONG_AGO), content, zipfile.ZIP_DEFLATED)
+def archive(meshes: dict[str, str], x_mm: dict[str, float]) -> bytes:
+    """A file of meshes (see ``mesh_text``) by their names, with their shifts along x; the same give the same bytes."""
+    identities = (UUID(int=number) for number in count(1))
+    objects = "".join(
+        f'<object id="{number}" name="{name}" type="model" p:UUID="{next(identities)}"><mesh>{text}</mesh></object>'
+        for number, (name, text) in enumerate(meshes.items(), 1)
+    )
+    build = f'<build p:UUID="{next(identities)}">'
+    items = "".join(_item(number, name, x_mm[name], next(identities)) for number, name in enumerate(meshes, 1))
+    places = " ".join(f'{name}="{SCHEMAS}{end}"' for name, end in NAMESPACES.items())
+    model = f'{HEAD}<model {places} unit="millimeter"><resources>{objects}</resources>{build}{items}</build></model>'
+    made = BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
+        for name, text in (("3D/3dmodel.model", model), ("_rels/.rels", RELATIONS), ("[Content_Types].xml", TYPES)):
+            new.writestr(zipfile.ZipInfo(name, LONG_AGO), text.encode(), zipfile.ZIP_DEFLATED)
     return made.getvalue()
+
+
+def _item(number: int, name: str, x_mm: float, identity: UUID) -> str:
+    """A part of the build at its place."""
+    place = f"1.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 1.0 {x_mm} 0.0 0.0"
+    return f'<item objectid="{number}" transform="{place}" p:UUID="{identity}" partnumber="{name}"/>'

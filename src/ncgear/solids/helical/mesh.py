@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.plane import signed_area
@@ -22,6 +21,7 @@ from ncgear.solids.helical.stack import OUTLINE, Stack, close_stacks, falls, mid
 from ncgear.solids.mesh.finish import finished
 from ncgear.solids.mesh.pair import GearSolid, SolidPair
 from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, filling, require_sound
+from ncgear.solids.mesh.triangles import TriangleMesh, with_used_vertices
 from ncgear.solids.plan.areas import stl_resolution_mm
 from ncgear.solids.plan.body import Blank, bore_points, hole_points
 from ncgear.solids.plan.plan import planned_within
@@ -59,7 +59,7 @@ def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance
     return GearSolid(finished(lofted(rings, heights, holes), plan), plan)
 
 
-def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> Trimesh:
+def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> TriangleMesh:
     """The solid through rings (l, c, 2) at rising heights (l,), with holes (n, 2) along z, all counter-clockwise.
 
     Neighbouring points of a ring that single precision cannot tell apart become one.  Raises RuntimeError if the mesh
@@ -70,8 +70,7 @@ def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> Tri
         tubes.append(_tube(np.stack([hole[::-1]] * 2), heights_mm[[0, -1]], tubes[-1].first + tubes[-1].column.size))
     faces = np.concatenate([*(tube.faces() for tube in tubes), _cap(tubes, 0)[:, ::-1], _cap(tubes, -1)])
     proper = np.all(faces != np.roll(faces, 1, axis=1), axis=1)
-    mesh = Trimesh(np.concatenate([tube.vertices for tube in tubes]), faces[proper], process=False)
-    mesh.remove_unreferenced_vertices()
+    mesh = with_used_vertices(TriangleMesh(np.concatenate([tube.vertices for tube in tubes]), faces[proper]))
     require_sound(mesh, sum(tube.volume_mm3 for tube in tubes), VOLUME_TOLERANCE)
     return mesh
 

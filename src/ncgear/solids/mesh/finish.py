@@ -15,10 +15,10 @@ import shapely
 from shapely import Polygon
 from shapely.affinity import rotate
 from shapely.geometry.base import BaseGeometry
-from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, require_sound, slab_mesh
+from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.body import BodyPlan, SetScrew, Slab, circle_points
 
 SCREW_TOLERANCE = 1e-6
@@ -32,14 +32,14 @@ LEVEL_DIGITS = 9
 """Corners of the hole's polygon whose heights in mm agree to this many decimals are at one height."""
 
 
-def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
+def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
     """A toothed mesh of the plan's face width and through cuts with the plan's pockets, hub and set screw.
 
     Raises RuntimeError if the mesh is not sound, a fault of ncgear.
     """
     if plan.is_plate:
         return toothed
-    solid, volume = _solid_of(toothed), float(toothed.volume)
+    solid, volume = _solid_of(toothed), toothed.volume
     if plan.web is not None:
         floor, top = plan.web.thickness_mm, plan.face_width_mm
         for pocket in plan.web.pockets:
@@ -56,7 +56,7 @@ def finished(toothed: Trimesh, plan: BodyPlan) -> Trimesh:
     return drilled_hub(made, plan)
 
 
-def drilled_hub(mesh: Trimesh, plan: BodyPlan) -> Trimesh:
+def drilled_hub(mesh: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
     """The gear with the hole of its set screw; raises RuntimeError if the mesh is not sound, a fault of ncgear."""
     hub = plan.hub
     if hub is None or hub.set_screw is None:
@@ -64,18 +64,18 @@ def drilled_hub(mesh: Trimesh, plan: BodyPlan) -> Trimesh:
     drill = _drill(hub.set_screw, hub.diameter_mm, plan.chord_tolerance_mm)
     made = _mesh_of(_solid_of(mesh) - _solid_of(drill))
     taken = screw_hole_mm3(plan.slabs[-1].section, hub.set_screw, plan.chord_tolerance_mm)
-    whole = float(mesh.volume)
+    whole = mesh.volume
     require_sound(made, whole - taken, SCREW_TOLERANCE * taken / whole)
     return made
 
 
-def _drill(screw: SetScrew, reach: float, tolerance: float) -> Trimesh:
+def _drill(screw: SetScrew, reach: float, tolerance: float) -> TriangleMesh:
     """A cylinder along the screw, from the axis to beyond the hub."""
     round_hole = Polygon(circle_points(screw.diameter_mm / 2.0, tolerance))
     upright = slab_mesh((Slab(round_hole, 0.0, reach),))
     along = np.array([np.cos(screw.direction_rad), np.sin(screw.direction_rad), 0.0])
     axes = np.array([[-along[1], along[0], 0.0], [0.0, 0.0, 1.0], along])
-    return Trimesh(np.asarray(upright.vertices) @ axes + [0.0, 0.0, screw.height_mm], upright.faces, process=False)
+    return TriangleMesh(upright.vertices @ axes + [0.0, 0.0, screw.height_mm], upright.faces)
 
 
 def screw_hole_mm3(section: BaseGeometry, screw: SetScrew, tolerance_mm: float) -> float:
@@ -101,15 +101,15 @@ def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
             yield float(across.min()), float(across.max()), float(weight)
 
 
-def _solid_of(mesh: Trimesh) -> manifold3d.Manifold:
+def _solid_of(mesh: TriangleMesh) -> manifold3d.Manifold:
     """A mesh for booleans, in double precision; raises RuntimeError where it is no closed solid."""
-    solid = manifold3d.Manifold(manifold3d.Mesh64(np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.uint64)))
+    solid = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices, mesh.faces.astype(np.uint64)))
     if solid.status() != manifold3d.Error.NoError:
         raise RuntimeError(f"a gear's mesh is no solid: {solid.status()}")
     return solid
 
 
-def _mesh_of(solid: manifold3d.Manifold) -> Trimesh:
+def _mesh_of(solid: manifold3d.Manifold) -> TriangleMesh:
     made = solid.to_mesh64()
     points: Array = np.asarray(made.vert_properties)[:, :3]
-    return Trimesh(points, np.asarray(made.tri_verts).astype(np.int64))
+    return merged(points, np.asarray(made.tri_verts).astype(np.int64))

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from trimesh import Trimesh
-
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.shown import Shown
 from ncgear.solids.mesh.finish import drilled_hub
 from ncgear.solids.mesh.slabs import bevel_of, slab_mesh
+from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.body import Blank, BodyPlan, RingBlank, RoundHole
 from ncgear.solids.plan.plan import planned, planned_ring
 
@@ -21,7 +20,7 @@ CHAMFER_KEY = "gears.first_layer_chamfer_mm"
 class GearSolid(Shown):
     """One gear's mesh in its own frame at phi1 = 0, and the plan that it was made by."""
 
-    mesh: Trimesh
+    mesh: TriangleMesh
     plan: BodyPlan
 
     @property

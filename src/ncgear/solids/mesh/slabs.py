@@ -15,13 +15,12 @@ from itertools import pairwise
 import mapbox_earcut
 import numpy as np
 import shapely
-import trimesh.creation
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
-from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.plane import as_complex, signed_area
+from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.areas import moved_inwards, parallel, polygons, rings
 from ncgear.solids.plan.body import Slab
 
@@ -42,15 +41,15 @@ class Bevel:
 
     foot: Polygon
     height_mm: float
-    slopes: tuple[Trimesh, ...]
+    slopes: tuple[TriangleMesh, ...]
 
     @property
     def below_mm3(self) -> float:
         """Volume between the slopes and z = 0."""
-        return sum(_volume_below(np.asarray(slope.triangles)) for slope in self.slopes)
+        return sum(_volume_below(slope.triangles) for slope in self.slopes)
 
 
-def slab_mesh(slabs: Sequence[Slab], bevel: Bevel | None = None) -> Trimesh:
+def slab_mesh(slabs: Sequence[Slab], bevel: Bevel | None = None) -> TriangleMesh:
     """The slabs from the lowest up, each within the one below it; all in mm.
 
     A ``bevel`` is that of the first slab's section, which then begins at z = 0; it is lower than this slab.  Between
@@ -76,7 +75,7 @@ def slab_mesh(slabs: Sequence[Slab], bevel: Bevel | None = None) -> Trimesh:
     return mesh
 
 
-def require_sound(mesh: Trimesh, volume_mm3: float, tolerance: float) -> None:
+def require_sound(mesh: TriangleMesh, volume_mm3: float, tolerance: float) -> None:
     """Raise RuntimeError unless a mesh is closed, evenly wound, and of the volume given to a relative tolerance."""
     if not mesh.is_watertight:
         raise RuntimeError("a gear's mesh is not watertight")
@@ -86,12 +85,13 @@ def require_sound(mesh: Trimesh, volume_mm3: float, tolerance: float) -> None:
         raise RuntimeError(f"a gear's mesh holds {mesh.volume:.9g} mm3 instead of {volume_mm3:.9g} mm3")
 
 
-def faces(area: BaseGeometry, height_mm: float, *, up: bool) -> list[Trimesh]:
+def faces(area: BaseGeometry, height_mm: float, *, up: bool) -> list[TriangleMesh]:
     """An area at a height, facing up or down."""
     made = []
     for polygon in polygons(area):
-        points, triangles = trimesh.creation.triangulate_polygon(polygon, engine="earcut")
-        around = [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+        closed = [shapely.get_coordinates(ring) for ring in (polygon.exterior, *polygon.interiors)]
+        points, triangles = np.vstack(closed), earcut(np.vstack(closed), np.cumsum([len(ring) for ring in closed]))
+        around = [ring[:-1] for ring in closed]
         ends = np.cumsum([len(ring) for ring in around])
         if len(triangles) < ends[-1] + 2 * len(around) - 4:
             points = np.vstack(around)
@@ -106,10 +106,15 @@ def filling(points: Array, ends: IndexArray) -> IndexArray:
     Earcut passes over points exactly in line with their neighbours; after uneven shifts there are none.
     """
     uneven = points * (1.0 + UNEVEN * np.random.default_rng(0).random((len(points), 1)))
-    return mapbox_earcut.triangulate_float64(uneven, ends.astype(np.uint32)).reshape(-1, 3).astype(np.intp)
+    return earcut(uneven, ends)
 
 
-def walls(area: BaseGeometry, low_mm: float, high_mm: float) -> list[Trimesh]:
+def earcut(points: Array, ends: IndexArray) -> IndexArray:
+    """Triangles, shape (t, 3), between rings of points (n, 2) that end at ``ends``, the outer one first."""
+    return mapbox_earcut.triangulate_float64(points, ends.astype(np.uint32)).reshape(-1, 3).astype(np.intp)
+
+
+def walls(area: BaseGeometry, low_mm: float, high_mm: float) -> list[TriangleMesh]:
     """The sides of an area from one height to another: two triangles on each edge, facing outwards."""
     made = []
     for ring in rings(area):
@@ -117,24 +122,24 @@ def walls(area: BaseGeometry, low_mm: float, high_mm: float) -> list[Trimesh]:
         lower = np.arange(len(ring) - 1)
         upper = lower + len(ring)
         triangles = [np.column_stack([lower, lower + 1, upper + 1]), np.column_stack([lower, upper + 1, upper])]
-        made.append(Trimesh(np.vstack(rows), np.vstack(triangles), process=False))
+        made.append(TriangleMesh(np.vstack(rows), np.vstack(triangles)))
     return made
 
 
-def facing(vertices: Array, triangles: IndexArray, *, up: bool) -> Trimesh:
+def facing(vertices: Array, triangles: IndexArray, *, up: bool) -> TriangleMesh:
     """Triangles of one sense turned, all or none, so that they face up, or down.
 
     They are turned together: by itself a triangle of three points in line would be turned by their rounding.
     """
     area = float(np.sum(signed_area(vertices[triangles][..., :2])))
-    return Trimesh(vertices, triangles if (area > 0.0) == up else triangles[:, ::-1], process=False)
+    return TriangleMesh(vertices, triangles if (area > 0.0) == up else triangles[:, ::-1])
 
 
-def joined(sheets: Sequence[Trimesh]) -> Trimesh:
+def joined(sheets: Sequence[TriangleMesh]) -> TriangleMesh:
     """One mesh of sheets that share their edges."""
     starts = np.cumsum([0, *(len(sheet.vertices) for sheet in sheets[:-1])])
     triangles = [sheet.faces + start for sheet, start in zip(sheets, starts, strict=True)]
-    return Trimesh(np.vstack([sheet.vertices for sheet in sheets]), np.vstack(triangles))
+    return merged(np.vstack([sheet.vertices for sheet in sheets]), np.vstack(triangles))
 
 
 def bevel_of(section: Polygon, height_mm: float, tolerance_mm: float, key: str) -> Bevel:
@@ -145,7 +150,7 @@ def bevel_of(section: Polygon, height_mm: float, tolerance_mm: float, key: str) 
 
 def _slopes(
     area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float], tolerance: float
-) -> Iterator[Trimesh]:
+) -> Iterator[TriangleMesh]:
     """Slopes from a foot at one height to the area at another."""
     low, high = between
     slope = _slope(area, foot, between)
@@ -160,7 +165,7 @@ def _slopes(
     yield from _slopes(area, level, (middle, high), tolerance)
 
 
-def _slope(area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float]) -> Trimesh:
+def _slope(area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float]) -> TriangleMesh:
     """Triangles with the corners of the foot at the lower height and those of the area at the upper one."""
     low = distinct(as_complex(shapely.get_coordinates(foot)))
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(area.difference(foot)))
@@ -170,9 +175,9 @@ def _slope(area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float])
     return facing(vertices, np.arange(len(vertices)).reshape(-1, 3), up=False)
 
 
-def _close(slope: Trimesh, area: BaseGeometry, height: float, top: float, tolerance: float) -> bool:
+def _close(slope: TriangleMesh, area: BaseGeometry, height: float, top: float, tolerance: float) -> bool:
     """Whether the slope's section at a height agrees to the tolerance with the parallel of the area at its top."""
-    section = _level_lines(np.asarray(slope.triangles), height)
+    section = _level_lines(slope.triangles, height)
     exact = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings(parallel(area, height - top))])
     return _within(section, exact, tolerance) and _within(exact, section, tolerance)
 

@@ -1,0 +1,124 @@
+"""A mesh of triangles as two arrays, and what they say of the body within: closed or not, volume, box, normals.
+
+To find that a body is closed, edges are counted and no coordinates are compared.  Whoever needs more of a mesh than
+that asks for it as one of trimesh, which takes long to load and judges these figures in the tests.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ncgear.numerics.arrays import Array, IndexArray
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
+MERGED_DIGITS = 8
+"""Points whose coordinates in mm agree to this many decimals are one vertex: far below single precision."""
+
+FLAT_MM2 = 1e-13
+"""A triangle of less than half this area has no normal: rounding alone would point it."""
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleMesh:
+    """Triangles in mm: ``vertices`` (n, 3), and for each triangle the numbers of its corners in ``faces`` (t, 3).
+
+    The corners run counter-clockwise, seen from outside.
+    """
+
+    vertices: Array
+    faces: IndexArray
+
+    @cached_property
+    def triangles(self) -> Array:
+        """The corners of each triangle in mm, shape (t, 3, 3)."""
+        return np.asarray(self.vertices[self.faces])
+
+    @cached_property
+    def _crosses(self) -> Array:
+        """Twice the area of each triangle times its normal, shape (t, 3)."""
+        first, second = (self.triangles[:, corner + 1] - self.triangles[:, corner] for corner in (0, 1))
+        return np.asarray(np.cross(first, second))
+
+    @cached_property
+    def normals(self) -> Array:
+        """Unit normals, shape (t, 3); zero for a triangle without area."""
+        length = np.sqrt(np.dot(self._crosses * self._crosses, np.ones(3)))
+        share = np.where(length > FLAT_MM2, 1.0 / np.where(length > FLAT_MM2, length, 1.0), 0.0)
+        return np.asarray(self._crosses * share[:, None])
+
+    @cached_property
+    def volume(self) -> float:
+        """Volume within in mm3, by the divergence theorem; it means something for closed meshes only."""
+        return float((self._crosses[:, 0] * self.triangles[:, :, 0].sum(axis=1)).sum() / 6.0)
+
+    @cached_property
+    def bounds(self) -> Array:
+        """The least and the largest coordinates of the triangles in mm, shape (2, 3)."""
+        used = self.triangles.reshape(-1, 3)
+        return np.array([used.min(axis=0), used.max(axis=0)])
+
+    @property
+    def extents(self) -> Array:
+        """The sizes in mm of the box around the triangles, shape (3,)."""
+        return np.asarray(self.bounds[1] - self.bounds[0])
+
+    @cached_property
+    def _edges(self) -> tuple[IndexArray, IndexArray]:
+        """For each edge how many triangles have it, and how many of them one way more than the other way."""
+        start, end = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
+        keys = np.minimum(start, end) * np.int64(len(self.vertices)) + np.maximum(start, end)
+        order = np.argsort(keys, kind="stable")
+        first = np.flatnonzero(np.diff(keys[order], prepend=-1))
+        sense = np.where(start < end, 1, -1)
+        return np.diff(first, append=keys.size), np.add.reduceat(sense[order], first)
+
+    @property
+    def is_watertight(self) -> bool:
+        """Whether every edge is that of exactly two triangles."""
+        return bool(np.all(self._edges[0] == 2))
+
+    @property
+    def is_winding_consistent(self) -> bool:
+        """Whether two triangles run along their common edge in opposite senses, everywhere."""
+        count, sense = self._edges
+        return bool(np.all(sense[count == 2] == 0))
+
+    def as_trimesh(self) -> Trimesh:
+        """The same mesh for trimesh, whose vertices and triangles keep their numbers."""
+        from trimesh import Trimesh
+
+        return Trimesh(self.vertices, self.faces, process=False)
+
+
+def merged(vertices: Array, faces: IndexArray) -> TriangleMesh:
+    """The mesh with vertices at the same place, to ``MERGED_DIGITS``, as one: the first of them.
+
+    Vertices keep their order; those that no triangle has are left out.
+    """
+    used = np.zeros(len(vertices), dtype=bool)
+    used[faces] = True
+    points = vertices[used]
+    keys = np.round(points * 10.0**MERGED_DIGITS).astype(np.int64)
+    order = np.lexsort(keys.T)
+    new = np.ones(len(order), dtype=bool)
+    new[1:] = np.any(keys[order[1:]] != keys[order[:-1]], axis=1)
+    # The order is stable: of vertices at one place, the first comes first.
+    first, place = order[new], np.cumsum(new) - 1
+    rank = np.empty(first.size, dtype=np.intp)
+    rank[np.argsort(first)] = np.arange(first.size)
+    number = np.zeros(len(vertices), dtype=np.intp)
+    number[np.flatnonzero(used)[order]] = rank[place]
+    return TriangleMesh(np.asarray(points[np.sort(first)]), np.asarray(number[faces]))
+
+
+def with_used_vertices(mesh: TriangleMesh) -> TriangleMesh:
+    """The mesh without vertices that no triangle has; the others keep their order."""
+    used = np.zeros(len(mesh.vertices), dtype=bool)
+    used[mesh.faces] = True
+    return TriangleMesh(mesh.vertices[used], np.asarray((np.cumsum(used) - 1)[mesh.faces]))
