@@ -52,8 +52,7 @@ def _reach(flanks: Flanks, limit: float | Array, sense: float, which: IndexArray
     if not rows.size:
         return reached
     doubtful, per_mm = flank[rows], -sense * flanks.side * flanks.slant.height_per_rolled
-    ends, joints = np.column_stack([np.zeros(rows.size), reached[rows]]), _joints(flanks)
-    cuts = [_cuts(end, (joints - flanks.crossing_mm[i]) * per_mm[i]) for end, i in zip(ends, doubtful, strict=True)]
+    cuts = _cuts(reached[rows], (_joints(flanks) - flanks.crossing_mm[doubtful, None]) * per_mm[doubtful, None])
     try:
         reached[rows] = first_zeros(lambda i, height: flanks.regularity(doubtful[i], sense * height), cuts)
     except NotSmooth as fault:
@@ -71,7 +70,7 @@ def folded_fillets(flanks: Flanks) -> Mask:
         return np.zeros(flanks.count, dtype=bool)
     start = flanks.rolled_mm(np.arange(flanks.count), -flanks.flank_depth_mm)
     length, joints = flanks.rounding.lowest_mm - start, _joints(flanks)
-    cuts = [_cuts(np.array([0.0, 1.0]), (joints - start[i]) / length[i]) for i in range(flanks.count)]
+    cuts = _cuts(np.ones(flanks.count), (joints - start[:, None]) / length[:, None])
     regular = first_zeros(lambda i, share: flanks.fillet_regularity(i, start[i] + length[i] * share), cuts)
     folded: Mask = regular < 1.0 - CLEAR
     return folded
@@ -94,10 +93,10 @@ def _joints(flanks: Flanks) -> Array:
     return np.empty(0) if flanks.equivalent else flanks.curve.panels_around_mm
 
 
-def _cuts(ends: Array, joints: Array) -> Array:
-    """Both ends and the joints between them, in order; a joint at an end, to rounding, is none."""
-    if not joints.size:
-        return ends
-    apart = AT_END * (ends[1] - ends[0])
-    inside = joints[(joints > ends[0] + apart) & (joints < ends[1] - apart)]
-    return np.concatenate([ends[:1], np.sort(inside), ends[1:]])
+def _cuts(ends: Array, joints: Array) -> list[Array]:
+    """Zero, each of n ends, and the row of ``joints`` (shape (n, m)) between, in order; a joint at an end is none."""
+    apart, cuts = AT_END * ends[:, None], list(np.column_stack([np.zeros(ends.size), ends]))
+    inside = (joints > apart) & (joints < ends[:, None] - apart)
+    for row in np.nonzero(inside.any(axis=1))[0]:
+        cuts[row] = np.concatenate([cuts[row][:1], np.sort(joints[row, inside[row]]), cuts[row][1:]])
+    return cuts
