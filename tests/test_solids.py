@@ -280,7 +280,7 @@ def whole_and_faulty() -> dict[str, TriangleMesh]:
     }
 
 
-@pytest.mark.judges("bodies")
+@pytest.mark.judges("solids")
 @pytest.mark.parametrize("name", list(whole_and_faulty()))
 def test_what_a_mesh_says_of_itself_is_what_trimesh_says(name: str) -> None:
     mesh = whole_and_faulty()[name]
@@ -291,7 +291,7 @@ def test_what_a_mesh_says_of_itself_is_what_trimesh_says(name: str) -> None:
     np.testing.assert_allclose(mesh.normals, other.face_normals, rtol=0.0, atol=1e-15)
 
 
-@pytest.mark.judges("bodies")
+@pytest.mark.judges("solids")
 @pytest.mark.parametrize("name", list(whole_and_faulty()))
 def test_stl_files_are_those_of_trimesh(name: str) -> None:
     """Written to the byte, and read with the same vertices and triangles in the same order."""
@@ -310,7 +310,7 @@ def test_an_stl_file_that_is_cut_off_is_refused() -> None:
         mesh_of_stl(data[:-1])
 
 
-@pytest.mark.judges("bodies")
+@pytest.mark.judges("solids")
 def test_points_at_one_place_become_the_first_of_them() -> None:
     rng = np.random.default_rng(3)
     vertices = rng.integers(0, 3, (200, 3)) + rng.uniform(-1e-10, 1e-10, (200, 3))
