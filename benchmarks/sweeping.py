@@ -102,18 +102,18 @@ def costs(folder: Path) -> dict[str, float]:
     wanted = Wanted((), LEAST)
     overview = no_overview(screening.space, wanted).with_part(designs)
     followed = designs.at(slice(4))
-    deeper = table_bytes(deepened(BALER.data, "teeth", followed), parts.digest)
+    deeper = table_bytes(deepened(BALER.data, 1, "teeth", followed), parts.digest)
     return {
         "task": len(pickle.dumps((partial(_screened_bytes, screening, parts.digest), (100, 100)))),
         "result": len(content),
-        "deep_task": len(pickle.dumps((partial(_deeper_bytes, BALER.data, "teeth", parts.digest), (7, followed)))),
+        "deep_task": len(pickle.dumps((partial(_deeper_bytes, BALER.data, 1, "teeth", parts.digest), (7, followed)))),
         "deep_result": len(deeper),
         "values": best_ms(partial(screening.space.values, 100 * ROWS, ROWS)),
         "figures": best_ms(partial(screened_part, screening, 100), 2),
         "bytes": best_ms(partial(table_bytes, designs, parts.digest)),
         "write": best_ms(partial(parts.add, 0, content)),
         "gather": best_ms(lambda: overview.with_part(parts.designs(0))),
-        "deep": best_ms(partial(deepened, BALER.data, "teeth", followed), 2),
+        "deep": best_ms(partial(deepened, BALER.data, 1, "teeth", followed), 2),
     }
 
 

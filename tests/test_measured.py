@@ -282,3 +282,25 @@ def test_the_command(run: Run) -> None:
     status, _, err = run("measured", str(DESIGNS / "ellipse.yaml"))
     assert status == 2
     assert "points of one gear or both are needed" in err
+
+
+@pytest.mark.slow
+def test_a_gear_of_two_pairs_is_held_against_its_own_pair(run: Run) -> None:
+    """Points of an exact gear deviate by rounding only; those of the other pair's gear are no points of this one."""
+    design = DESIGNS / "baler-66-two-stage.yaml"
+    for pair in drive("baler-66-two-stage").by_stage:
+        np.savetxt(f"{pair.stage}.csv", pair.teeth.driven.outline_mm, delimiter=",")
+    status, out, err = run("measured", str(design), "--driven", "2.csv", "--stage", "2")
+    assert (status, err) == (0, "")
+    assert out.startswith("baler-66-two-stage-stage-2")
+    told = json.loads(Path("export/baler-66-two-stage-stage-2-measured/measured.json").read_text())
+    assert abs(told["driven"]["turned_rad"]) < 1e-6
+    status, _, err = run("measured", str(design), "--driven", "1.csv", "--stage", "2")
+    assert status == 2
+    assert "1.csv: the points are 0.569 mm off the driven gear" in err
+    status, _, err = run("measured", str(design), "--driven", "1.csv")
+    assert status == 2
+    assert "motion.second_stage: given: two pairs of gears; --stage 1 or --stage 2 says which one" in err
+    status, _, err = run("measured", str(DESIGNS / "ellipse.yaml"), "--driven", "1.csv", "--stage", "1")
+    assert status == 2
+    assert "motion: has one pair of gears; leave out --stage" in err

@@ -253,6 +253,27 @@ def test_the_best_go_on_to_teeth_and_contact(run: Run) -> None:
         assert row["teeth.driving"] == drive.gears.teeth
 
 
+@pytest.mark.slow
+def test_each_of_two_pairs_has_its_own_figures(run: Run) -> None:
+    """Those of the pair by itself, in its own columns; an objective names the pair."""
+    status, out, err = run(
+        "motion.second_stage.cosine.0=0.02,0.06",
+        "--stage=contact",
+        "--objective=stage_2.contact.contact_ratio_min",
+        text=HARMONIC.replace("gears:", "  second_stage: {cosine: [0.04]}\ngears:"),
+    )
+    assert (status, err) == (0, "")
+    assert "stage 2 contact ratio" in out
+    for row in table("contact"):
+        data = with_value(
+            load(Path("d.yaml")).data, "motion.second_stage.cosine.0", row["motion.second_stage.cosine.0"]
+        )
+        ratios = [pair.designed_contact.least_arc for pair in Drive(Design.model_validate(data)).by_stage]
+        found = [row[f"stage_{stage}.contact.contact_ratio_min"] for stage in (1, 2)]
+        assert found == pytest.approx(ratios, rel=1e-12)
+        assert ratios[0] != pytest.approx(ratios[1], rel=1e-3)
+
+
 def test_a_stage_that_no_design_can_reach_is_refused(run: Run) -> None:
     text = HARMONIC[: HARMONIC.index("gears:")]
     status, _, err = run("motion.cosine.1=-0.05:0.05:5", "--stage=teeth", text=text)

@@ -38,6 +38,10 @@ def measured(
         float,
         typer.Option(metavar="MM", min=0.0, max=50.0, help="Radius of the probe's ball where points are its centres."),
     ] = 0.0,
+    stage: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, max=2, help="Which of two pairs of gears in series was measured: 1 or 2."),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-measured")
     ] = None,
@@ -58,10 +62,10 @@ def measured(
         from ncgear.project.drive import Drive
 
         files = read_files({Gear.DRIVING: driving, Gear.DRIVEN: driven})
-        name = loaded.design.name
+        drive, how = Drive(loaded.design).of_stage(stage), Fit(fit.value)
+        name = loaded.design.name + ("" if drive.stage is None else f"-stage-{drive.stage}")
         folder = out or EXPORT / f"{name}-measured"
         prepare(folder)
-        drive, how = Drive(loaded.design), Fit(fit.value)
         with naming_what_helps(drive, BUILD), steps_shown(2) as on_step:
             on_step("best fit and contact")
             pair = compared_pair(drive, files, how, probe_radius)

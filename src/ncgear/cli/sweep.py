@@ -106,7 +106,7 @@ def sweep(
 
         order = Order(space, stage.value, keep)
         screening = screening_of(loaded.design, loaded.data, order)
-        names = names_of(screening, stage.value)
+        names = names_of(loaded.design, screening, stage.value)
         with _about_options(design_file):
             constraints = tuple(constraint_of(text, names) for text in keep_if or ())
             wanted = Wanted(constraints, objectives_of(objective or (), names))

@@ -40,8 +40,10 @@ def _last(name: str) -> str:
 
 
 def _brief(name: str) -> str:
-    """The name of a figure without what is said of it behind a comma."""
-    return name_of(_last(name)).partition(",")[0]
+    """The name of a figure without what is said of it behind a comma, with its pair of gears if there are two."""
+    brief = name_of(_last(name)).partition(",")[0]
+    pair = name.partition(".")[0]
+    return f"{pair.replace('_', ' ')} {brief}" if pair.startswith("stage_") else brief
 
 
 def cells_of(designs: Designs, wanted: Wanted) -> list[list[str]]:

@@ -77,9 +77,10 @@ def rows_of_part(count: int, fewest: int) -> int:
     return max(fewest, min(for_parts, MOST_ROWS))
 
 
-def names_of(screening: Screening, stage: str) -> tuple[str, ...]:
+def names_of(design: Design, screening: Screening, stage: str) -> tuple[str, ...]:
     """All figures of a sweep down to a stage, and the keys that vary."""
-    return (*screening.figures, *(deeper_names(stage) if _is_deep(stage) else ()), *screening.space.keys)
+    deeper = deeper_names(design.stages, stage) if _is_deep(stage) else ()
+    return (*screening.figures, *deeper, *screening.space.keys)
 
 
 def _is_deep(stage: str) -> bool:
@@ -173,7 +174,7 @@ def swept(
         deep = Parts(folder / f"{order.stage}.parquet", {**deep_plan, "designs_in_a_part": rows}, parts.keys)
         taken = [numbers[first : first + rows] for first in range(0, len(numbers), rows)]
         tasks = _Chosen(parts, screening.rows, taken)
-        compute = partial(_deeper_bytes, screening.data, order.stage, deep.digest)
+        compute = partial(_deeper_bytes, screening.data, loaded.design.stages, order.stage, deep.digest)
         _computed(deep, [len(one) for one in taken], compute, tasks, on, on_done, held)
         below, _ = _gathered(deep, len(taken), screening.space, wanted)
     return Swept(overview, parts, below, deep)
@@ -183,8 +184,8 @@ def _screened_bytes(screening: Screening, digest: str, task: tuple[int, int]) ->
     return table_bytes(screened_part(screening, task[1]), digest)
 
 
-def _deeper_bytes(data: dict[str, Any], stage: str, digest: str, task: tuple[int, Designs]) -> bytes:
-    return table_bytes(deepened(data, stage, task[1]), digest)
+def _deeper_bytes(data: dict[str, Any], pairs: int, stage: str, digest: str, task: tuple[int, Designs]) -> bytes:
+    return table_bytes(deepened(data, pairs, stage, task[1]), digest)
 
 
 @dataclass(frozen=True)

@@ -102,13 +102,11 @@ JAM_RAD = 1e-9
 
 
 def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, probe_mm: float) -> ComparedPair:
-    """Hold measured gears against the exact ones and run the pair as measured.
+    """Hold measured gears against the exact ones and run the pair as measured; ``drive`` has one pair of gears.
 
     Raises WrongInput with a file's name where it does not hold points of its gear in mm, NoSuchMechanism where the
     outlines as measured do not reach each other.
     """
-    if drive.design.stages > 1:
-        raise WrongInput("two pairs of gears; measured gears are compared of one", key="motion.second_stage")
     teeth, pitch = measured_section(drive), drive.pitch
     outlines = {gear: exact_outline(teeth.of(gear)) for gear in Gear}
     gears = tuple(compared_gear(outlines, gear, file, fit, probe_mm) for gear, file in files.items())

@@ -53,6 +53,19 @@ class Drive(Geared):
             return (self,)
         return tuple(Drive(self.design, number, self.loaded) for number in range(1, self.design.stages + 1))
 
+    def of_stage(self, stage: int | None) -> Drive:
+        """The drive of one pair of gears: of two in series that of stage 1 or 2, else the only one, by None.
+
+        Raises WrongInput where a stage is given of a single pair, or none of two.
+        """
+        if stage is None and self.design.stages > 1:
+            raise WrongInput(
+                "given: two pairs of gears; --stage 1 or --stage 2 says which one", key="motion.second_stage"
+            )
+        if stage is not None and self.design.stages == 1:
+            raise WrongInput("has one pair of gears; leave out --stage", key="motion")
+        return self.by_stage[0 if stage is None else stage - 1]
+
     @computed
     def _free_contact(self) -> AsDesigned:
         """Contact of the exact teeth, however short; raises where they overlap."""

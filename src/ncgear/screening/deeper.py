@@ -65,24 +65,36 @@ def stages_up_to(stage: str) -> tuple[str, ...]:
     return tuple(names[: names.index(stage) + 1])
 
 
-def deeper_names(stage: str) -> tuple[str, ...]:
-    """The names of all figures up to a stage."""
-    return tuple(name for one in stages_up_to(stage) for name in STAGES[one])
+def deeper_names(pairs: int, stage: str) -> tuple[str, ...]:
+    """The names of all figures of designs with so many pairs of gears up to a stage.
+
+    Of two pairs each has its own, such as ``stage_1.teeth.driving``.
+    """
+    return tuple(
+        f"{_of_pair(number, pairs)}{name}"
+        for one in stages_up_to(stage)
+        for number in range(1, pairs + 1)
+        for name in STAGES[one]
+    )
+
+
+def _of_pair(number: int, pairs: int) -> str:
+    return "" if pairs == 1 else f"stage_{number}."
 
 
 def require_stage(design: Design, stage: str) -> None:
     """Raise WrongInput where no design of a file could get to a stage."""
     if design.gears is None:
         raise WrongInput(f"missing; without gears there is no stage {stage}, and --stage check is right", key="gears")
-    if design.stages > 1:
-        problem = f"two pairs of gears; the stage {stage} knows one pair, and --stage pitch is right for both"
-        raise WrongInput(problem, key="motion.second_stage")
     if stage == "strength" and design.masses is None and design.resistance is None:
         raise WrongInput("missing, and so are masses; the load of the teeth follows from them", key="resistance")
 
 
-def deepened(data: dict[str, Any], stage: str, designs: Designs) -> Designs:
-    """The same designs with the figures of the stages up to this one, as far as each of them gets."""
+def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> Designs:
+    """The same designs with the figures of the stages up to this one, as far as each of them gets.
+
+    ``data`` is the file's content, of a machine with so many pairs of gears.
+    """
     rows: list[Figures] = []
     verdicts: list[str] = []
     for place in range(len(designs.numbers)):
@@ -90,7 +102,8 @@ def deepened(data: dict[str, Any], stage: str, designs: Designs) -> Designs:
         row, verdict = _followed(checked_design(data, tuple(designs.values), map(float, values)), stage)
         rows.append(row)
         verdicts.append(as_in_file(data, verdict))
-    more = {name: np.array([row.get(name, np.nan) for row in rows]) for name in deeper_names(stage)}
+    names = deeper_names(pairs, stage)
+    more = {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
     return with_figures(designs, more, verdicts)
 
 
@@ -102,7 +115,9 @@ def _followed(design: Design | WrongInput, stage: str) -> tuple[Figures, str]:
             raise design
         drive = Drive(design)
         for one in stages_up_to(stage):
-            found |= {name: float(figure(drive)) for name, figure in STAGES[one].items()}
+            for number, pair in enumerate(drive.by_stage, start=1):
+                of = _of_pair(number, design.stages)
+                found |= {f"{of}{name}": float(figure(pair)) for name, figure in STAGES[one].items()}
     except DesignError as error:
         return found, str(error)
     except ArithmeticError as error:

@@ -60,9 +60,14 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         about="" if tolerated.assumed else f"Tolerances: {limits}",
         notes=(f"{ASSUMED}{limits}",) if tolerated.assumed else (),
         heads=HEADS,
-        good=f"No warnings: {100.0 * TURNING:g} % of the assemblies turn, and none knocks.",
+        good=f"No warnings: {_turning(tolerated)} of the assemblies turn, and none knocks.",
         then="tolerance.json has every figure, assemblies.csv every assembly",
     )
+
+
+def _turning(tolerated: Tolerated) -> str:
+    jamming = round(tolerated.jam.value * tolerated.assemblies.count)
+    return f"all but {jamming}" if jamming else "all"
 
 
 def _row(of: str, key: str, values: Mapping[str, float]) -> Row:
