@@ -96,7 +96,8 @@ def costs(folder: Path) -> dict[str, float]:
     screening = asked(MANY)[1]
     parts = Parts(folder / "p.parquet", plan_of(BALER, screening, "pitch"), screening.space.keys)
     parts.begun([])
-    designs = screened_part(screening, 100)
+    values = screening.values(100)
+    designs = screened_part(screening, 100, values)
     content = table_bytes(designs, parts.digest)
     parts.add(0, content)
     wanted = Wanted((), LEAST)
@@ -104,12 +105,12 @@ def costs(folder: Path) -> dict[str, float]:
     followed = designs.at(slice(4))
     deeper = table_bytes(deepened(BALER.data, 1, "teeth", followed), parts.digest)
     return {
-        "task": len(pickle.dumps((partial(_screened_bytes, screening, parts.digest), (100, 100)))),
+        "task": len(pickle.dumps((partial(_screened_bytes, screening, parts.digest), (100, values)))),
         "result": len(content),
         "deep_task": len(pickle.dumps((partial(_deeper_bytes, BALER.data, 1, "teeth", parts.digest), (7, followed)))),
         "deep_result": len(deeper),
-        "values": best_ms(partial(screening.space.values, 100 * ROWS, ROWS)),
-        "figures": best_ms(partial(screened_part, screening, 100), 2),
+        "values": best_ms(partial(screening.values, 100)),
+        "figures": best_ms(partial(screened_part, screening, 100, values), 2),
         "bytes": best_ms(partial(table_bytes, designs, parts.digest)),
         "write": best_ms(partial(parts.add, 0, content)),
         "gather": best_ms(lambda: overview.with_part(parts.designs(0))),
@@ -145,7 +146,9 @@ def most_memory_mb() -> float:
 
 def screening_memory_mb() -> float:
     """The most memory of a process that screens parts."""
-    code = "import sweeping; s = sweeping.asked(10**6)[1]; [sweeping.screened_part(s, n) for n in (5, 6)]; "
+    values = "sweeping.np.random.random((sweeping.ROWS, 2)) * [200.0, 0.04] + [1500.0, 0.36]"
+    parts = f"[sweeping.screened_part(s, n, {values}) for n in (5, 6)]"
+    code = f"import sweeping; s = sweeping.asked(10**6)[1]; {parts};"
     return float(_said(f"{code} print(sweeping.most_memory_mb())")[0])
 
 
@@ -175,10 +178,10 @@ def plan(cost: dict[str, float], tasks_s: float) -> Iterator[str]:
     """Rows of a plan: seconds of a million designs and of 10^8, and what is busy, for numbers of workers."""
     for designs, rows in ((10**6, 4096), (10**8, 16384)):
         count = designs / rows
-        of_part, here = (cost["figures"] + cost["values"] + cost["bytes"]) * rows / ROWS, rows / ROWS
+        of_part, here = (cost["figures"] + cost["bytes"]) * rows / ROWS, rows / ROWS
         for workers in WORKERS:
             computing = -(-count // workers) * of_part / 1000.0
-            writing = count * here * (cost["write"] + cost["gather"]) / 1000.0
+            writing = count * here * (cost["values"] + cost["write"] + cost["gather"]) / 1000.0
             network = count * here * cost["result"] / (1e6 * NETWORK_MB_S)
             tasks = count / tasks_s
             busiest = max((computing, "workers"), (writing, "this process"), (network, "network"), (tasks, "scheduler"))
@@ -196,8 +199,8 @@ def report() -> str:
         cost = costs(Path(folder))
     seconds, parent_mb, table_mb, parts = map(float, _said("import sweeping; sweeping.everything_else()"))
     worker_mb, tasks_s, begins_s = screening_memory_mb(), tasks_per_s(), start_s()
-    of_part = cost["figures"] + cost["values"] + cost["bytes"]
-    here = cost["write"] + cost["gather"]
+    of_part = cost["figures"] + cost["bytes"]
+    here = cost["values"] + cost["write"] + cost["gather"]
     lines = [
         "# Sweeps on many processes",
         "",
@@ -215,10 +218,10 @@ def report() -> str:
         "",
         "| where | what | |",
         "|---|---|---|",
-        f"| worker | values of the keys (Sobol points from their numbers) | {cost['values']:.1f} ms |",
+        f"| this process | values of the keys (Sobol points from their numbers) | {cost['values']:.1f} ms |",
         f"| worker | figures | {cost['figures']:.0f} ms |",
         f"| worker | the part's file in memory | {cost['bytes']:.1f} ms |",
-        f"| to the worker | a task, with the design and the space | {cost['task'] / 1e3:.1f} kB |",
+        f"| to the worker | a task, with the design, the space and the values | {cost['task'] / 1e3:.1f} kB |",
         f"| from the worker | the part's file | {cost['result'] / 1e3:.0f} kB |",
         f"| this process | writing it, down to the disk | {cost['write']:.1f} ms |",
         f"| this process | reading it again for the answer and the pictures | {cost['gather']:.1f} ms |",

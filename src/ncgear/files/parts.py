@@ -19,6 +19,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.files.publish import UNFINISHED, is_there, put_in_place
+from ncgear.numerics.arrays import Array
 from ncgear.screening.designs import Designs
 
 if TYPE_CHECKING:
@@ -39,19 +40,42 @@ def table_bytes(designs: Designs, digest: str) -> bytes:
     from pyarrow import parquet
 
     columns = {
-        NUMBER: arrow.array(designs.numbers, arrow.int64()),
-        **{key: arrow.array(values, arrow.float64()) for key, values in designs.values.items()},
-        **{
-            name: arrow.array(values, arrow.float64(), mask=np.isnan(values))
-            for name, values in designs.figures.items()
-        },
-        VERDICT: arrow.array(designs.verdicts, arrow.string()),
+        NUMBER: arrow.Array.from_buffers(
+            arrow.int64(), len(designs.numbers), [None, _buffer(designs.numbers.astype(np.int64))]
+        ),
+        **{name: _numbers(values) for name, values in {**designs.values, **designs.figures}.items()},
+        VERDICT: _texts(designs.verdicts.tolist()),
     }
     table = arrow.table(columns).replace_schema_metadata({RUN: digest.encode()})
     made = BytesIO()
     # Figures of designs hardly repeat: a dictionary would be tried for each column, and given up.
     parquet.write_table(table, made, compression="zstd", use_dictionary=[VERDICT], write_page_checksum=True)
     return made.getvalue()
+
+
+def _numbers(values: Array) -> pyarrow.Array:
+    """Numbers as a column, null where they are not known; ``pyarrow.array`` would load pandas in every process."""
+    import pyarrow as arrow
+
+    known = ~np.isnan(values)
+    valid = None if known.all() else _buffer(np.packbits(known, bitorder="little"))
+    return arrow.Array.from_buffers(arrow.float64(), values.size, [valid, _buffer(values.astype(float))])
+
+
+def _texts(texts: Sequence[str]) -> pyarrow.Array:
+    """Texts as a column."""
+    import pyarrow as arrow
+
+    encoded = [text.encode() for text in texts]
+    ends = np.cumsum([0, *map(len, encoded)]).astype(np.int32)
+    content = arrow.py_buffer(b"".join(encoded))
+    return arrow.Array.from_buffers(arrow.string(), len(encoded), [None, _buffer(ends), content])
+
+
+def _buffer(values: np.ndarray[Any, Any]) -> pyarrow.Buffer:
+    import pyarrow as arrow
+
+    return arrow.py_buffer(np.ascontiguousarray(values))
 
 
 @dataclass(frozen=True)

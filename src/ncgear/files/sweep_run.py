@@ -24,6 +24,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.space import Ranged, Space
 from ncgear.extras import require
 from ncgear.files.parts import Parts, alone_in, table_bytes
+from ncgear.numerics.arrays import Array
 from ncgear.screening.batch import kind_of
 from ncgear.screening.deeper import deepened, deeper_names, require_stage
 from ncgear.screening.designs import Counted, Designs, Screening, joined, screened_part
@@ -164,7 +165,7 @@ def swept(
     with ExitStack() as held:
         known = wanted.of((*screening.figures, *screening.space.keys))
         compute = partial(_screened_bytes, screening, parts.digest)
-        _computed(parts, counts, compute, range(screening.parts), on, on_done, held)
+        _computed(parts, counts, compute, _Sampled(screening), on, on_done, held)
         overview, choice = _gathered(parts, len(counts), screening.space, known, chosen=_is_deep(order.stage))
         if not _is_deep(order.stage):
             return Swept(overview, parts)
@@ -180,12 +181,22 @@ def swept(
     return Swept(overview, parts, below, deep)
 
 
-def _screened_bytes(screening: Screening, digest: str, task: tuple[int, int]) -> bytes:
-    return table_bytes(screened_part(screening, task[1]), digest)
+def _screened_bytes(screening: Screening, digest: str, task: tuple[int, Array]) -> bytes:
+    return table_bytes(screened_part(screening, *task), digest)
 
 
 def _deeper_bytes(data: dict[str, Any], pairs: int, stage: str, digest: str, task: tuple[int, Designs]) -> bytes:
     return table_bytes(deepened(data, pairs, stage, task[1]), digest)
+
+
+@dataclass(frozen=True)
+class _Sampled:
+    """The values of all designs' keys, part by part, sampled as they are asked for."""
+
+    screening: Screening
+
+    def __getitem__(self, part: int) -> Array:
+        return self.screening.values(part)
 
 
 @dataclass(frozen=True)
