@@ -208,7 +208,9 @@ def _hole_on_ray(
     ray = LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(section)
     for least in (USEFUL_MM, LEAST_MM):
         diameter = max(DIAMETER_IN_MODULES * module, least)
-        beside_teeth = outline.buffer(diameter / 2.0 + OUTER_WALL_IN_MODULES * module)
+        wide = diameter / 2.0 + OUTER_WALL_IN_MODULES * module
+        # Teeth farther away reach no point of the ray.
+        beside_teeth = outline.intersection(ray.buffer(2.0 * wide)).buffer(wide)
         beside_other = other.buffer(diameter / 2.0 + INNER_WALL_IN_MODULES * module)
         points = shapely.get_coordinates(ray.difference(beside_teeth.union(beside_other)))
         if len(points):
