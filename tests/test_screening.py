@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import gc
+from collections.abc import Callable
 from copy import deepcopy
 from math import inf, nextafter
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -441,3 +444,44 @@ def test_the_closing_residual_is_taken_at_other_points_than_the_law(name: str) -
     assert abs(float(few.closing_error_rad[0])) > 1e-8
     if name == "baler-drivetrain":
         assert abs(float(integrated(few.samples.turning)[0]) - 2.0 * np.pi) < 1e-12
+
+
+def frames_left_by(function: Callable[[], object]) -> int:
+    """How many frames, with all their arrays, only a search for rings of objects would free."""
+    gc.collect()
+    gc.disable()
+    gc.set_debug(gc.DEBUG_SAVEALL)
+    try:
+        function()
+        gc.collect()
+        return sum(isinstance(one, FrameType) for one in gc.garbage)
+    finally:
+        gc.set_debug(0)
+        gc.garbage.clear()
+        gc.enable()
+
+
+@pytest.mark.parametrize(
+    ("box", "refusals"),
+    [(BORDER, 2), (WIDE, 5), ({"linkage.crank_mm": (300.0, 1200.0)}, 2)],
+    ids=["border", "wide", "crank"],
+)
+def test_refusals_keep_no_arrays(box: dict[str, tuple[float, float]], refusals: int) -> None:
+    """Or a process would grow from block to block, by 37 MB each with 4096 designs at the border."""
+    data, values = data_of("baler"), in_box(box, 100, 5)
+    told: set[str] = set()
+    assert frames_left_by(lambda: told.update(screened_block(data, list(box), values).verdicts)) == 0
+    assert len({verdict[:30] for verdict in told - {MADE}}) >= refusals
+
+
+def test_an_error_kept_where_it_was_caught_is_found() -> None:
+    """Negative control."""
+
+    def keeping() -> None:
+        kept = []
+        try:
+            raise DesignError("no such gears")
+        except DesignError as error:
+            kept.append(error)
+
+    assert frames_left_by(keeping) > 0

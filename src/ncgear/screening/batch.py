@@ -209,7 +209,7 @@ class Batch:
             try:
                 self._mechanism(row)
             except DesignError as error:
-                refused[row] = error
+                refused[row] = error.with_traceback(None)
         return refused
 
     def refused_strokes(self) -> dict[int, DesignError]:
@@ -223,7 +223,7 @@ class Batch:
             try:
                 require_stroke_of(float(given[row]), self._mechanism(row))
             except DesignError as error:
-                refused[row] = error
+                refused[row] = error.with_traceback(None)
         return refused
 
 

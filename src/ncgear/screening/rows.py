@@ -258,11 +258,14 @@ def _figures_of_rows(
 
 
 def _refusal(require: Callable[[], object]) -> DesignError | None:
-    """The error that a demand raises; None where it is met after all, which a single computation decides."""
+    """The error that a demand raises; None where it is met after all, which a single computation decides.
+
+    Its traceback would keep the arrays of the batch.
+    """
     try:
         require()
     except DesignError as error:
-        return error
+        return error.with_traceback(None)
     return None
 
 

@@ -116,7 +116,7 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
             try:
                 require_return(float(left.strokes.theta4_rad[place]), batch.kind.lobes)
             except DesignError as error:
-                reasons[place] = error
+                reasons[place] = error.with_traceback(None)
     return {**found, **{int(rows[place]): error for place, error in reasons.items()}}
 
 
