@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from multiprocessing import active_children
+from threading import enumerate as enumerate_threads
 from typing import Any
 
 import pytest
@@ -75,6 +76,35 @@ def test_it_ends_with_its_context(monkeypatch: pytest.MonkeyPatch) -> None:
         made.begun("time:sleep", 60)
     process.join(10.0)
     assert not process.is_alive()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("under_way", ["nothing", "a drawing", "many drawings", "its death"])
+def test_no_thread_of_it_is_left(monkeypatch: pytest.MonkeyPatch, under_way: str) -> None:
+    """A thread that still closes a pipe would meet the end of the interpreter, which writes to that pipe."""
+    monkeypatch.setattr(beside, "LIBRARY", "no such library")
+    monkeypatch.setattr(beside, "core_count", lambda: 2)
+    before = set(enumerate_threads())
+    with drawing_beside(PRODUCT) as made:
+        number = pid(made)
+        for _ in range({"a drawing": 1, "many drawings": 20}.get(under_way, 0)):
+            made.begun("time:sleep", 60)
+        if under_way == "its death":
+            os.kill(number, signal.SIGKILL)
+    assert set(enumerate_threads()) <= before
+    assert not active_children()
+
+
+@pytest.mark.thorough
+def test_it_may_end_before_it_has_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where the design file is wrong: the second process is still starting."""
+    monkeypatch.setattr(beside, "LIBRARY", "no such library")
+    monkeypatch.setattr(beside, "core_count", lambda: 2)
+    before = set(enumerate_threads())
+    with drawing_beside(PRODUCT):
+        pass
+    assert set(enumerate_threads()) <= before
+    assert not active_children()
 
 
 def test_without_a_second_core_this_process_draws(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -88,7 +88,8 @@ def drawing_beside(*drawings: str) -> Iterator[Drawer]:
     finally:
         # Whatever it still draws nobody waits for.
         end_processes()
-        pool.shutdown(wait=False, cancel_futures=True)
+        # The pool's thread is waited for: else it closes its pipe while the end of the interpreter writes to it.
+        pool.shutdown(cancel_futures=True)
 
 
 def _function(drawing: str) -> Callable[..., Any]:
