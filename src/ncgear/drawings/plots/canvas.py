@@ -70,11 +70,15 @@ def figure(width_in: float, height_in: float, title: str) -> Figure:
     return made
 
 
+PACKED = 3
+"""How much zlib tries: a third less time than at its usual 6, for files that are a twelfth larger."""
+
+
 def png(made: Figure) -> bytes:
     """The figure as PNG."""
     data = BytesIO()
     # Without the name and version of the library, the bytes depend on the picture alone.
-    made.savefig(data, format="png", metadata={"Software": None})
+    made.savefig(data, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": PACKED})
     return data.getvalue()
 
 
