@@ -35,19 +35,21 @@ class Writer:
     """The function that makes the files of a kind, by its module and name, and the names of the files.
 
     It takes a drive, or what ``shown``, a function of a drive, tells of it: values that a second process can be given.
+    ``is_quick`` says that it needs no library that takes long to load.
     """
 
     module: str
     function: str
     names: tuple[str, ...]
     shown: tuple[str, str] | None = None
+    is_quick: bool = False
 
 
 DRAWINGS = ("gear_drawing", "pair_drawings")
 
 WRITERS = {
     Format.DXF: Writer("dxf", "dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), DRAWINGS),
-    Format.SVG: Writer("svg", "svg_files", ("driving.svg", "driven.svg"), DRAWINGS),
+    Format.SVG: Writer("svg", "svg_files", ("driving.svg", "driven.svg"), DRAWINGS, is_quick=True),
     Format.THREEMF: Writer("threemf", "threemf_files", ("gears.3mf", "pair.3mf")),
     Format.GLB: Writer("glb", "glb_files", ("pair.glb",)),
     Format.STEP: Writer("step", "step_files", ("driving.step", "driven.step", "pair.step")),
@@ -73,9 +75,11 @@ def begun_workshop_files(drive: Drive, formats: Collection[Format], drawer: Draw
 
     ``drawer`` makes those whose library takes long to load.  Raises the errors of the drive.
     """
+    from ncgear.drawings.beside import HERE
+
     drawings = cache(lambda shown: _function(*shown)(drive))
     waits = [
-        drawer.begun(WRITTEN, kind, drawings(writer.shown))
+        (HERE if writer.is_quick else drawer).begun(WRITTEN, kind, drawings(writer.shown))
         for kind, writer in WRITERS.items()
         if kind in formats and writer.shown is not None
     ]
