@@ -86,9 +86,10 @@ def drawing_beside(*drawings: str) -> Iterator[Drawer]:
             pool.submit(_loaded, drawings)
         yield _Beside(pool)
     finally:
-        # Whatever it still draws nobody waits for.
+        # Whatever it still draws nobody waits for.  The pool's own thread is waited for: at the interpreter's end it
+        # would close what the end writes to.
         end_processes()
-        pool.shutdown(wait=False, cancel_futures=True)
+        pool.shutdown(cancel_futures=True)
 
 
 def _function(drawing: str) -> Callable[..., Any]:
