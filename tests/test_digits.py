@@ -161,7 +161,7 @@ def test_drawings_have_coordinates_without_rounding_errors(name: str) -> None:
                 if code in DXF_COORDINATES or code == DXF_BULGE:
                     assert noise(value) == []
                     assert decimals(value) <= (9 if code == DXF_BULGE else 6), value
-    for data in svg_files(drive(name)).values():
+    for data in svg_files(pair_drawings(drive(name))).values():
         numbers = "\n".join(re.findall(r'(?: d|viewBox|width|height)="([^"]*)"', data.decode()))
         spaced = re.sub(r"[MLAZ,]", " ", numbers)
         assert noise(spaced) == []

@@ -86,9 +86,9 @@ def drawing_beside(*drawings: str) -> Iterator[Drawer]:
             pool.submit(_loaded, drawings)
         yield _Beside(pool)
     finally:
-        # Whatever it still draws nobody waits for.
+        # Whatever it still draws nobody waits for.  The pool's own thread is waited for: at the interpreter's end it
+        # would close what the end writes to.
         end_processes()
-        # The pool's thread is waited for: else it closes its pipe while the end of the interpreter writes to it.
         pool.shutdown(cancel_futures=True)
 
 
