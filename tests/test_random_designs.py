@@ -31,12 +31,13 @@ from commands import Run
 from drives import design_of
 from ncgear.cli.arguments import opened
 from ncgear.design.laws.function_generator import FunctionGenerator
+from ncgear.drawings.beside import Here
 from ncgear.errors import DesignError
 from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files import build as build_module
 from ncgear.files.meshes import outline_of_csv
-from ncgear.files.workshop.formats import USUAL
+from ncgear.files.workshop.formats import USUAL, WRITTEN
 from ncgear.project.drive import Drive
 from ncgear.ratio.transmission import Range
 from ncgear.workers import finished
@@ -245,11 +246,11 @@ def judge_builds(number: int, count: int = BUILT) -> Counter[str]:
     return Counter(found)
 
 
-class Undrawn:
-    """Draws no picture: that takes longer than all the rest of a small build."""
+class Undrawn(Here):
+    """Draws no picture, which takes longer than all the rest of a small build; makes the other files."""
 
     def begun(self, drawing: str, *given: Any) -> Callable[[], Any]:
-        return dict
+        return super().begun(drawing, *given) if drawing == WRITTEN else dict
 
 
 @pytest.mark.slow
