@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import shutil
 import signal
 import socket
@@ -20,6 +21,8 @@ from websockets.exceptions import InvalidStatus
 from commands import environment, fresh
 from drives import DESIGNS
 from ncgear.studio import chains
+from ncgear.studio.chains import Chain
+from ncgear.studio.open_page import OpenPage
 from studios import Studio, children, is_running, running
 
 pytestmark = pytest.mark.slow
@@ -209,6 +212,37 @@ def test_a_page_that_is_closed_leaves_no_process(studio: Studio) -> None:
         while len(before := studio.workers) != 2:
             assert time.monotonic() < end, before
     wait_until_gone(before)
+
+
+def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It connects while its last connection still ends, which takes long here, and it follows what is dragged."""
+    ended, path, told = Chain.close, tmp_path / "ellipse.yaml", list[str]()
+    shutil.copy(DESIGNS / "ellipse.yaml", path)
+
+    async def ended_late(chain: Chain) -> None:
+        await ended(chain)
+        await asyncio.sleep(1.0)
+
+    async def send(text: str) -> None:
+        told.append(text)
+
+    async def load_anew() -> list[int]:
+        page = OpenPage(path, tmp_path / "export")
+        await page.connected(send)
+        await asyncio.gather(page.disconnected(), page.connected(send))
+        told.clear()
+        await page.change({"changes": {"operation.speed_rpm": 55}})
+        while not any('"is": "asked"' in one for one in told):
+            await asyncio.sleep(0.05)
+        # Not the process that lists them.
+        begun = [one for one in children(os.getpid()) if is_running(one)]
+        await page.closed()
+        return begun
+
+    monkeypatch.setattr(Chain, "close", ended_late)
+    begun = asyncio.run(asyncio.wait_for(load_anew(), 60.0))
+    assert len(begun) == 2
+    wait_until_gone(begun)
 
 
 def wait_until_gone(processes: list[int]) -> None:

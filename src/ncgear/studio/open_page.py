@@ -44,23 +44,27 @@ class OpenPage:
         self._chains = Chains(self._tell)
         self._changed = asyncio.Event()
         self._asking = asyncio.Lock()
+        self._leaving = asyncio.Lock()
 
     async def connected(self, send: Callable[[str], Awaitable[None]]) -> None:
         """Tell a page that has just connected everything, and go on telling it."""
-        self._send = send
-        self._spawn(self._follow())
+        # A page that is loaded anew connects while its last connection still ends, which would end this one's work too.
+        async with self._leaving:
+            self._send = send
+            self._spawn(self._follow())
         await self._show()
 
     async def disconnected(self) -> None:
         """End the processes of the page; commands that write files go on."""
-        self._send = None
-        async with self._asking:
-            # A process that is just being started would be lost if its start were cancelled.
-            for task in self._tasks:
-                task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
-        await self._chains.close()
-        self.changes = {}
+        async with self._leaving:
+            self._send = None
+            async with self._asking:
+                # A process that is just being started would be lost if its start were cancelled.
+                for task in self._tasks:
+                    task.cancel()
+            await asyncio.gather(*self._tasks, return_exceptions=True)
+            await self._chains.close()
+            self.changes = {}
 
     async def closed(self) -> None:
         """End everything, commands as well."""
