@@ -234,12 +234,13 @@ def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatc
         await page.change({"changes": {"operation.speed_rpm": 55}})
         while not any('"is": "asked"' in one for one in told):
             await asyncio.sleep(0.05)
-        # Not the process that lists them.
-        begun = [one for one in children(os.getpid()) if is_running(one)]
+        # Not the processes of other tests, nor the one that lists them.
+        begun = [one for one in children(os.getpid()) if is_running(one) and one not in before]
         await page.closed()
         return begun
 
     monkeypatch.setattr(Chain, "close", ended_late)
+    before = children(os.getpid())
     begun = asyncio.run(asyncio.wait_for(load_anew(), 60.0))
     assert len(begun) == 2
     wait_until_gone(begun)
