@@ -124,7 +124,7 @@ def _pools(count: int) -> Iterator[Callable[[], Executor]]:
         except BaseException:
             end_processes()
             for pool in pools:
-                pool.shutdown(cancel_futures=True)
+                pool.shutdown(wait=False, cancel_futures=True)
             raise
         for pool in pools:
             pool.shutdown()
