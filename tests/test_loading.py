@@ -25,7 +25,7 @@ from ncgear.project import tooth_strength
 from ncgear.project.drive import Drive
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.estimate import estimate_of
-from ncgear.strength.loading import Loading, loading_of, shared
+from ncgear.strength.loading import AskedTorque, Loading, loading_of, shared
 from ncgear.strength.stiffness import LinearTeeth
 from ncgear.teeth.form import TipRelief
 from steel import STEEL, Beams
@@ -56,13 +56,24 @@ def loading(name: str, teeth: int, torque_n_mm: float = 2e4, per_tooth: int = 20
     """The teeth under a torque that changes over the turn."""
     pitch, pair = made(name, teeth, relief=kinds.get("relief"))  # type: ignore[arg-type]
     found = teeth_of(name, teeth, **kinds)  # type: ignore[arg-type]
-    return loading_of(found, pair, pitch, lambda phi1: torque_n_mm * (1.0 + 0.3 * np.sin(phi1)), even_speed, per_tooth)
+    asked = AskedTorque.of(pitch, lambda phi1: torque_n_mm * (1.0 + 0.3 * np.sin(phi1)))
+    return loading_of(found, pair, pitch, asked, even_speed, per_tooth)
 
 
 def even(name: str, teeth: int, torque_n_mm: float, **kinds: float) -> Loading:
     pitch, pair = made(name, teeth)
     found = teeth_of(name, teeth, **kinds)
-    return loading_of(found, pair, pitch, lambda phi1: np.full_like(phi1, torque_n_mm), even_speed)
+    return loading_of(
+        found, pair, pitch, AskedTorque.of(pitch, lambda phi1: np.full_like(phi1, torque_n_mm)), even_speed
+    )
+
+
+def pushed_alone(name: str, teeth: int) -> Meshing:
+    """The mesh of ``teeth_of``, of which only pushing flanks are followed."""
+    found, (pitch, pair) = teeth_of(name, teeth), made(name, teeth)
+    methods = tuple(Beams(pitch.of(gear).length_mm / (2.0 * pi)) for gear in Gear)
+    stiffness = LinearTeeth(pair, (methods[0], methods[1]), (STEEL, STEEL), 20.0, 100.0)
+    return replace(found, gaps=gaps_of(pair, pitch, stiffness, sides=(PUSHING,)))
 
 
 def moment_n_mm(found: Loading, gear: Gear) -> Array:
@@ -129,6 +140,42 @@ def test_places_of_contact_are_on_both_outlines_and_on_the_tooth_that_is_named(
     middle = flanks.curve.at_length((flanks.crossing_mm[0::2] + flanks.crossing_mm[1::2]) / 2.0).position
     across = (middle @ np.array([1.0, 1j]))[place.flank // 2] - crossing[place.flank]
     assert np.all((np.conj(place.inwards) * across).real > 0.0)
+
+
+# --- one side alone --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.tiers(quick=["sine-31"], slow=["baler-25"], rest="long")
+@pytest.mark.parametrize(("name", "teeth"), PAIRS)
+def test_backs_that_no_torque_presses_change_nothing(name: str, teeth: int) -> None:
+    """Forces are the same whether or not backs are followed; places on flanks are met to 1e-10 modules."""
+    pitch, pair = made(name, teeth)
+    asked = AskedTorque.of(pitch, lambda phi1: 2e4 * (1.0 + np.sin(phi1)))
+    assert asked.sides == (PUSHING,)
+    both, one = (
+        loading_of(found, pair, pitch, asked, even_speed)
+        for found in (teeth_of(name, teeth), pushed_alone(name, teeth))
+    )
+    np.testing.assert_array_equal(one.contacts.driving_flank, both.contacts.driving_flank)
+    np.testing.assert_allclose(one.contacts.force_n, both.contacts.force_n, rtol=1e-9)
+    np.testing.assert_allclose(one.error_rad, both.error_rad, rtol=0.0, atol=1e-15)
+
+
+def test_a_torque_that_holds_the_driven_gear_back_anywhere_presses_backs() -> None:
+    """Negative control: without the backs such a load has nothing to lean on."""
+    pitch, pair = made("sine", 31)
+    asked = AskedTorque.of(pitch, lambda phi1: 2e4 * (0.99 + np.sin(phi1)))
+    assert asked.sides == (PUSHING, BACK)
+    assert set(loading_of(teeth_of("sine", 31), pair, pitch, asked, even_speed).contacts.side) == {PUSHING, BACK}
+    with pytest.raises((FloatingPointError, ValueError)), np.errstate(invalid="raise"):
+        loading_of(pushed_alone("sine", 31), pair, pitch, asked, even_speed)
+
+
+def test_rounding_errors_of_no_torque_press_no_backs() -> None:
+    pitch, _ = made("sine", 31)
+    asked = AskedTorque.of(pitch, lambda phi1: np.maximum(2e4 * np.sin(phi1), -1e-9))
+    assert asked.sides == (PUSHING,)
+    assert asked.torque_n_mm.min() == asked.between(np.array([4.0]))[0] == 0.0
 
 
 # --- circular gears ---------------------------------------------------------------------------------------------------
@@ -259,7 +306,8 @@ def test_largest_loads_converge_with_the_positions(name: str, teeth: int) -> Non
         return 2e4 * (1.0 + 0.3 * np.sin(phi1))
 
     fine = Meshing(law_table(LAWS[name]()), gaps_of(pair, pitch, stiffness, 320), LINEAR, FRICTION)
-    found, phi1 = loading_of(teeth_of(name, teeth), pair, pitch, torque, even_speed), placed(pitch, 1280).phi1_rad
+    found = loading_of(teeth_of(name, teeth), pair, pitch, AskedTorque.of(pitch, torque), even_speed)
+    phi1 = placed(pitch, 1280).phi1_rad
     exact = shared(fine, phi1, torque(phi1))
     row, slot = np.nonzero(exact.force_n)
     wanted = np.zeros(teeth)

@@ -13,7 +13,7 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import load
-from ncgear.strength.stiffness import flank_heights_mm
+from ncgear.strength.stiffness import nearest_on_flanks
 from ncgear.teeth.gear import ToothedGear
 from tooth_places import circular_pair, random_places
 
@@ -42,7 +42,7 @@ def test_the_flank_bends_as_the_replacement_gears_involute(name: str, which: Gea
     """By Euler and Savary, on convex and concave stretches and on a ring; baler flanks reach down to near a cusp."""
     gear = drive(name).teeth.of(which)
     places, height = random_places(gear, 300)
-    assert flank_heights_mm(gear, places) == pytest.approx(height, abs=1e-8)
+    assert nearest_on_flanks(gear, places).height_mm == pytest.approx(height, abs=1e-8)
     rolling = gear.flanks.at_rolled(places.flank, gear.flanks.rolled_mm(places.flank, height)).curvature
     found = np.abs(gear.flanks.curvature(places.flank, height))
     assert found == pytest.approx(np.abs(involute_curvature(gear, rolling, height)), rel=1e-9)
@@ -53,7 +53,7 @@ def test_the_flank_bends_as_the_replacement_gears_involute(name: str, which: Gea
 def test_places_are_found_where_the_pitch_curve_bends_within_a_module() -> None:
     gear = load(CASES / "harmonics-1-100.yaml").teeth.driving
     places, height = random_places(gear, 1000)
-    assert flank_heights_mm(gear, places) == pytest.approx(height, abs=1e-8)
+    assert nearest_on_flanks(gear, places).height_mm == pytest.approx(height, abs=1e-8)
 
 
 def test_the_gear_of_where_the_flank_crosses_the_pitch_curve_is_another_one() -> None:

@@ -61,6 +61,16 @@ class Placement:
         """Number of positions."""
         return self.phi1_rad.size
 
+    def followed_by(self, other: Placement) -> Placement:
+        """These positions and then those of ``other``, of the same cycle."""
+        return replace(
+            self,
+            rolled_mm=np.concatenate([self.rolled_mm, other.rolled_mm]),
+            phi1_rad=np.concatenate([self.phi1_rad, other.phi1_rad]),
+            phi2_rad=np.concatenate([self.phi2_rad, other.phi2_rad]),
+            speed=np.concatenate([self.speed, other.speed]),
+        )
+
     @property
     def meetings(self) -> int:
         """Number of meetings of two teeth in the cycle, one in each tooth pitch."""

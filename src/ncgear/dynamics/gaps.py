@@ -11,6 +11,7 @@ the energy of a pair that gets stiffer or softer on its way is known too.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,7 +19,7 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import first_within
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.placement import Placement, placed
+from ncgear.contact.placement import BACK, PUSHING, URGE, Placement, placed
 from ncgear.dynamics.pair_places import PairStiffness, fixed_tangents, pair_places
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask, row_blocks
@@ -163,6 +164,8 @@ PER_TOOTH = 80
 """Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with this many
 positions first touches are met to some millionths of a radian even there (tests/test_gaps.py)."""
 
+BOTH_SIDES = PUSHING, BACK
+
 WITHIN_IN_MODULES = 0.52
 """Depth to which teeth are followed into each other: deeper than any law of impact holds."""
 
@@ -264,12 +267,23 @@ class Gaps:
             raise _too_deep(float(phi1_rad[worst]), float(pressed[worst]))
 
 
-def gaps_of(teeth: ToothedPair, pitch: PitchPair, stiffness: PairStiffness, per_tooth: int = PER_TOOTH) -> Gaps:
-    """The pairs of a mesh, from contacts at ``per_tooth`` positions per tooth (an even number)."""
+def gaps_of(
+    teeth: ToothedPair,
+    pitch: PitchPair,
+    stiffness: PairStiffness,
+    per_tooth: int = PER_TOOTH,
+    sides: Sequence[int] = BOTH_SIDES,
+) -> Gaps:
+    """The pairs of a mesh on ``sides`` of the teeth, from contacts at ``per_tooth`` (an even number) positions a tooth.
+
+    Teeth that are followed on one side only never touch on the other.
+    """
     placement = placed(pitch, per_tooth)
-    found = first_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm)
-    sides = [_rows(contacts, urge, placement, stiffness) for contacts, urge in zip(found, (1.0, -1.0), strict=True)]
-    return _slotted(Rows.joined(sides).in_order(), placement)
+    found = first_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm, sides)
+    rows = [
+        _rows(contacts, float(URGE[side]), placement, stiffness) for contacts, side in zip(found, sides, strict=True)
+    ]
+    return _slotted(Rows.joined(rows).in_order(), placement)
 
 
 def _rows(contacts: Contacts, urge: float, placement: Placement, stiffness: PairStiffness) -> Rows:

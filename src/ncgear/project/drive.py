@@ -217,15 +217,16 @@ class Drive(Geared):
         """
         from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import meshing_of
-        from ncgear.strength.loading import loading_of
+        from ncgear.strength.loading import AskedTorque, loading_of
 
         with located(self.places):
             self.require_straight_sound_teeth()
             stiffness, load = self.linear_teeth(methods, materials), self.tooth_load
             pitch, teeth = self.pitch, self.teeth
             with self.stopwatch("load of every tooth"):
-                meshing = meshing_of(Simulation(), pitch, teeth, stiffness)
-                return loading_of(meshing, teeth, pitch, load.torque_n_mm, self.pair_speed_rad_s)
+                asked = AskedTorque.of(pitch, load.torque_n_mm)
+                meshing = meshing_of(Simulation(), pitch, teeth, stiffness, asked.sides)
+                return loading_of(meshing, teeth, pitch, asked, self.pair_speed_rad_s)
 
     @computed
     def _any_meshing(self) -> Meshing:

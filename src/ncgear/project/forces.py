@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import pi, sqrt
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.gaps import gaps_of
+from ncgear.dynamics.gaps import BOTH_SIDES, gaps_of
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
 from ncgear.dynamics.pair_places import PairStiffness
@@ -26,13 +27,18 @@ SAMPLES = 720
 """Angles of a turn over which inertias are averaged."""
 
 
-def meshing_of(given: Simulation, pitch: PitchPair, teeth: ToothedPair, own: PairStiffness) -> Meshing:
-    """The pair of gears under load: with the stiffness given, or where none is, with the teeth's ``own``."""
+def meshing_of(
+    given: Simulation, pitch: PitchPair, teeth: ToothedPair, own: PairStiffness, sides: Sequence[int] = BOTH_SIDES
+) -> Meshing:
+    """The pair of gears under load: with the stiffness given, or where none is, with the teeth's ``own``.
+
+    Only ``sides`` of the teeth can touch.
+    """
     rub, constant = given.friction, given.stiffness_n_mm
     friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
     stiffness = own if constant is None else lambda places: np.full(places.flanks.shape, constant)
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, given.full_damping_depth_mm)
-    return Meshing(law_table(pitch.transmission), gaps_of(teeth, pitch, stiffness), impact, friction)
+    return Meshing(law_table(pitch.transmission), gaps_of(teeth, pitch, stiffness, sides=sides), impact, friction)
 
 
 def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoad) -> Meshing:

@@ -14,12 +14,12 @@ import numpy as np
 
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed, placed_at
 from ncgear.dynamics.meshing import Meshing
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, largest_rows
-from ncgear.numerics.plane import along, as_complex
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
+from ncgear.numerics.plane import along
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.strength.contacts import FlankPlaces, LoadedContacts
-from ncgear.strength.stiffness import flank_heights_mm
+from ncgear.strength.stiffness import nearest_on_flanks
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 PER_TOOTH = 20
@@ -38,6 +38,9 @@ BETWEEN = 8
 
 ROUNDING_RAD = 1e-15
 """Steps of the driven angle at which it is found."""
+
+ROUNDED = 1e-12
+"""Share of the largest torque up to which a torque is a rounding error of none."""
 
 IDLE = 1e-9
 """Share of the largest force below which a pair bears nothing."""
@@ -65,31 +68,64 @@ class Loading:
     cycle_turns: int
 
 
+@dataclass(frozen=True, eq=False)
+class AskedTorque:
+    """The torque asked of the driven gear, at the positions of a cycle at which pairs' shares are solved for.
+
+    ``torque_n_mm`` (shape (n,)) is of either sign; ``at`` gives it at driving angles, shape (any,).
+    """
+
+    placement: Placement
+    torque_n_mm: Array
+    at: Callable[[Array], Array]
+
+    @classmethod
+    def of(cls, pitch: PitchPair, at: Callable[[Array], Array]) -> AskedTorque:
+        """The torque that a function gives at driving angles."""
+        placement = placed(pitch, SOLVED_PER_TOOTH)
+        torque = at(placement.phi1_rad)
+        nothing = ROUNDED * np.abs(torque).max()
+        return cls(placement, np.where(np.abs(torque) <= nothing, 0.0, torque), at)
+
+    @property
+    def sides(self) -> tuple[int, ...]:
+        """The sides of the teeth that it presses: pushing flanks alone where it is nowhere below zero."""
+        return (PUSHING,) if self.torque_n_mm.min() >= 0.0 else (PUSHING, BACK)
+
+    def between(self, phi1_rad: Array) -> Array:
+        """The torque between positions, shape (n,); on sides that no position presses it counts as none."""
+        torque = self.at(phi1_rad)
+        return torque if BACK in self.sides else np.maximum(torque, 0.0)
+
+
 def loading_of(
     meshing: Meshing,
     teeth: ToothedPair,
     pitch: PitchPair,
-    torque_n_mm: Callable[[Array], Array],
+    asked: AskedTorque,
     speed_rad_s: Callable[[Array], Array],
     per_tooth: int = PER_TOOTH,
 ) -> Loading:
     """The loads of straight teeth in ``meshing``, whose table of gaps tells where pairs touch.
 
-    At driving angles (shape (n,)) ``torque_n_mm`` gives the torque asked of the driven gear, of either sign, and
-    ``speed_rad_s`` the speed of the driving gear; ``per_tooth`` is a divisor of SOLVED_PER_TOOTH.  Raises as ``shared``
-    does.
+    It follows the sides of the teeth that the torque presses.  At driving angles (shape (n,)) ``speed_rad_s`` gives the
+    speed of the driving gear; ``per_tooth`` is a divisor of SOLVED_PER_TOOTH.  Raises as ``shared`` does.
     """
-    solved = placed(pitch, SOLVED_PER_TOOTH)
-    first = shared(meshing, solved.phi1_rad, torque_n_mm(solved.phi1_rad))
+    solved = asked.placement
+    first = shared(meshing, solved.phi1_rad, asked.torque_n_mm)
     most = first.force_n.max(axis=1)
     bearing = _bearing(meshing, solved, first.force_n > 0.0)
     jumps = (np.roll(bearing, -1) != bearing) | (np.abs(np.roll(most, -1) - most) > JUMP * most.max())
+    # Where forces never change, as without a torque, one step is looked at all the same.
+    jumps[0] |= not jumps.any()
     between = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
-    every = placed_at(pitch, solved, np.concatenate([solved.rolled_mm, between.ravel()]))
-    found = shared(meshing, every.phi1_rad, torque_n_mm(every.phi1_rad))
+    added = placed_at(pitch, solved, between.ravel())
+    added_torque = asked.between(added.phi1_rad)
+    found = Shared.joined([first, shared(meshing, added.phi1_rad, added_torque)])
+    every, torque = solved.followed_by(added), np.concatenate([asked.torque_n_mm, added_torque])
     loaded = found.force_n > IDLE * found.force_n.max()
     position, slot = np.nonzero(loaded)
-    largest = _largest_of_pairs(_Touching.of(meshing, every, position, slot), found.force_n[position, slot])
+    largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
     chosen = np.flatnonzero(even | np.isin(np.arange(every.count), position[largest]))
     chosen = chosen[np.argsort(every.rolled_mm[chosen])]
@@ -101,7 +137,7 @@ def loading_of(
     return Loading(
         contacts=_contacts(teeth, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
         phi1_rad=phi1,
-        torque_n_mm=torque_n_mm(phi1),
+        torque_n_mm=torque[chosen],
         error_rad=found.error_rad[chosen],
         even=even[chosen],
         transmission_error_rad=float(np.ptp(found.error_rad)),
@@ -112,7 +148,7 @@ def loading_of(
 
 
 @dataclass(frozen=True, eq=False)
-class Shared:
+class Shared(Columns):
     """How pairs share torques: normal forces of shape (n, slots), and driven angles beyond the law's, shape (n,)."""
 
     force_n: Array
@@ -151,9 +187,13 @@ def _bearing(meshing: Meshing, placement: Placement, loaded: Mask) -> IndexArray
     return np.asarray(np.sum((pair[..., 0] * (placement.driven_teeth + 1) + pair[..., 1]) * loaded, axis=-1))
 
 
-def _largest_of_pairs(touching: _Touching, force_n: Array) -> IndexArray:
-    """The row of the largest force of each pair of flanks; every pair meets once in the cycle."""
-    key = np.column_stack([touching.teeth, touching.side])
+def _largest_of_pairs(meshing: Meshing, phi1_rad: Array, slot: IndexArray, force_n: Array) -> IndexArray:
+    """The row of the largest force of each pair of flanks, which meets once in the cycle.
+
+    Pairs are those in slots of the table at driving angles; shape (n,) each.
+    """
+    gaps, interval = meshing.gaps, meshing.gaps.table.place(phi1_rad)[1]
+    key = np.column_stack([gaps.pair[interval, slot], gaps.urge[interval, slot] > 0.0])
     pairs, number = np.unique(key, axis=0, return_inverse=True)
     return largest_rows(force_n, number.ravel(), len(pairs))
 
@@ -209,10 +249,10 @@ class Fit:
     @classmethod
     def of(cls, gear: ToothedGear, places: FlankPlaces) -> Fit:
         """The places on the flanks of a gear."""
-        height = flank_heights_mm(gear, places)
-        point, slope = (as_complex(part) for part in gear.flanks.flank(places.flank, height))
-        off, tilt = np.abs(point - places.point), np.abs(along(slope / np.abs(slope), places.inwards))
-        return cls(gear, gear.flanks.curvature(places.flank, height), off, tilt)
+        nearest = nearest_on_flanks(gear, places)
+        off = np.abs(nearest.point - places.point)
+        tilt = np.abs(along(nearest.slope / np.abs(nearest.slope), places.inwards))
+        return cls(gear, gear.flanks.curvature(places.flank, nearest.height_mm), off, tilt)
 
     @property
     def on_flank(self) -> Mask:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.dynamics.pair_places import PairPlaces
-from ncgear.numerics.arrays import Array, row_blocks
+from ncgear.numerics.arrays import Array, ComplexArray, row_blocks
 from ncgear.numerics.plane import along, as_complex
 from ncgear.strength.contacts import FlankPlaces
 from ncgear.strength.hertz import half_width_mm
@@ -41,8 +41,17 @@ FLATTEST_IN_MODULES = 100.0
 """Greatest radius, of flanks that nearly fit each other; the half-width goes with its root only."""
 
 
-def flank_heights_mm(gear: ToothedGear, places: FlankPlaces) -> Array:
-    """Heights of the flanks' points nearest to places, within what is left of the flanks, shape (n,)."""
+@dataclass(frozen=True, eq=False)
+class NearestOnFlanks:
+    """The points of flanks nearest to n places, their heights and the derivatives by these; shape (n,) each."""
+
+    height_mm: Array
+    point: ComplexArray
+    slope: ComplexArray
+
+
+def nearest_on_flanks(gear: ToothedGear, places: FlankPlaces) -> NearestOnFlanks:
+    """The points of what is left of flanks that are nearest to places."""
     flanks, number = gear.flanks, places.flank
     top, bottom = (limit[number] for limit in gear.sides.flank_range())
     every = np.arange(flanks.count)
@@ -54,16 +63,17 @@ def flank_heights_mm(gear: ToothedGear, places: FlankPlaces) -> Array:
     second = turning / (slant.sine * slant.height_per_rolled)
     height = 2.0 * length / (first + np.sqrt(np.maximum(first**2 + 2.0 * second * length, 0.0)))
     height = np.clip(height, bottom, top)
+    point = np.empty_like(places.point)
     todo = np.arange(height.size)
     for _ in range(NEWTON_STEPS):
-        point, slope = (as_complex(part) for part in flanks.flank(number[todo], height[todo]))
-        nearer = height[todo] + along(slope, places.point[todo] - point) / np.abs(slope) ** 2
+        at, leading = (as_complex(part) for part in flanks.flank(number[todo], height[todo]))
+        nearer = height[todo] + along(leading, places.point[todo] - at) / np.abs(leading) ** 2
         nearer = np.clip(nearer, bottom[todo], top[todo])
         moved = np.abs(nearer - height[todo]) > MET_IN_MODULES * flanks.rack.module_mm
-        height[todo], todo = nearer, todo[moved]
+        height[todo], point[todo], slope[todo], todo = nearer, at, leading, todo[moved]
         if not todo.size:
             break
-    return np.asarray(height)
+    return NearestOnFlanks(height, point, slope)
 
 
 def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Array]:
@@ -71,12 +81,11 @@ def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Arra
 
     An edge is at the end of its flank, and a place on a fillet at the flank's other end.  Shape (n,) each.
     """
-    flanks, height = gear.flanks, flank_heights_mm(gear, places)
-    point, slope = (as_complex(part) for part in flanks.flank(places.flank, height))
+    flanks, nearest = gear.flanks, nearest_on_flanks(gear, places)
     crossing = as_complex(flanks.curve.at_length(flanks.crossing_mm).position)
-    normal = 1j * slope / np.abs(slope)
+    normal = 1j * nearest.slope / np.abs(nearest.slope)
     inwards = normal * np.sign(along(normal, crossing[places.flank ^ 1] - crossing[places.flank]))
-    return FlankPlaces(places.flank, point, inwards), flanks.curvature(places.flank, height)
+    return FlankPlaces(places.flank, nearest.point, inwards), flanks.curvature(places.flank, nearest.height_mm)
 
 
 @dataclass(frozen=True, eq=False)

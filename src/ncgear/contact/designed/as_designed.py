@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -202,12 +202,14 @@ def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) 
     return contacts.on(PUSHING), contacts.on(BACK)
 
 
-def first_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
-    """As ``contacts_within``, of each pair of teeth at each position its first contact on each side at least."""
-    found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), within_mm)
+def first_within(teeth: ToothedPair, placement: Placement, within_mm: float, sides: Sequence[int]) -> list[Contacts]:
+    """As ``contacts_within`` on some sides of the teeth: at least the first contact of each pair at each position."""
+    met = meetings(teeth, placement)
+    met = met if len(sides) > 1 else met.on(sides[0])
+    found = _candidates(teeth, _paths_of(teeth), placement, met, within_mm)
     flanks = found.flanks.contacts
     contacts = Contacts.joined([flanks, first_edge_contacts(found.hits, flanks, found.first_rad, within_mm)])
-    return contacts.on(PUSHING), contacts.on(BACK)
+    return [contacts.on(side) for side in sides]
 
 
 def pairs_under_load(
