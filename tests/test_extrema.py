@@ -147,6 +147,25 @@ def test_rounding_error_alone_is_not_sampled_more_finely() -> None:
     assert max(seen) <= 129
 
 
+@pytest.mark.parametrize("level", [0.0, 300.0])
+def test_zeros_of_rounding_errors_are_not_sought(level: float) -> None:
+    """A speed that cancels to a constant, or to zero, in a few looks; where it really changes, all of it is found."""
+    seen: list[int] = []
+
+    def speed(points: Array, rise: float) -> Jet:
+        seen.append(points.size)
+        t = Jet.variable(points, ORDER)
+        root = jet.sqrt(t * 7.0 + 1.3)
+        cancelled = (root * root - t * 7.0 - 1.3) / (t + 3.0) + level
+        return cancelled + jet.sin_cos(t * 60.0)[0] * rise
+
+    low, high = extremes(lambda points: speed(points, 0.0), 0.0, 1.0)
+    assert len(seen) <= 4
+    assert high.value - low.value <= 1e-15 * max(level, 1.0)
+    waves = extremes(lambda points: speed(points, 1e-9), 0.0, 1.0)
+    assert [one.value - level for one in waves] == pytest.approx([-1e-9, 1e-9], abs=2e-13)
+
+
 def test_it_never_looks_beyond_the_ends() -> None:
     def guarded(points: Array) -> Jet:
         assert points.min() >= 0.25

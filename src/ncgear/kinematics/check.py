@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import partial
 from math import degrees, fsum
 
 import numpy as np
 
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
 from ncgear.mechanisms.mechanism import Output
-from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import NO_KNOTS, Extremum, extremes
+from ncgear.numerics.arrays import Array, distinct
+from ncgear.numerics.extrema import Extremum, extremes_on, grid_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.shown import Shown
@@ -49,22 +48,54 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     """Exact peaks of a machine: stationary points of the closed forms, and both sides of every joint."""
     omega = machine.speed_rad_s
     cycle = stretches(machine)
-    working = [stretch for stretch in cycle if stretch.working]
-    returning = [stretch for stretch in cycle if not stretch.working]
-    halves = [half for half in (working, returning) if half]
-    accelerations = [_peak(half, lambda jet: jet.differentiated().differentiated()) for half in halves]
-    acceleration = max(accelerations, key=lambda extremum: extremum.value)
-    speed = _peak(cycle, Jet.differentiated)
+    peaks = [_peaks(machine, stretch) for stretch in cycle]
+    working = [peak for peak, stretch in zip(peaks, cycle, strict=True) if stretch.working]
     work_j = _cycle_work_n_mm(machine) / 1000.0
     return KinematicCheck(
         output=machine.linkage.OUTPUT,
         speed_rpm=omega / RAD_S_PER_RPM,
-        peak_power_w=_scaled(_peak_power(machine, cycle), omega / 1000.0),
+        peak_power_w=_scaled(_largest(peak.power for peak in peaks), omega / 1000.0),
         mean_power_w=work_j * omega / machine.transmission.cycle_rad,
-        peak_speed=_scaled(speed, omega),
-        peak_acceleration_working=_scaled(accelerations[0], omega**2),
-        peak_acceleration_cycle=_scaled(acceleration, omega**2),
+        peak_speed=_scaled(_largest(peak.speed for peak in peaks), omega),
+        peak_acceleration_working=_scaled(_largest(peak.acceleration for peak in working or peaks), omega**2),
+        peak_acceleration_cycle=_scaled(_largest(peak.acceleration for peak in peaks), omega**2),
     )
+
+
+@dataclass(frozen=True)
+class _Peaks:
+    """Largest magnitudes on a stretch, by the driving angle in rad: in mm and, of the power, N mm; never below zero."""
+
+    speed: Extremum
+    acceleration: Extremum
+    power: Extremum
+
+
+def _peaks(machine: Machine, stretch: Stretch) -> _Peaks:
+    """The peaks of one stretch, looked for together since all follow from the displacement."""
+    load, stroke_mm, returning = machine.load, machine.linkage.stroke_mm, not stretch.working
+    passed = angles_at(stretch, load.knots_mm(stroke_mm, returning))
+    knots = distinct(np.concatenate([stretch.knots_rad, passed]))
+    curves = load.smooth_curves_n(returning)
+
+    def quantities(phi1: Array) -> list[Jet]:
+        position = stretch.displacement(phi1, 3)
+        speed = position.differentiated()
+        forward = -speed if returning else speed
+        return [speed, speed.differentiated(), *(force_n(position.truncated(2)) * forward for force_n in curves)]
+
+    speed, acceleration, *powers = extremes_on(quantities, grid_between(stretch.start_rad, stretch.end_rad, knots))
+    still = Extremum(0.0, stretch.start_rad)
+    return _Peaks(_size(speed), _size(acceleration), _largest([still, *(most for _, most in powers)]))
+
+
+def _size(found: tuple[Extremum, Extremum]) -> Extremum:
+    """The larger magnitude of both extremes."""
+    return _largest(Extremum(abs(one.value), one.at) for one in found)
+
+
+def _largest(found: Iterable[Extremum]) -> Extremum:
+    return max(found, key=lambda extremum: extremum.value)
 
 
 def stroke_error_mm(machine: Machine) -> float:
@@ -89,42 +120,6 @@ def _cycle_work_n_mm(machine: Machine) -> float:
     if machine.transmission.lobes.repeats:
         return load.cycle_work_n_mm(stroke_mm)
     return float(load.work_n_mm(np.array([_end_mm(machine)]), stroke_mm, returning=False)[0])
-
-
-def _peak(parts: Iterable[Stretch], quantity: Callable[[Jet], Jet]) -> Extremum:
-    """Largest magnitude over the stretches of a quantity made from the displacement's jet."""
-    found = [extremum for stretch in parts for extremum in _extremes(stretch, quantity, 3)]
-    return max((Extremum(abs(extremum.value), extremum.at) for extremum in found), key=lambda extremum: extremum.value)
-
-
-def _extremes(
-    stretch: Stretch, quantity: Callable[[Jet], Jet], order: int, passed_mm: Array = NO_KNOTS
-) -> tuple[Extremum, Extremum]:
-    """Extremes on a stretch; ``passed_mm`` are displacements at which the quantity may have a corner."""
-
-    def of_angle(phi1: Array) -> Jet:
-        return quantity(stretch.displacement(phi1, order))
-
-    knots = np.union1d(stretch.knots_rad, angles_at(stretch, passed_mm))
-    return extremes(of_angle, stretch.start_rad, stretch.end_rad, knots)
-
-
-def _peak_power(machine: Machine, cycle: Sequence[Stretch]) -> Extremum:
-    """Largest force against the motion times |dx/dphi1|, in N mm per rad; never below zero."""
-    load, stroke_mm = machine.load, machine.linkage.stroke_mm
-    found = [Extremum(0.0, cycle[0].start_rad)]
-    for stretch in cycle:
-        returning = not stretch.working
-        knots = load.knots_mm(stroke_mm, returning)
-        for curve in load.smooth_curves_n(returning):
-            found.append(_extremes(stretch, partial(_power, curve, returning), 2, knots)[1])
-    return max(found, key=lambda extremum: extremum.value)
-
-
-def _power(force_n: Callable[[Jet], Jet], returning: bool, position: Jet) -> Jet:
-    """A force against the motion times the speed, from the displacement's jet."""
-    speed = position.differentiated()
-    return force_n(position.truncated(1)) * (-speed if returning else speed)
 
 
 def _at(peak: Extremum, unit: str) -> str:

@@ -100,7 +100,7 @@ def _sampled(parts: Sequence[Stretch], most: float) -> _Samples:
     deciding = _distinct(np.concatenate(speeds))
     levels = np.concatenate([deciding, deciding * most, deciding / most])
     angles = [
-        np.union1d(points, _even(part, levels, -(-POINTS // len(parts))))
+        distinct(np.concatenate([points, _even(part, levels, -(-POINTS // len(parts)))]))
         for part, points in zip(parts, still, strict=True)
     ]
     jets = [part.displacement(points, 1) for part, points in zip(parts, angles, strict=True)]
@@ -132,8 +132,9 @@ def _even(part: Stretch, levels: Array, count: int) -> Array:
     pieces = -(-count // (grid.size - 1))
     shares = np.arange(pieces) / pieces
     grid = np.append((grid[:-1, None] + np.diff(grid)[:, None] * shares).ravel(), grid[-1])
-    over = velocity(part, grid, 0).value[:, None] > levels
-    cell, level = np.nonzero(over[:-1] != over[1:])
+    speed = velocity(part, grid, 0).value
+    over, moving = speed[:, None] > levels, np.abs(np.diff(speed)) > ALIKE * speed[1:]
+    cell, level = np.nonzero((over[:-1] != over[1:]) & moving[:, None])
     if not cell.size:
         return grid
     wanted = levels[level]

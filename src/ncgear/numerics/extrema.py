@@ -28,8 +28,19 @@ so where a sample is less than ten times what it misses by away from the largest
 HALVINGS = 30
 """Most halvings of a step: steps of 1e-11 of a piece are next to rounding."""
 
-NOISE = 0.9
-"""If a larger share of samples misses the cubic, finer ones are of no use: the function is zero but for rounding."""
+WAVY = 0.9
+"""If a larger share of samples misses the cubic, finer ones are of no use: waves are narrower than three samples."""
+
+DOUBTFUL = 0.1
+"""If a larger share of samples misses the cubic, the function may be zero but for rounding errors."""
+
+ASIDE = 1e-9
+"""Share of a step by which samples are moved to tell rounding errors, which differ from one number to the next."""
+
+FLAT = 4.0 * np.finfo(float).eps
+"""Rise over a step, as a share of the largest value, up to which a slope counts as zero: a sample of such a slope is as
+good as an extremum beside it.  Where the function is constant, slopes are rounding errors, and change their signs at
+every other sample."""
 
 MOST_ADDED = 20_000
 """Number of points added to a piece at which refining ends; a ratio of 1:200 takes 200."""
@@ -129,7 +140,10 @@ def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> tuple[A
     for halving in range(HALVINGS):
         missed = _missed(points, values, slopes, (low, middle, high))
         scale = np.max(np.abs(values))
-        if not halving and np.mean(missed > ROUGH * scale) > NOISE:
+        far = np.mean(missed > ROUGH * scale)
+        if not halving and far > DOUBTFUL and _is_noise(function, points, values):
+            return points, np.zeros_like(slopes)
+        if not halving and far > WAVY:
             break
         rough = (missed > ROUGH * scale) | ((missed > FINE * scale) & _may_be_extreme(values, missed, middle))
         if not rough.any() or points.size > grid.size + MOST_ADDED:
@@ -140,7 +154,16 @@ def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> tuple[A
         points = np.concatenate([points, between])
         values, slopes = np.concatenate([values, jet.value]), np.concatenate([slopes, jet.derivative(1)])
     order = np.argsort(points, kind="stable")
-    return points[order], slopes[order]
+    points, slopes = points[order], slopes[order]
+    step = np.diff(points)
+    rise = np.abs(slopes) * np.maximum(np.append(step, 0.0), np.append(0.0, step))
+    return points, np.where(rise <= FLAT * np.max(np.abs(values)), 0.0, slopes)
+
+
+def _is_noise(function: Callable[[Array], Jet], points: Array, values: Array) -> bool:
+    """Whether a function has nothing but rounding errors: as a rule it is another one right beside a sample."""
+    beside = function(points[:-1] + ASIDE * np.diff(points)).value
+    return bool(np.mean(np.abs(beside - values[:-1]) > ROUGH * np.max(np.abs(values))) > DOUBTFUL)
 
 
 def _beside_flat(function: Callable[[Array], Jet], grid: Array, slope: Array) -> tuple[Array, Array]:

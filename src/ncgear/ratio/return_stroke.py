@@ -21,7 +21,7 @@ from numpy.polynomial import Polynomial, legendre
 from ncgear.errors import NoSuchMechanism
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import chebyshev, jet
-from ncgear.numerics.arrays import Array, Number
+from ncgear.numerics.arrays import Array, Number, distinct
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
@@ -195,7 +195,7 @@ class _Panels:
         """The panels of a place in [0, 1]."""
         halves = 0.5 ** np.arange(1.0, NARROWEST + 1.0)
         edges = np.concatenate([_even_panels() - about, halves, -halves])
-        edges = np.unique(np.clip(edges, -about, 1.0 - about))
+        edges = distinct(np.clip(edges, -about, 1.0 - about))
         points, weights = _gauss()
         middle, half = (edges[1:] + edges[:-1]) / 2.0, np.diff(edges) / 2.0
         return cls(about, (middle[:, None] + half[:, None] * points).ravel(), (half[:, None] * weights).ravel())
