@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 from dataclasses import replace
 from io import BytesIO
 from math import pi
@@ -20,6 +21,7 @@ from ncgear.drawings.animation import AnimationFormat, packing, require_shown
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.moving_picture import Frame, Picture, picture
 from ncgear.drawings.animation.packing import Loop, animated
+from ncgear.drawings.beside import FRAMES, HERE, drawing_beside
 from ncgear.drawings.scene.bodies import Kind
 from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array
@@ -111,9 +113,11 @@ def test_the_words_tell_the_pose() -> None:
     found = scene("uniform-crank")
     made = picture(found, WIDTH)
     drawn(made, found, [pi / 2.0])
-    words = [moving.artists[-1].get_text() for moving in made.moving[-3:]]  # type: ignore[attr-defined]
+    *by_chart, angles = made.moving[-3:]
+    before, after, number = zip(*(chart.artists[-1].axes.texts for chart in by_chart), strict=True)
+    assert [words.get_text() for words in (*before, *after)] == ["displacement ", "velocity ", " mm", " mm/s"]
     # sqrt(960^2 - 380^2) - (960 - 380); at 60 r/min 2 pi 380 mm/s.
-    assert words == ["displacement 302 mm", "velocity 2388 mm/s", "phi1  90.0\u00b0  phi2  90.0\u00b0"]
+    assert [words.get_text() for words in (*number, *angles.artists)] == ["302", "2388", "90.0", "90.0"]
 
 
 @pytest.mark.slow
@@ -159,6 +163,49 @@ def test_the_same_scene_gives_the_same_bytes() -> None:
     loop = Loop(3, 1.0, 320)
     once, again = (animated(scene("ellipse"), AnimationFormat.GIF, loop, lambda done, total: None) for _ in range(2))
     assert once == again
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [AnimationFormat.GIF, AnimationFormat.MP4])
+def test_a_second_process_draws_the_same_bytes(kind: AnimationFormat, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In one pair of blocks and in several, of one frame and of two."""
+    if kind is AnimationFormat.MP4:
+        pytest.importorskip("imageio_ffmpeg")
+    found, loop, told = scene("ellipse"), Loop(7, 1.0, 320), []
+    alone = animated(found, kind, loop, lambda *done: None)
+    monkeypatch.delitem(sys.modules, "matplotlib")
+    with drawing_beside(FRAMES) as drawer:
+        assert drawer is not HERE
+        assert animated(found, kind, loop, lambda *done: told.append(done), drawer) == alone
+        monkeypatch.setattr(packing, "BLOCK", 2)
+        assert animated(found, kind, loop, lambda *done: None, drawer) == alone
+    assert told == [(number, 7) for number in range(1, 8)]
+
+
+@pytest.mark.parametrize("name", ["baler", "rocker-drive", "log-generator"])
+def test_numbers_stand_between_their_words(name: str) -> None:
+    """In every pose, and some pose leaves no more room than a letter."""
+    found = scene(name)
+    made = picture(found, WIDTH)
+    *by_chart, angles = made.moving[-3:]
+    poses, rooms = found.poses(found.evenly_in_time(24)), []
+    for row in range(24):
+        for one in (*by_chart, angles):
+            one.pose(poses, row)
+        for chart in by_chart:
+            number = chart.artists[-1]
+            before, after = (words.get_window_extent() for words in number.axes.texts if words is not number)
+            box = number.get_window_extent()
+            assert before.x1 <= box.x0 + 0.5 < box.x1 < after.x1
+            assert box.x1 <= after.x0 + 0.5
+            rooms.append(box.x0 - before.x1)
+        (words,) = (text for text in made.figure.texts if text.get_text().startswith("phi1"))
+        letter = words.get_window_extent().width / len(words.get_text())
+        first, second = (number.get_window_extent() for number in angles.artists)
+        sign, other = (words.get_window_extent().x0 + letter * place for place in (10, len(words.get_text()) - 1))
+        assert (first.x1, second.x1) == (pytest.approx(sign, abs=1.0), pytest.approx(other, abs=1.0))
+        assert max(first.width, second.width) < 5.5 * letter
+    assert min(rooms) < 8.0
 
 
 @pytest.mark.slow

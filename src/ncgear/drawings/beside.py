@@ -27,7 +27,9 @@ MOTION_PICTURE = "ncgear.drawings.plots.pair_pictures:motion_drawn"
 GEAR_PICTURES = "ncgear.drawings.plots.pair_pictures:gears_drawn"
 LOAD_PICTURES = "ncgear.drawings.plots.pair_pictures:load_drawn"
 PAGE_CHARTS = "ncgear.drawings.page.chart_svg:all_drawn"
-"""The drawings: of the pictures of a build, and of the charts of the report."""
+PALETTE = "ncgear.drawings.animation.images:palette_found"
+FRAMES = "ncgear.drawings.animation.images:block_drawn"
+"""The drawings: of a build's pictures, of the report's charts, and of the colours and frames of a moving picture."""
 
 
 class Drawer(Protocol):

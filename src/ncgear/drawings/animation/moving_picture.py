@@ -2,7 +2,8 @@
 
 All that stands still is drawn once, as a background.  For each frame the moving parts are drawn over it, from the back
 to the front; this takes a tenth of the time of a new figure.  The charts show displacement and velocity over the
-driving angle; in each a dot follows the motion, and words give the present value.
+driving angle; in each a dot follows the motion, and a number gives the present value.  The words about numbers stand
+still: letters would take most of the time of a frame.
 """
 
 from __future__ import annotations
@@ -15,11 +16,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from matplotlib.text import Text
-from matplotlib.transforms import Affine2D, Transform
+from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
 from numpy.typing import NDArray
 
 from ncgear.drawings.animation import artists as looks
@@ -36,7 +37,7 @@ from ncgear.drawings.animation.artists import (
 from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.drawings.charts.drawer import Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
-from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, dress, figure
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, Style, dress, figure
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, walls_mm
 from ncgear.figures.numbers import fixed, rounded
@@ -131,15 +132,40 @@ def _chart(axes: Axes, linkage: Mechanism, motion: OutputMotion, quantity: Quant
     draw(axes, chart, CHART_LOOK)
     decimals = decimals_of(float(np.abs(chart.own.values).max()), DIGITS)
     dot = Line2D([], [], zorder=4, **looks.PITCH_POINT)
-    words = axes.text(0.0, 1.06, "", transform=axes.transAxes, size=SMALL, color=INK, va="bottom")
     axes.add_artist(dot)
+    widest = max((fixed(value, decimals) for value in chart.own.values), key=len)
+    number = _number_in_words(axes, f"{chart.name} ", widest, f" {chart.unit}")
 
     def pose(poses: Poses, row: int) -> None:
         value = rounded(quantity.values(poses.motion, linkage.OUTPUT)[row], decimals)
         dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
-        words.set_text(f"{chart.name} {fixed(value, decimals)} {chart.unit}")
+        number.set_text(fixed(value, decimals))
 
-    return Moving((dot, words), pose)
+    return Moving((dot, number), pose)
+
+
+ABOVE = 1.06
+"""Place of words above axes, as a share of their height."""
+
+
+def _number_in_words(axes: Axes, before: str, widest: str, after: str) -> Text:
+    """A number above the left end of axes; words stand still before it, and after the room for the widest number."""
+    made = axes.figure
+    style: Style = {"size": SMALL, "color": INK, "va": "bottom"}
+    begins_in = _width_in(made, before, style)
+    ends_in = begins_in + _width_in(made, widest, style)
+    start, end = (axes.transAxes + ScaledTranslation(x, 0.0, made.dpi_scale_trans) for x in (begins_in, ends_in))
+    axes.text(0.0, ABOVE, before, transform=start, ha="right", **style)
+    axes.text(0.0, ABOVE, after, transform=end, **style)
+    return axes.text(0.0, ABOVE, "", transform=end, ha="right", **style)
+
+
+def _width_in(made: Figure | SubFigure, words: str, style: Style) -> float:
+    """Width in inches of words, the spaces at their ends included."""
+    probe = made.text(0.0, 0.0, words, **style)
+    width = float(probe.get_window_extent().width) / made.dpi
+    probe.remove()
+    return width
 
 
 def _dress_chart(axes: Axes, chart: Chart, _: str) -> None:
@@ -155,15 +181,23 @@ CHART_LOOK = Look({Role.OWN: {"color": DRIVING, "linewidth": 1.2}}, marks_extrem
 
 
 def angles(figure: Figure, x: float, y: float) -> Moving:
-    """Both angles in words, right-aligned to a point given in shares of the figure."""
-    words: Text = figure.text(x, y, "", size=NORMAL, color=INK, ha="right", va="top", family="DejaVu Sans Mono")
+    """Both angles in words that end at a point given in shares of the figure; only the numbers in them move."""
+    style: Style = {"size": NORMAL, "color": INK, "ha": "right", "va": "top", "family": "DejaVu Sans Mono"}
+    figure.text(x, y, ANGLES, **style)
+    letter = _width_in(figure, ANGLES, style) / len(ANGLES) / figure.get_figwidth()
+    after = [len(ANGLES) - place for place, sign in enumerate(ANGLES) if sign == DEGREE]
+    numbers = tuple(figure.text(x - count * letter, y, "", **style) for count in after)
 
     def pose(poses: Poses, row: int) -> None:
-        turned = poses.motion.phi1_rad[row], poses.motion.phi2_rad[row]
-        phi1, phi2 = (fixed(degrees(angle), 1) for angle in turned)
-        words.set_text(f"phi1 {phi1:>5}\u00b0  phi2 {phi2:>5}\u00b0")
+        for number, angle in zip(numbers, (poses.motion.phi1_rad[row], poses.motion.phi2_rad[row]), strict=True):
+            number.set_text(fixed(degrees(angle), 1))
 
-    return Moving((words,), pose)
+    return Moving(numbers, pose)
+
+
+DEGREE = "\u00b0"
+ANGLES = f"phi1 {DEGREE:>6}  phi2 {DEGREE:>6}"
+"""Words about both angles, with room for five letters of each."""
 
 
 Frame = NDArray[np.uint8]

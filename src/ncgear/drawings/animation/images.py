@@ -1,0 +1,52 @@
+"""Frames of the moving picture as images, in full colours or in those of a palette: what either process draws."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+from ncgear.drawings.animation import artists as looks
+from ncgear.drawings.animation.moving_picture import Picture, picture
+from ncgear.drawings.scene.scene import Scene
+from ncgear.numerics.arrays import Array
+
+COLORS = 128
+"""Colours of a GIF's palette beside those of lines: enough for shades at edges, with half the bytes of 256 colours."""
+
+PAPER = 244
+"""Colours whose red, green and blue are at least this become white.
+
+Pillow finds the colour of a palette to 4 of 255, and the median of many shades of white is also off by up to 4.
+"""
+
+SAMPLES = 4
+"""Number of frames, spread over the loop, from which the colours of a GIF are taken; so memory never holds them all."""
+
+
+def palette_found(scene: Scene, width_px: int) -> Image.Image:
+    """An image of one pixel with the colours of frames and of lines as its palette.
+
+    Nearly white colours become white, so that the paper stays white.
+    """
+    some = list(picture(scene, width_px).frames(scene.poses(scene.evenly_in_time(SAMPLES))))
+    made = Image.fromarray(np.concatenate(some)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
+    colors = np.array(made.getpalette()).reshape(-1, 3)
+    colors[colors.min(axis=1) >= PAPER] = 255
+    pure = [round(255 * part) for color in looks.PURE for part in to_rgb(color)]
+    made.putpalette([*colors[:COLORS].ravel().tolist(), *pure])
+    return made.crop((0, 0, 1, 1))
+
+
+def block_drawn(scene: Scene, width_px: int, phi1_rad: Array, palette: Image.Image | None) -> list[Image.Image]:
+    """Images of a scene at driving angles in rad, shape (n,), in the colours of a palette if one is given."""
+    return list(drawn(picture(scene, width_px), scene, phi1_rad, palette))
+
+
+def drawn(made: Picture, scene: Scene, phi1_rad: Array, palette: Image.Image | None) -> Iterator[Image.Image]:
+    """As ``block_drawn``, of a picture that is made, one after the other."""
+    for frame in made.frames(scene.poses(phi1_rad)):
+        image = Image.fromarray(frame)
+        yield image if palette is None else image.quantize(palette=palette, dither=Image.Dither.NONE)
