@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,18 @@ import pytest
 from commands import Run, loaded_by, on_text, python
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism
+from ncgear.figures.best_law import starts_text
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.proof import Answer
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum
+from ncgear.optimum.makeable import law as makeable
+from ncgear.optimum.makeable.demanded import start_motion
+from ncgear.optimum.makeable.law import MakeableLaw
+from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.search import searched
 from ncgear.optimum.task import Task
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
@@ -89,6 +96,62 @@ def test_the_written_file_gives_the_same_law_again(run: Run) -> None:
     assert (folder / "press-optimized.yaml").read_text() == text
     again = json.loads((folder / "certificate.json").read_text())
     assert again["law"] == json.loads(certificate)["law"] == again["design_as_given"]
+
+
+@pytest.mark.slow
+def test_several_starts_lead_to_one_law_on_any_number_of_processes(run: Run) -> None:
+    written = []
+    for processes in ("1", "2"):
+        status, out, err = run(HEAD + FEW, "--starts", "3", "--processes", processes)
+        assert (status, err) == (0, "")
+        assert "  starts     3 led to this law" in out
+        folder = Path("export/press-optimized")
+        written.append([(folder / name).read_bytes() for name in ("press-optimized.yaml", "certificate.json")])
+        starts = json.loads(written[-1][1])["starts"]
+        assert (starts["count"], starts["without_law"]) == (3, 0)
+        assert starts["apart"] < 1e-6
+    assert written[0] == written[1]
+
+
+@pytest.mark.parametrize(
+    ("goals", "best", "said"),
+    [
+        ([5.0, 4.0, None, 6.0], 4.0, "the best of 3 laws, of which the worst has 50 % more of the goal"),
+        ([5.0, None, None, None], 5.0, "1 law; from 3 of 4 none was found"),
+        ([5.0, 5.0, 5.0, 5.0], 5.0, "4 led to this law"),
+    ],
+)
+def test_the_best_law_of_all_starts_is_kept(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, goals: list[float | None], best: float, said: str
+) -> None:
+    """With laws of goals that are made up: the usual start's first."""
+    level = Level("goal", None, 1.0, lambda *_: (), str)
+
+    def law(goal: float | None) -> MakeableLaw | None:
+        return None if goal is None else MakeableLaw(np.zeros(3), np.ones(3), [level], np.array([goal]))
+
+    monkeypatch.setattr(makeable, "makeable_law", lambda *_: law(goals[0]))
+    monkeypatch.setattr(makeable, "law_from", lambda *given: law(goals[given[-1]]))
+    path = tmp_path / "d.yaml"
+    path.write_text(HEAD, encoding="utf-8")
+    found = BestLaw(load(path).design, starts=4, processes=1)
+    assert found.law.goal == best
+    assert found.starts.without_law == goals.count(None)
+    assert starts_text(found).startswith(said)
+
+
+@pytest.mark.slow
+def test_starts_are_apart_and_the_same_again() -> None:
+    """Ratios of other starts are up to twice and three times the usual ones, and never these themselves."""
+    best = BestLaw(load(Path(__file__).parents[1] / "designs" / "baler-66-two-stage.yaml").design)
+    search = searched(best.task, best.wishes)
+    usual = search.begun(start_motion(best.task, best.wishes, best.bound))
+    starts = [search.elsewhere(usual, number) - usual for number in range(1, 9)]
+    assert np.array_equal(starts[2], search.elsewhere(usual, 3) - usual)
+    factors = np.exp([np.abs(added).max() for added in starts])
+    assert 1.2 < factors.min() < factors.max() < 5.0
+    apart = [np.abs(one - other).max() for one, other in combinations(starts, 2)]
+    assert min(apart) > 0.2
 
 
 @pytest.mark.slow

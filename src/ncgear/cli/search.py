@@ -25,6 +25,11 @@ from ncgear.errors import WrongInput
 
 def optimize(
     design_file: DesignFile,
+    starts: Annotated[
+        int, typer.Option(min=1, max=10_000, help="Starts of the search, of which the best law is kept.")
+    ] = 1,
+    scheduler: Scheduler = None,
+    processes: Processes = None,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-optimized")
     ] = None,
@@ -42,7 +47,7 @@ def optimize(
         from ncgear.files.frontier import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
 
-        best = BestLaw(loaded.design)
+        best = BestLaw(loaded.design, starts, scheduler, processes)
         name = optimized_name(best)
         folder = out or EXPORT / name
         prepare(folder)

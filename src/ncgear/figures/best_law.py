@@ -118,6 +118,7 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "gap": best.goal / bound.value - 1.0 if bound is not None and bound.value > 0.0 else None,
             "argument": ARGUMENT,
         },
+        "starts": asdict(best.starts),
         "masses": None if best.task.masses is None else asdict(best.task.masses),
         "speed_fluctuation": best.task.speed_fluctuation,
         "not_kept": best.design.motion.prescribed,
@@ -188,14 +189,36 @@ def _limit(best: BestLaw) -> list[str]:
     heading = f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min"
     law = f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}"
     if bound is None:
-        return [heading, "  limit      none is certified of this goal", law]
+        return [heading, "  limit      none is certified of this goal", law, *_starts(best)]
     gap = f", {fixed(100.0 * (best.goal / bound.value - 1.0), 1)} % above the limit" if bound.value > 0.0 else ""
     return [
         heading,
         f"  limit      {finite(bound.value, 'the limit'):,.6g} {unit}: no law has less (certified)",
         f"{law}{gap}",
+        *_starts(best),
         *_about_limit(best),
     ]
+
+
+def _starts(best: BestLaw) -> list[str]:
+    return [f"  starts     {starts_text(best)}"] if best.starts.count > 1 else []
+
+
+ALIKE = 1e-6
+"""Share of the goal within which laws are the same."""
+
+
+def starts_text(best: BestLaw) -> str:
+    """What the search found from several starts."""
+    starts = best.starts
+    found = starts.count - starts.without_law
+    none = f"; from {starts.without_law} of {starts.count} none was found" if starts.without_law else ""
+    if found == 1:
+        return f"1 law{none}"
+    if starts.apart <= ALIKE:
+        within = f", within {starts.apart:.0e} of the goal" if starts.apart > 0.0 else ""
+        return f"{found} led to this law{within}{none}"
+    return f"the best of {found} laws, of which the worst has {shown(100.0 * starts.apart)} % more of the goal{none}"
 
 
 def _about_limit(best: BestLaw) -> list[str]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, NamedTuple
 
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.extras import installed, require
+from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
@@ -15,21 +17,39 @@ from ncgear.project.wishes import task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
 from ncgear.shown import Shown
+from ncgear.workers import finished
 
 if TYPE_CHECKING:
-    from ncgear.optimum.certified.limit import Bound
+    from ncgear.optimum.certified.limit import Bound, Motion
     from ncgear.optimum.makeable.law import MakeableLaw
+
+
+@dataclass(frozen=True)
+class Starts:
+    """How many starts the search for a law had, from how many of them it found none, and how far goals are apart.
+
+    ``apart`` is what the worst law found has more of the goal than the best, as a share of that.
+    """
+
+    count: int
+    without_law: int
+    apart: float
 
 
 class BestLaw(Shown):
     """A design's machine with the best law that its wishes allow.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
-    no law keeps the limits.
+    no law keeps the limits.  The law is the best of those found from ``starts`` starts, of which the first is the
+    motion of the certified limit; ``scheduler`` and ``processes`` say where the others are computed, as in
+    ``ncgear.workers``.
     """
 
-    def __init__(self, design: Design) -> None:
+    def __init__(
+        self, design: Design, starts: int = 1, scheduler: str | None = None, processes: int | None = None
+    ) -> None:
         self.design = design
+        self._starts, self._where = starts, (scheduler, processes)
 
     @cached_property
     def wishes(self) -> Wishes:
@@ -84,11 +104,28 @@ class BestLaw(Shown):
     @cached_property
     def law(self) -> MakeableLaw:
         """The best makeable law; raises WrongInput where the optimiser is not installed."""
+        return min(self._laws, key=lambda law: law.goal)
+
+    @cached_property
+    def _laws(self) -> list[MakeableLaw]:
+        """The laws found from all starts, that of the usual one first."""
         require("casadi", "optimize", "ncgear optimize")
         from ncgear.optimum.makeable.demanded import start_motion
         from ncgear.optimum.makeable.law import makeable_law
 
-        return makeable_law(self.task, self.wishes, start_motion(self.task, self.wishes, self.bound))
+        start = start_motion(self.task, self.wishes, self.bound)
+        usual = makeable_law(self.task, self.wishes, start)
+        if self._starts == 1:
+            return [usual]
+        others = dict(finished(partial(_found_from, self.design, start), range(1, self._starts), *self._where))
+        found = [others[number] for number in sorted(others)]
+        return [usual, *(replace(usual, **one._asdict()) for one in found if one is not None)]
+
+    @property
+    def starts(self) -> Starts:
+        """What the search found from all its starts."""
+        goals = [law.goal for law in self._laws]
+        return Starts(self._starts, self._starts - len(goals), max(goals) / min(goals) - 1.0)
 
     @cached_property
     def train(self) -> Train:
@@ -128,3 +165,19 @@ class BestLaw(Shown):
     def goal(self) -> float:
         """The quantity that the design asks to be least, as the best law has it, in the unit of the bound."""
         return self.wishes.prices.of(self.figures)
+
+
+class _Found(NamedTuple):
+    """What differs between laws from several starts, and can be sent from process to process."""
+
+    ratio: Array
+    second: Array | None
+    reached: Array
+
+
+def _found_from(design: Design, start: Motion, number: int) -> _Found | None:
+    """The law from another start, computed in a process of its own; None where none is found."""
+    from ncgear.optimum.makeable.law import law_from
+
+    law = law_from(task_of(design), wishes_of(design), start, number)
+    return None if law is None else _Found(law.ratio, law.second, law.reached)

@@ -7,7 +7,15 @@ from math import degrees
 
 from ncgear.design.keys.base import listed
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.best_law import FAMILY_WITHOUT_MASS, felt_keys, felt_text, other_mechanisms, points_of, unit_of_goal
+from ncgear.figures.best_law import (
+    FAMILY_WITHOUT_MASS,
+    felt_keys,
+    felt_text,
+    other_mechanisms,
+    points_of,
+    starts_text,
+    unit_of_goal,
+)
 from ncgear.figures.numbers import finite, fixed, shown
 from ncgear.figures.quantities import figure, name_of
 from ncgear.numerics.units import label_and_unit
@@ -68,6 +76,8 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     for key in felt_keys(best.figures):
         unit = label_and_unit(key)[1]
         rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
+    if best.starts.count > 1:
+        rows.append(Row("starts", (starts_text(best),)))
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
     if best.task.masses is not None:

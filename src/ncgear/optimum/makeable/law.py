@@ -100,6 +100,16 @@ def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
     return _weighed(search, _kept_at_last(search, begun))
 
 
+def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> MakeableLaw | None:
+    """The best law found from another start than a motion, of many that are told apart by numbers; None where none is.
+
+    See ``Search.elsewhere``.
+    """
+    search = searched(task, wishes)
+    found = kept(search, search.elsewhere(search.begun(start), number))
+    return None if found is None else _weighed(search, law_of(search, found))
+
+
 def _weighed(search: Search, law: MakeableLaw) -> MakeableLaw:
     """The law found from another, with soft wishes that count in shares of what the other has of the goal."""
     if not any(level.share_of_goal for level in law.levels):

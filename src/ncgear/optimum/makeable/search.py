@@ -28,6 +28,12 @@ from ncgear.optimum.task import Task
 STEPS = 2
 """Steps of the programme's places in a cell: both ends and the middle."""
 
+STRAYING = 0.3
+"""Standard deviation of the first random harmonic of ln i12 by which other starts differ from the usual one; that of
+the n-th is an n-th of it.  Ratios then begin up to three times as large or as small."""
+
+STRAYING_WAVES = (1.0, 2.0, 3.0)
+
 FINER = 16
 """Fewest steps of the judge's places in a cell."""
 
@@ -80,6 +86,14 @@ class Search:
         logarithm = np.clip(-np.log(motion.turning), *np.log(self.ratio_range))
         pairs, knots = len(self.programme.cycles_rad), self.programme.knots
         return np.concatenate([knots.smoothed(motion.crank_angle_rad, logarithm) / (1 + pair) for pair in range(pairs)])
+
+    def elsewhere(self, begun: Array, number: int) -> Array:
+        """Coefficients of another start than one: with random harmonics of a number's own in each pair's ln i12."""
+        pairs, random = len(self.programme.cycles_rad), np.random.default_rng(number)
+        angle = np.linspace(0.0, 2.0 * pi, begun.size // pairs, endpoint=False)
+        waves = np.array([shape(wave * angle) / wave for wave in STRAYING_WAVES for shape in (np.cos, np.sin)])
+        strayed: Array = begun + (STRAYING * random.normal(size=(pairs, len(waves))) @ waves).ravel()
+        return strayed
 
     def judged(self, ratio: Array) -> Judged:
         """A law by its ratios at the knots, shape (pairs, n), at the judge's places."""
