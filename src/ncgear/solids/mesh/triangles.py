@@ -96,29 +96,26 @@ class TriangleMesh:
         return Trimesh(self.vertices, self.faces, process=False)
 
 
-def merged(vertices: Array, faces: IndexArray) -> TriangleMesh:
-    """The mesh with vertices at the same place, to ``MERGED_DIGITS``, as one: the first of them.
-
-    Vertices keep their order; those that no triangle has are left out.
-    """
-    used = np.zeros(len(vertices), dtype=bool)
-    used[faces] = True
-    points = vertices[used]
-    keys = np.round(points * 10.0**MERGED_DIGITS).astype(np.int64)
-    order = np.lexsort(keys.T)
-    new = np.ones(len(order), dtype=bool)
-    new[1:] = np.any(keys[order[1:]] != keys[order[:-1]], axis=1)
-    # The order is stable: of vertices at one place, the first comes first.
-    first, place = order[new], np.cumsum(new) - 1
-    rank = np.empty(first.size, dtype=np.intp)
-    rank[np.argsort(first)] = np.arange(first.size)
-    number = np.zeros(len(vertices), dtype=np.intp)
-    number[np.flatnonzero(used)[order]] = rank[place]
-    return TriangleMesh(np.asarray(points[np.sort(first)]), np.asarray(number[faces]))
-
-
 def with_used_vertices(mesh: TriangleMesh) -> TriangleMesh:
     """The mesh without vertices that no triangle has; the others keep their order."""
     used = np.zeros(len(mesh.vertices), dtype=bool)
     used[mesh.faces] = True
     return TriangleMesh(mesh.vertices[used], np.asarray((np.cumsum(used) - 1)[mesh.faces]))
+
+
+def merged(vertices: Array, faces: IndexArray) -> TriangleMesh:
+    """The mesh with vertices at the same place, to ``MERGED_DIGITS``, as one: the first of them.
+
+    Vertices keep their order; those that no triangle has are left out.
+    """
+    mesh = with_used_vertices(TriangleMesh(vertices, faces))
+    keys = np.round(mesh.vertices * 10.0**MERGED_DIGITS).astype(np.int64)
+    order = np.lexsort(keys.T)
+    new = np.ones(order.size, dtype=bool)
+    new[1:] = np.any(keys[order[1:]] != keys[order[:-1]], axis=1)
+    # The order is stable: of vertices at one place, the first comes first.
+    first = order[new]
+    rank, number = np.empty(first.size, dtype=np.intp), np.empty(order.size, dtype=np.intp)
+    rank[np.argsort(first)] = np.arange(first.size)
+    number[order] = rank[np.cumsum(new) - 1]
+    return TriangleMesh(np.asarray(mesh.vertices[np.sort(first)]), np.asarray(number[mesh.faces]))
