@@ -81,8 +81,9 @@ def _peaks(machine: Machine, stretch: Stretch) -> _Peaks:
     def quantities(phi1: Array) -> list[Jet]:
         position = stretch.displacement(phi1, 3)
         speed = position.differentiated()
-        forward = -speed if returning else speed
-        return [speed, speed.differentiated(), *(force_n(position.truncated(2)) * forward for force_n in curves)]
+        # A force may have no more than one derivative at the end of the stroke.
+        near, forward = position.truncated(1), (-speed if returning else speed).truncated(1)
+        return [speed, speed.differentiated(), *(force_n(near) * forward for force_n in curves)]
 
     speed, acceleration, *powers = extremes_on(quantities, grid_between(stretch.start_rad, stretch.end_rad, knots))
     still = Extremum(0.0, stretch.start_rad)

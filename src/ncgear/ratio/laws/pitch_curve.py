@@ -35,6 +35,9 @@ from ncgear.ratio.transmission import Lobes, Piece, Transmission
 NEAREST = 1.0001
 """Least centre distance by the greatest radius: nearer, the mate would be 10 000 times as fast as the given gear."""
 
+ROUNDING = 1e-12
+"""Share by which places and turns that are the same may differ: far more than their rounding errors."""
+
 ALIKE = 200
 """Angles of a lobe at which it is compared with the others."""
 
@@ -166,8 +169,10 @@ def closing_distance_mm(curve: ClosedCurve, repeats: int, mate_repeats: int, key
     """
     mate, wanted = turned_by(curve, key), tau * repeats / mate_repeats
     share = 1.0 + mate_repeats / repeats
-    low, high = max(NEAREST * mate.greatest_mm, share * mate.mean_mm), share * mate.greatest_mm
-    if not mate.at(low) >= wanted * (1.0 - 1e-12):
+    # The mean and the greatest radius of a circle are the same but for rounding errors.
+    low = max(NEAREST * mate.greatest_mm, share * mate.mean_mm * (1.0 - ROUNDING))
+    high = share * mate.greatest_mm * (1.0 + ROUNDING)
+    if not mate.at(low) >= wanted * (1.0 - ROUNDING):
         raise NoSuchMechanism(
             f"the mate does not close: even at a centre distance of {low:.6g} mm, next to the curve's greatest radius, "
             f"it turns by {mate.at(low):.4g} rad where it must turn by {wanted:.4g}; a curve of less varying radius is "
