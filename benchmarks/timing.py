@@ -58,8 +58,8 @@ STEPS = {
     "waiting for the pictures": ("plots",),
 }
 
-TEETH = (25, 50)
-"""Numbers of teeth of the baler's gears, whose size stays."""
+TEETH = (25, 100, 200)
+"""Numbers of teeth of the baler's gears, whose size stays, and which get as much wider as their teeth get smaller."""
 
 
 @dataclass(frozen=True)
@@ -104,12 +104,36 @@ def with_teeth(count: int, folder: Path) -> Path:
     """The baler with so many teeth on gears of the same size."""
     text = (ROOT / BALER).read_text()
     assert text.count("  teeth: 25\n") == 1
-    assert text.count("  module_mm: 3 ") == 1
+    assert text.count("  module_mm: 3 ") == text.count("  face_width_mm: 20\n") == 1
     path = folder / f"teeth-{count}.yaml"
-    path.write_text(
-        text.replace("teeth: 25\n", f"teeth: {count}\n").replace("module_mm: 3 ", f"module_mm: {75 / count} ")
-    )
+    smaller = text.replace("teeth: 25\n", f"teeth: {count}\n").replace("module_mm: 3 ", f"module_mm: {75 / count} ")
+    path.write_text(smaller.replace("face_width_mm: 20\n", f"face_width_mm: {20 * count / 25:g}\n"))
     return path
+
+
+def growth_rows(folder: Path, runs: int) -> list[str]:
+    """Builds with several numbers of teeth in turn: least times, and what each tooth of both gears adds."""
+    files = {count: with_teeth(count, folder) for count in TEETH}
+    whole: dict[int, list[Seconds]] = {count: [] for count in TEETH}
+    steps: dict[int, list[dict[str, float]]] = {count: [] for count in TEETH}
+    for _ in range(runs):
+        for count, path in files.items():
+            whole[count].append(run(["-m", "ncgear", "build", str(path), "--out", str(folder / "built")], ROOT))
+            steps[count].append(step_seconds(folder))
+
+    def least(name: str, count: int) -> float:
+        if name in STEPS:
+            return 1000.0 * min(one[name] for one in steps[count])
+        return float(1000.0 * min(getattr(one, name) for one in whole[count]))
+
+    first, last = TEETH[0], TEETH[-1]
+    said = {"processor": "build, processors", "wall": "build, by the clock", **{name: name for name in STEPS}}
+    rows = []
+    for name, words in said.items():
+        times = [least(name, count) for count in TEETH]
+        each = (times[-1] - times[0]) / (2 * (last - first))
+        rows.append(f"| {words} | {' | '.join(f'{time:.0f}' for time in times)} | {each:.2f} |")
+    return rows
 
 
 def row(name: str, seconds: list[Seconds], ratio: str = "") -> str:
@@ -161,16 +185,13 @@ def report(folder: Path, runs: int) -> str:
         lines.append(f"| {step} | {statistics.median(times):.0f} | {min(times):.0f} .. {max(times):.0f} |")
     lines += [
         "",
-        "Growth with the number of teeth, on gears of the same size. The load of every tooth, which is known since the",
-        "baler has a resistance, is most of it:",
+        "Growth with the number of teeth of each gear, on gears of the same size: least times in ms. A pair has twice",
+        "as many teeth.",
         "",
-        "| teeth of each gear | build, processors, ms | load of every tooth, ms by the clock |",
-        "|---|---|---|",
+        f"| | {' | '.join(map(str, TEETH))} | for each tooth |",
+        f"|---|{'---|' * len(TEETH)}---|",
+        *growth_rows(folder, runs),
     ]
-    for count in TEETH:
-        whole = run(["-m", "ncgear", "build", str(with_teeth(count, folder)), "--out", str(folder / "built")], ROOT)
-        load = 1000 * step_seconds(folder)["load of every tooth"]
-        lines.append(f"| {count} | {1000 * whole.processor:.0f} | {load:.0f} |")
     return "\n".join([*lines, ""])
 
 
