@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from functools import partial
 from multiprocessing import active_children
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ncgear import workers
@@ -109,6 +113,30 @@ def test_a_cluster_of_this_computer_gives_the_same(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     assert dict(finished(partial(dying_once, str(tmp_path)), range(40), scheduler="local", processes=2)) == SQUARES
     assert (tmp_path / "died").exists()
+
+
+def faults_of_arrays(count: int) -> int:
+    """Pages that so many arrays of 300 kB, one after the other, had to be given by the system."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(count):
+        np.ones(40_000)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="of the GNU C library")
+def test_processes_use_the_memory_of_arrays_again() -> None:
+    """On a cluster too, whose variables would have each array's 73 pages given anew, as the negative control shows."""
+    pytest.importorskip("distributed")
+    before = dict(os.environ)
+    for scheduler in (None, "local"):
+        ((_, faults), *_) = finished(faults_of_arrays, [1000, 1000], scheduler, 2)
+        assert faults < 1000
+    assert dict(os.environ) == before
+    code = "import test_workers; print(test_workers.faults_of_arrays(1000))"
+    environment = {**before, "MALLOC_TRIM_THRESHOLD_": "65536", "PYTHONPATH": os.pathsep.join(sys.path)}
+    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment)
+    assert int(run.stdout) > 70 * 1000
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from functools import partial
 from itertools import islice
 from logging import ERROR
 from multiprocessing import get_context
@@ -20,7 +21,7 @@ from ncgear import __version__
 from ncgear.errors import WrongInput
 from ncgear.extras import require
 from ncgear.interrupts import deaf_processes, end_processes
-from ncgear.memory import collect_rarely
+from ncgear.memory import begin_worker, keep_freed_memory
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -66,12 +67,18 @@ def finished(
     """
     if scheduler is not None:
         with _cluster(scheduler, processes or core_count()) as (executor, ahead):
-            yield from _through(lambda: executor, ahead, function, iter(tasks))
+            yield from _through(lambda: executor, ahead, partial(_on_cluster, function), iter(tasks))
     elif (count := processes or core_count()) == 1:
         yield from ((task, function(task)) for task in tasks)
     else:
         with _pools(count) as new_pool:
             yield from _through(new_pool, AHEAD * count, function, iter(tasks))
+
+
+def _on_cluster(function: Callable[[Task], Result], task: Task) -> Result:
+    """A task on a worker that others have begun."""
+    keep_freed_memory()
+    return function(task)
 
 
 def _through(
@@ -115,7 +122,7 @@ def _pools(count: int) -> Iterator[Callable[[], Executor]]:
     pools: list[ProcessPoolExecutor] = []
 
     def new_pool() -> Executor:
-        pools.append(_DeafPool(count, get_context("spawn"), collect_rarely))
+        pools.append(_DeafPool(count, get_context("spawn"), begin_worker))
         return pools[-1]
 
     with one_thread_each():
@@ -141,14 +148,21 @@ class _DeafPool(ProcessPoolExecutor):
 @contextmanager
 def one_thread_each() -> Iterator[None]:
     """A context in which new processes use one thread each; variables that the user has set stay."""
+    with _same_environment():
+        os.environ.update({name: value for name, value in ONE_THREAD.items() if name not in os.environ})
+        yield
+
+
+@contextmanager
+def _same_environment() -> Iterator[None]:
+    """A context at whose end the environment's variables are as before."""
     before = dict(os.environ)
-    os.environ.update({name: value for name, value in ONE_THREAD.items() if name not in before})
     try:
         yield
     finally:
-        for name in ONE_THREAD:
-            if name not in before:
-                os.environ.pop(name, None)
+        for name in os.environ.keys() - before.keys():
+            del os.environ[name]
+        os.environ.update(before)
 
 
 @contextmanager
@@ -158,7 +172,9 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
     from distributed import Client, LocalCluster
 
     if scheduler == LOCAL:
+        # Dask sets variables for its workers, which stay.
         with (
+            _same_environment(),
             deaf_processes(),
             LocalCluster(
                 n_workers=processes, threads_per_worker=1, dashboard_address=None, silence_logs=ERROR
