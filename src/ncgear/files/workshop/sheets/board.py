@@ -5,7 +5,8 @@ A text covers no line and no other text; lines cross lines, but no text.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -14,7 +15,7 @@ from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Ring, Text, leader, parts_of
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Mask
 
 SLACK_MM = 0.6
 """Room around texts."""
@@ -39,15 +40,17 @@ class _Shapes:
         """Put shapes on the board."""
         self._new += shapes
 
-    def meet(self, other: BaseGeometry) -> bool:
-        """Whether any shape touches another one."""
+    def meet(self, others: Sequence[BaseGeometry]) -> Mask:
+        """Whether any shape touches each of others, shape (n,)."""
         if self._new:
             self._shapes = np.append(self._shapes, self._new)
             self._bounds = np.vstack([self._bounds, shapely.bounds(self._new)])
             self._new = []
-        (left, low, right, high), own = other.bounds, self._bounds.T
-        near = (own[0] <= right) & (own[2] >= left) & (own[1] <= high) & (own[3] >= low)
-        return bool(near.any() and shapely.intersects(self._shapes[near], other).any())
+        (left, low, right, high), own = shapely.bounds(others).T[..., None], self._bounds.T
+        other, shape = np.nonzero((own[0] <= right) & (own[2] >= left) & (own[1] <= high) & (own[3] >= low))
+        met = np.zeros(len(others), dtype=bool)
+        met[other[shapely.intersects(self._shapes[shape], np.asarray(others)[other])]] = True
+        return met
 
 
 class Board:
@@ -70,19 +73,35 @@ class Board:
 
     def has_room(self, text: Text) -> bool:
         """Whether a text is inside the box and covers nothing."""
-        area = Polygon(_widened(text.corners))
-        return bool(self.box.covers(area)) and not self._texts.meet(area) and not self._lines.meet(area)
+        return bool(self._roomy([Polygon(_widened(text.corners))])[0])
+
+    def _roomy(self, areas: Sequence[Polygon]) -> Mask:
+        """Which of the areas are inside the box and cover nothing, shape (n,)."""
+        free = shapely.covers(self.box, areas) & ~self._texts.meet(areas)
+        free[free] = ~self._lines.meet(np.asarray(areas)[free])
+        return np.asarray(free)
 
     def is_free(self, lines: Iterable[Line]) -> bool:
         """Whether lines are inside the box and cross no text."""
         pieces = [piece for line in lines for piece in _pieces(line)]
-        return all(self.box.covers(piece) and not self._texts.meet(piece) for piece in pieces)
+        return bool(shapely.covers(self.box, pieces).all()) and not self._texts.meet(pieces).any()
 
     def put_text(self, candidates: Iterable[Text]) -> bool:
         """Add the first text that has room; whether there was one."""
         for text in candidates:
             if self.has_room(text):
                 self.add(text)
+                return True
+        return False
+
+    def put_text_at(self, text: Text, places: Iterable[Array]) -> bool:
+        """Add a text, given for the origin, at the first place that has room, of blocks of places of shape (n, 2)."""
+        around = _widened(text.corners)
+        for block in places:
+            free = self._roomy(shapely.polygons(block[:, None] + around))
+            if free.any():
+                x, y = block[int(np.argmax(free))] + text.place
+                self.add(replace(text, place=(float(x), float(y))))
                 return True
         return False
 

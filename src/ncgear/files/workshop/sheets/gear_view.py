@@ -156,8 +156,8 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
         aside = np.array([-outwards[row, 1], outwards[row, 0]])
         places = (middles[row] + tries[:, None] * outwards[row] + shifts[:, None, None] * aside).reshape(-1, 2)
         parts = (places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER))
-        own = (place for part in parts for place in part[_is_nearest(heights, row, part)])
-        board.put_text(centered(str(row + 1), place, LETTER_MM, f"{name}-{row + 1}") for place in own)
+        own = (part[_is_nearest(heights, row, part)] for part in parts)
+        board.put_text_at(centered(str(row + 1), np.zeros(2), LETTER_MM, f"{name}-{row + 1}"), own)
 
 
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
