@@ -25,7 +25,7 @@ def report() -> str:
         f"{STARTS}` finds from the usual start, the motion of the certified limit, and from {STARTS - 1} others, whose",
         "ratios are up to about three times as large or as small.",
         "",
-        "| design | goal of the best law | the worst has more, relative | starts without a law |",
+        "| design | goal of the best law | below the worst, relative | starts without a law |",
         "|---|---|---|---|",
     ]
     for name in DESIGNS:

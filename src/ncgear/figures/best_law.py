@@ -218,7 +218,7 @@ def starts_text(best: BestLaw) -> str:
     if starts.apart <= ALIKE:
         within = f", within {starts.apart:.0e} of the goal" if starts.apart > 0.0 else ""
         return f"{found} led to this law{within}{none}"
-    return f"the best of {found} laws, of which the worst has {shown(100.0 * starts.apart)} % more of the goal{none}"
+    return f"the best of {found} laws, {shown(100.0 * starts.apart)} % below the worst{none}"
 
 
 def _about_limit(best: BestLaw) -> list[str]:

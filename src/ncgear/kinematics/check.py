@@ -64,7 +64,7 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
 
 @dataclass(frozen=True)
 class _Peaks:
-    """Largest magnitudes on a stretch, by the driving angle in rad: in mm and, of the power, N mm; never below zero."""
+    """Largest magnitudes on a stretch, per rad of driving angle: in mm/rad, mm/rad^2 and N mm/rad; never below zero."""
 
     speed: Extremum
     acceleration: Extremum

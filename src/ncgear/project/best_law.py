@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 class Starts:
     """How many starts the search for a law had, from how many of them it found none, and how far goals are apart.
 
-    ``apart`` is what the worst law found has more of the goal than the best, as a share of that.
+    ``apart`` is what the best law found has less of the goal than the worst, as a share of the worst's.
     """
 
     count: int
@@ -125,7 +125,8 @@ class BestLaw(Shown):
     def starts(self) -> Starts:
         """What the search found from all its starts."""
         goals = [law.goal for law in self._laws]
-        return Starts(self._starts, self._starts - len(goals), max(goals) / min(goals) - 1.0)
+        apart = max(goals) - min(goals)
+        return Starts(self._starts, self._starts - len(goals), apart / abs(max(goals)) if apart else 0.0)
 
     @cached_property
     def train(self) -> Train:
