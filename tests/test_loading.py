@@ -13,7 +13,7 @@ import drives
 from engaged import LAWS, MODULE, RINGS, made
 from loaded import FRICTION, LINEAR, SMOOTH
 from ncgear.contact.designed.as_designed import contacts_within
-from ncgear.contact.placement import BACK, PUSHING, placed
+from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, placed
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.motion_in_time import law_table
@@ -43,12 +43,22 @@ def even_speed(phi1: Array) -> Array:
 
 
 @cache
-def teeth_of(name: str, teeth: int, slope: float = 0.0, relief: TipRelief | None = None) -> Meshing:
-    """A mesh of steel teeth 20 mm wide, frictionless or not, which get softer towards their tips by ``slope`` a mm."""
+def teeth_of(
+    name: str,
+    teeth: int,
+    slope: float = 0.0,
+    relief: TipRelief | None = None,
+    sides: tuple[int, ...] = BOTH_SIDES,
+) -> Meshing:
+    """A mesh of steel teeth 20 mm wide, frictionless or not, which get softer towards their tips by ``slope`` a mm.
+
+    Only ``sides`` of the teeth are followed.
+    """
     pitch, pair = made(name, teeth, relief=relief)
     methods = tuple(Beams(pitch.of(gear).length_mm / (2.0 * pi), slope) for gear in Gear)
     stiffness = LinearTeeth(pair, (methods[0], methods[1]), (STEEL, STEEL), 20.0, 100.0)
-    return Meshing(law_table((LAWS | RINGS)[name]()), gaps_of(pair, pitch, stiffness), LINEAR, FRICTION)
+    gaps = gaps_of(pair, pitch, stiffness, sides=sides)
+    return Meshing(law_table((LAWS | RINGS)[name]()), gaps, LINEAR, FRICTION)
 
 
 @cache
@@ -66,14 +76,6 @@ def even(name: str, teeth: int, torque_n_mm: float, **kinds: float) -> Loading:
     return loading_of(
         found, pair, pitch, AskedTorque.of(pitch, lambda phi1: np.full_like(phi1, torque_n_mm)), even_speed
     )
-
-
-def pushed_alone(name: str, teeth: int) -> Meshing:
-    """The mesh of ``teeth_of``, of which only pushing flanks are followed."""
-    found, (pitch, pair) = teeth_of(name, teeth), made(name, teeth)
-    methods = tuple(Beams(pitch.of(gear).length_mm / (2.0 * pi)) for gear in Gear)
-    stiffness = LinearTeeth(pair, (methods[0], methods[1]), (STEEL, STEEL), 20.0, 100.0)
-    return replace(found, gaps=gaps_of(pair, pitch, stiffness, sides=(PUSHING,)))
 
 
 def moment_n_mm(found: Loading, gear: Gear) -> Array:
@@ -154,7 +156,7 @@ def test_backs_that_no_torque_presses_change_nothing(name: str, teeth: int) -> N
     assert asked.sides == (PUSHING,)
     both, one = (
         loading_of(found, pair, pitch, asked, even_speed)
-        for found in (teeth_of(name, teeth), pushed_alone(name, teeth))
+        for found in (teeth_of(name, teeth), teeth_of(name, teeth, sides=(PUSHING,)))
     )
     np.testing.assert_array_equal(one.contacts.driving_flank, both.contacts.driving_flank)
     np.testing.assert_allclose(one.contacts.force_n, both.contacts.force_n, rtol=1e-9)
@@ -168,7 +170,7 @@ def test_a_torque_that_holds_the_driven_gear_back_anywhere_presses_backs() -> No
     assert asked.sides == (PUSHING, BACK)
     assert set(loading_of(teeth_of("sine", 31), pair, pitch, asked, even_speed).contacts.side) == {PUSHING, BACK}
     with pytest.raises((FloatingPointError, ValueError)), np.errstate(invalid="raise"):
-        loading_of(pushed_alone("sine", 31), pair, pitch, asked, even_speed)
+        loading_of(teeth_of("sine", 31, sides=(PUSHING,)), pair, pitch, asked, even_speed)
 
 
 def test_rounding_errors_of_no_torque_press_no_backs() -> None:

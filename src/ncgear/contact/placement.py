@@ -29,6 +29,8 @@ PUSHING, BACK = 0, 1
 tables of shape (2, ...).  Arc length grows against the driving gear's turning, so a pushing flank faces falling arc
 length."""
 
+BOTH_SIDES = PUSHING, BACK
+
 URGE = np.array([1.0, -1.0])
 """+1 on pushing flanks, where the first contact is the one farthest ahead; -1 on their backs."""
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import first_within
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.placement import BACK, PUSHING, URGE, Placement, placed
+from ncgear.contact.placement import BOTH_SIDES, URGE, Placement, placed
 from ncgear.dynamics.pair_places import PairStiffness, fixed_tangents, pair_places
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask, row_blocks
@@ -163,8 +163,6 @@ def reach_rad(rows: Rows, placement: Placement) -> Array:
 PER_TOOTH = 80
 """Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with this many
 positions first touches are met to some millionths of a radian even there (tests/test_gaps.py)."""
-
-BOTH_SIDES = PUSHING, BACK
 
 WITHIN_IN_MODULES = 0.52
 """Depth to which teeth are followed into each other: deeper than any law of impact holds."""

@@ -140,11 +140,12 @@ def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> tuple[A
     for halving in range(HALVINGS):
         missed = _missed(points, values, slopes, (low, middle, high))
         scale = np.max(np.abs(values))
-        far = np.mean(missed > ROUGH * scale)
-        if not halving and far > DOUBTFUL and _is_noise(function, points, values):
-            return points, np.zeros_like(slopes)
-        if not halving and far > WAVY:
-            break
+        if not halving:
+            far = np.mean(missed > ROUGH * scale)
+            if far > DOUBTFUL and _is_noise(function, points, values):
+                return points, np.zeros_like(slopes)
+            if far > WAVY:
+                break
         rough = (missed > ROUGH * scale) | ((missed > FINE * scale) & _may_be_extreme(values, missed, middle))
         if not rough.any() or points.size > grid.size + MOST_ADDED:
             break

@@ -8,9 +8,10 @@ from math import pi, sqrt
 
 import numpy as np
 
+from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.gaps import BOTH_SIDES, gaps_of
+from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
 from ncgear.dynamics.pair_places import PairStiffness

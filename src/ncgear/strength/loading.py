@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncgear.contact.placement import BACK, PUSHING, Placement, placed, placed_at
+from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
 from ncgear.dynamics.meshing import Meshing
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
 from ncgear.numerics.plane import along
@@ -90,7 +90,7 @@ class AskedTorque:
     @property
     def sides(self) -> tuple[int, ...]:
         """The sides of the teeth that it presses: pushing flanks alone where it is nowhere below zero."""
-        return (PUSHING,) if self.torque_n_mm.min() >= 0.0 else (PUSHING, BACK)
+        return (PUSHING,) if self.torque_n_mm.min() >= 0.0 else BOTH_SIDES
 
     def between(self, phi1_rad: Array) -> Array:
         """The torque between positions, shape (n,); on sides that no position presses it counts as none."""

@@ -12,7 +12,7 @@ from ncgear.contact.designed.clearance import TipClearance, tip_clearances
 from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
 from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits, first_edge_contacts
 from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, PairsInContact, flank_contacts, foremost_two
-from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement, meetings, single_meetings
+from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, URGE, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct, largest_rows
 from ncgear.numerics.units import in_words
@@ -178,7 +178,7 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
             found.flanks.reaches[met.side == side],
             *tips[side],
         )
-        for side in (PUSHING, BACK)
+        for side in BOTH_SIDES
     )
     return AsDesigned(placement, pushing, back)
 
@@ -205,7 +205,7 @@ def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) 
 def first_within(teeth: ToothedPair, placement: Placement, within_mm: float, sides: Sequence[int]) -> list[Contacts]:
     """As ``contacts_within`` on some sides of the teeth: at least the first contact of each pair at each position."""
     met = meetings(teeth, placement)
-    met = met if len(sides) > 1 else met.on(sides[0])
+    met = met.kept(np.isin(met.side, sides))
     found = _candidates(teeth, _paths_of(teeth), placement, met, within_mm)
     flanks = found.flanks.contacts
     contacts = Contacts.joined([flanks, first_edge_contacts(found.hits, flanks, found.first_rad, within_mm)])
@@ -278,7 +278,7 @@ def _touch(contacts: Contacts, foremost: Array, placement: Placement) -> tuple[S
     first, touching = _foremost(contacts, later <= ALIKE_RAD, placement), later * contacts.lever_mm <= TOUCHING_MM
     pushing, back = (
         SideTouch(side, contacts.kept(first[side]), contacts.kept(touching & (contacts.side == side)))
-        for side in (PUSHING, BACK)
+        for side in BOTH_SIDES
     )
     return pushing, back
 

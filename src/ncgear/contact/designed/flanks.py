@@ -9,7 +9,7 @@ import numpy as np
 
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.designed.tangency import FacingFlanks, tangencies
-from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement, meetings
+from ncgear.contact.placement import BOTH_SIDES, URGE, Meetings, Placement, meetings
 from ncgear.numerics.arrays import Array, IndexArray, Mask, largest_rows
 from ncgear.teeth.flank import FLANK
 from ncgear.teeth.gear import ToothedGear, ToothedPair
@@ -146,7 +146,7 @@ class FlankContacts:
         starts, ends = before + enters[touch], before + leaves[touch]
         pushing, back = (
             self._pairs(arcs[self.meetings.side == side], starts[own], ends[own], side)
-            for side, own in ((side, self.meetings.side[row] == side) for side in (PUSHING, BACK))
+            for side, own in ((side, self.meetings.side[row] == side) for side in BOTH_SIDES)
         )
         return pushing, back
 
