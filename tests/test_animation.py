@@ -168,7 +168,7 @@ def test_the_same_scene_gives_the_same_bytes() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", [AnimationFormat.GIF, AnimationFormat.MP4])
 def test_a_second_process_draws_the_same_bytes(kind: AnimationFormat, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In one pair of blocks and in several, of one frame and of two."""
+    """In one block and in two."""
     if kind is AnimationFormat.MP4:
         pytest.importorskip("imageio_ffmpeg")
     found, loop, told = scene("ellipse"), Loop(7, 1.0, 320), []
@@ -177,7 +177,7 @@ def test_a_second_process_draws_the_same_bytes(kind: AnimationFormat, monkeypatc
     with drawing_beside(FRAMES) as drawer:
         assert drawer is not HERE
         assert animated(found, kind, loop, lambda *done: told.append(done), drawer) == alone
-        monkeypatch.setattr(packing, "BLOCK", 2)
+        monkeypatch.setattr(packing, "BLOCK", 4)
         assert animated(found, kind, loop, lambda *done: None, drawer) == alone
     assert told == [(number, 7) for number in range(1, 8)]
 

@@ -20,7 +20,7 @@ from ncgear.project.drive import Drive
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
-    {"errors", "extras", "interrupts", "memory", "shown", "stopwatch", "workers", "numerics"},
+    {"errors", "extras", "frozen", "interrupts", "memory", "shown", "stopwatch", "workers", "numerics"},
     {"mechanisms"},
     {"ratio"},
     {"kinematics"},

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from multiprocessing import active_children
 from threading import enumerate as enumerate_threads
@@ -15,7 +16,7 @@ import pytest
 
 from commands import ROOT
 from ncgear.drawings import beside
-from ncgear.drawings.beside import HERE, Drawer, drawing_beside
+from ncgear.drawings.beside import HERE, OFFERS, Drawer, drawing_beside
 
 PRODUCT, FACTORIAL = "math:prod", "math:factorial"
 
@@ -63,6 +64,39 @@ def test_where_it_dies_this_process_draws(drawer: Drawer) -> None:
 def test_what_cannot_be_pickled_is_drawn_here(drawer: Drawer) -> None:
     assert list(drawer.begun("builtins:map", lambda value: value + 1, [1, 2])()) == [2, 3]
     assert drawer.begun(PRODUCT, [7])() == 7
+
+
+@pytest.mark.thorough
+def test_what_waits_is_drawn_here(drawer: Drawer) -> None:
+    """An offer that the second process has begun stays there, and one that was drawn here it passes over."""
+    pid(drawer)
+    begun = drawer.offered("time:sleep", 0.5)
+    waiting = [drawer.offered("os:getpid") for _ in range(3)]
+    asked = drawer.begun("os:getpid")
+    time.sleep(0.2)
+    assert [one() for one in waiting[1:]] == [os.getpid()] * 2
+    assert begun() is None
+    assert asked() == pid(drawer) != os.getpid()
+    # By now its turn has come.
+    assert waiting[0]() == pid(drawer)
+
+
+@pytest.mark.thorough
+def test_offers_are_drawn_beside_where_nobody_asks_and_where_there_are_many(drawer: Drawer) -> None:
+    offers = [drawer.offered("os:getpid") for _ in range(OFFERS + 3)]
+    number = pid(drawer)
+    assert [one() for one in offers] == [number] * len(offers)
+
+
+@pytest.mark.thorough
+def test_offers_are_drawn_here_where_it_dies_or_cannot_be_asked(drawer: Drawer) -> None:
+    assert list(drawer.offered("builtins:map", lambda value: value + 1, [1, 2])()) == [2, 3]
+    number = pid(drawer)
+    offers = [drawer.offered("time:sleep", 60), drawer.offered(PRODUCT, [3, 4])]
+    time.sleep(0.2)
+    os.kill(number, signal.SIGKILL)
+    assert offers[1]() == 12
+    assert drawer.offered(PRODUCT, [2, 5])() == 10
 
 
 @pytest.mark.thorough

@@ -21,7 +21,7 @@ from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
-from ncgear.project.passing import CRANK_PIN, Passing, center_lines, from_segment, least_distance, passings_of
+from ncgear.project.passing import CRANK_PIN, Passing, center_lines, from_segment, least_distance
 
 LINKAGES = {
     "in front": "{crank_mm: 40, rod_mm: 150}",
@@ -74,8 +74,8 @@ KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20
 def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> None:
     found = made(kind, axis)
     phi1 = np.linspace(0.0, found.transmission.cycle_rad, 4001)
-    assert {one.part for one in passings_of(found)} == {CRANK_PIN, *found.linkage.rod_ends_mm}
-    for one in passings_of(found):
+    assert {one.part for one in found.passings} == {CRANK_PIN, *found.linkage.rod_ends_mm}
+    for one in found.passings:
         sampled = np.array([line.distance(axis_mm(found)) for line in lines_at(found, one.part, phi1)])
         assert sampled.min() >= one.distance_mm - 1e-9
         assert sampled.min() <= one.distance_mm + 0.1
@@ -87,7 +87,7 @@ def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> Non
 def test_a_pin_passes_the_driving_axis_at_the_difference_of_both_lengths() -> None:
     for kind, axis in KINDS:
         found = made(kind, axis)
-        pin = next(one for one in passings_of(found) if one.part == CRANK_PIN)
+        pin = next(one for one in found.passings if one.part == CRANK_PIN)
         assert pin.distance_mm == pytest.approx(abs(found.pitch.center_distance_mm - found.linkage.crank_mm), abs=1e-12)
 
 
@@ -95,7 +95,7 @@ def test_a_pin_passes_the_driving_axis_at_the_difference_of_both_lengths() -> No
 def test_a_shaft_as_wide_as_told_is_just_passed() -> None:
     """A circle and a rod as polygons: they touch with the width that is told, and overlap with a tenth more."""
     found = made("offset", -25.0)
-    rod = next(one for one in passings_of(found) if one.part == "rod")
+    rod = next(one for one in found.passings if one.part == "rod")
     assert rod.room_mm is not None
     assert rod.room_mm == pytest.approx(2.0 * (rod.distance_mm - 6.0))
     shaft, phi1 = axis_mm(found).buffer(6.0, quad_segs=256), np.linspace(0.0, 2.0 * pi, 1441)
@@ -141,7 +141,7 @@ def test_a_rod_that_meets_the_shaft_is_told_where_the_file_says_what_stands_ther
     assert "at 0 mm, at phi1 = 0 deg" in told
     assert meeting("fit: {rod_width_mm: 20}", 180.0) == []
     (wide,) = rods(made("in front", 180.0, "fit: {rod_width_mm: 80}"))
-    room = next(one.room_mm for one in passings_of(made("in front", 180.0)) if one.part == "rod")
+    room = next(one.room_mm for one in made("in front", 180.0).passings if one.part == "rod")
     assert f"no wider than {np.floor(100.0 * room) / 100.0:g} mm" in wide.remedies[0].text
 
 
@@ -154,7 +154,7 @@ def test_a_driving_shaft_that_ends_is_not_in_the_pin_s_way() -> None:
 def test_a_pin_of_its_own_diameter_is_judged_by_it() -> None:
     text = TEXT.format(linkage="{crank_mm: 30, rod_mm: 150}", axis=180.0, more="")
     found = drive_of_text(text.replace("driving: {bore_mm: 12}", "driven: {bore_mm: 10, crank_pin: {diameter_mm: 8}}"))
-    pin = next(one for one in passings_of(found) if one.part == CRANK_PIN)
+    pin = next(one for one in found.passings if one.part == CRANK_PIN)
     assert pin.half_mm == 4.0
     assert pin.room_mm is None
     assert pin.clearance_mm is None
@@ -174,7 +174,7 @@ def test_a_pin_beside_a_hub_is_remarked() -> None:
 def test_summary_and_data_sheet_tell_the_same() -> None:
     found = made("in front", 180.0, "fit: {rod_width_mm: 18}")
     section = passed_summary(found)["fit"]
-    rod: Passing = next(one for one in passings_of(found) if one.part == "rod")
+    rod: Passing = next(one for one in found.passings if one.part == "rod")
     assert section["rod_to_driving_shaft_min_mm"] == rod.distance_mm
     assert section["rod_to_driving_shaft_clearance_mm"] == pytest.approx(rod.distance_mm - 6.0 - 9.0)
     rows = {entry.label: entry for entry in passed_rows(found)}
@@ -186,7 +186,7 @@ def test_summary_and_data_sheet_tell_the_same() -> None:
 def test_pins_of_end_stops_stand_where_the_frame_has_them() -> None:
     """In the frame of the pair the driven axis is on +x; with the driving axis behind the crank both frames agree."""
     found = drive("spiral-pair")
-    stop = next(one.standing for one in passings_of(found) if "end stop" in one.standing.name)
+    stop = next(one.standing for one in found.passings if "end stop" in one.standing.name)
     x, y = found.solids.driving.plan.pin_mm
     assert stop.center_mm == pytest.approx((x - found.pitch.center_distance_mm, y))
     assert hypot(x, y) == pytest.approx(found.gears.driving.end_stop.radius_mm)
@@ -194,7 +194,7 @@ def test_pins_of_end_stops_stand_where_the_frame_has_them() -> None:
 
 @pytest.mark.parametrize("name", ["rack-feed", "desk-toy"])
 def test_gears_without_a_crank_have_nothing_to_pass(name: str) -> None:
-    assert passings_of(drive(name)) == ()
+    assert drive(name).passings == ()
     assert passed_summary(drive(name)) == {}
 
 

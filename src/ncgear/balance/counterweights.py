@@ -17,7 +17,7 @@ Counterweights tried one by one give the tables of C. Wei, L. Xu, J. Wang, Y. Li
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linprog
@@ -37,6 +37,7 @@ from ncgear.balance.mechanism import (
 )
 from ncgear.balance.shaking import Track, shaking, track
 from ncgear.balance.waveform import Statistics, Waveform, gauss_points, magnitude_statistics, waveforms
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import EvenPace
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray

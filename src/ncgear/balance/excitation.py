@@ -8,12 +8,12 @@ harmonics of its acceleration, which are the Fourier coefficients of the actual 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.balance.mechanism import WRIST, DrivenCrank, accelerations
 from ncgear.balance.waveform import Waveform
+from ncgear.frozen import dataclass
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 
 NEGLIGIBLE = 1e-9

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from cmath import exp
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi, sin
 
 import numpy as np
@@ -26,6 +26,7 @@ from ncgear.balance.mechanism import Counterweight, DrivenCrank, JointMasses
 from ncgear.balance.shaking import TRACK_POINTS, Shaking, Track, shaking
 from ncgear.balance.waveform import Waveform, waveforms
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics import chebyshev

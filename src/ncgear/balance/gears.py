@@ -14,7 +14,6 @@ its dual.  The chord's direction and distance follow from both components of the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import ceil, pi, sqrt
 
 import numpy as np
@@ -25,6 +24,7 @@ from shapely.affinity import rotate
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.solids.mesh.slabs import slab_mesh
 from ncgear.solids.mesh.triangles import TriangleMesh

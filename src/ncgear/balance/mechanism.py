@@ -21,13 +21,14 @@ So counterweights change coefficients only, and the functions are fitted once fo
 from __future__ import annotations
 
 from cmath import exp, phase
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
 from math import pi
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.mechanism import RodMechanism
 from ncgear.numerics import chebyshev

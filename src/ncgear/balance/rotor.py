@@ -22,12 +22,12 @@ from __future__ import annotations
 from bisect import bisect_left
 from cmath import exp
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, pi
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import ComplexArray
 
 # --- permissible unbalance ------------------------------------------------------------------------------------------

@@ -16,7 +16,6 @@ crank adds; ``two_term_formula`` says how much.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 from math import pi
@@ -39,6 +38,7 @@ from ncgear.balance.mechanism import (
 )
 from ncgear.balance.waveform import Statistics, Waveform, magnitude_statistics, squared_magnitude, waveforms
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev

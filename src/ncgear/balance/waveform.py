@@ -7,7 +7,6 @@ even steps, so a joint of the law or a short return costs no accuracy.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, pi
@@ -15,6 +14,7 @@ from math import ceil, pi
 import numpy as np
 from scipy.integrate import tanhsinh
 
+from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev, quadrature
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ncgear.errors import located
+from ncgear.memory import keep_freed_memory
 
 if TYPE_CHECKING:
     from ncgear.design.keys.base import Model
@@ -94,6 +95,8 @@ def opened(path: Path) -> Iterator[LoadedDesign]:
     """A context with the design of a file; errors raised in it get the place of their key in that file."""
     from ncgear.design.reading.design_file import load
 
+    # What follows computes with large arrays.
+    keep_freed_memory()
     loaded = load(path)
     with located(loaded.source):
         yield loaded

@@ -13,7 +13,7 @@ from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended,
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
-from ncgear.files.workshop.formats import USUAL, Format
+from ncgear.files.workshop.formats import USUAL, Format, slow_to_load
 
 
 def check(
@@ -77,7 +77,9 @@ def build(
     from ncgear.drawings.beside import MOTION_PICTURE, PAGE_CHARTS, drawing_beside
     from ncgear.files.publish import prepare
 
-    with drawing_beside(MOTION_PICTURE, *([PAGE_CHARTS] if report else [])) as drawer, opened(design_file) as given:
+    kinds = kinds or list(USUAL)
+    charts = [PAGE_CHARTS] if report else []
+    with drawing_beside(MOTION_PICTURE, *charts, *slow_to_load(kinds)) as drawer, opened(design_file) as given:
         prepare(out or EXPORT / given.design.name)
         if given.design.gears is None:
             raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
@@ -98,7 +100,7 @@ def build(
         # The report of an earlier design would lie beside gears that it does not show.
         report = report or holds_as_written(folder, REPORT_FILE)
         with naming_what_helps(drive), steps_shown(step_count(drive, report=report)) as on_step:
-            built = build_files(drive, folder, on_step, kinds or USUAL, loaded if report else None, drawer)
+            built = build_files(drive, folder, on_step, kinds, loaded if report else None, drawer)
         design = made.kept_in(folder)
         # Both runs wrote the manifest.
         paths = list(dict.fromkeys([*built.paths, *design.paths]))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +11,7 @@ import typer
 
 from ncgear.cli.progress import counted
 from ncgear.errors import DesignError
+from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
     from ncgear.design.reading.design_file import LoadedDesign

@@ -7,7 +7,6 @@ between which teeth, and what limits their tips.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from ncgear.contact.designed.flanks import PairsInContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import in_words

@@ -6,12 +6,13 @@ Everything that depends on the senses in which the gears turn, and on which side
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import ceil, floor, lcm, pi
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.pitch.pair import PitchPair, ToothedArc
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad

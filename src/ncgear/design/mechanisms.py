@@ -8,7 +8,7 @@ imported where a mechanism is made, so that reading a design file loads no numer
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import Model
@@ -24,6 +24,7 @@ from ncgear.design.keys.masses import (
 )
 from ncgear.design.keys.wishes import Timing, TurningWishes, Wishes
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism, Mechanisms

@@ -8,7 +8,6 @@ is the template's value, or else an allowed value.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -24,6 +23,7 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.design.told_keys import ToldKey
 from ncgear.design.words import listed
+from ncgear.frozen import dataclass
 from ncgear.numerics.units import label_and_unit
 
 

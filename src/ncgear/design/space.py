@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import lru_cache
 from itertools import pairwise
@@ -22,6 +21,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import plain_number, quoted
 from ncgear.design.varied import checked_design
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 
 OPTION = "--vary"

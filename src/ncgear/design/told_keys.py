@@ -9,11 +9,11 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from ncgear.design.words import spellings
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.units import label_and_unit
 
 FILE = Path(__file__).with_suffix(".json")

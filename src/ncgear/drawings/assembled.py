@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ncgear.drawings.charts.chart import Chart
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Mask
 
 SLACK = 1.03

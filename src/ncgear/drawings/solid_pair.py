@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import radians
 from typing import Any
 
 import numpy as np
 
 from ncgear.drawings.palette import LIGHT
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh.triangles import TriangleMesh

@@ -19,12 +19,12 @@ all from secondary sources).  Lubrication and dirt (the factor a_ISO) are not co
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import log, pi
 
 import numpy as np
 
 from ncgear.drivetrain.cycle import Cycle, LoadsAt, ShaftLoads, loads_at
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each

@@ -7,12 +7,12 @@ loads are then exact to about 1e-12.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from ncgear.dynamics.rigid import Rigid, RigidMachine
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import stretches
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import fitted

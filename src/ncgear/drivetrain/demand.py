@@ -16,7 +16,6 @@ holds for any motion; friction is taken as at w_0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -25,6 +24,7 @@ from ncgear.drivetrain.cycle import Cycle
 from ncgear.drivetrain.losses import Losses
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.dynamics.rigid import Fluctuation
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import fitted
 from ncgear.numerics.extrema import Extremum

@@ -11,8 +11,9 @@ way, and the standard's method B, or a fit without play, is needed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
+
+from ncgear.frozen import dataclass
 
 ALLOWED_OF_YIELD = 0.9
 """Share of the yield strength that method C allows for ductile parts."""

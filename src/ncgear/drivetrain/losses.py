@@ -17,7 +17,6 @@ The force is the one without friction, so losses are of first order in mu.  The 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +26,7 @@ from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
 from ncgear.drivetrain.cycle import Cycle
 from ncgear.dynamics.rigid import IDLE
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.pitch.pair import PitchPair

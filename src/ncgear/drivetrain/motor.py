@@ -13,12 +13,12 @@ as induction motors about their rated point and direct-current motors do.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
 
 from ncgear.drivetrain.demand import Demand
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 

@@ -14,12 +14,12 @@ same A).  The clutch catches again where D is 0 again.  So the speed follows wit
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.drivetrain.cycle import CLOSE_RAD, WIDEST_RAD, panels_between
 from ncgear.drivetrain.demand import Demand
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum

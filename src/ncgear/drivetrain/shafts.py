@@ -28,11 +28,11 @@ grooves and press fits beside the keyway are not looked at: an estimate, in plac
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import log10, pi, sqrt
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 
 FIBRES = 72

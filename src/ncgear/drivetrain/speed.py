@@ -14,7 +14,7 @@ speed no longer changes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import inf, pi, sqrt
 
@@ -25,6 +25,7 @@ from ncgear.drivetrain.cycle import apart, panels_between
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.motor import Gearbox, StraightLine
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum

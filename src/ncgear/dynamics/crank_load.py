@@ -19,7 +19,7 @@ that jumps, and over whole turns the work is that of friction.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import reduce
 from math import ceil, pi
 from operator import add
@@ -27,6 +27,7 @@ from operator import add
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism, MovingMass
 from ncgear.mechanisms.slider_load import SliderLoad

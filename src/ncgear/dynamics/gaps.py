@@ -12,7 +12,7 @@ the energy of a pair that gets stiffer or softer on its way is known too.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +22,7 @@ from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import BOTH_SIDES, URGE, Placement, placed
 from ncgear.dynamics.pair_places import PairStiffness, fixed_tangents, pair_places
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask, row_blocks
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
 from ncgear.numerics.plane import along

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.dynamics.meshing import force_on_driven
 from ncgear.dynamics.motion_in_time import Course
 from ncgear.dynamics.rigid import RigidMachine
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import CrankPace, JointForces
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

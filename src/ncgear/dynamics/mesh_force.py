@@ -10,11 +10,11 @@ Cambridge 2009, chapter 2).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector

@@ -23,12 +23,13 @@ is t.a.  The tangential speeds give the component of a across t in the same way.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ncgear.dynamics.gaps import Gaps, Near
 from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.numerics.plane import Vector

@@ -9,7 +9,6 @@ where the resistance goes on or off, and about each narrow peak of it, which its
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 from math import ceil, pi
@@ -21,7 +20,8 @@ from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.errors import NoSuchMechanism
-from ncgear.numerics.arrays import Array
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.periodic_table import PeriodicTable, quintics
 from ncgear.numerics.units import in_words
 from ncgear.ratio.transmission import Piece, Transmission
@@ -41,7 +41,7 @@ def law_table(transmission: Transmission) -> PeriodicTable:
 
 def _piece(piece: Piece, step_rad: float) -> tuple[Array, Array]:
     count = ceil((piece.end_rad - piece.start_rad) / step_rad) + 1
-    knots = np.union1d(np.linspace(piece.start_rad, piece.end_rad, count), piece.knots_rad)
+    knots = distinct(np.append(np.linspace(piece.start_rad, piece.end_rad, count), piece.knots_rad))
     angle = piece.driven_angle(knots, 2)
     values = [angle.value, angle.derivative(1), angle.derivative(2)]
     return knots, quintics(np.diff(knots), [value[:-1] for value in values], [value[1:] for value in values])

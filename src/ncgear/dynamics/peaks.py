@@ -7,7 +7,6 @@ there.  A resistance may have a narrow peak that no step meets: the places at wh
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from ncgear.dynamics.history import History, history
 from ncgear.dynamics.motion_in_time import Course
 from ncgear.dynamics.rigid import RigidMachine
 from ncgear.dynamics.touching import meetings_s
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.highest import largest_of_each

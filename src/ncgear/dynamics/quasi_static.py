@@ -7,12 +7,13 @@ Their moment grows as the driven gear gives way, so exactly one driven angle bal
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each

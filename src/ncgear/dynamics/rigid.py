@@ -16,7 +16,6 @@ Gears whose carrying flanks cannot hold the torque, because their pressure angle
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property, partial
 from math import degrees, pi, sqrt
 from operator import attrgetter
@@ -25,6 +24,7 @@ import numpy as np
 
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
 from ncgear.mechanisms.forces import CrankPace, EvenPace, JointForces
 from ncgear.mechanisms.masses import Masses

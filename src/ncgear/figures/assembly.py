@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
 
 from ncgear.figures.numbers import DRAWN_DECIMALS, rounded
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from io import StringIO
 from math import degrees
 from pathlib import Path
@@ -27,6 +27,7 @@ from ncgear.figures.numbers import finite, fixed, json_text, shown
 from ncgear.figures.quantities import name_of, told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.frontier import FamilyPoint, LawPoint

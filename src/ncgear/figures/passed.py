@@ -7,7 +7,6 @@ from typing import Any
 
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.project.drive import Drive
-from ncgear.project.passing import passings_of
 
 
 def passed_summary(drive: Drive) -> dict[str, Any]:
@@ -17,7 +16,7 @@ def passed_summary(drive: Drive) -> dict[str, Any]:
     part that passes, less than 0 where none does; ``clearance`` is there where the width is given.
     """
     found: dict[str, Any] = {}
-    for one in passings_of(drive):
+    for one in drive.passings:
         name = f"{one.part} to {one.standing.name}".replace("'s", "").replace(" ", "_")
         found[f"{name}_min_mm"] = one.distance_mm
         found[f"{name}_min_at_rad"] = one.phi1_rad
@@ -31,7 +30,7 @@ def passed_summary(drive: Drive) -> dict[str, Any]:
 def passed_rows(drive: Drive) -> tuple[Entry, ...]:
     """The same as rows of the data sheet: distances between middles, the angles, and the widest part that passes."""
     rows = []
-    for one in passings_of(drive):
+    for one in drive.passings:
         name, room = f"{one.part} to {one.standing.name}", one.room_mm
         rows.append(Entry(f"{name}: least distance of their middles", "mm", pair=one.distance_mm))
         rows.append(Entry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))

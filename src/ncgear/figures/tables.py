@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import zip_longest
 from typing import NamedTuple
 
 from ncgear.figures.numbers import drawn
+from ncgear.frozen import dataclass
 
 Value = float | int | str | bool | None
 """The content of a cell; None leaves it empty."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +27,10 @@ from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build_summary import build_summary, with_files
 from ncgear.files.manifest import publish_run
 from ncgear.files.meshes import stl_bytes, written_outlines
-from ncgear.files.outline_errors import outline_errors_mm
+from ncgear.files.outline_errors import ERRORS, error_of_step_mm, exact_outlines
 from ncgear.files.publish import prepare
-from ncgear.files.workshop.formats import Format, begun_workshop_files
+from ncgear.files.workshop.formats import WRITERS, Format, begun_workshop_files
+from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 
 STEPS = {
@@ -111,7 +111,12 @@ def step_count(drive: Drive, *, report: bool) -> int:
 
 def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[PairContact]:
     """The contact of every pair as a build finds it in its files, without writing any; raises the errors of steps."""
-    return [_written(pair, naming_stage(pair, on_step))[1] for pair in drive.by_stage]
+    contacts = []
+    for pair in drive.by_stage:
+        named = naming_stage(pair, on_step)
+        list(_computed(pair, named))
+        contacts.append(_written(pair, named)[1])
+    return contacts
 
 
 def folder_of(stage: int | None) -> str:
@@ -137,25 +142,35 @@ class _Pair:
 def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format], drawer: Drawer) -> _Pair:
     """All files of one pair of gears."""
     drawn: list[Callable[[], dict[str, bytes]]] = []
-
-    def begin_pictures(step: str) -> None:
-        # What can be drawn already is drawn beside while the rest is computed.
+    # What can be drawn already is drawn beside while the rest is computed.
+    for step in _computed(drive, on_step):
         if step == "motion":
             drawn.append(drawer.begun(MOTION_PICTURE, motion_picture(drive)))
         if step == "teeth":
             drawn.append(drawer.begun(GEAR_PICTURES, gear_pictures(drive)))
-
-    files, contact, outlines = _written(drive, on_step, begin_pictures)
-    with _timed(drive, "workshop files", on_step):
-        workshop = begun_workshop_files(drive, formats, drawer)
+    with drive.stopwatch("workshop files"):
+        exact = exact_outlines(drive.teeth)
+        # A process that takes its clearance from outlines makes parallels of them.
+        shared = drawer, exact if drive.gears.process_clearance_mm == 0.0 else None
+        slow = [kind for kind in formats if WRITERS[kind].is_slow]
+        workshop = [begun_workshop_files(drive, slow, *shared)]
+    files, contact, outlines = _written(drive, on_step)
     drawn.append(drawer.begun(LOAD_PICTURES, load_pictures(drive, contact)))
+    with drive.stopwatch("workshop files"):
+        workshop.append(begun_workshop_files(drive, set(formats).difference(slow), *shared))
+        both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
+        measured = drawer.offered(ERRORS, exact, both)
     advices = build_advice(drive)
     figures = build_summary(drive, contact, advices)
-    with drive.stopwatch("workshop files"):
-        written = workshop()
-        files.update(written.files)
-        both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
-        errors_mm = outline_errors_mm(drive, files, {**both, **written.outlines})
+    with _timed(drive, "workshop files", on_step):
+        errors_mm = measured()
+        # What the second process has not come to is soonest made here, the last first.
+        for made in reversed(workshop):
+            written = made()
+            files.update(written.files)
+            errors_mm.update(written.errors_mm)
+        if "pair.step" in files:
+            errors_mm["step"] = error_of_step_mm(files["pair.step"])
     with _timed(drive, "plots", on_step):
         for pictures in drawn:
             files.update(pictures())
@@ -164,18 +179,17 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact, advices)
 
 
-def _written(
-    drive: Drive, on_step: Callable[[str], None], after_step: Callable[[str], None] = lambda step: None
-) -> tuple[dict[str, bytes], PairContact, list[Outlines]]:
-    """Tables and solids of one pair of gears, the contact found in them, and the outlines read back.
-
-    ``after_step`` is called with the name of each step of the drive after it is computed.
-    """
+def _computed(drive: Drive, on_step: Callable[[str], None]) -> Iterator[str]:
+    """The name of each step of one pair of gears after it is computed."""
     for step, attributes in STEPS.items():
         on_step(step)
         for attribute in attributes:
             getattr(drive, attribute)
-        after_step(step)
+        yield step
+
+
+def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, bytes], PairContact, list[Outlines]]:
+    """Tables and solids of one pair of gears, the contact found in them, and the outlines read back."""
     with _timed(drive, "files", on_step):
         files = {
             "law.csv": law_csv(drive.motion, drive.linkage.OUTPUT).encode(),

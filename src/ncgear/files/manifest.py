@@ -10,7 +10,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
@@ -19,6 +19,7 @@ from stat import S_ISREG
 from ncgear import __version__
 from ncgear.errors import WrongInput
 from ncgear.files.publish import REMEDY, exchange, is_inside, is_there, opened, require_inside
+from ncgear.frozen import dataclass
 
 MANIFEST = "manifest.json"
 KEYS = {"ncgear", "files"}

@@ -9,30 +9,25 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from ncgear.files.workshop.read_back import READERS, read_outlines
 from ncgear.metrology.chord_error import exact_points, farthest_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
-from ncgear.project.drive import Drive
+from ncgear.teeth.gear import ToothedPair
+
+ExactOutlines = tuple[Array, Array]
+"""Points of all exact curves of the driving and of the driven gear, shape (n, 2) each."""
+
+ERRORS = f"{__name__}:outline_errors_mm"
 
 
-def outline_errors_mm(
-    drive: Drive, files: Mapping[str, bytes], outlines: Mapping[str, tuple[Array, Array]]
-) -> dict[str, float]:
-    """The largest distance of both gears' exact curves from their outlines in the files of each kind, by its name.
+def exact_outlines(teeth: ToothedPair) -> ExactOutlines:
+    """The points against which outlines are measured."""
+    return exact_points(teeth.of(Gear.DRIVING)), exact_points(teeth.of(Gear.DRIVEN))
 
-    ``outlines``, by the kinds of files, are those that are read back already; those of the other ``files`` are read
-    now.  Drawings of gears from which a process takes its clearance are left out: their outlines are parallels.
-    """
-    left = {name: content for name, content in files.items() if name.rsplit(".", 1)[-1] not in outlines}
-    found = {**outlines, **read_outlines(left)}
-    if drive.gears.process_clearance_mm != 0.0:
-        found = {kind: both for kind, both in found.items() if kind not in READERS}
-    exact = [exact_points(drive.teeth.of(gear)) for gear in Gear]
-    errors = {kind: max(map(farthest_mm, exact, both)) for kind, both in found.items()}
-    if "pair.step" in files:
-        errors["step"] = error_of_step_mm(files["pair.step"])
-    return errors
+
+def outline_errors_mm(exact_mm: ExactOutlines, outlines_mm: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
+    """The largest distance of both gears' exact curves from the outlines of each kind of file, by its name."""
+    return {kind: max(map(farthest_mm, exact_mm, both)) for kind, both in outlines_mm.items()}
 
 
 def error_of_step_mm(data: bytes) -> float:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -19,6 +18,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.files.publish import UNFINISHED, is_there, put_in_place
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.screening.designs import Designs
 

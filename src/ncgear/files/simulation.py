@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from ncgear.figures.simulated import (
     rigid_table,
 )
 from ncgear.figures.terminal import SIDE_BY_SIDE, beside_lines, summary_text, written_lines
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.drive import Drive

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from math import ceil, log2
@@ -24,6 +23,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.space import Ranged, Space
 from ncgear.extras import require
 from ncgear.files.parts import Parts, alone_in, table_bytes
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.screening.batch import kind_of
 from ncgear.screening.deeper import deepened, deeper_names, require_stage

@@ -6,7 +6,6 @@ import json
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design, json_schema
 from ncgear.errors import WrongInput
 from ncgear.files.jsonc import NotEditable, parsed, with_member
+from ncgear.frozen import dataclass
 
 SETTINGS_FOLDER, SETTINGS_FILE = ".vscode", "settings.json"
 

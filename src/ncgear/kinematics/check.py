@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from math import degrees, fsum
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
 from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array, distinct

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, Stretch, stretches
 from ncgear.kinematics.wishes import Stroke, spread
 from ncgear.numerics.arrays import Array, IndexArray, distinct

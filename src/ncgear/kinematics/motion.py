@@ -10,13 +10,14 @@ peak 0.014 rad of the crank wide, which samples over the whole stroke miss.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from math import pi
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, Mask, distinct

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import floor, inf, log10, pi
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.kinematics.even_speed import EvenStretch, longest_even_stretch, velocity
 from ncgear.kinematics.motion import Machine, stretches
 from ncgear.kinematics.wishes import (

@@ -16,13 +16,14 @@ those that bound them take the requirements; ``kinematics.outcomes`` judges a mo
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from math import inf, pi
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import SLIDER, Mechanism, Output
 
 NEGLIGIBLE = 1e-6

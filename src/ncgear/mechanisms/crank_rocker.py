@@ -19,13 +19,13 @@ the shortest and a + longest < sum of the other two (F. Grashof, "Theoretische M
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import factorial, pi
 from typing import ClassVar, Self
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
 from ncgear.mechanisms.masses import Masses, RockerMasses
 from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape

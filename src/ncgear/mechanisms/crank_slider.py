@@ -7,13 +7,13 @@ extended) take more than pi.  ``mechanisms.mechanism`` describes frame and pose.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import acosh, asin, pi, sqrt
 from typing import ClassVar, Self
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
 from ncgear.mechanisms.masses import Masses, RodMasses
 from ncgear.mechanisms.mechanism import Link, Mechanisms, MovingMass, Point, Rod, RodMechanism, Shape

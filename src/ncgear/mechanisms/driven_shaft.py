@@ -6,13 +6,13 @@ Its place is the driven angle; it goes on for ever, has no dead centre, and bear
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import pi
 from typing import ClassVar, Self
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import CrankBody, JointForces, Pace, crank_forces
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Output

@@ -9,9 +9,9 @@ mass, and the equations of the crank are here.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

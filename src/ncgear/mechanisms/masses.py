@@ -6,7 +6,7 @@ slider; what else moves is the mechanism's own: one with a connecting rod has ``
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from ncgear.frozen import dataclass
 
 
 @dataclass(frozen=True)

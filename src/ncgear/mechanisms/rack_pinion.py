@@ -8,11 +8,11 @@ counted along its line; what pushes pinion and rack apart has no part in torque 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import cos, pi, radians, sin, tan
 from typing import ClassVar, Self
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import CrankBody, JointForces, Pace, crank_forces, moving_force
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Output, Point, Shape

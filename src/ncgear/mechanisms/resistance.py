@@ -10,7 +10,6 @@ table that is nowhere negative stays so.  Beyond the table's ends the force keep
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev, joined, nodes
@@ -62,7 +62,7 @@ class Resistance(ABC):
 
     def knots_mm(self, stroke_mm: float) -> Array:
         """Displacements inside the stroke between which a search misses nothing of the curve, in rising order."""
-        return np.union1d(self.turns_mm(stroke_mm), self.panels_mm(stroke_mm))
+        return distinct(np.append(self.turns_mm(stroke_mm), self.panels_mm(stroke_mm)))
 
     def negative_stretches_mm(self, stroke_mm: float) -> list[tuple[float, float]]:
         """Stretches of the stroke on which the curve is negative."""

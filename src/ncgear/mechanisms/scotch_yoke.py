@@ -6,12 +6,12 @@ The displacement is r (1 - cos phi2).  ``mechanisms.mechanism`` describes frame 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import pi
 from typing import ClassVar, Self
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Shape

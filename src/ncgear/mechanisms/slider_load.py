@@ -12,12 +12,12 @@ as loaded teeth let it, meets no force that jumps.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.resistance import PolynomialResistance, Resistance
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet

@@ -16,13 +16,13 @@ With chi the lever's angle from the retracted dead centre and l = sqrt(d^2 - r^2
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import asin, cos, log, pi
 from typing import ClassVar, Self
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
 from ncgear.mechanisms.masses import LeverMasses, Masses
 from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape

@@ -14,12 +14,12 @@ The fit begins at the best of many angles: the outline of a gear with z teeth ne
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.metrology.exact_outline import FLANK_CURVE, ExactOutline, Feet
 from ncgear.numerics.arrays import Array, ComplexArray, Mask
 from ncgear.numerics.plane import across

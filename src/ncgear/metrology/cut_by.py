@@ -8,13 +8,14 @@ space freely.  Its fillets off the line of action are not tried: build with it a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from math import degrees
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.metrology.round_tool import RoundTool
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import STRAIGHT, PitchPair

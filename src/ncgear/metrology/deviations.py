@@ -14,10 +14,9 @@ sides of it the form deviation, and both together, from least to greatest, the t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.metrology.best_fit import BestFit, is_astray
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOutline
 from ncgear.numerics.arrays import Array, IndexArray, Mask

@@ -11,12 +11,13 @@ of curvature; points of a measured gear are some hundredths of that away.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import across, along, as_complex, square
 from ncgear.pitch.shape import Gear

@@ -10,13 +10,13 @@ The measurement over two pins (between them, in a ring) is taken in spaces that 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from math import ceil
 
 import numpy as np
 import shapely
 
+from ncgear.frozen import dataclass
 from ncgear.metrology.working import WorkingFlanks
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings

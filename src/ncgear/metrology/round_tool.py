@@ -15,12 +15,12 @@ Tip land there: R = -1 / k - h.  Root lands are convex.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import floor
 
 import numpy as np
 import shapely
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.gear import ToothedGear

@@ -22,11 +22,11 @@ On a circle of z teeth that is the usual W = m cos(alpha) (pi (k - 1/2) + z inv(
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.metrology.working import WorkingFlanks
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import cross

@@ -14,11 +14,12 @@ The distances of tips and roots from the gear's axis are here as well.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import atan, cos, tan
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import turned
 from ncgear.teeth.flank import Flanks

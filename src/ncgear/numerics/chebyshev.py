@@ -8,13 +8,13 @@ Approximation Practice", SIAM 2013, chapters 3, 7 and 19.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, IndexArray, Mask, row_blocks
 
 DEGREE = 24
 """Degree of each panel: a panel costs 25 evaluations, and halving it makes a smooth function's tail 2^24 times less."""
@@ -121,13 +121,16 @@ class Cells:
 
     def __call__(self, points: Array) -> Array:
         """Values at ``points`` (any shape), the trailing axis appended; as ``PiecewiseChebyshev``."""
-        flat = np.ravel(points)
+        flat, (count, columns) = np.ravel(points), self.powers.shape[1:]
         starts, *ends = self._places
-        cell = starts.searchsorted(flat, side="right")
-        left, right = (end.take(cell) for end in ends)
-        local = ((flat - left) - (right - flat)) / (right - left)
-        values: Array = _powers(local, self.powers.shape[1])[:, None] @ self.powers.take(cell, axis=0)
-        return values.reshape(*np.shape(points), self.powers.shape[2])
+        values = np.empty((flat.size, columns))
+        for rows in row_blocks(flat.size):
+            some = flat[rows]
+            cell = starts.searchsorted(some, side="right")
+            left, right = (end.take(cell) for end in ends)
+            local = ((some - left) - (right - some)) / (right - left)
+            np.matmul(_powers(local, count)[:, None], self.powers.take(cell, axis=0), out=values[rows, None])
+        return values.reshape(*np.shape(points), columns)
 
 
 def cells_of(form: PiecewiseChebyshev) -> Cells:

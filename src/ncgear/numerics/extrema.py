@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.zeros import zeros_between

@@ -13,12 +13,12 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.discs import DISC_FUNCTIONS, Disc

@@ -8,10 +8,10 @@ shows what it does, such as the steps of a solver that controls its error.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, IndexArray, distinct
 from ncgear.numerics.extrema import Extremum
 

@@ -9,12 +9,12 @@ Derivatives", 2nd edition, SIAM 2008, table 13.2.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import factorial, pi
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Mask
 
 

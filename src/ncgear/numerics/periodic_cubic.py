@@ -9,11 +9,11 @@ A. Walther, "Evaluating Derivatives", 2nd edition, SIAM 2008, chapter 13).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.extrema import Extremum

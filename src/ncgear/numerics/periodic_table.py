@@ -7,11 +7,11 @@ that a table gives is the exact derivative of the value that it gives, as the ba
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 
 

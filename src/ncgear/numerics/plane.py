@@ -6,11 +6,11 @@ jets alike: it uses only the arithmetic that all three share.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 
 

@@ -12,10 +12,9 @@ theorem 8.2.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev

@@ -7,13 +7,13 @@ chains of them (L. Piegl and W. Tiller, "The NURBS Book", 2nd edition, Springer 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import cos
 
 import numpy as np
 from scipy.interpolate import BSpline, PPoly
 
+from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

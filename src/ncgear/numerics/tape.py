@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+
+from ncgear.frozen import dataclass
 
 VARIABLE, NUMBER, POWER, CHOICE = "variable", "number", "power", "choice"
 

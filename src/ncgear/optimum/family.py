@@ -19,7 +19,7 @@ method proves no optimum: that is what the certified limits are for.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from math import inf, isfinite, pi
 
@@ -28,6 +28,7 @@ from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import Mechanism

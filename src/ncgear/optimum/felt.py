@@ -6,7 +6,7 @@ power is the driving shaft's torque times its speed: positive where the motor dr
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, sqrt
 
 import numpy as np
@@ -22,6 +22,7 @@ from ncgear.dynamics.rigid import (
     largest_over,
     range_over,
 )
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.slider_load import SliderLoad

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.limit import Bound, least_acceleration, least_acceleration_roughly, least_power
 from ncgear.optimum.makeable.demanded import demands_of, start_motion

@@ -19,11 +19,12 @@ is convex in q.  The kinetic energy of all that moves with the crank is J(phi2) 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ncgear.dynamics.crank_load import reduced_inertia
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import CrankPace, JointForces, shaking_force
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism

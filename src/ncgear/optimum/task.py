@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, field, replace
 from math import degrees, inf, pi, tan
 
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import Masses

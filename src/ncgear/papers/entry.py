@@ -8,9 +8,10 @@ agrees if both of its sides do, to rounding errors; a claim that numbers are sma
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from decimal import Decimal
 from enum import StrEnum
+
+from ncgear.frozen import dataclass
 
 HOLDS = 1e-9
 """Largest residual of an equation that counts as true, relative to its largest term.  Rounding errors of a solved law

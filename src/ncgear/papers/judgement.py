@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ncgear.frozen import dataclass
 from ncgear.papers import gear_baler, pitch_lines, shaped_gears, sieve_and_pan, threshing_drum, track_chassis
 from ncgear.papers.entry import AGREEING, Computed, Entry, Paper, Verdict
 

@@ -13,12 +13,12 @@ So an open pair may have any module at any centre distance, as gears whose teeth
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import ceil, floor, pi
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

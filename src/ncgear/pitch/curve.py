@@ -10,7 +10,6 @@ on them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from math import cos
 from typing import Protocol
@@ -18,6 +17,7 @@ from typing import Protocol
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, Columns
 from ncgear.numerics.chebyshev import Cells, NotSmooth, PiecewiseChebyshev, cells_of

@@ -6,13 +6,13 @@ of gears that turn less than once need not be filled: any module suits any centr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property, partial
 from math import atan, degrees, floor, isclose, pi
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.extrema import Extremum, stationary_points
 from ncgear.numerics.jet import Jet
@@ -118,7 +118,12 @@ class PitchPair(Shown):
 
     def length_mm(self, gear: Gear) -> float:
         """Length of a gear's curve, integrated on that gear's own curve; of an open law, over its range."""
-        return self.of(gear).periods * period_length(self.transmission.made, gear, self.mesh) * self.center_distance_mm
+        return self._lengths_mm[gear]
+
+    @cached_property
+    def _lengths_mm(self) -> dict[Gear, float]:
+        made, size = self.transmission.made, self.center_distance_mm
+        return {gear: self.of(gear).periods * period_length(made, gear, self.mesh) * size for gear in Gear}
 
     def radius_range_mm(self, gear: Gear) -> tuple[float, float]:
         """Least and greatest pitch radius: r1 = a / (i - s) and r2 = a i / (i - s) at both ends of the ratio's range.

@@ -19,9 +19,9 @@ or more.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import fitted
 from ncgear.numerics.extrema import Extremum

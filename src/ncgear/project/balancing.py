@@ -6,7 +6,6 @@ The functions below the class turn the keys of the file into the values that ``n
 from __future__ import annotations
 
 from cmath import exp
-from dataclasses import dataclass
 from functools import cached_property
 from math import radians
 from typing import TYPE_CHECKING
@@ -20,6 +19,7 @@ from ncgear.design.keys import balance as keys
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.design.reading.balance_file import LoadedBalance
 from ncgear.errors import WrongInput, below, located
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.mechanism import require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.extras import installed, require
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task, figures

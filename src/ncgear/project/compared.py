@@ -8,7 +8,7 @@ Helical gears are compared in the section that is measured (``project.measured.m
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -18,6 +18,7 @@ from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
 from ncgear.design.reading.measured_file import MeasuredFile
 from ncgear.errors import DesignError, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.metrology.as_measured import outline_as_measured
 from ncgear.metrology.best_fit import BestFit, best_fit, nearness_mm
 from ncgear.metrology.deviations import GearDeviations, deviations

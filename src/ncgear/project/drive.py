@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.project.drivetrain import DrivetrainResult
     from ncgear.project.measured import MeasuredGear
+    from ncgear.project.passing import Passing
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.strength.answer import Strength
@@ -124,6 +125,13 @@ class Drive(Geared):
         designed, tolerance = self.designed_contact, self.design.output.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
+
+    @computed
+    def passings(self) -> tuple[Passing, ...]:
+        """How near crank pin and rods come to what stands beside the gears; none where the pair turns no crank."""
+        from ncgear.project.passing import passings_of
+
+        return passings_of(self)
 
     def require_sound_teeth(self) -> None:
         """Raise WrongInput or NoSuchMechanism where the contact of the exact teeth is not sound."""

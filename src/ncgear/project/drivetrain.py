@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ncgear.design.keys.design import Design
@@ -27,6 +25,7 @@ from ncgear.drivetrain.shafts import STEELS, Section, ShaftSafety, Steel, shaft_
 from ncgear.drivetrain.speed import Disc, LineDrive, SpeedCourse, disc, speed_course
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear

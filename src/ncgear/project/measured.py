@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from math import cos
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.metrology.cut_by import CutBy, cut_by
 from ncgear.metrology.pins import Pins, nominal_pin_mm, pins_in_spaces, pins_to_try
 from ncgear.metrology.round_tool import RoundTool, round_tool

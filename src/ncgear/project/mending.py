@@ -8,7 +8,6 @@ asks: the attributes of a drive only raise.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import reduce
 from itertools import product
@@ -18,6 +17,7 @@ from typing import assert_never
 
 from ncgear.design.keys.gears import MOST_TEETH
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
+from ncgear.frozen import dataclass
 from ncgear.project.alternatives import (
     Changes,
     changed_drive,

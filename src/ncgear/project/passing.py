@@ -13,17 +13,17 @@ distance; in all others it is looked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from math import cos, pi, radians, sin
 
 import numpy as np
 
 from ncgear.design.keys.bodies import GearBody
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project.drive import Drive
+from ncgear.project.geared import Geared
 from ncgear.ratio.transmission import Transmission
 
 CRANK_PIN = "crank pin"
@@ -67,7 +67,7 @@ class Passing:
         return self.distance_mm - self.standing.radius_mm - self.half_mm
 
 
-def passings_of(drive: Drive) -> tuple[Passing, ...]:
+def passings_of(drive: Geared) -> tuple[Passing, ...]:
     """All parts of a pair's crank beside all that stands there; none where the pair turns no crank."""
     if not drive.turns_crank:
         return ()
@@ -78,7 +78,7 @@ def passings_of(drive: Drive) -> tuple[Passing, ...]:
     )
 
 
-def _half_mm(drive: Drive, part: str) -> float | None:
+def _half_mm(drive: Geared, part: str) -> float | None:
     """Half the diameter of the crank pin, or half the width of a rod."""
     if part == CRANK_PIN:
         pin = drive.gears.driven.crank_pin
@@ -87,7 +87,7 @@ def _half_mm(drive: Drive, part: str) -> float | None:
     return None if width_mm is None else width_mm / 2.0
 
 
-def standing_of(drive: Drive) -> tuple[Standing, ...]:
+def standing_of(drive: Geared) -> tuple[Standing, ...]:
     """What stands beside a pair of gears: shaft or hub of the driving gear, and the pins of end stops."""
     gears, distance_mm = drive.gears, drive.pitch.center_distance_mm
     axis_rad = radians(gears.driving_axis_deg)

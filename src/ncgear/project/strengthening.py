@@ -7,13 +7,13 @@ and made larger until it holds.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import ceil
 from typing import TYPE_CHECKING, Literal
 
 from pydantic import ValidationError
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive

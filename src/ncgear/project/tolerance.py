@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import ceil, cos, degrees, radians
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from ncgear.contact.placement import BACK, Placement, placed
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.dynamics.rigid import RigidMachine, refuse_locked_at
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array

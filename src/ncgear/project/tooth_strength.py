@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_load import ToothLoad

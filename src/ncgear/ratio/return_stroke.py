@@ -12,13 +12,14 @@ searched for the least peak acceleration.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array, Number, distinct

@@ -8,13 +8,13 @@ that each has a positive ratio and ends where it must.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from math import factorial, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.numerics.arrays import Array, repeated
 from ncgear.numerics.jet import Jet

@@ -12,7 +12,7 @@ stroke.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from itertools import pairwise
 from math import degrees, fsum, pi
@@ -21,6 +21,7 @@ from operator import attrgetter
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array

@@ -15,13 +15,14 @@ advance everywhere, and why.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, pi
 from typing import Any, Generic
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import SLIDER, Output
 from ncgear.numerics.arrays import Array, Number, chosen
 from ncgear.numerics.roots import real_roots

@@ -6,7 +6,7 @@ No model is made for a row that differs from a written design only in numbers th
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -24,6 +24,7 @@ from ncgear.design.laws.three_segment_stroke import (
 )
 from ncgear.design.mechanisms import Entry, entry_of, lengths_of
 from ncgear.errors import DesignError, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism, Mechanisms, Output
 from ncgear.mechanisms.resistance import Resistance, TableResistance
 from ncgear.numerics.arrays import Array, IndexArray

@@ -7,7 +7,6 @@ of which no batch is sure, or whose kind knows no batch, is computed by itself.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.numbers import accepted
 from ncgear.design.varied import checked_design
 from ncgear.errors import DesignError, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.screening.batch import Batch, Kind, kind_of
 from ncgear.screening.rows import figure_names, found_of, single_figures

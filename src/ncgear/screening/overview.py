@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ncgear.design.space import Listed, Ranged, Space
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.screening.designs import Designs, joined
 from ncgear.screening.wanted import DIGITS, Wanted, non_dominated, rounded_to

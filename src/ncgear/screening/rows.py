@@ -7,7 +7,6 @@ keys.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import partial
 from math import degrees, pi, radians
 
@@ -17,6 +16,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet

@@ -9,7 +9,7 @@ of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import log, pi
 from typing import Any
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.errors import DesignError
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanisms
 from ncgear.numerics.arrays import Array, IndexArray, Mask, chosen, repeated
 from ncgear.numerics.jet import Jet

@@ -9,11 +9,11 @@ times larger), shifts, shortened tips, and what differs from tooth to tooth.  It
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import cos, pi, sin
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.strength.conditions import Conditions, Running, dynamic_factor, face_load_factor_of_roots

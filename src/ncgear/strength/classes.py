@@ -7,9 +7,10 @@ Python, since the keys of design files read it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
+
+from ncgear.frozen import dataclass
 
 
 class Quality(StrEnum):

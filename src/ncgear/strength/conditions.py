@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.strength.material import Family, Material
 
 

@@ -25,13 +25,13 @@ ISO 6336 covers circular gears only.  On other gears all this is a local estimat
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from math import pi, radians
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import along, as_complex
 from ncgear.strength.contacts import FlankPlaces
@@ -253,7 +253,7 @@ def estimate_of(gear: ToothedGear, material: Material) -> Estimate:
     flanks, sides = gear.flanks, gear.sides
     frames = _frames(flanks)
     runs = {kind: np.flatnonzero(sides.kind == kind) for kind in SAMPLES}
-    bare = np.setdiff1d(np.arange(flanks.count), sides.owner[runs[FILLET]])
+    bare = np.flatnonzero(np.bincount(sides.owner[runs[FILLET]], minlength=flanks.count) == 0)
     if bare.size:
         raise NoSuchMechanism(
             f"{flank_name(flanks, int(bare[0]))} has no fillet left: the estimate finds no notch there; strength by "

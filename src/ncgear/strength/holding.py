@@ -10,11 +10,11 @@ on the size, and sharing of loads between pairs are left out: what comes out is 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import Strength, ToothLife
 

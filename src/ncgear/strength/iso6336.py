@@ -11,12 +11,12 @@ Each function names the part its formula belongs to.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi, radians, sqrt, tan
 from typing import Any
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 Real = Any

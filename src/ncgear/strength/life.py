@@ -9,12 +9,12 @@ damage).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 from typing import Literal
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife

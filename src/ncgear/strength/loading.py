@@ -8,12 +8,12 @@ begins or ceases to bear load, the others' forces change within a small part of 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
 from ncgear.dynamics.meshing import Meshing
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
 from ncgear.numerics.plane import along
 from ncgear.pitch.pair import PitchPair

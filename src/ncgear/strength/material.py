@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 

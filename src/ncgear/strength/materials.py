@@ -6,8 +6,7 @@ this table what a gear endures.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ncgear.frozen import dataclass
 from ncgear.strength.classes import (
     ALLOY,
     CARBON,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.strength.contacts import FlankPlaces
 

@@ -7,10 +7,9 @@ Strickle as in the guideline, with the power that the loaded contacts lose by fr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import LoadedContacts

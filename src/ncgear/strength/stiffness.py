@@ -8,11 +8,10 @@ cycle, so that a pair is a linear spring.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ncgear.dynamics.pair_places import PairPlaces
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, row_blocks
 from ncgear.numerics.plane import along, as_complex
 from ncgear.strength.contacts import FlankPlaces

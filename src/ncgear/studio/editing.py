@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import SequenceMatcher, unified_diff
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import LINE_WIDTH, LONGEST_LINE, Rewriting
 from ncgear.errors import WrongInput
 from ncgear.files.publish import exchange, opened
+from ncgear.frozen import dataclass
 
 MOST_STEPS = 500
 """Steps that can be undone; with texts of some kilobytes they take a megabyte or two."""

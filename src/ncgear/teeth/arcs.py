@@ -10,10 +10,9 @@ Source: K. M. Bolton, "Biarc curves", Computer-Aided Design 7 (1975) 89-92.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along, as_complex, as_points
 from ncgear.teeth.contour import INSIDE, SHORTEST_MM, SPANS

@@ -19,11 +19,11 @@ radii and the prime is a derivative by the driving angle.  Along the normal the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import cos, degrees, sin
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet

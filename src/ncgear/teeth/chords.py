@@ -7,12 +7,13 @@ stray too far.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import along, angle_between, as_complex, as_points
 from ncgear.teeth.stretch import Stretch

@@ -11,10 +11,11 @@ Source: C. de Boor, "A Practical Guide to Splines", revised edition, Springer 20
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, as_complex, square
 from ncgear.teeth.gear import ToothedGear

@@ -30,12 +30,13 @@ A flank, with its fillet and all it rolls on, may stand turned about the gear's 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import lcm, remainder
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, cross
 from ncgear.numerics.units import in_words

@@ -7,12 +7,13 @@ the outlines.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import ceil, cos, inf, tan
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear

@@ -6,10 +6,11 @@ if its mate would have touched it there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.pitch.curve import PitchCurve
 from ncgear.teeth.flank import Flanks

@@ -6,7 +6,6 @@ The last check is whether the outline is a simple polygon: it sees what no singl
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import partial
 from math import atan2, degrees, sqrt
 
@@ -15,6 +14,7 @@ import shapely
 from shapely import Polygon
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.curve import PitchCurve

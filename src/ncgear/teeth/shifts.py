@@ -19,13 +19,13 @@ made such a gear, and another one with unequal pressure angles.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import gcd, pi, tan
 from typing import NoReturn
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 LEAST_THICKNESS = 0.2

@@ -12,12 +12,12 @@ pitch point where Q is nearest to the tool's curve, and reaches one radius deepe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import along, as_complex
 from ncgear.numerics.units import in_words

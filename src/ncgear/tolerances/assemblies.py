@@ -17,13 +17,14 @@ at the angle psi of the shaft between, delta1 being the keyway of the gear that 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from math import pi
 
 import numpy as np
 
 from ncgear.contact.placement import BACK, PUSHING
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet

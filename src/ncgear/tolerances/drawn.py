@@ -16,11 +16,11 @@ the wear, which both have alike.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.tolerances.mesh import RIGID, Deviations, Mesh
 

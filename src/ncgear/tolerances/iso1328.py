@@ -17,10 +17,9 @@ diameter of the gear does.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.teeth.gear import ToothedGear
 

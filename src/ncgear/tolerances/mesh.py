@@ -35,7 +35,7 @@ Left out: the second order in the deviations, the load, and the crowning and lea
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -46,6 +46,7 @@ from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.designed.flanks import FlankContacts, flank_contacts
 from ncgear.contact.placement import PUSHING, Placement, meetings
 from ncgear.dynamics.pair_places import fixed_tangents
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, as_complex
 from ncgear.teeth.gear import ToothedGear, ToothedPair

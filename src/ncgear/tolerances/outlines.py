@@ -9,7 +9,7 @@ looked at.  What chords cost is taken off: the same is done with the outlines wi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
 from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.play import outline_play
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, square
 from ncgear.pitch.pair import PitchPair

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import sqrt
 
 import numpy as np
 
 from ncgear.contact.placement import BACK, PUSHING
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.tolerances.assemblies import Assemblies, Lot, PairAssemblies, Task, computed, sobol_points, tasks_of
 from ncgear.tolerances.drawn import COUNT, Source, spread

@@ -9,12 +9,11 @@ pitch curve.  So all this holds for tips of any height and roots of any depth.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ncgear.contact.designed.curves import SidePaths
 from ncgear.contact.placement import BACK, PUSHING, Meetings
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along, as_complex, square
 

@@ -9,12 +9,12 @@ As the driven gear sees it, the driven gear is at rest, and the driving gear sta
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ncgear.contact.placement import URGE, Placement
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, angle_between, as_complex, square
 from ncgear.teeth.flank import FILLET, FLANK, Flanks

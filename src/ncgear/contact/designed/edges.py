@@ -8,13 +8,13 @@ of circle and exact curve is solved.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ncgear.contact.designed.curves import TINY, Contacts, SeenGear, SidePaths
 from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
 from ncgear.numerics.crossing import circle_crossings
 from ncgear.numerics.plane import along, angle_between, square

@@ -8,12 +8,12 @@ the pitch curves so narrow, and deep enough to show, is curved too much for a fl
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, PairTouch, touch_at
 from ncgear.contact.placement import placed_at
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_from

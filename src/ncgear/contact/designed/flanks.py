@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.designed.tangency import FacingFlanks, tangencies
 from ncgear.contact.placement import BOTH_SIDES, URGE, Meetings, Placement, meetings
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, largest_rows
 from ncgear.teeth.flank import FLANK
 from ncgear.teeth.gear import ToothedGear, ToothedPair

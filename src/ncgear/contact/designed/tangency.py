@@ -12,12 +12,13 @@ axis to the driven flank, and the point that gets there first is closed in on.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import TypeVar
 
 import numpy as np
 
 from ncgear.contact.placement import Placement
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, angle_between, as_complex, square
 from ncgear.teeth.gear import ToothedPair

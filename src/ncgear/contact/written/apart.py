@@ -8,14 +8,13 @@ a stretch of them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.cells import Cells, Chords, cells_near, chords_of
 from ncgear.contact.written.polar import polar_outline
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import across, square
 

@@ -9,7 +9,6 @@ The clearance of tips over roots is measured on the outlines, along the normals 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import sin
 
 import numpy as np
@@ -18,6 +17,7 @@ from ncgear.contact.placement import Placement
 from ncgear.contact.written.play import outline_play
 from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, counted_up
 from ncgear.numerics.plane import across, along, as_complex
 from ncgear.pitch.internal import passed_mm

@@ -9,13 +9,12 @@ so both which chord its vertex meets and which of the run's vertices meet the ch
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.apart import apart_play, half_width_rad
 from ncgear.contact.written.polar import TURN, RadialRuns, headings, polar_outline, radial_runs, with_feet
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import as_complex, square
 

@@ -7,12 +7,12 @@ tell where.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, pi, sqrt
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import across, along, angle_between, square
 

@@ -8,10 +8,11 @@ some of them.  The numerical rooms are imported where a law is made, so that rea
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Literal
 
 from ncgear.design.keys.base import Model
+from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism

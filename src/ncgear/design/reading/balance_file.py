@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from ncgear.design.reading.points import Columns, CsvKind, PointsFile, values_fr
 from ncgear.design.reading.text import read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 
 OF_A_DESIGN = {"linkage", "motion"}
 """Keys of every design file and of no balance file; a file with them gets one message instead of one for each key."""

@@ -6,7 +6,6 @@ Circles, arcs, ellipses and bulges of polylines become rational curves of degree
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from io import StringIO
 from math import isfinite
 from pathlib import Path
@@ -16,6 +15,7 @@ from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import Place
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
     from ezdxf.entities import DXFEntity

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from ncgear.design.reading.points import Columns, CsvKind, FileKind, values_from
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 
 LARGEST_MB = 5
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from ncgear.design.reading.text import plain_number, quoted, read_text
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 LARGEST_MB = 50

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from ncgear.design.keys.base import quantity, spellings
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Any, Protocol
@@ -16,6 +15,7 @@ from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import Document, FromFile, Place, named_by
 from ncgear.design.reading.text import plain_number, quoted, read_text
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 
 LARGEST_MB = 20
 

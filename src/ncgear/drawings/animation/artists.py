@@ -6,7 +6,6 @@ Each path is in the frame of its body and has its own transform: a new pose chan
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -24,6 +23,7 @@ from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, pin_radius
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import simplified, straws
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)

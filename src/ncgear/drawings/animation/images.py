@@ -40,13 +40,22 @@ def palette_found(scene: Scene, width_px: int) -> Image.Image:
     return made.crop((0, 0, 1, 1))
 
 
+def first_block_drawn(scene: Scene, width_px: int, phi1_rad: Array) -> tuple[Image.Image, list[Image.Image]]:
+    """The palette of a scene (see ``palette_found``), and images in its colours (see ``block_drawn``)."""
+    palette = palette_found(scene, width_px)
+    return palette, block_drawn(scene, width_px, phi1_rad, palette)
+
+
 def block_drawn(scene: Scene, width_px: int, phi1_rad: Array, palette: Image.Image | None) -> list[Image.Image]:
     """Images of a scene at driving angles in rad, shape (n,), in the colours of a palette if one is given."""
-    return list(drawn(picture(scene, width_px), scene, phi1_rad, palette))
+    return [in_colors(image, palette) for image in drawn(picture(scene, width_px), scene, phi1_rad)]
 
 
-def drawn(made: Picture, scene: Scene, phi1_rad: Array, palette: Image.Image | None) -> Iterator[Image.Image]:
-    """As ``block_drawn``, of a picture that is made, one after the other."""
-    for frame in made.frames(scene.poses(phi1_rad)):
-        image = Image.fromarray(frame)
-        yield image if palette is None else image.quantize(palette=palette, dither=Image.Dither.NONE)
+def drawn(made: Picture, scene: Scene, phi1_rad: Array) -> Iterator[Image.Image]:
+    """Images of a picture that is made, in full colours, one after the other."""
+    return map(Image.fromarray, made.frames(scene.poses(phi1_rad)))
+
+
+def in_colors(image: Image.Image, palette: Image.Image | None) -> Image.Image:
+    """An image in the colours of a palette, or as it is where there is none."""
+    return image if palette is None else image.quantize(palette=palette, dither=Image.Dither.NONE)

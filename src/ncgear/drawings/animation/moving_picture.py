@@ -9,7 +9,6 @@ still: letters would take most of the time of a frame.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from math import degrees
 from typing import Any
 
@@ -41,6 +40,7 @@ from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, 
 from ncgear.drawings.scene.scene import Poses, Scene
 from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, walls_mm
 from ncgear.figures.numbers import fixed, rounded
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Mechanism
 

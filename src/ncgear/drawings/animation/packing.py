@@ -1,13 +1,12 @@
 """The moving picture packed as the bytes of a file: an endless GIF by Pillow, or an MP4 by ffmpeg.
 
-Two processes draw.  The second finds the colours of a GIF while this one loads matplotlib; then, of each pair of blocks
-of frames, this one draws the first and the second process the other.
+Two processes draw: of each block of frames, this one the first, the second process the others.  For a GIF the second
+process first finds the colours.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from io import BytesIO
 from itertools import chain
 from math import ceil
@@ -18,8 +17,10 @@ import numpy as np
 from PIL import Image
 
 from ncgear.drawings.animation import AnimationFormat
-from ncgear.drawings.beside import FRAMES, HERE, PALETTE, Drawer
+from ncgear.drawings.beside import FIRST_FRAMES, FRAMES, HERE, Drawer
 from ncgear.drawings.scene.scene import Scene
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
 
 TICK_MS = 10
 """The unit of time of GIF files: a hundredth of a second."""
@@ -71,8 +72,11 @@ def mp4_bytes(images: Iterable[Image.Image], loop: Loop) -> bytes:
         return path.read_bytes()
 
 
-BLOCK = 64
-"""Most frames of a block: as many as memory may hold at once in full colours."""
+BLOCK = 116
+"""Most frames of a block: this process may hold those that it draws, 64, in full colours."""
+
+OWN = 0.55
+"""Share of a block that this process draws: so both are done with the first block at about the same time."""
 
 PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 
@@ -89,19 +93,33 @@ def animated(
 
 
 def _drawn_by_two(scene: Scene, kind: AnimationFormat, loop: Loop, drawer: Drawer) -> Iterator[Image.Image]:
-    colors = drawer.begun(PALETTE, scene, loop.width_px) if kind is AnimationFormat.GIF else lambda: None
-    # Loads matplotlib, while the second process finds the colours.
-    from ncgear.drawings.animation.images import drawn
-    from ncgear.drawings.animation.moving_picture import picture
-
-    made, palette = picture(scene, loop.width_px), colors()
     # Without the end of the loop, which looks like its beginning.
     phi1 = scene.evenly_in_time(loop.frames)
-    blocks = iter(np.array_split(phi1, 2 * ceil(phi1.size / (2 * BLOCK))))
-    for own, other in zip(blocks, blocks, strict=True):
-        beside = drawer.begun(FRAMES, scene, loop.width_px, other, palette)
-        yield from drawn(made, scene, own, palette)
+    blocks, palette = np.array_split(phi1, ceil(phi1.size / BLOCK)), None
+    if kind is AnimationFormat.GIF:
+        own, others = _shared(blocks.pop(0))
+        colored = drawer.begun(FIRST_FRAMES, scene, loop.width_px, others)
+    # Loads matplotlib, while the second process finds the colours.
+    from ncgear.drawings.animation.images import drawn, in_colors
+    from ncgear.drawings.animation.moving_picture import picture
+
+    made = picture(scene, loop.width_px)
+    if kind is AnimationFormat.GIF:
+        images = list(drawn(made, scene, own))
+        palette, further = colored()
+        yield from (in_colors(image, palette) for image in images)
+        yield from further
+    for block in blocks:
+        own, others = _shared(block)
+        beside = drawer.begun(FRAMES, scene, loop.width_px, others, palette)
+        yield from (in_colors(image, palette) for image in drawn(made, scene, own))
         yield from beside()
+
+
+def _shared(block: Array) -> tuple[Array, Array]:
+    """The driving angles of a block's frames that this process draws, and those of the others."""
+    count = round(OWN * block.size)
+    return block[:count], block[count:]
 
 
 def _counted(images: Iterator[Image.Image], total: int, on_frame: Callable[[int, int], None]) -> Iterator[Image.Image]:

@@ -7,13 +7,14 @@ of simulations.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
 from math import floor, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 if TYPE_CHECKING:

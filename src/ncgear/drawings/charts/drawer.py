@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,6 +27,7 @@ from ncgear.drawings.plots.canvas import (
     png,
 )
 from ncgear.figures.numbers import fixed, to_digits
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 DASHED = (0, (5, 2.5))

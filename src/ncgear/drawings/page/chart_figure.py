@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from markupsafe import Markup
 
 from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.figures.numbers import fixed
+from ncgear.frozen import dataclass
 
 END = "</svg>"
 

@@ -7,7 +7,6 @@ the samples of each chart and the places of its scales in its SVG.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from math import degrees, pi
 from typing import Any
 
@@ -20,6 +19,7 @@ from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.numbers import shown
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Link, Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

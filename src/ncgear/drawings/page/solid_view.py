@@ -11,7 +11,6 @@ from __future__ import annotations
 import gzip
 import re
 from base64 import b64encode
-from dataclasses import dataclass
 from hashlib import sha256
 from importlib.util import find_spec
 from itertools import product
@@ -22,6 +21,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from ncgear.drawings.solid_pair import Camera, as_on_screen, pair_glb, placed_pair
+from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 
 MOST_BYTES = 1_000_000

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from markupsafe import Markup, escape
 
 from ncgear.figures.tables import HtmlRow, Table
+from ncgear.frozen import dataclass
 
 NUMBERS = r"\d+(?:-\d+)?(?:, \d+(?:-\d+)?)*"
 NAMED = re.compile(rf"\b(driving|driven) gear\b|\b(?:tooth|teeth) ({NUMBERS})(?: of the (driving|driven) gear\b)?")

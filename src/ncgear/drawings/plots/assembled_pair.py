@@ -97,7 +97,7 @@ def draw_whole(axes: Axes, pair: Assembled, position: Position) -> None:
     axes.set_aspect("equal")
     axes.set_axis_off()
     phi1, phi2 = (drawn(rounded(degrees(angle), 1), "deg") for angle in (position.phi1_rad, position.phi2_rad))
-    axes.set_title(f"phi1 = {phi1}\u00b0, phi2 = {phi2}\u00b0", size=SMALL + 1.0, color=INK)
+    axes.set_title(f"phi1 = {phi1}\u00b0, phi2 = {phi2}\u00b0", size=SMALL + 1.0, color=INK, y=1.0)
 
 
 def draw_mesh(axes: Axes, pair: Assembled, half_mm: float, position: Position) -> None:

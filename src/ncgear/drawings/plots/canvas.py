@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
 
@@ -16,8 +15,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 from matplotlib.text import Annotation
+from PIL import Image
 
 from ncgear.drawings.palette import LIGHT
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 
@@ -75,10 +76,13 @@ PACKED = 3
 
 
 def png(made: Figure) -> bytes:
-    """The figure as PNG."""
+    """The figure as PNG: red, green and blue of each pixel, since no picture is transparent."""
+    # Matplotlib has no types for the canvas of Agg and its buffers.
+    canvas: Any = made.canvas
+    canvas.draw()
     data = BytesIO()
-    # Without the name and version of the library, the bytes depend on the picture alone.
-    made.savefig(data, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": PACKED})
+    pixels = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    pixels.save(data, "png", dpi=(made.dpi, made.dpi), compress_level=PACKED)
     return data.getvalue()
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +18,7 @@ from ncgear.drawings.palette import HOLDING, STRESS
 from ncgear.drawings.pictures import assembled_teeth
 from ncgear.drawings.plots.assembled_pair import turned
 from ncgear.drawings.plots.canvas import INK, NORMAL, REFERENCE, SMALL, area, figure, png, ring_area
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_points, signed_area
 from ncgear.pitch.shape import Gear

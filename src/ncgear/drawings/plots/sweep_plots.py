@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,6 +22,7 @@ from ncgear.drawings.plots.canvas import (
     figure,
     png,
 )
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 CELL_IN = 1.75

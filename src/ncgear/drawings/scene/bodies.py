@@ -15,7 +15,6 @@ is left of it at the retracted one.  Friction is not drawn.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
@@ -23,6 +22,7 @@ import shapely
 from shapely import LineString, Point, Polygon
 from shapely.geometry.polygon import orient
 
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism, Shape
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.mechanisms.slider_load import SliderLoad

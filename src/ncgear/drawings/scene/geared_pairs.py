@@ -11,13 +11,13 @@ the same sense.  All axes are on one line.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from math import cos, pi, radians, sin
 
 import numpy as np
 from shapely import Polygon
 
 from ncgear.drawings.scene.bodies import Body, Kind, Places
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad

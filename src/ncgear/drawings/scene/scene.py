@@ -7,7 +7,7 @@ clockwise.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import gcd, pi
 
@@ -16,6 +16,7 @@ import numpy as np
 from ncgear.design.keys.machine import Resistance
 from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, output_shape
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs, teeth_alone
+from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, OutputMotion
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet

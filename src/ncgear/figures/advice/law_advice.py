@@ -13,7 +13,7 @@ from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.alternatives import STEPS, flatter_rack, gentler, kept_percent
 from ncgear.project.drive import Drive
-from ncgear.project.passing import CRANK_PIN, about_axis, passings_of
+from ncgear.project.passing import CRANK_PIN, about_axis
 from ncgear.ratio.transmission import Transmission
 
 OPTIMIZE = "ncgear optimize"
@@ -181,7 +181,7 @@ def rods(drive: Drive) -> list[Advice]:
     if fit is None:
         return []
     found = []
-    for one in passings_of(drive):
+    for one in drive.passings:
         ends = fit.driving_shaft == "ends" and one.standing.name.startswith("driving")
         room, half, radius = one.room_mm, one.half_mm or 0.0, one.standing.radius_mm
         if one.part == CRANK_PIN or ends or room is None or radius is None or room >= 2.0 * half:

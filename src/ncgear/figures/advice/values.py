@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from enum import StrEnum
 
 from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.frozen import dataclass
 from ncgear.project.alternatives import Changes, Setting
 
 SHOWN = 3

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from textwrap import shorten, wrap
 
 from ncgear.figures.advice.values import Advice, Kind
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
+from ncgear.frozen import dataclass
 
 LINES, COLUMNS = 24, 100
 """One screen: a terminal opens with 24 lines, and a hundred characters are what a line can have and still be read at a

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ncgear.figures.tables import Value, cell_text
+from ncgear.frozen import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import zip_longest
 from math import degrees, isclose
@@ -20,6 +19,7 @@ from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.passed import passed_rows
 from ncgear.figures.quantities import OF_GEAR, figure, name_of
 from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
+from ncgear.frozen import dataclass
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve

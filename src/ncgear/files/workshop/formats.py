@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from ncgear.frozen import dataclass
+
 if TYPE_CHECKING:
     from ncgear.drawings.beside import Drawer
-    from ncgear.numerics.arrays import Array
+    from ncgear.files.outline_errors import ExactOutlines
     from ncgear.project.drive import Drive
+
+
+PACKAGE = __name__.rpartition(".")[0]
 
 
 class Format(StrEnum):
@@ -35,22 +39,22 @@ class Writer:
     """The function that makes the files of a kind, by its module and name, and the names of the files.
 
     It takes a drive, or what ``shown``, a function of a drive, tells of it: values that a second process can be given.
-    ``is_quick`` says that it needs no library that takes long to load.
+    ``is_slow`` says that it needs a library that takes long to load.
     """
 
     module: str
     function: str
     names: tuple[str, ...]
     shown: tuple[str, str] | None = None
-    is_quick: bool = False
+    is_slow: bool = False
 
 
 DRAWINGS = ("gear_drawing", "pair_drawings")
 
 WRITERS = {
-    Format.DXF: Writer("dxf", "dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), DRAWINGS),
-    Format.SVG: Writer("svg", "svg_files", ("driving.svg", "driven.svg"), DRAWINGS, is_quick=True),
-    Format.THREEMF: Writer("threemf", "threemf_files", ("gears.3mf", "pair.3mf")),
+    Format.DXF: Writer("dxf", "dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), DRAWINGS, is_slow=True),
+    Format.SVG: Writer("svg", "svg_files", ("driving.svg", "driven.svg"), DRAWINGS),
+    Format.THREEMF: Writer("threemf", "threemf_files", ("gears.3mf", "pair.3mf"), ("threemf", "placed_meshes")),
     Format.GLB: Writer("glb", "glb_files", ("pair.glb",)),
     Format.STEP: Writer("step", "step_files", ("driving.step", "driven.step", "pair.step")),
     Format.DRAWING: Writer(
@@ -58,58 +62,73 @@ WRITERS = {
         "drawing_files",
         tuple(f"{name}_drawing.{kind}" for name in ("driving", "driven", "pair") for kind in ("pdf", "svg", "dxf")),
         ("sheets.pair_sheets", "sheets_of"),
+        is_slow=True,
     ),
 }
 
 
 @dataclass(frozen=True)
 class Written:
-    """Files by their names, and the outlines read back from those of them that are read where they are written."""
+    """Files by their names, and how far the outlines in them, read back, are from the exact ones, in mm by their kind.
+
+    Of drawings only those of one gear each have an outline.
+    """
 
     files: dict[str, bytes]
-    outlines: dict[str, tuple[Array, Array]]
+    errors_mm: dict[str, float]
 
 
-def begun_workshop_files(drive: Drive, formats: Collection[Format], drawer: Drawer) -> Callable[[], Written]:
-    """The files of one pair of gears; the function that is returned waits for them.
+def slow_to_load(formats: Collection[Format]) -> list[str]:
+    """The functions that write files of these kinds and take long to load, ``module:function`` each."""
+    writers = [writer for kind, writer in WRITERS.items() if kind in formats and writer.is_slow]
+    return [f"{PACKAGE}.{writer.module}:{writer.function}" for writer in writers]
 
-    ``drawer`` makes those whose library takes long to load.  Raises the errors of the drive.
+
+def begun_workshop_files(
+    drive: Drive, formats: Collection[Format], drawer: Drawer, exact_mm: ExactOutlines | None
+) -> Callable[[], Written]:
+    """The files of one pair of gears; the function that is returned makes and gives those that are not made by then.
+
+    ``drawer`` makes what it can until then.  Outlines are measured against ``exact_mm`` where it is given.  Both
+    functions raise the errors of the drive.
     """
-    from ncgear.drawings.beside import HERE
+    from ncgear.files.workshop.read_back import READERS
 
     drawings = cache(lambda shown: _function(*shown)(drive))
     waits = [
-        (HERE if writer.is_quick else drawer).begun(WRITTEN, kind, drawings(writer.shown))
+        drawer.offered(WRITTEN, kind, drawings(writer.shown), exact_mm if kind in READERS else None)
         for kind, writer in WRITERS.items()
         if kind in formats and writer.shown is not None
     ]
-    here: dict[str, bytes] = {}
-    for kind, writer in WRITERS.items():
-        if kind in formats and writer.shown is None:
-            here.update(_function(writer.module, writer.function)(drive))
 
-    def wait() -> Written:
-        parts = [part() for part in waits]
-        files = {**here, **{name: content for part in parts for name, content in part.files.items()}}
-        outlines = {kind: both for part in parts for kind, both in part.outlines.items()}
-        names = [name for writer in WRITERS.values() for name in writer.names if name in files]
-        return Written({name: files[name] for name in names}, outlines)
+    def made() -> Written:
+        files: dict[str, bytes] = {}
+        for kind, writer in WRITERS.items():
+            if kind in formats and writer.shown is None:
+                files.update(_function(writer.module, writer.function)(drive))
+        errors_mm: dict[str, float] = {}
+        for part in waits:
+            written = part()
+            files.update(written.files)
+            errors_mm.update(written.errors_mm)
+        return Written(files, errors_mm)
 
-    return wait
-
-
-WRITTEN = f"{__name__}:written_and_read"
+    return made
 
 
-def written_and_read(kind: Format, shown: Any) -> Written:
-    """The files of a kind from what is shown, and the outlines read back from them."""
+WRITTEN = f"{__name__}:written_and_measured"
+
+
+def written_and_measured(kind: Format, shown: Any, exact_mm: ExactOutlines | None) -> Written:
+    """The files of a kind from what is shown; see ``begun_workshop_files``."""
+    from ncgear.files.outline_errors import outline_errors_mm
     from ncgear.files.workshop.read_back import read_outlines
 
     writer = WRITERS[kind]
     files = _function(writer.module, writer.function)(shown)
-    return Written(files, read_outlines(files))
+    return Written(files, {} if exact_mm is None else outline_errors_mm(exact_mm, read_outlines(files)))
 
 
 def _function(module: str, name: str) -> Callable[..., Any]:
-    function: Callable[..., Any] = getattr(import_module(f"ncgear.files.workshop.{module}"), name)
+    function: Callable[..., Any] = getattr(import_module(f"{PACKAGE}.{module}"), name)
     return function

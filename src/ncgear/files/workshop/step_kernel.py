@@ -6,7 +6,6 @@ Files are STEP (ISO 10303-21, AP 214) in mm; the same solids give the same bytes
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from io import BytesIO
 
 from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
@@ -26,6 +25,7 @@ from OCP.TDocStd import TDocStd_Document
 from OCP.TopoDS import TopoDS_Shape
 from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
+from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of

@@ -10,6 +10,7 @@ from io import BytesIO
 from itertools import count
 from uuid import UUID
 
+from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh.triangles import TriangleMesh
 
@@ -18,6 +19,9 @@ GAP_MM = 5.0
 
 LONG_AGO = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a ZIP archive can hold; with it the same design gives the same bytes at any time."""
+
+PACKED = 4
+"""How much zlib tries: half the time of its usual 6, for files of the same size."""
 
 HEAD = "<?xml version='1.0' encoding='utf-8'?>\n"
 
@@ -55,12 +59,25 @@ TYPES = "".join(
 )
 
 
-def threemf_files(drive: Drive) -> dict[str, bytes]:
-    """``gears.3mf`` and ``pair.3mf``: the solids of the STL files, apart from each other and assembled."""
-    driving, driven = drive.solids.driving.mesh, drive.solids.driven.mesh
-    apart = float(driving.bounds[1][0] - driven.bounds[0][0]) + GAP_MM
-    places = {"gears.3mf": apart, "pair.3mf": drive.pitch.center_distance_mm}
-    gears = {"driving": mesh_text(driving), "driven": mesh_text(driven)}
+@dataclass(frozen=True, eq=False)
+class PlacedMeshes:
+    """The solids of both gears in mm, and their centre distance in mm."""
+
+    driving: TriangleMesh
+    driven: TriangleMesh
+    center_distance_mm: float
+
+
+def placed_meshes(drive: Drive) -> PlacedMeshes:
+    """What the files show: the solids of the STL files."""
+    return PlacedMeshes(drive.solids.driving.mesh, drive.solids.driven.mesh, drive.pitch.center_distance_mm)
+
+
+def threemf_files(shown: PlacedMeshes) -> dict[str, bytes]:
+    """``gears.3mf`` and ``pair.3mf``: the solids apart from each other and assembled."""
+    apart = float(shown.driving.bounds[1][0] - shown.driven.bounds[0][0]) + GAP_MM
+    places = {"gears.3mf": apart, "pair.3mf": shown.center_distance_mm}
+    gears = {"driving": mesh_text(shown.driving), "driven": mesh_text(shown.driven)}
     return {name: archive(gears, {"driving": 0.0, "driven": x_mm}) for name, x_mm in places.items()}
 
 
@@ -87,7 +104,7 @@ def archive(meshes: dict[str, str], x_mm: dict[str, float]) -> bytes:
     made = BytesIO()
     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
         for name, text in (("3D/3dmodel.model", model), ("_rels/.rels", RELATIONS), ("[Content_Types].xml", TYPES)):
-            new.writestr(zipfile.ZipInfo(name, LONG_AGO), text.encode(), zipfile.ZIP_DEFLATED)
+            new.writestr(zipfile.ZipInfo(name, LONG_AGO), text.encode(), zipfile.ZIP_DEFLATED, PACKED)
     return made.getvalue()
 
 

@@ -7,11 +7,11 @@ for any motion, whatever it does between them, so a grid that is too coarse give
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.loads import MachineLoads, machine_loads

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import atan, inf
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 

@@ -7,12 +7,13 @@ all limits at the places of the grid, and is where the search for a law starts.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import ceil, inf, radians, sqrt
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle, cycle
 from ncgear.optimum.certified.demands import Demands, Near, Ranges

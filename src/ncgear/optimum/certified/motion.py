@@ -24,11 +24,12 @@ convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, isinf, log
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import IndexArray
 from ncgear.optimum.certified.cycle import Cycle
 from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges

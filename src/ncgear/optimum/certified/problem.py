@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import inf, sqrt
 from typing import Any
 
+from ncgear.frozen import dataclass
 from ncgear.optimum.certified.cycle import Cycle, cycle
 from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme

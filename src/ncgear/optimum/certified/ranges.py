@@ -15,12 +15,12 @@ non-convex MINLP", Optim. Methods Softw. 24 (2009)); what holds between the chec
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import chain, pairwise
 from math import cos, inf, sqrt
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle
 from ncgear.optimum.certified.demands import Near, Ranges

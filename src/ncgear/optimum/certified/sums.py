@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import reduce
 from heapq import heappop, heappush
 from math import inf, pi, sqrt
@@ -10,6 +10,7 @@ from operator import add
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
 from ncgear.optimum.certified.limit import (
     BISECTED,

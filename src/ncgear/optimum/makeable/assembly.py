@@ -8,13 +8,13 @@ are those of the small function at all places, times constant matrices that are 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi
 import numpy as np
 from scipy import sparse
 
+from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place, Slider
 from ncgear.optimum.makeable.rows import Rows, closing_terms, level_terms

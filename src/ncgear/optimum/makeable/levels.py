@@ -7,10 +7,10 @@ the terms, how far they spread, an integral of them over the driving angle, or h
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from math import inf, pi
 
+from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs
 
 Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]

@@ -7,12 +7,12 @@ evenly feels.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
 
 from ncgear.dynamics.rigid import KG_MM2
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.optimum.certified.refusals import shown_above

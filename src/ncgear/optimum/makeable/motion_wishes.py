@@ -11,9 +11,9 @@ share of the speed (the logarithm's small differences) or of the cycle's driving
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from math import degrees, exp, inf, log, tanh
 
+from ncgear.frozen import dataclass
 from ncgear.kinematics.wishes import (
     ConstantSpeed,
     CrankStretch,

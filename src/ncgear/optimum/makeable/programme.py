@@ -7,12 +7,12 @@ stages there are two splines, ln i12 and ln iB.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import casadi
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable.assembly import Assembly, local_terms
 from ncgear.optimum.makeable.levels import Kind, Level

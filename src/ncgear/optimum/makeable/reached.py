@@ -7,11 +7,11 @@ through three of them, which misses a peak by the third power of the step.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.makeable.levels import Kind, Level
 from ncgear.optimum.makeable.places import Places

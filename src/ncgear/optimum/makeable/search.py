@@ -8,11 +8,11 @@ eight times as dense find all limits kept.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import ceil, log10, pi
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.levels import Kind, Level

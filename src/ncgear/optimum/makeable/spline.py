@@ -7,7 +7,6 @@ de Boor, "A Practical Guide to Splines" (1978), chapters IX and X.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 from typing import Any
@@ -16,6 +15,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.ratio.laws.spline import even_steps
 

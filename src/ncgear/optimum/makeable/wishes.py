@@ -6,10 +6,11 @@ A limit holds its level down; a goal makes it as low as it will go.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
 
+from ncgear.frozen import dataclass
 from ncgear.kinematics.wishes import Wish
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.refusals import shown_above, shown_below

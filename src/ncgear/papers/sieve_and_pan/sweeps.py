@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ncgear.balance.counterweights import Tried, sweep
 from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank
+from ncgear.frozen import dataclass
 from ncgear.papers.entry import Below, Computed, Entry, Printed, Verdict, computed, half_step, texts
 from ncgear.papers.sieve_and_pan.published import ARM_MM, PAN, SIEVE
 

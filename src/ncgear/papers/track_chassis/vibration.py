@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
+from ncgear.frozen import dataclass
 from ncgear.papers.entry import Below, Computed, Entry, Printed, Verdict, computed, half_step, texts
 
 

@@ -7,7 +7,6 @@ needs the radius by the angle: the angle must rise all the way, so that every ra
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import degrees, tau
@@ -15,6 +14,7 @@ from math import degrees, tau
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev

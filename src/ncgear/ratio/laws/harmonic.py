@@ -7,12 +7,12 @@ c0 closes the cycle (``ratio/laws/over_driven_angle.py``).  Two pairs in series 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import log
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.fourier import turn_integral
 from ncgear.numerics.jet import Jet

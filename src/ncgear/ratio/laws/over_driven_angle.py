@@ -15,12 +15,12 @@ t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), each with the constan
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import log, pi
 from typing import Protocol
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

@@ -8,12 +8,12 @@ Ratios are interpolated as 1/i12, so that the driven angle is the spline's exact
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism, Output
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet

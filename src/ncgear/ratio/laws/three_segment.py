@@ -8,13 +8,13 @@ including both ends.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from math import degrees
 
 import numpy as np
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism, Mechanisms
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Number

@@ -8,9 +8,10 @@ angle are those of the sections, that is, transverse.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 from math import tan
+
+from ncgear.frozen import dataclass
 
 
 class Hand(StrEnum):

@@ -7,10 +7,10 @@ stays nearer to it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.pair import PitchPair

@@ -7,12 +7,11 @@ is, so that a few sections are enough.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.sections import Sections

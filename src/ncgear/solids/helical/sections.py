@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from math import ceil, sqrt
 
@@ -21,6 +21,7 @@ import numpy as np
 from ncgear.contact.designed.flanks import least_arc
 from ncgear.contact.placement import placed
 from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.pair import PitchPair

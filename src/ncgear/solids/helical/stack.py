@@ -9,12 +9,12 @@ the worst, and steps and columns are halved where it strays.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
 
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear

@@ -9,7 +9,6 @@ where edges vanish on the way, levels are put in between until the slopes' secti
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import mapbox_earcut
@@ -18,6 +17,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.plane import as_complex, signed_area
 from ncgear.solids.mesh.triangles import TriangleMesh, merged

@@ -6,12 +6,12 @@ that asks for it as one of trimesh, which takes long to load and judges these fi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 
 if TYPE_CHECKING:

@@ -11,7 +11,6 @@ the fillets.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from math import floor
 
 import numpy as np
@@ -21,6 +20,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_complex
 

@@ -18,7 +18,7 @@ The disc of helical teeth is their section at z = 0 only; everything else is the
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import acos, asin, ceil, cos, pi, sin, tan
 
@@ -27,6 +27,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.solids.plan.areas import area_moments
 

@@ -6,10 +6,9 @@ driving gear and round a ring's hole it runs clockwise, on other gears against t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import angle_between, as_complex
 from ncgear.teeth.flank import FLANK

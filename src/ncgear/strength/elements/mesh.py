@@ -10,11 +10,12 @@ carry the upper grid.  The strip is held at its bottom and at both of its ends.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, angle_between
 from ncgear.strength.elements.landmarks import Outline

@@ -6,8 +6,6 @@ functions and quadrature are scikit-fem's.  Displacements are complex, x + i y.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
@@ -15,6 +13,7 @@ from skfem import ElementQuad1, ElementQuad2
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import along, square
 from ncgear.strength.elements.mesh import Topology

@@ -19,11 +19,11 @@ half-plane's strains.)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import along
 from ncgear.strength.contacts import FlankPlaces

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -13,6 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from ncgear.files.workshop.drawing import Circle, Cross, Layer, Polyline, Shape
 from ncgear.files.workshop.gear_drawing import body_shapes, pitch_points
 from ncgear.files.workshop.sheets.sheet import Line, Pen, Ring
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import turned
 from ncgear.pitch.shape import Gear

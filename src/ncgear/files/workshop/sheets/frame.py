@@ -7,7 +7,6 @@ ISO 5456-2 (values from secondary sources).
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from ncgear.files.workshop.sheets.sheet import (
     scale_text,
     text_width_mm,
 )
+from ncgear.frozen import dataclass
 
 BINDING_MM, MARGIN_MM = 20.0, 10.0
 """Margin on the left, for filing, and on the other sides."""

@@ -8,7 +8,7 @@ the second pair the mechanism.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from math import degrees
 from typing import Any
 
@@ -54,6 +54,7 @@ from ncgear.files.workshop.sheets.sheet import (
     length,
     scale_text,
 )
+from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import RodMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

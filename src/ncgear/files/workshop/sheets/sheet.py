@@ -9,12 +9,12 @@ narrowed to ``NARROW`` of their width, like those of lettering guides.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import Enum
 from math import cos, pi, sin
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 A4_MM = 210.0, 297.0
