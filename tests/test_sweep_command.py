@@ -260,10 +260,12 @@ def test_each_of_two_pairs_has_its_own_figures(run: Run) -> None:
         "motion.second_stage.cosine.0=0.02,0.06",
         "--stage=contact",
         "--objective=stage_2.contact.contact_ratio_min",
+        "--keep-if=stage_2.contact.contact_ratio_min > 1",
         text=HARMONIC.replace("gears:", "  second_stage: {cosine: [0.04]}\ngears:"),
     )
     assert (status, err) == (0, "")
     assert "stage 2 contact ratio" in out
+    assert "2 keep stage 2 contact_ratio_min > 1" in out
     for row in table("contact"):
         data = with_value(
             load(Path("d.yaml")).data, "motion.second_stage.cosine.0", row["motion.second_stage.cosine.0"]

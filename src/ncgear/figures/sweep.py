@@ -41,9 +41,13 @@ def _last(name: str) -> str:
 
 def _brief(name: str) -> str:
     """The name of a figure without what is said of it behind a comma, with its pair of gears if there are two."""
-    brief = name_of(_last(name)).partition(",")[0]
+    return _of_pair(name, name_of(_last(name)).partition(",")[0])
+
+
+def _of_pair(name: str, said: str) -> str:
+    """What is said of a figure, with its pair of gears if there are two: ``stage 2 contact_ratio_min``."""
     pair = name.partition(".")[0]
-    return f"{pair.replace('_', ' ')} {brief}" if pair.startswith("stage_") else brief
+    return f"{pair.replace('_', ' ')} {said}" if pair.startswith("stage_") else said
 
 
 def cells_of(designs: Designs, wanted: Wanted) -> list[list[str]]:
@@ -80,7 +84,9 @@ def counts_of(screened: Overview, deeper: Overview | None, stage: str) -> list[s
 
 
 def _said(constraints: Sequence[Constraint]) -> str:
-    return ", ".join(f"{_last(one.name)} {one.comparison} {shown(one.number)}" for one in constraints)
+    return ", ".join(
+        f"{_of_pair(one.name, _last(one.name))} {one.comparison} {shown(one.number)}" for one in constraints
+    )
 
 
 def sweep_text(

@@ -30,6 +30,10 @@ FEWEST = 12
 ASTRAY_IN_MODULES = 0.25
 """A point farther from the outline is one of bore, hub or something else."""
 
+AT_END, AT_END_IN_MODULES = 1e-4, 1e-4
+"""Share of a flank, and height in modules, within which a point is at the end of what works: the corners of a written
+outline are, and rounding must not choose among them."""
+
 BEGUN_PER_TOOTH = 12
 """Angles per tooth pitch from which a fit may begin."""
 
@@ -263,12 +267,13 @@ def _spread(slopes: Array, left: Array, scale: Array) -> Array:
 
 
 def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
-    """Which points lie on working flanks: no deeper than the mate reaches, and not at the edge of the tip."""
+    """Which points lie on working flanks: not as deep as the mate reaches, and not at the edge of the tip."""
     on_flank = outline.part[feet.row] == FLANK_CURVE
     flank = np.where(on_flank, outline.flank[feet.row], 0)
-    deep = -outline.gear.tips.met_depth_mm[flank]
-    works = outline.height_mm(feet.row, feet.share) >= deep
-    found: Mask = on_flank & works & ~feet.at_end & ~is_astray(outline, feet)
+    deep = AT_END_IN_MODULES * outline.gear.flanks.rack.module_mm - outline.gear.tips.met_depth_mm[flank]
+    works = outline.height_mm(feet.row, feet.share) > deep
+    inside = np.minimum(feet.share, 1.0 - feet.share) > AT_END
+    found: Mask = on_flank & works & inside & ~is_astray(outline, feet)
     return found
 
 
