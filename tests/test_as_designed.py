@@ -12,12 +12,13 @@ import shapely
 from scipy.optimize import brentq
 from shapely import LineString, Point, Polygon
 
+from drives import drive
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed, contacts_within
 from ncgear.contact.designed.curves import side_paths
 from ncgear.contact.designed.flanks import TOUCHING_MM
 from ncgear.contact.pair import refuse_overlap
-from ncgear.contact.placement import Placement, placed
+from ncgear.contact.placement import REACH_IN_PITCHES, Placement, meetings, placed, placed_at, single_meetings
 from ncgear.errors import NoSuchMechanism
 from ncgear.teeth.flank import FLANK
 from ncgear.teeth.form import TipRelief, ToothForm
@@ -587,3 +588,26 @@ def test_the_longest_gap_goes_on_across_the_seam() -> None:
     across = replace(pairs, gaps=np.array([[3.0, 3.5], [count - 0.75, count + 1.5]]))
     assert (across.longest_gap, across.parted_at) == (2.25, 0)
     assert replace(pairs, gaps=np.empty((0, 2))).longest_gap == 0.0
+
+
+@pytest.mark.parametrize("name", ["ellipse", "log-generator", "pump-1-2"])
+def test_every_meeting_near_any_place_is_found(name: str) -> None:
+    """Beside all meetings held against all places one by one, also beyond the ends of the cycle."""
+    found = drive(name)
+    teeth, even = found.teeth, placed(found.pitch)
+    covered = even.toothed is not None
+    rolled = np.random.default_rng(5).uniform(*((0.0, 1.0) if covered else (-1.0, 2.0)), 40) * even.cycle_mm
+    placement = placed_at(found.pitch, even, rolled)
+    met, expected = single_meetings(teeth, placement), []
+    whole = meetings(teeth, even)
+    for number, (side, own, other) in enumerate(zip(whole.side, whole.driving, whole.driven, strict=True)):
+        crossing = whole.driving_ahead_mm[number, 0] + whole.position[number, 0] * even.step_mm
+        for place, at in enumerate(rolled):
+            ahead = crossing - at
+            ahead = ahead if covered else (ahead + even.cycle_mm / 2.0) % even.cycle_mm - even.cycle_mm / 2.0
+            if abs(ahead) <= REACH_IN_PITCHES * even.pitch_mm:
+                expected.append((side, own, other, place, round(ahead, 9)))
+    got = zip(
+        met.side, met.driving, met.driven, met.position[:, 0], np.round(met.driving_ahead_mm[:, 0], 9), strict=True
+    )
+    assert sorted(got) == sorted(expected)

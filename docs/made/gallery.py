@@ -90,7 +90,7 @@ def _balance() -> Iterator[str]:
     yield ""
 
 
-WIDTH_IN, HEIGHT_IN, DPI = 5.0, 2.2, 72
+WIDTH_IN, HEIGHT_IN = 5.0, 2.2
 LARGE_GEARS = 0.4
 """Gears wider than this share of the machine are large enough in the picture of the machine."""
 
@@ -106,7 +106,6 @@ def thumbnail(name: str) -> bytes:
     boxes = views(scene)
     beside = bool(scene.pairs) and bool(scene.links) and boxes["gears"][2] < LARGE_GEARS * boxes["machine"][2]
     made = figure(WIDTH_IN, HEIGHT_IN, "")
-    made.set_dpi(DPI)
     panels = made.subplots(1, 2 if beside else 1, squeeze=False, width_ratios=[1.7, 1.0] if beside else [1.0])[0]
     made.subplots_adjust(left=0.01, right=0.99, bottom=0.02, top=0.98, wspace=0.04)
     poses = scene.poses(np.array([SHARE * scene.loop_rad if scene.swings else SHARE * 2.0 * np.pi]))

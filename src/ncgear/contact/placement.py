@@ -13,7 +13,7 @@ from math import ceil, floor, lcm, pi
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up, distinct
 from ncgear.pitch.pair import PitchPair, ToothedArc
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.teeth.flank import made_mates, mating_flanks
@@ -226,6 +226,10 @@ REACH_IN_PITCHES = 2.0
 tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own contact."""
 
 
+NEARLY_IN_PITCHES = 1e-6
+"""A rolled length beyond it, far above rounding errors."""
+
+
 @dataclass(frozen=True, eq=False)
 class Meetings(Columns):
     """The m meetings of two flanks in a cycle, each looked at in k positions.
@@ -269,15 +273,34 @@ def meetings(teeth: ToothedPair, placement: Placement) -> Meetings:
 def single_meetings(teeth: ToothedPair, placement: Placement) -> Meetings:
     """As ``meetings`` for positions at any rolled lengths: every meeting in each position near it, m of k = 1."""
     side, driving, driven, driving_mm, driven_mm = _crossings_mm(teeth, placement)
-    ahead = driving_mm[:, None] - placement.rolled_mm
+    number, position = _near(driving_mm, placement)
+    first = driving_mm[number] - placement.rolled_mm[position]
     if placement.toothed is None:
         cycle = placement.cycle_mm
-        ahead = (ahead + cycle / 2.0) % cycle - cycle / 2.0
-    number, position = np.nonzero(np.abs(ahead) <= REACH_IN_PITCHES * placement.pitch_mm)
-    first = ahead[number, position][:, None]
+        first = (first + cycle / 2.0) % cycle - cycle / 2.0
+    near = np.abs(first) <= REACH_IN_PITCHES * placement.pitch_mm
+    number, position, first = number[near], position[near, None], first[near, None]
     second = first + (driven_mm - driving_mm)[number][:, None]
     there = np.ones(first.shape, dtype=bool)
-    return Meetings(side[number], driving[number], driven[number], position[:, None], first, second, there)
+    return Meetings(side[number], driving[number], driven[number], position, first, second, there)
+
+
+def _near(driving_mm: Array, placement: Placement) -> tuple[IndexArray, IndexArray]:
+    """Meetings and positions that are near each other, and a few more, in the meetings' order; shape (n,) each."""
+    crossing, rolled, who = driving_mm, placement.rolled_mm, np.arange(driving_mm.size)
+    reach = (REACH_IN_PITCHES + NEARLY_IN_PITCHES) * placement.pitch_mm
+    if placement.toothed is None:
+        # Meetings at the beginning of the cycle are near positions at its end.
+        cycle = placement.cycle_mm
+        turns = np.arange(-ceil(reach / cycle), ceil(reach / cycle) + 1)
+        crossing, rolled = (crossing % cycle + turns[:, None] * cycle).ravel(), rolled % cycle
+        who = np.tile(who, turns.size)
+    order = np.argsort(crossing)
+    begin, end = (np.searchsorted(crossing[order], rolled + way) for way in (-reach, reach))
+    position, place = counted_up(begin, end - begin)
+    # Around a short cycle a meeting may come near twice.
+    pair = distinct(who[order[place]] * rolled.size + position)
+    return pair // rolled.size, pair % rolled.size
 
 
 def _crossings_mm(teeth: ToothedPair, placement: Placement) -> tuple[IndexArray, IndexArray, IndexArray, Array, Array]:

@@ -137,8 +137,9 @@ def _resting(working: WorkingFlanks, both: IndexArray, radius: Array) -> tuple[A
 def _held(center: Array, radius: float, outline: Array, astray: float) -> Mask:
     """Whether pins are nearer to the outline than their radius, by more than the outline strays."""
     ring = shapely.linearrings(outline)
+    # Of a prepared ring only what is near a pin is looked at.
     shapely.prepare(ring)
-    held: Mask = shapely.distance(shapely.points(center), ring) < radius - 2.0 * astray
+    held: Mask = shapely.dwithin(ring, shapely.points(center), radius - 2.0 * astray)
     return held
 
 

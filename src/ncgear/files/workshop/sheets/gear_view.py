@@ -143,6 +143,7 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
     """
     addendum = gear.flanks.rack.addendum_mm
     heights = [view.on_paper(tooth_places(gear, height)) for height in (0.0, addendum, -addendum)]
+    trees = [shapely.STRtree(shapely.points(places)) for places in heights]
     middles = heights[0]
     over = view.on_paper(tooth_places(gear, 1.0)) - middles
     outwards = over / np.hypot(*over.T)[:, None]
@@ -156,7 +157,7 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
         aside = np.array([-outwards[row, 1], outwards[row, 0]])
         places = (middles[row] + tries[:, None] * outwards[row] + shifts[:, None, None] * aside).reshape(-1, 2)
         parts = (places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER))
-        own = (part[_is_nearest(heights, row, part)] for part in parts)
+        own = (part[_is_nearest(trees, row, part)] for part in parts)
         board.put_text_at(centered(str(row + 1), np.zeros(2), LETTER_MM, f"{name}-{row + 1}"), own)
 
 
@@ -167,12 +168,11 @@ TOGETHER = 8
 """Places that are looked at together: mostly one of the first has room."""
 
 
-def _is_nearest(heights: Sequence[Array], row: int, places: Array) -> Mask:
-    """Whether a tooth is the nearest to places on paper (n, 2), by its points at several heights, shape (z, 2) each."""
-    from_places = (places[:, None] + UP_AND_DOWN_MM).reshape(-1, 2)
-    x, y = (np.stack(heights)[:, None, :, axis] - from_places[:, axis, None] for axis in (0, 1))
-    nearest = np.argmin(x * x + y * y, axis=-1).reshape(len(heights), len(places), len(UP_AND_DOWN_MM))
-    return np.asarray((nearest == row).all(axis=(0, 2)))
+def _is_nearest(trees: Sequence[shapely.STRtree], row: int, places: Array) -> Mask:
+    """Whether a tooth is the nearest to places on paper (n, 2), by trees of all teeth's points at several heights."""
+    from_places = shapely.points((places[:, None] + UP_AND_DOWN_MM).reshape(-1, 2))
+    nearest = np.stack([tree.query_nearest(from_places, all_matches=False)[1] for tree in trees])
+    return np.asarray((nearest == row).reshape(len(trees), *places.shape[:1], -1).all(axis=(0, 2)))
 
 
 def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
