@@ -75,6 +75,7 @@ def test_what_waits_is_drawn_here(drawer: Drawer) -> None:
     asked = drawer.begun("os:getpid")
     time.sleep(0.2)
     assert [one() for one in waiting[1:]] == [os.getpid()] * 2
+    assert waiting[1]() == os.getpid()
     assert begun() is None
     assert asked() == pid(drawer) != os.getpid()
     # By now its turn has come.

@@ -22,8 +22,6 @@ from ncgear.interrupts import deaf_processes, end_processes
 from ncgear.memory import begin_worker
 from ncgear.workers import core_count, one_thread_each
 
-Token = Semaphore
-
 OFFERS = 16
 """Most offers of a command: those of two stages are 10.  Further ones are drawn by the second process."""
 
@@ -67,7 +65,7 @@ class _Beside:
     Both processes have the same ``tokens``, one for each offer: who takes it first draws.
     """
 
-    def __init__(self, pool: ProcessPoolExecutor, tokens: Sequence[Token]) -> None:
+    def __init__(self, pool: ProcessPoolExecutor, tokens: Sequence[Semaphore]) -> None:
         self._pool, self._tokens = pool, tokens
         self._numbers = iter(range(len(tokens)))
 
@@ -85,8 +83,13 @@ class _Beside:
         except (AttributeError, TypeError, pickle.PicklingError, BrokenProcessPool):
             return here
 
+        taken_back = False
+
         def wait() -> Any:
-            if number is not None and self._tokens[number].acquire(block=False):
+            nonlocal taken_back
+            if number is not None and not taken_back:
+                taken_back = self._tokens[number].acquire(block=False)
+            if taken_back:
                 return here()
             try:
                 return asked.result()
@@ -130,11 +133,11 @@ def _loaded(drawings: tuple[str, ...]) -> None:
         _function(drawing)
 
 
-_tokens: Sequence[Token] = ()
+_tokens: Sequence[Semaphore] = ()
 """Those of the second process."""
 
 
-def _begin(tokens: Sequence[Token]) -> None:
+def _begin(tokens: Sequence[Semaphore]) -> None:
     global _tokens
     _tokens = tokens
     begin_worker()
