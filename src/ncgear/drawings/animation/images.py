@@ -26,24 +26,25 @@ SAMPLES = 4
 """Number of frames, spread over the loop, from which the colours of a GIF are taken; so memory never holds them all."""
 
 
-def palette_found(scene: Scene, width_px: int) -> Image.Image:
-    """An image of one pixel with the colours of frames and of lines as its palette.
+def palette_found(made: Picture, scene: Scene) -> Image.Image:
+    """An image of one pixel with the colours of a picture's frames and of lines as its palette.
 
     Nearly white colours become white, so that the paper stays white.
     """
-    some = list(picture(scene, width_px).frames(scene.poses(scene.evenly_in_time(SAMPLES))))
-    made = Image.fromarray(np.concatenate(some)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
-    colors = np.array(made.getpalette()).reshape(-1, 3)
+    some = list(made.frames(scene.poses(scene.evenly_in_time(SAMPLES))))
+    found = Image.fromarray(np.concatenate(some)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
+    colors = np.array(found.getpalette()).reshape(-1, 3)
     colors[colors.min(axis=1) >= PAPER] = 255
     pure = [round(255 * part) for color in looks.PURE for part in to_rgb(color)]
-    made.putpalette([*colors[:COLORS].ravel().tolist(), *pure])
-    return made.crop((0, 0, 1, 1))
+    found.putpalette([*colors[:COLORS].ravel().tolist(), *pure])
+    return found.crop((0, 0, 1, 1))
 
 
 def first_block_drawn(scene: Scene, width_px: int, phi1_rad: Array) -> tuple[Image.Image, list[Image.Image]]:
     """The palette of a scene (see ``palette_found``), and images in its colours (see ``block_drawn``)."""
-    palette = palette_found(scene, width_px)
-    return palette, block_drawn(scene, width_px, phi1_rad, palette)
+    made = picture(scene, width_px)
+    palette = palette_found(made, scene)
+    return palette, [in_colors(image, palette) for image in drawn(made, scene, phi1_rad)]
 
 
 def block_drawn(scene: Scene, width_px: int, phi1_rad: Array, palette: Image.Image | None) -> list[Image.Image]:
