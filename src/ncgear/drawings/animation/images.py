@@ -26,13 +26,17 @@ SAMPLES = 4
 """Number of frames, spread over the loop, from which the colours of a GIF are taken; so memory never holds them all."""
 
 
+EVERY = 2
+"""Of these frames every second pixel of every second row is looked at: a quarter of the time, and colours as near."""
+
+
 def palette_found(made: Picture, scene: Scene) -> Image.Image:
     """An image of one pixel with the colours of a picture's frames and of lines as its palette.
 
     Nearly white colours become white, so that the paper stays white.
     """
     some = list(made.frames(scene.poses(scene.evenly_in_time(SAMPLES))))
-    found = Image.fromarray(np.concatenate(some)).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
+    found = Image.fromarray(np.concatenate(some)[::EVERY, ::EVERY]).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
     colors = np.array(found.getpalette()).reshape(-1, 3)
     colors[colors.min(axis=1) >= PAPER] = 255
     pure = [round(255 * part) for color in looks.PURE for part in to_rgb(color)]
