@@ -1,7 +1,7 @@
 """The moving picture packed as the bytes of a file: an endless GIF by Pillow, or an MP4 by ffmpeg.
 
-Two processes draw: of each block of frames, this one the first, the second process the others.  For a GIF the second
-process first finds the colours.
+Two processes draw: of each block of frames, this one the first half, the second process the other one.  For a GIF the
+second process first finds the colours.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from ncgear.drawings.animation import AnimationFormat
 from ncgear.drawings.beside import FIRST_FRAMES, FRAMES, HERE, Drawer
 from ncgear.drawings.scene.scene import Scene
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
 
 TICK_MS = 10
 """The unit of time of GIF files: a hundredth of a second."""
@@ -72,11 +71,8 @@ def mp4_bytes(images: Iterable[Image.Image], loop: Loop) -> bytes:
         return path.read_bytes()
 
 
-BLOCK = 116
-"""Most frames of a block: this process may hold those that it draws, 64, in full colours."""
-
-OWN = 0.55
-"""Share of a block that this process draws: so both are done with the first block at about the same time."""
+BLOCK = 128
+"""Most frames of a block: this process may hold the half that it draws in full colours."""
 
 PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 
@@ -97,7 +93,7 @@ def _drawn_by_two(scene: Scene, kind: AnimationFormat, loop: Loop, drawer: Drawe
     phi1 = scene.evenly_in_time(loop.frames)
     blocks, palette = np.array_split(phi1, ceil(phi1.size / BLOCK)), None
     if kind is AnimationFormat.GIF:
-        own, others = _shared(blocks.pop(0))
+        own, others = np.array_split(blocks.pop(0), 2)
         colored = drawer.begun(FIRST_FRAMES, scene, loop.width_px, others)
     # Loads matplotlib, while the second process finds the colours.
     from ncgear.drawings.animation.images import drawn, in_colors
@@ -110,16 +106,10 @@ def _drawn_by_two(scene: Scene, kind: AnimationFormat, loop: Loop, drawer: Drawe
         yield from (in_colors(image, palette) for image in images)
         yield from further
     for block in blocks:
-        own, others = _shared(block)
+        own, others = np.array_split(block, 2)
         beside = drawer.begun(FRAMES, scene, loop.width_px, others, palette)
         yield from (in_colors(image, palette) for image in drawn(made, scene, own))
         yield from beside()
-
-
-def _shared(block: Array) -> tuple[Array, Array]:
-    """The driving angles of a block's frames that this process draws, and those of the others."""
-    count = round(OWN * block.size)
-    return block[:count], block[count:]
 
 
 def _counted(images: Iterator[Image.Image], total: int, on_frame: Callable[[int, int], None]) -> Iterator[Image.Image]:
