@@ -32,7 +32,7 @@ from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.outline_errors import exact_outlines, outline_errors_mm
 from ncgear.files.workshop import dxf as workshop_dxf
 from ncgear.files.workshop.drawing import Layer, Use
-from ncgear.files.workshop.formats import USUAL, WRITERS, Format, begun_workshop_files
+from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
 from ncgear.files.workshop.gear_drawing import pitch_points
 from ncgear.files.workshop.sheets import dxf as sheet_dxf
 from ncgear.numerics.arrays import Array
@@ -53,7 +53,7 @@ ARC_MM = 1e-5
 
 @cache
 def files(name: str) -> dict[str, bytes]:
-    return begun_workshop_files(drive(name), USUAL, HERE, None)().files
+    return all_made(begun_workshop_files(drive(name), USUAL, HERE, None)).files
 
 
 def outline(name: str, gear: Gear) -> Array:
@@ -143,7 +143,7 @@ def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> N
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_the_told_errors_of_files_are_those_found_here(name: str) -> None:
     table, exact = {"csv": (outline(name, Gear.DRIVING), outline(name, Gear.DRIVEN))}, exact_outlines(drive(name).teeth)
-    written = begun_workshop_files(drive(name), [Format.DXF, Format.SVG, Format.DRAWING], HERE, exact)()
+    written = all_made(begun_workshop_files(drive(name), [Format.DXF, Format.SVG, Format.DRAWING], HERE, exact))
     told = {**outline_errors_mm(exact, table), **written.errors_mm}
     read = {
         "csv": [outline(name, gear) for gear in Gear],
@@ -168,7 +168,7 @@ def test_chains_written_as_one_text_are_those_of_the_library(monkeypatch: pytest
 
     for module in (workshop_dxf, sheet_dxf):
         monkeypatch.setattr(module, "add_chain", slowly)
-    found = begun_workshop_files(drive("baler"), [Format.DXF, Format.DRAWING], HERE, None)().files
+    found = all_made(begun_workshop_files(drive("baler"), [Format.DXF, Format.DRAWING], HERE, None)).files
     names = [name for name in found if name.endswith(".dxf")]
     assert len(names) == 6
     assert all(found[name] == files("baler")[name] for name in names)
@@ -451,7 +451,7 @@ def test_the_gears_have_the_colours_of_the_pictures() -> None:
 
 @pytest.mark.slow
 def test_the_same_design_gives_the_same_bytes() -> None:
-    again = begun_workshop_files(Drive(drive("ellipse").design), USUAL, HERE, None)().files
+    again = all_made(begun_workshop_files(Drive(drive("ellipse").design), USUAL, HERE, None)).files
     assert again == files("ellipse")
     # Two builds within a moment would not tell by themselves that an archive bears its time.
     for name in ("gears.3mf", "pair.3mf"):

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from multiprocessing import get_context
 from multiprocessing.synchronize import Semaphore
@@ -51,7 +52,7 @@ class Here:
 
     def begun(self, drawing: str, *given: Any) -> Callable[[], Any]:
         """The drawing is made when it is asked for."""
-        return lambda: _function(drawing)(*given)
+        return lambda: function_of(drawing)(*given)
 
     offered = begun
 
@@ -83,13 +84,12 @@ class _Beside:
         except (AttributeError, TypeError, pickle.PicklingError, BrokenProcessPool):
             return here
 
-        taken_back = False
+        @cache
+        def is_taken_back() -> bool:
+            return number is not None and self._tokens[number].acquire(block=False)
 
         def wait() -> Any:
-            nonlocal taken_back
-            if number is not None and not taken_back:
-                taken_back = self._tokens[number].acquire(block=False)
-            if taken_back:
+            if is_taken_back():
                 return here()
             try:
                 return asked.result()
@@ -122,7 +122,8 @@ def drawing_beside(*drawings: str) -> Iterator[Drawer]:
         pool.shutdown(cancel_futures=True)
 
 
-def _function(drawing: str) -> Callable[..., Any]:
+def function_of(drawing: str) -> Callable[..., Any]:
+    """The function of a text ``module:function``; loads the module."""
     module, _, name = drawing.partition(":")
     function: Callable[..., Any] = getattr(import_module(module), name)
     return function
@@ -130,7 +131,7 @@ def _function(drawing: str) -> Callable[..., Any]:
 
 def _loaded(drawings: tuple[str, ...]) -> None:
     for drawing in drawings:
-        _function(drawing)
+        function_of(drawing)
 
 
 _tokens: Sequence[Semaphore] = ()
@@ -147,4 +148,4 @@ def _drawn(number: int | None, drawing: str, packed: bytes) -> Any:
     """What is drawn; None where the first process has taken back its offer of this number."""
     if number is not None and not _tokens[number].acquire(block=False):
         return None
-    return _function(drawing)(*pickle.loads(packed))
+    return function_of(drawing)(*pickle.loads(packed))

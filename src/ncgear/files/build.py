@@ -29,7 +29,7 @@ from ncgear.files.manifest import publish_run
 from ncgear.files.meshes import stl_bytes, written_outlines
 from ncgear.files.outline_errors import ERRORS, error_of_step_mm, exact_outlines
 from ncgear.files.publish import prepare
-from ncgear.files.workshop.formats import WRITERS, Format, begun_workshop_files
+from ncgear.files.workshop.formats import WRITERS, Format, all_made, begun_workshop_files
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 
@@ -153,11 +153,11 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
         # A process that takes its clearance from outlines makes parallels of them.
         shared = drawer, exact if drive.gears.process_clearance_mm == 0.0 else None
         slow = [kind for kind in formats if WRITERS[kind].is_slow]
-        workshop = [begun_workshop_files(drive, slow, *shared)]
+        slow_files = begun_workshop_files(drive, slow, *shared)
     files, contact, outlines = _written(drive, on_step)
     drawn.append(drawer.begun(LOAD_PICTURES, load_pictures(drive, contact)))
     with drive.stopwatch("workshop files"):
-        workshop.append(begun_workshop_files(drive, set(formats).difference(slow), *shared))
+        other_files = begun_workshop_files(drive, set(formats).difference(slow), *shared)
         both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
         measured = drawer.offered(ERRORS, exact, both)
     advices = build_advice(drive)
@@ -165,10 +165,9 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     with _timed(drive, "workshop files", on_step):
         errors_mm = measured()
         # What the second process has not come to is soonest made here, the last first.
-        for made in reversed(workshop):
-            written = made()
-            files.update(written.files)
-            errors_mm.update(written.errors_mm)
+        workshop = all_made([*other_files, *slow_files])
+        files.update(workshop.files)
+        errors_mm.update(workshop.errors_mm)
         if "pair.step" in files:
             errors_mm["step"] = error_of_step_mm(files["pair.step"])
     with _timed(drive, "plots", on_step):

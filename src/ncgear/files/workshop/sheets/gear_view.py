@@ -172,7 +172,8 @@ def _is_nearest(trees: Sequence[shapely.STRtree], row: int, places: Array) -> Ma
     """Whether a tooth is the nearest to places on paper (n, 2), by trees of all teeth's points at several heights."""
     from_places = shapely.points((places[:, None] + UP_AND_DOWN_MM).reshape(-1, 2))
     nearest = np.stack([tree.query_nearest(from_places, all_matches=False)[1] for tree in trees])
-    return np.asarray((nearest == row).reshape(len(trees), *places.shape[:1], -1).all(axis=(0, 2)))
+    nearest = nearest.reshape(len(trees), len(places), len(UP_AND_DOWN_MM))
+    return np.asarray((nearest == row).all(axis=(0, 2)))
 
 
 def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
