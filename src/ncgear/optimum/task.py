@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, field, replace
 from math import degrees, inf, pi, tan
 
 from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import kinematic_check
@@ -45,6 +47,7 @@ class Task:
     ``masses`` are those that move, of the mechanism's class ``MASSES``; None: the resistance alone is felt.  ``gears``
     is the size of the pair that force between teeth needs, None: not known.  ``speed_fluctuation`` is the coefficient,
     largest less smallest speed over the mean, for which a flywheel on the driving shaft is computed.
+    ``guide_friction`` is the coefficient of friction of the slider in its guide, which figures count.
 
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
@@ -56,6 +59,7 @@ class Task:
     masses: Masses | None = None
     gears: GearSize | None = None
     speed_fluctuation: float = FLUCTUATION
+    guide_friction: float = 0.0
 
     def __post_init__(self) -> None:
         self.lobes.require_one_cycle()
@@ -234,21 +238,23 @@ def figures(task: Task, train: Train) -> Figures:
     )
     if task.masses is None:
         return of_motion
-    loads = asdict(felt(machine, task.masses, task.speed_fluctuation))
-    tooth = _tooth_force_n(task, machine, pairs[0]) if len(pairs) == 1 else None
-    return replace(of_motion, **loads, tooth_force_n=tooth)
+    between = train.pairs[0].transmission if len(train.pairs) > 1 else None
+    rigid = RigidMachine(machine, task.masses, None, task.guide_friction, between)
+    loads = asdict(felt(rigid, task.speed_fluctuation))
+    return replace(of_motion, **loads, tooth_force_n=_tooth_force_n(task, rigid, pairs))
 
 
-def _tooth_force_n(task: Task, machine: Machine, pair: PitchPair) -> float | None:
-    """The largest force between the teeth at the gears' own size; None where that is not known."""
+def _tooth_force_n(task: Task, rigid: RigidMachine, pairs: Sequence[PitchPair]) -> float | None:
+    """The largest force between the teeth at the gears' own size; None where that is not known, and of two pairs."""
     size = task.gears
-    if size is None:
+    if size is None or len(pairs) > 1:
         return None
+    pair = pairs[0]
     lobes, length = task.lobes, pair.arc.period * task.lobes.driving
     own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
     # The direction of the centre line turns the force and leaves its size
     place = MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0, size.idle_angle_rad)
-    return tooth_force_n(machine, task.moving, place)
+    return tooth_force_n(replace(rigid, place=place))
 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Self
 
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import LoadedDesign
@@ -26,11 +27,18 @@ from ncgear.stopwatch import Stopwatch
 class Moving(Shown):
     """A design, and the motion of its machine; see ``ncgear.project.drive.Drive``."""
 
-    def __init__(self, design: Design, stage: int | None = None, loaded: LoadedDesign | None = None) -> None:
+    def __init__(
+        self,
+        design: Design,
+        stage: int | None = None,
+        loaded: LoadedDesign | None = None,
+        whole: Self | None = None,
+    ) -> None:
         self.design = design
         self.stage = stage
         self.loaded = loaded
         self.stopwatch = Stopwatch()
+        self._whole = whole
 
     def __repr__(self) -> str:
         stage = "" if self.stage is None else f", stage {self.stage}"
@@ -48,8 +56,17 @@ class Moving(Shown):
         return dict(self.stopwatch.seconds)
 
     @computed
+    def whole(self) -> Self:
+        """The drive of the whole machine, of which a drive with a stage is one pair of gears."""
+        if self.stage is None:
+            return self
+        return self._whole or type(self)(self.design, loaded=self.loaded)
+
+    @computed
     def law(self) -> Law:
         """Linkage and closed law."""
+        if self._whole is not None:
+            return self._whole.law
         with self.stopwatch("law"):
             return law_of(self.design)
 
@@ -106,8 +123,8 @@ class Moving(Shown):
             return self.uniform_machine.motion(self.motion.phi1_rad)
 
     @computed
-    def check(self) -> KinematicCheck:
-        """Exact peaks at the operating speed."""
+    def massless_check(self) -> KinematicCheck:
+        """Exact peaks at the operating speed, with the power of the resistance alone."""
         with self.stopwatch("check"):
             return kinematic_check(self.machine)
 
@@ -141,7 +158,7 @@ class Moving(Shown):
         return {f"stroke_residual_{place.ending}": place.factor * self.stroke_residual}
 
     @computed
-    def uniform_check(self) -> KinematicCheck:
-        """The uniform crank's peaks at the same speed."""
+    def massless_uniform_check(self) -> KinematicCheck:
+        """The uniform crank's peaks at the same speed, with the power of the resistance alone."""
         with self.stopwatch("check"):
             return kinematic_check(self.uniform_machine)
