@@ -425,7 +425,11 @@ class Rigid:
         return self.driving.fluctuation
 
 
-def rigid_level(machine: RigidMachine) -> Rigid:
-    """The forces in a machine; raises NoSuchMechanism where its teeth cannot hold the torque."""
+def rigid_level(driving: DrivingShaft, place: MeshPlace | None) -> Rigid:
+    """The forces in a machine by its driving shaft and how its gears lie, None without gears.
+
+    Raises NoSuchMechanism where its teeth cannot hold the torque.
+    """
+    machine = replace(driving.machine, place=place)
     refuse_locked(machine)
-    return Rigid(machine, DrivingShaft(machine), load_peaks(machine))
+    return Rigid(machine, driving, load_peaks(machine))

@@ -35,6 +35,7 @@ NAMES = {
     "peak pushing force": "peak pushing force, one pair of teeth",
     "play max": "greatest play of the last driven gear",
     "reversal play": "play where torque turns round",
+    "peak power resistance": "peak power, resistance alone",
     "peak tooth force": "peak tooth force, one pair of teeth",
     "rms torque": "r.m.s. torque",
     "rms torque of rated": "r.m.s. torque of rated",

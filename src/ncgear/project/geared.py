@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Self
 
@@ -10,9 +11,9 @@ import numpy as np
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.gears import Gears
 from ncgear.design.mechanisms import entry_of
-from ncgear.errors import WrongInput
+from ncgear.errors import DesignError, WrongInput
 from ncgear.kinematics.check import KinematicCheck, at_speed
-from ncgear.kinematics.motion import Machine, OutputMotion
+from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
@@ -205,6 +206,12 @@ class Geared(Moving):
             return "they are counted of gears that turn on and on"
         return None
 
+    @property
+    def gear_refusal(self) -> DesignError | None:
+        """Why gears whose inertia counts cannot be made as given, and discs stand for them; None where none do."""
+        found = (pair for pair in self.whole.by_stage if "gear_inertia" in vars(pair))
+        return next((pair.gear_inertia.refusal for pair in found if pair.gear_inertia.refusal), None)
+
     def loaded_machine(self, machine: Machine) -> RigidMachine:
         """A machine of this design with all that the file gives; its gears do not lie anywhere."""
         from ncgear.dynamics.rigid import RigidMachine
@@ -237,67 +244,73 @@ class Geared(Moving):
     @computed
     def check(self) -> KinematicCheck:
         """Exact peaks at the operating speed, with all masses that the design gives."""
-        return self.check_at(self.massless_check, self.machine)
+        return self._counted(self.massless_check, lambda: self.driving)
 
     @computed
     def uniform_check(self) -> KinematicCheck:
         """The peaks of the uniform crank with the same masses at the same speed."""
-        return self.check_at(self.massless_uniform_check, self.uniform_machine)
-
-    def check_at(self, massless: KinematicCheck, machine: Machine) -> KinematicCheck:
-        """A check that counts no masses, of a machine of this design, with the masses that the design gives."""
-        if self.masses_left_out is not None:
-            return massless
-        from ncgear.dynamics.rigid import counting_masses
-
-        shaft = self._driving(machine) if machine is not self.machine else self.driving
-        with self.stopwatch("forces"):
-            return counting_masses(massless, shaft)
+        return self._counted(self.massless_uniform_check, lambda: self.uniform_driving)
 
     def check_at_rpm(self, speed_rpm: float) -> KinematicCheck:
         """The check of this design at another driving speed in r/min."""
         machine = replace(self.machine, speed_rad_s=speed_rpm * RAD_S_PER_RPM)
-        return self.check_at(at_speed(self.massless_check, speed_rpm), machine)
+        return self._counted(at_speed(self.massless_check, speed_rpm), lambda: self._driving(machine))
 
-    @computed
-    def driving_power_w(self) -> Array:
-        """Power of the driving shaft at the angles of ``motion``, shape (n,), with the masses that are given."""
-        return self._power_w(self.machine, self.motion)
-
-    @computed
-    def uniform_driving_power_w(self) -> Array:
-        """The same of the uniform crank with the same masses."""
-        return self._power_w(self.uniform_machine, self.uniform_motion)
-
-    def _power_w(self, machine: Machine, motion: OutputMotion) -> Array:
+    def _counted(self, massless: KinematicCheck, driving: Callable[[], DrivingShaft]) -> KinematicCheck:
+        """A check with the masses that the design gives, of the machine that turns such a driving shaft."""
         if self.masses_left_out is not None:
-            return motion.power_w
-        torque = self.loaded_machine(machine).at(motion.phi1_rad).driving_torque.value
-        return N_M_PER_N_MM * machine.speed_rad_s * torque
+            return massless
+        from ncgear.dynamics.rigid import counting_masses
+
+        shaft = driving()
+        with self.stopwatch("forces"):
+            return counting_masses(massless, shaft)
+
+    @computed
+    def motion(self) -> OutputMotion:
+        """The output's motion at the operating speed, sampled, with the masses that the design gives."""
+        return self.motion_of(self.machine, sample_angles(self.transmission))
+
+    @computed
+    def uniform_motion(self) -> OutputMotion:
+        """The uniform crank's motion at the same angles, with the same masses."""
+        return self.motion_of(self.uniform_machine, self.motion.phi1_rad)
+
+    def motion_of(self, machine: Machine, phi1_rad: Array) -> OutputMotion:
+        """The motion of a machine of this design at driving angles in rad, shape (n,)."""
+        with self.stopwatch("motion"):
+            moved = machine.motion(phi1_rad)
+        if self.masses_left_out is not None:
+            return moved
+        loaded = self.loaded_machine(machine)
+        with self.stopwatch("forces"):
+            torque = loaded.at(phi1_rad).driving_torque.value
+        power = N_M_PER_N_MM * machine.speed_rad_s * torque
+        return replace(moved, torque_with_masses_n_mm=torque, power_with_masses_w=power)
 
     @computed
     def rigid(self) -> Rigid:
         """The forces in the machine at constant driving speed."""
-        return self._rigid(self.machine)
+        return self._rigid(lambda: self.driving)
 
     @computed
     def uniform_rigid(self) -> Rigid:
         """The forces in the uniform crank with the same masses."""
-        return self._rigid(self.uniform_machine)
+        return self._rigid(lambda: self.uniform_driving)
 
     def require_one_stage(self) -> None:
         """Raise WrongInput where there are two pairs of gears."""
         if self.design.stages > 1:
             raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
 
-    def _rigid(self, machine: Machine) -> Rigid:
+    def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level
 
         self.require_one_stage()
         place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
-        loaded = replace(self.loaded_machine(machine), place=place)
+        shaft = driving()
         with self.stopwatch("forces"):
-            return rigid_level(loaded)
+            return rigid_level(shaft, place)
 
     @computed
     def running(self) -> Running:

@@ -9,7 +9,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.errors import Places, WrongInput
 from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
-from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
+from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.outcomes import Achieved, achieved
 from ncgear.kinematics.wishes import Wish
 from ncgear.mechanisms.mechanism import Mechanism
@@ -109,18 +109,6 @@ class Moving(Shown):
     def uniform_machine(self) -> Machine:
         """The same linkage on a crank that turns evenly, at the same number of strokes per minute."""
         return replace(self.machine, transmission=uniform_law(self.transmission.lobes))
-
-    @computed
-    def motion(self) -> OutputMotion:
-        """The slider's motion at the operating speed, sampled."""
-        with self.stopwatch("motion"):
-            return self.machine.motion(sample_angles(self.transmission))
-
-    @computed
-    def uniform_motion(self) -> OutputMotion:
-        """The uniform crank's motion at the same angles."""
-        with self.stopwatch("motion"):
-            return self.uniform_machine.motion(self.motion.phi1_rad)
 
     @computed
     def massless_check(self) -> KinematicCheck:
