@@ -71,7 +71,8 @@ def with_tooth_friction(driving_torque: Array, mesh_share: float) -> Array:
 def loads_at(rigid: RigidMachine, phi1_rad: Array, mesh_share: float = 0.0) -> LoadsAt:
     """The loads at driving angles in rad; the machine must have gears.
 
-    ``mesh_share`` is what friction between the teeth takes of the driving torque's size.  The crank turns clockwise in the frame of the mechanism, the driving gear against it or, inside a ring, with it.
+    ``mesh_share`` is what friction between the teeth takes of the driving torque's size.  The crank turns clockwise in
+    the frame of the mechanism, the driving gear against it or, inside a ring, with it.
     """
     loads = rigid.at(phi1_rad)
     assert rigid.place is not None

@@ -11,8 +11,8 @@ holds for circular gears under an even load with 1 to 2 pairs in contact:
 
     H_V = pi (1/z1 + 1/z2) (1 - e1 - e2 + e1^2 + e2^2),   e1, e2: contact ratios before and behind the pitch point
 
-The force is the one without friction between the teeth, so that loss is of first order in mu.  The guide takes mu |N| of
-the slider's way, with the force N of the rigid level, which counts that friction itself.
+The force is the one without friction between the teeth, so that loss is of first order in mu.  The guide takes mu |N|
+of the slider's way, with the force N of the rigid level, which counts that friction itself.
 """
 
 from __future__ import annotations

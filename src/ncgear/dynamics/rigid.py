@@ -372,9 +372,10 @@ class DrivingShaft:
 
     @property
     def braking_power_w(self) -> Extremum:
-        """Largest power that flows back to the motor, as a size; 0 where none does."""
-        least = self.torque_range_n_mm[0]
-        return Extremum(max(0.0, -least.value) * self._w_per_n_mm, least.at)
+        """Largest power that flows back to the motor, as a size; 0 where none does but for rounding."""
+        least, most = self.torque_range_n_mm
+        brakes = -least.value > IDLE * max(-least.value, most.value)
+        return Extremum((-least.value if brakes else 0.0) * self._w_per_n_mm, least.at)
 
     @property
     def mean_power_w(self) -> float:

@@ -25,8 +25,9 @@ def law_csv(motion: OutputMotion, output: Output) -> str:
     """The motion law over one turn, one row per driving angle, columns named with their units.
 
     Places of an output that turns are in rad there, its torques in N m.  ``power_w`` is that of the resistance alone;
-    where masses are counted, torque and power of the driving shaft with them have columns of their own.  Raises ValueError when a column holds
-    something other than finite numbers, or columns differ in length.
+    where masses are counted, torque and power of the driving shaft with them have columns of their own.
+
+    Raises ValueError when a column holds something other than finite numbers, or columns differ in length.
     """
     columns = {
         "phi1_rad": motion.phi1_rad,

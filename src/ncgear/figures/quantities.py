@@ -17,6 +17,7 @@ OF_GEAR = {"length": "length of pitch curve", "min radius": "least radius of cur
 
 NAMES = {
     "bending safety min": "least safety against breakage",
+    "bearing force": "force on crank's bearings, teeth apart",
     "bending tooth": "weakest tooth against breakage",
     "center distance": "centre distance",
     "contact ratio back mean": "contact ratio, idle flanks",

@@ -16,7 +16,7 @@ from ncgear.figures.quantities import name_of
 from ncgear.figures.strong import LOADS, materials_words
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import INDENT, WIDTH
-from ncgear.project.sizing import Sized
+from ncgear.project.sizing import Sized, stated_inertias
 from ncgear.strength.holding import Damage, worst
 
 SUFFIX = "-sized"
@@ -83,6 +83,7 @@ def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]
     """The text of a design file with other gears and with what was asked for, its name and description saying so."""
     design = loaded.design
     values = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
-    said = f"Sized: {design.name} with {listed(map(str, changed(values)), 'and')}, so that its teeth hold."
+    values |= dict.fromkeys(stated_inertias(design))
+    said = f"Sized: {design.name} with {listed(map(str, changed(asked | one.changes)), 'and')}, so that its teeth hold."
     about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
     return design_copy(loaded, {"name": sized_name(design.name), **about, **values})

@@ -18,7 +18,7 @@ from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.felt import felt, tooth_force_n
 from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.transmission import Lobes, Train
+from ncgear.ratio.transmission import Lobes, Pair, Train
 
 
 @dataclass(frozen=True)
@@ -214,14 +214,15 @@ class Prices:
         return float(sum(price * getattr(found, name) for name, price in prices.items()))
 
 
-def figures(task: Task, train: Train) -> Figures:
+def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
 
-    Power is that of the driving shaft: of the load alone, or with masses of these as well.
+    Power is that of the driving shaft: of the load alone, or with masses of these as well.  The force between the teeth
+    is that of gears at their own centre distance, or at that of another law's gears (``as_large_as``).
     """
     machine = Machine(train.whole, task.linkage, task.load, task.speed_rad_s)
     check = kinematic_check(machine)
-    pairs = [sized_pair(one.transmission, TEETH * task.lobes.driving, 1.0, None) for one in train.pairs]
+    pairs = [_pair(task, one) for one in train.pairs]
     lowest, highest = train.whole.ratio_range
     of_motion = Figures(
         peak_power_w=check.peak_power_w.value,
@@ -241,7 +242,12 @@ def figures(task: Task, train: Train) -> Figures:
     between = train.pairs[0].transmission if len(train.pairs) > 1 else None
     rigid = RigidMachine(machine, task.masses, None, task.guide_friction, between)
     loads = asdict(felt(rigid, task.speed_fluctuation))
-    return replace(of_motion, **loads, tooth_force_n=_tooth_force_n(task, rigid, pairs))
+    sized = pairs if as_large_as is None else [_pair(task, one) for one in as_large_as.pairs]
+    return replace(of_motion, **loads, tooth_force_n=_tooth_force_n(task, rigid, sized))
+
+
+def _pair(task: Task, pair: Pair) -> PitchPair:
+    return sized_pair(pair.transmission, TEETH * task.lobes.driving, 1.0, None)
 
 
 def _tooth_force_n(task: Task, rigid: RigidMachine, pairs: Sequence[PitchPair]) -> float | None:

@@ -108,7 +108,10 @@ def gear_inertia_of(drive: Geared) -> GearInertia:
     try:
         plans = drive.solids.driving.plan, drive.solids.driven.plan
     except DesignError as refusal:
-        discs = (_disc_kg_mm2(drive, curve, density) for curve, density in zip((drive.pitch.driving, drive.pitch.driven), densities, strict=True))
+        discs = (
+            _disc_kg_mm2(drive, curve, density)
+            for curve, density in zip((drive.pitch.driving, drive.pitch.driven), densities, strict=True)
+        )
         return GearInertia(*discs, refusal)
     return GearInertia(*(body_kg_mm2(plan, density) for plan, density in zip(plans, densities, strict=True)))
 

@@ -37,7 +37,7 @@ It is far larger than the rounding of an angle, and too small to be seen or hit 
 
 
 def motion_charts(drive: Drive, end_rad: float) -> list[PageChart]:
-    """Displacement to ratio from 0 to a driving angle; force where the design has a resistance, power with masses too."""
+    """Displacement to ratio from 0 to a driving angle; with force and power where the design has them."""
     phi1 = cycle_angles_rad(drive)
     own, uniform = drive.motion_of(drive.machine, phi1), drive.motion_of(drive.uniform_machine, phi1)
     joints = np.degrees(joints_up_to(drive.transmission, end_rad))

@@ -105,7 +105,7 @@ MASSES_KEY = "masses_counted"
 
 
 def counted_note(drive: Drive) -> str:
-    """What the figures of power do not count, in words, or by what they count gears; empty where nothing is left to say.
+    """What figures of power leave out, or by what they count gears, in words; empty where there is nothing to say.
 
     A design that gives neither resistance nor masses has no power of which anything could be said.
     """
