@@ -46,6 +46,13 @@ class Drive(Geared):
     ``stage`` is the number of the pair, 1 or 2.
     """
 
+    @computed
+    def by_stage(self) -> tuple[Drive, ...]:
+        """One drive for each pair of gears, from the driving shaft on; with a single pair, this drive alone."""
+        if self.design.stages == 1 or self.stage is not None:
+            return (self,)
+        return tuple(Drive(self.design, number, self.loaded, self) for number in range(1, self.design.stages + 1))
+
     def of_stage(self, stage: int | None) -> Drive:
         """The drive of one pair of gears: of two in series that of stage 1 or 2, else the only one, by None.
 

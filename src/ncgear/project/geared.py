@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -170,13 +170,11 @@ class Geared(Moving):
         tolerance = CURVES_SHARE * self.design.output.chord_tolerance_mm
         return {gear: arc_outline(self.teeth.of(gear), tolerance) for gear in Gear}
 
-    @computed
-    def by_stage(self) -> tuple[Self, ...]:
-        """One drive for each pair of gears, from the driving shaft on; with a single pair, this drive alone."""
-        if self.design.stages == 1 or self.stage is not None:
-            return (self,)
-        numbers = range(1, self.design.stages + 1)
-        return tuple(type(self)(self.design, number, self.loaded, self) for number in numbers)
+    if TYPE_CHECKING:
+
+        @property
+        def by_stage(self) -> tuple[Geared, ...]:
+            """One drive for each pair of gears, see ``Drive``."""
 
     @computed
     def gear_inertia(self) -> GearInertia:

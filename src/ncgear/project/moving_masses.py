@@ -108,12 +108,11 @@ def gear_inertia_of(drive: Geared) -> GearInertia:
     try:
         plans = drive.solids.driving.plan, drive.solids.driven.plan
     except DesignError as refusal:
-        discs = (
-            _disc_kg_mm2(drive, curve, density)
-            for curve, density in zip((drive.pitch.driving, drive.pitch.driven), densities, strict=True)
-        )
-        return GearInertia(*discs, refusal)
-    return GearInertia(*(body_kg_mm2(plan, density) for plan, density in zip(plans, densities, strict=True)))
+        curves = drive.pitch.driving, drive.pitch.driven
+        first, last = (_disc_kg_mm2(drive, *of) for of in zip(curves, densities, strict=True))
+        return GearInertia(first, last, refusal)
+    first, last = (body_kg_mm2(*of) for of in zip(plans, densities, strict=True))
+    return GearInertia(first, last)
 
 
 KG_MM3 = 1e-9
