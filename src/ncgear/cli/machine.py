@@ -34,8 +34,8 @@ def check(
 
         made = mended(loaded) if mend else as_given(loaded)
         drive = made.drive
-        if made.said and (as_json or verbose):
-            typer.echo(f"{made.words}\n", err=as_json)
+        if as_json or verbose:
+            made.say(err=as_json)
         with steps_shown(1) as on_step:
             on_step("kinematics and power")
             if as_json:
@@ -109,13 +109,12 @@ def build(
         # Both runs wrote the manifest.
         paths = list(dict.fromkeys([*built.paths, *design.paths]))
         kept = [*built.kept, *design.kept]
+        if as_json or verbose:
+            made.say(err=as_json)
         if as_json:
-            if made.said:
-                typer.echo(made.words, err=True)
             print_figures(*built.summaries, kept=kept)
         elif verbose:
-            text = build_text(built.summaries, paths, kept)
-            typer.echo("\n\n".join(part for part in (made.words, text) if part))
+            typer.echo(build_text(built.summaries, paths, kept))
         else:
             shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
             then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {shown}"
