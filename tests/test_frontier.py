@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import os
 from io import BytesIO, StringIO
 from pathlib import Path
@@ -20,7 +19,7 @@ from drives import loaded
 from ncgear.design.keys.design import Design
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.best_law import frontier_csv, frontier_json, frontier_text, other_mechanisms
+from ncgear.figures.best_law import frontier_csv, frontier_figures, frontier_text, other_mechanisms
 from ncgear.files.frontier import frontier_files
 from ncgear.optimum.family import Family, Peak, best_of_family
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
@@ -222,7 +221,7 @@ def test_tables_hold_the_points() -> None:
     rows = list(csv.DictReader(StringIO(frontier_csv(found(), BestLaw(design())))))
     assert [float(row["limit_acceleration_mm_s2"]) for row in rows] == [30_000.0, 14_000.0]
     assert [row["family_acceleration_mm_s2"] for row in rows] == ["", "18500.0"]
-    content = json.loads(frontier_json(found(), BestLaw(design())))
+    content = frontier_figures(found(), BestLaw(design()))
     assert content["points"][1]["gap"] == pytest.approx(1.0 / 7.0, rel=1e-12)
     assert content["speed_rpm"] == 60.0
 

@@ -11,6 +11,7 @@ import typer
 from ncgear.cli.arguments import (
     EXPORT,
     SUFFIXES,
+    AsJson,
     DesignFile,
     Processes,
     Scheduler,
@@ -18,6 +19,7 @@ from ncgear.cli.arguments import (
     materials_to_complete,
     opened,
 )
+from ncgear.cli.as_json import print_figures
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.errors import WrongInput
@@ -33,6 +35,7 @@ def optimize(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-optimized")
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
@@ -60,14 +63,16 @@ def optimize(
             best.limit  # noqa: B018
             written = optimized_design(loaded.text, best)
             on_step("figures")
-            certified = json_text(certificate(best)).encode()
-            files = {f"{name}.yaml": written.encode(), "certificate.json": certified}
+            figures = certificate(best)
+            files = {f"{name}.yaml": written.encode(), "certificate.json": json_text(figures).encode()}
             if best.limit_points:
                 on_step("picture")
                 files[PICTURE] = limit_picture(best)
         # The best law of another design in the same folder stays.
         run = publish_run(folder, files, f"optimize {name}")
-        if verbose:
+        if as_json:
+            print_figures(figures, kept=run.kept)
+        elif verbose:
             typer.echo(optimized_text(best, run.paths, run.kept))
         else:
             then = f"ncgear {'build' if best.design.gears else 'check'} {folder / name}.yaml"
@@ -82,6 +87,7 @@ def frontier(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-frontier")
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
@@ -93,7 +99,7 @@ def frontier(
     with opened(design_file) as loaded:
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.best_law import frontier_answer
-        from ncgear.figures.best_law import frontier_text
+        from ncgear.figures.best_law import frontier_figures, frontier_text
         from ncgear.files.frontier import frontier_files
         from ncgear.files.manifest import publish_run
         from ncgear.project.best_law import BestLaw
@@ -105,7 +111,9 @@ def frontier(
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
         best = BestLaw(loaded.design)
         run = publish_run(folder, frontier_files(found, best), "frontier")
-        if verbose:
+        if as_json:
+            print_figures(frontier_figures(found, best), kept=run.kept)
+        elif verbose:
             typer.echo(frontier_text(found, best, run.paths, run.kept))
         else:
             then = "give a cap as optimize.limits.peak_power_w, then ncgear optimize"
@@ -144,6 +152,7 @@ def size(
         Path | None,
         typer.Option(metavar="FILE.yaml", help="Write the design file with the smallest gears.", show_default="none"),
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Find the smallest gears that hold: module of series I, number of teeth, face width, within a space."""
@@ -161,7 +170,7 @@ def size(
 
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.strong import sized_answer
-        from ncgear.figures.sized import sized_design, sized_text
+        from ncgear.figures.sized import sized_design, sized_figures, sized_text
         from ncgear.figures.terminal import written_lines
         from ncgear.files.manifest import Run, publish_run
         from ncgear.project.drive import Drive
@@ -180,7 +189,9 @@ def size(
         if out is not None:
             content = sized_design(loaded, found[0], asked).encode()
             run, then = publish_run(out.parent, {out.name: content}, f"size {out.name}"), f"ncgear build {out}"
-        if verbose:
+        if as_json:
+            print_figures(sized_figures(found), kept=run.kept)
+        elif verbose:
             written = "\n".join(written_lines(run.paths, run.kept))
             typer.echo("\n\n".join([sized_text(found), *([written] if run.paths else [])]))
         else:

@@ -23,7 +23,7 @@ from ncgear.design.keys.gears import SIZES
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.rewritten import LINE_WIDTH
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import finite, fixed, json_text, shown
+from ncgear.figures.numbers import finite, fixed, shown
 from ncgear.figures.quantities import name_of, told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
@@ -349,9 +349,9 @@ def points_of(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
     return [(point, families[point.cap_w]) for point in found.laws]
 
 
-def frontier_json(found: Frontier, best: BestLaw) -> str:
-    """The points with all figures of the laws, and the other mechanisms, as JSON."""
-    content = {
+def frontier_figures(found: Frontier, best: BestLaw) -> dict[str, Any]:
+    """The points with all figures of the laws, and the other mechanisms."""
+    return {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
         "masses": None if best.task.masses is None else asdict(best.task.masses),
@@ -373,7 +373,6 @@ def frontier_json(found: Frontier, best: BestLaw) -> str:
         ],
         "mechanisms": [_named(vars(mechanism), best) for mechanism in other_mechanisms(best)],
     }
-    return json_text(content)
 
 
 FAMILY_WITHOUT_MASS = "The family is left out: its search knows the power of the resistance alone."

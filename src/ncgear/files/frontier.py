@@ -7,7 +7,8 @@ from itertools import accumulate
 
 from ncgear.drawings.plots.frontier_plot import frontier as frontier_plot
 from ncgear.drawings.plots.frontier_plot import rows
-from ncgear.figures.best_law import frontier_csv, frontier_json, other_mechanisms
+from ncgear.figures.best_law import frontier_csv, frontier_figures, other_mechanisms
+from ncgear.figures.numbers import json_text
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
 
@@ -28,7 +29,7 @@ def frontier_files(found: Frontier, best: BestLaw) -> dict[str, bytes]:
     family = [(one.cap_w, peak) for one in found.families if (peak := one.peak_acceleration_mm_s2) is not None]
     return {
         "frontier.csv": frontier_csv(found, best).encode(),
-        "frontier.json": frontier_json(found, best).encode(),
+        "frontier.json": json_text(frontier_figures(found, best)).encode(),
         PICTURE: _picture(best, limit, laws, family, "power against acceleration"),
     }
 
