@@ -24,7 +24,7 @@ from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import DATA, Linear, Programme, Proof
-from ncgear.optimum.certified.ranges import Known, Stretch, _everywhere
+from ncgear.optimum.certified.ranges import Known, Stretch, everywhere
 from ncgear.optimum.task import Task
 from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
 
@@ -347,7 +347,7 @@ def outside_between_checkpoints(law: Turning, apart_rad: float) -> tuple[float, 
     known = Known(np.full(on.count, stretch.ratio_max**-2), np.full(on.count, inf))
     for place in numbers.tolist():
         known = known.within(place, float(q[place]), float(q[place]))
-    ranges = _everywhere(on, known, [stretch], [numbers.tolist()])
+    ranges = everywhere(on, known, [stretch], [numbers.tolist()])
     cells = np.arange(numbers[-1])
     inner = on.crank_angle_rad[cells, None] + on.step_rad[cells, None] * np.linspace(0.0, 1.0, 60)
     inside = 2.0 * np.log(law.s(inner))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -43,14 +44,21 @@ class BestLaw(Shown):
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
     no law keeps the limits.  The law is the best of those found from ``starts`` starts, of which the first is the
     motion of the certified limit; ``scheduler`` and ``processes`` say where the others are computed, as in
-    ``ncgear.workers``.
+    ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved while
+    the limit is raised towards the law.
     """
 
     def __init__(
-        self, design: Design, starts: int = 1, scheduler: str | None = None, processes: int | None = None
+        self,
+        design: Design,
+        starts: int = 1,
+        scheduler: str | None = None,
+        processes: int | None = None,
+        on_programme: Callable[[int, int], None] = lambda solved, most: None,
     ) -> None:
         self.design = design
         self._starts, self._where = starts, (scheduler, processes)
+        self._on_programme = on_programme
 
     @cached_property
     def wishes(self) -> Wishes:
@@ -81,7 +89,9 @@ class BestLaw(Shown):
         """The highest limit that is known beside the best law, in the unit of the goal; None where there is none."""
         from ncgear.optimum.makeable.demanded import raised_limit
 
-        return None if self.bound is None else raised_limit(self.task, self.wishes, self.bound, self.figures)
+        if self.bound is None:
+            return None
+        return raised_limit(self.task, self.wishes, self.bound, self.figures, self.law.motion, self._on_programme)
 
     def _with_what_was_found(self, refused: NoSuchMechanism) -> NoSuchMechanism:
         """The refusal, and values of limits with which laws were found; as it was where the optimiser is missing."""
