@@ -50,11 +50,17 @@ def optimize(
         from ncgear.files.frontier import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
 
-        best = BestLaw(loaded.design, starts, scheduler, processes)
-        name = optimized_name(best)
+        name = optimized_name(loaded.design)
         folder = out or EXPORT / name
         prepare(folder)
         with steps_shown(5) as on_step:
+            best = BestLaw(
+                loaded.design,
+                starts,
+                scheduler,
+                processes,
+                lambda solved, most: on_step.within(f"{solved} of at most {most} programmes"),
+            )
             on_step("certified limit")
             best.bound  # noqa: B018
             on_step("makeable law")

@@ -31,6 +31,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
+from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
@@ -50,9 +51,9 @@ UNITS = {
 ARGUMENT = (
     "Between places of the crank every motion keeps relations that are convex in the squared ratio of speeds, for "
     "acceleration, power, time, the driven curve, the pressure angle and wishes of the motion; the driving curve's is "
-    "made so by ranges of this ratio that are narrowed in rounds, and so is the power that masses take. The "
-    "multipliers of a conic programme prove the least value, with all rounding errors charged. With masses and for "
-    "sums of figures it is a relaxation. What the limit does not know stands under not_covered_by_limit."
+    "made so by ranges of this ratio that are narrowed in rounds and divided, and so are times and the power that "
+    "masses take. The multipliers of a conic programme prove the least value of every part of the ranges, with all "
+    "rounding errors charged. What the limit does not know stands under not_covered_by_limit."
 )
 
 SUFFIX = "-optimized"
@@ -80,7 +81,7 @@ def optimized_design(text: str, best: BestLaw) -> str:
     yaml = YAML(typ="rt")
     yaml.width = LINE_WIDTH
     document = yaml.load(text)
-    document["name"] = optimized_name(best)
+    document["name"] = optimized_name(best.design)
     law, second = best.law, best.law.second
     motion: dict[str, Any] = {"law": "spline_ratio", "ratio": _row(law.ratio)}
     if second is not None:
@@ -97,15 +98,16 @@ def optimized_design(text: str, best: BestLaw) -> str:
     return written.getvalue()
 
 
-def optimized_name(best: BestLaw) -> str:
+def optimized_name(design: Design) -> str:
     """Name of the optimised design."""
-    name = best.design.name
+    name = design.name
     return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
 
 
 def certificate(best: BestLaw) -> dict[str, Any]:
     """The limit, the law beside it, and the mechanisms to compare with, all at one speed."""
     bound, given = best.limit, best.given_figures
+    effort = None if bound is None else bound.effort
     return {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
@@ -117,6 +119,8 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "not_covered_by_limit": best.not_covered,
             "law": best.goal,
             "gap": best.goal / bound.value - 1.0 if bound is not None and bound.value > 0.0 else None,
+            "programmes": effort.programmes if effort else None,
+            "parts": effort.parts if effort else None,
             "argument": ARGUMENT,
         },
         "starts": asdict(best.starts),
@@ -222,9 +226,22 @@ def starts_text(best: BestLaw) -> str:
     return f"the best of {found} laws, {shown(100.0 * starts.apart)} % below the worst{none}"
 
 
+def not_closed(best: BestLaw) -> str | None:
+    """Why the limit is not nearer to the law; None where it is near."""
+    bound = best.limit
+    if bound is None or best.goal <= CLOSE * bound.value:
+        return None
+    if bound.effort is None:
+        return "not closed further: that needs pitch curves that must be convex"
+    solved, parts = bound.effort.programmes, bound.effort.parts
+    return f"not closed further: {solved} programmes in {parts} parts of the motions prove no more"
+
+
 def _about_limit(best: BestLaw) -> list[str]:
-    """What the limit does not know, so that the true one may be higher."""
+    """How far the limit was closed, and what it does not know, so that the true one may be higher."""
     said = []
+    if (distance := not_closed(best)) is not None:
+        said.append(f"  The limit is {distance}.")
     if best.not_covered:
         unknown = listed(best.not_covered, "nor")
         said.append(f"  The limit does not know {unknown}: the least of all laws may lie higher.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -49,14 +50,21 @@ class BestLaw(Shown):
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
     no law keeps the limits.  The law is the best of those found from ``starts`` starts, of which the first is the
     motion of the certified limit; ``scheduler`` and ``processes`` say where the others are computed, as in
-    ``ncgear.workers``.
+    ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved while
+    the limit is raised towards the law.
     """
 
     def __init__(
-        self, design: Design, starts: int = 1, scheduler: str | None = None, processes: int | None = None
+        self,
+        design: Design,
+        starts: int = 1,
+        scheduler: str | None = None,
+        processes: int | None = None,
+        on_programme: Callable[[int, int], None] = lambda solved, most: None,
     ) -> None:
         self.design = design
         self._starts, self._where = starts, (scheduler, processes)
+        self._on_programme = on_programme
 
     @cached_property
     def wishes(self) -> Wishes:
@@ -101,7 +109,9 @@ class BestLaw(Shown):
         """The highest limit that is known beside the best law, in the unit of the goal; None where there is none."""
         from ncgear.optimum.makeable.demanded import raised_limit
 
-        return None if self.bound is None else raised_limit(self.task, self.wishes, self.bound, self.figures)
+        if self.bound is None:
+            return None
+        return raised_limit(self.task, self.wishes, self.bound, self.figures, self.law.motion, self._on_programme)
 
     def _with_what_was_found(self, task: Task, refused: NoSuchMechanism) -> NoSuchMechanism:
         """The refusal, and values of limits with which laws were found; as it was where the optimiser is missing."""
@@ -150,7 +160,7 @@ class BestLaw(Shown):
             inertia, task = made, task_of(design, made)
             if change <= SETTLED:
                 return Settled(law, task, rounds)
-            law = makeable_law(task, self.wishes, motion_of_law(law))
+            law = makeable_law(task, self.wishes, law.motion)
         raise NoSuchMechanism(
             f"the law and the inertia of its gears do not settle: after {MOST_ROUNDS} laws the gears still change by "
             f"{change:.2g} of all that turns with the crank; give masses.driven_gear_kg_mm2, or lighter gears",
@@ -248,13 +258,6 @@ def motion_keys(law: MakeableLaw) -> SplineRatio:
     """A law as the motion of a design file."""
     second = None if law.second is None else SecondStageRatios(ratio=tuple(law.second.tolist()))
     return SplineRatio(law="spline_ratio", ratio=tuple(law.ratio.tolist()), second_stage=second)
-
-
-def motion_of_law(law: MakeableLaw) -> Motion:
-    """The law as a motion that a search starts from."""
-    from ncgear.optimum.certified.limit import Motion
-
-    return Motion(law.driven_angle_rad, 1.0 / law.ratio)
 
 
 TURN_PLACES = 360

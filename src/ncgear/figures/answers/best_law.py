@@ -11,6 +11,7 @@ from ncgear.figures.best_law import (
     FAMILY_WITHOUT_MASS,
     felt_keys,
     felt_text,
+    not_closed,
     other_mechanisms,
     points_of,
     starts_text,
@@ -78,6 +79,8 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
         rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
     if best.starts.count > 1:
         rows.append(Row("starts", (starts_text(best),)))
+    if (distance := not_closed(best)) is not None:
+        rows.append(Row("the limit", (distance,)))
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
     if best.task.masses is not None:

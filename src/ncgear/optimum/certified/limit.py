@@ -20,16 +20,10 @@ from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
-from ncgear.optimum.certified.ranges import (
-    Solved,
-    Trials,
-    Tried,
-    cells_that_matter,
-    motion_along,
-    stretches,
-    within_ranges,
-)
+from ncgear.optimum.certified.ranges import cells_that_matter, stretches
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
+from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, motion_along
+from ncgear.optimum.certified.tree import proven as least_proven
 from ncgear.optimum.task import Task
 
 PLACES_ROUGH = 960
@@ -43,6 +37,9 @@ FINE_RAD = radians(0.5)
 
 CLOSE = 1.002
 """A motion this close to the limit without the driving curve leaves nothing to gain that is worth the time."""
+
+MOST_PROGRAMMES = 150
+"""Programmes that are solved at most where only the driving curve matters, and no law is known yet."""
 
 BISECTED = 1e-4
 """Relative width to which limits are narrowed that no programme gives at once."""
@@ -61,11 +58,15 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and comes near the value."""
+    """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and comes near the value.
+
+    ``effort`` is what it took to raise the value towards a law; None where it was not.
+    """
 
     value: float
     places: int
     motion: Motion | None
+    effort: Effort | None = None
 
     def times(self, price: float) -> Bound:
         """The bound of a figure times a price."""
@@ -183,7 +184,7 @@ def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven
     value = without.value
     if proven and found.value > CLOSE * value:
         parts = stretches(problem.on, without.q, found.q)
-        value = within_ranges(trials, parts, without, found, problem.asked.ratio_max)
+        value, _ = least_proven(trials, parts, without.value, found, problem.asked, Budget(MOST_PROGRAMMES))
     return Bound(value, problem.on.count, motion_of(problem.on, found.q))
 
 
@@ -196,7 +197,7 @@ def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Probl
     for factor in EASED:
         easier = problem.eased(factor)
         trials = _trials(easier, least_value, name)
-        found = trials.least(None)
+        found = trials.least(None, {}, inf)
         if found.value == inf:
             raise refusal(easier)
         if found.q is not None:
@@ -207,16 +208,13 @@ def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Probl
 def _trials(problem: Problem, least_value: LeastValue, name: str) -> Trials:
     """What the search for ranges asks of the programmes."""
 
-    def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
-        return extremes_of(problem.under(**{name: below}).programme(ranges), place)
+    def tried_in(curve: Ranges | Near | None, figures: Figures, below: float) -> Tried:
+        return least_value(problem, curve)
 
-    return Trials(problem.on, lambda curve: least_value(problem, curve), extremes)
+    def programme(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
+        return problem.under(**{name: below}).programme(ranges)
 
-
-def extremes_of(made: MotionProgramme, place: int) -> tuple[float, float]:
-    """The least and the greatest q at a place of all motions of a programme."""
-    q = made.q[place : place + 1]
-    return least(made.programme, q).value, -least(made.programme, -q).value
+    return Trials(problem.on, tried_in, programme, {})
 
 
 def q_of(q: Linear, variables: Array) -> Array:

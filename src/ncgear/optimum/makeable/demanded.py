@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import inf, log, pi
 
@@ -11,9 +11,9 @@ from ncgear.kinematics.wishes import CrankStretch, Dwell, EvenSpeed, SpeedWithin
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
-from ncgear.optimum.certified.motion import needs_times
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
+from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.motion_wishes import evenness_in_words, speed_in_words, time_in_words
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task
@@ -127,25 +127,36 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
     return replace(found[0], value=sum(bound.value for bound in found))
 
 
-def raised_limit(task: Task, wishes: Wishes, bound: Bound, law: Figures) -> Bound:
-    """The limit of a goal, raised towards the figures of a law where ranges of q all around the turn can do so.
+CLOSE = 1.01
+"""A law this close to its limit is left there: laws of 180 knots lack up to a hundredth themselves."""
 
-    They can where both curves must be convex, and are worth it with masses and for sums of figures.
+MOST_PROGRAMMES = 2400
+"""Programmes that are solved at most to raise a limit towards a law: less than a minute on one processor."""
+
+
+def raised_limit(
+    task: Task,
+    wishes: Wishes,
+    bound: Bound,
+    law: Figures,
+    motion: Motion,
+    tell: Callable[[int, int], None] = lambda used, most: None,
+) -> Bound:
+    """The limit of a goal, raised towards the figures of a law, if it is not close to them, from the law's motion.
+
+    Ranges of q all around the turn can do so where both curves must be convex.  ``tell`` is called with the numbers of
+    programmes solved and at most to be solved.
     """
     asked = demands_of(task, wishes)
-    prices = {
-        demand: price / in_demand(task, demand)
-        for name, demand in DEMANDS.items()
-        if (price := getattr(wishes.prices, name))
-    }
-    if not asked.convex or not (needs_times(task, asked) or len(prices) > 1 or set(prices) & set(OF_LOADS.values())):
+    priced = {name: price for name, price in vars(wishes.prices).items() if price and name in DEMANDS}
+    reached = sum(price * getattr(law, name) for name, price in priced.items())
+    if not asked.convex or not reached > CLOSE * bound.value:
         return bound
-    reached = sum(
-        price * getattr(law, name) for name, price in vars(wishes.prices).items() if price and name in DEMANDS
-    )
-    if not reached > bound.value:
-        return bound
-    return replace(bound, value=max(bound.value, raised(task, asked, prices, reached)))
+    units = {name: in_demand(task, DEMANDS[name]) for name in priced}
+    prices = {DEMANDS[name]: price / units[name] for name, price in priced.items()}
+    figures = {DEMANDS[name]: units[name] * getattr(law, name) for name in priced}
+    value, effort = raised(task, asked, prices, figures, motion, Budget(MOST_PROGRAMMES, tell))
+    return replace(bound, value=max(bound.value, value), effort=effort)
 
 
 def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound | None:

@@ -79,6 +79,11 @@ class MakeableLaw:
         return spline_ratio_staged(self.driven_angle_rad, self.ratio, self.second).train
 
     @property
+    def motion(self) -> Motion:
+        """How the crank turns at the knots."""
+        return Motion(self.driven_angle_rad, 1.0 / self.ratio)
+
+    @property
     def goal(self) -> float:
         """What was to be least, in units of the levels."""
         return float(sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True)))
