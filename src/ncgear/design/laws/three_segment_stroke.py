@@ -358,6 +358,6 @@ LAW = DesignLaw(
     keys=ThreeSegmentStroke,
     choice="the slider works in three segments: it goes, presses at constant speed, slows down",
     asked_length="stroke_mm",
-    grows_with_stroke=("v1_mm_s", "v2_mm_s", "a1_mm_s2"),
+    grows_with_machine=("v2_mm_s", "a1_mm_s2", "law_speed_rpm"),
     narrower_ratio="move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps",
 )
