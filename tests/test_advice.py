@@ -333,7 +333,8 @@ def stands_in(data: Data, key: str) -> bool:
 
 def undone(data: Data, remedy: Remedy) -> list[str]:
     """What a remedy changes of what the file asks of the machine: all but the means, its law and its gears."""
-    return [one.key for one in remedy.changes if stands_in(data, one.key) and not one.key.startswith(("motion", "gears"))]
+    asked = [one.key for one in remedy.changes if not one.key.startswith(("motion.", "gears."))]
+    return [key for key in asked if stands_in(data, key)]
 
 
 def judged_advices(drive: Drive) -> Iterator[Advice]:

@@ -85,8 +85,8 @@ def speeds_at_work(drive: Drive) -> str:
     """The velocities that a law states, as they are at the speed at which the machine runs, in words."""
     unit, facts = drive.linkage.OUTPUT.speed, drive.law.stroke.facts if drive.law.stroke else {}
     share, end = drive.design.operation.speed_rpm / drive.law_speed_rpm, f"_{unit.ending}"
-    given = {key.removesuffix(end): value for key, value in facts.items() if key.endswith(end)}
-    named = [f"{name} is {to_digits(share * one, 5)} {unit.text}" for name, one in given.items() if one is not None]
+    given = {key.removesuffix(end): one for key, one in facts.items() if key.endswith(end) and isinstance(one, float)}
+    named = [f"{name} is {to_digits(share * one, 5)} {unit.text}" for name, one in given.items()]
     return " and ".join(named) or f"velocities are {to_digits(share, 3)} times as large"
 
 

@@ -129,7 +129,7 @@ def _published(drive: Drive) -> list[Row]:
 
 
 def _solved(drive: Drive) -> list[Row]:
-    """The quantity of a stroke that was solved for; the law's velocities at the machine's speed where it has another."""
+    """The quantity of a stroke that was solved for, and the law's velocities where the machine has another speed."""
     if drive.law.stroke is None or "solved_for" not in drive.law.stroke.facts:
         return []
     facts = {**drive.law.stroke.facts, "law_speed_rpm": drive.law_speed_rpm}
