@@ -173,7 +173,7 @@ def bearing_lives(
 
 
 def _by_angle(cycle: Cycle, quantity: Callable[[LoadsAt], Array]) -> Callable[[Array], Array]:
-    return lambda phi1: quantity(loads_at(cycle.rigid, phi1))
+    return lambda phi1: quantity(loads_at(cycle.rigid, phi1, cycle.mesh_share))
 
 
 def _life(bearing: Bearing, load_n: float, peak: Extremum, speed: float, wanted: WantedLife) -> BearingLife:

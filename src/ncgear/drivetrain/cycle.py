@@ -7,6 +7,7 @@ loads are then exact to about 1e-12.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -34,7 +35,9 @@ class ShaftLoads:
 
     ``turned_rad`` is the angle that the shaft has turned, counter-clockwise in the frame of the mechanism.  ``gear_n``
     and ``crank_n`` are the forces as x + i y in N that press on the shaft where the gear and the crank are; the driving
-    shaft has no crank.  ``torque_n_mm`` is the torque that the shaft passes on at its gear.
+    shaft has no crank.  ``torque_n_mm`` is the torque that the shaft passes on at its gear.  Torque and force of the
+    driving shaft's gear are larger by the share that friction between the teeth takes: what the motor delivers goes
+    through that shaft, its key and its bearings.
     """
 
     turned_rad: Array
@@ -59,10 +62,17 @@ class LoadsAt:
     way_mm: Array
 
 
-def loads_at(rigid: RigidMachine, phi1_rad: Array) -> LoadsAt:
+def with_tooth_friction(driving_torque: Array, mesh_share: float) -> Array:
+    """The driving torque with the share of its size that friction between the teeth takes, which always resists."""
+    torque: Array = driving_torque + mesh_share * np.abs(driving_torque)
+    return torque
+
+
+def loads_at(rigid: RigidMachine, phi1_rad: Array, mesh_share: float = 0.0) -> LoadsAt:
     """The loads at driving angles in rad; the machine must have gears.
 
-    The crank turns clockwise in the frame of the mechanism, the driving gear against it or, inside a ring, with it.
+    ``mesh_share`` is what friction between the teeth takes of the driving torque's size.  The crank turns clockwise in
+    the frame of the mechanism, the driving gear against it or, inside a ring, with it.
     """
     loads = rigid.at(phi1_rad)
     assert rigid.place is not None
@@ -70,8 +80,9 @@ def loads_at(rigid: RigidMachine, phi1_rad: Array) -> LoadsAt:
     angle = rigid.machine.transmission.driven_angle(phi1_rad, 1)
     # All forces on the crank's shaft are in balance with those of its bearings
     driven = ShaftLoads(-angle.value, mesh, -bearing - mesh, loads.driven_torque.value)
-    turned = -rigid.place.mesh.sense * phi1_rad
-    driving = ShaftLoads(turned, -mesh, np.zeros_like(mesh), loads.driving_torque.value)
+    turned, torque = -rigid.place.mesh.sense * phi1_rad, loads.driving_torque.value
+    pressed = -mesh * (1.0 + mesh_share * np.sign(torque))
+    driving = ShaftLoads(turned, pressed, np.zeros_like(mesh), with_tooth_friction(torque, mesh_share))
     way = rigid.machine.displacement(phi1_rad, 1).derivative(1)
     return LoadsAt(phi1_rad, angle.derivative(1), driving, driven, loads.guide.value, way)
 
@@ -86,13 +97,15 @@ class Cycle:
     """One cycle of a machine: where its loads have kinks, and its loads at n Gauss points.
 
     ``breaks_rad`` (shape (m,)) are the driving angles between which loads and their sizes are smooth, ends included.
-    ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.
+    ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.  ``mesh_share`` is the share of
+    the driving torque that friction between the teeth takes, which its loads count.
     """
 
     rigid: RigidMachine
     breaks_rad: Array
     weight_rad: Array
     loads: LoadsAt
+    mesh_share: float = 0.0
 
     @property
     def cycle_rad(self) -> float:
@@ -107,6 +120,12 @@ class Cycle:
     def integral(self, values: Array) -> float:
         """Integral over the driving angle of values at the points, shape (n,)."""
         return float(np.sum(self.weight_rad * values))
+
+
+def rubbing(cycle: Cycle, mesh_share: float) -> Cycle:
+    """The cycle with the share of the driving torque that friction between the teeth takes."""
+    loads = loads_at(cycle.rigid, cycle.loads.phi1_rad, mesh_share)
+    return replace(cycle, loads=loads, mesh_share=mesh_share)
 
 
 def cycle_of(rigid: Rigid) -> Cycle:

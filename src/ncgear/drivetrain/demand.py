@@ -1,7 +1,7 @@
 """What the driving shaft is asked for over the cycle, friction counted, and the energy that its machine stores.
 
-At the speed w_0 the torque is T = T1 + share |T1| + mu |N s'|, with the torque T1 of the rigid level, the share that
-the teeth take, and the guide's force N on the slider's way s.  A machine that turns at another speed w has the energy
+At the speed w_0 the torque is T = T1 + share |T1|, with the torque T1 of the rigid level, which counts friction in the
+guide, and the share that the teeth take.  A machine that turns at another speed w has the energy
 J(phi) w^2 / 2, with everything that moves in the inertia J reduced to the driving shaft,
 
     J = J_shaft + M(phi2) phi2'^2
@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ncgear.drivetrain.cycle import Cycle
+from ncgear.drivetrain.cycle import Cycle, with_tooth_friction
 from ncgear.drivetrain.losses import Losses
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.dynamics.rigid import Fluctuation
@@ -48,11 +48,7 @@ class Demand:
 
     def torque_n_mm(self, phi1_rad: Array) -> Array:
         """T at driving angles in rad, shape (n,)."""
-        rigid = self.cycle.rigid
-        loads, way = rigid.at(phi1_rad), rigid.machine.displacement(phi1_rad, 1).derivative(1)
-        torque, guide = loads.driving_torque.value, self.losses.guide_friction * np.abs(loads.guide.value * way)
-        asked: Array = torque + self.losses.mesh_share * np.abs(torque) + guide
-        return asked
+        return with_tooth_friction(self.cycle.rigid.at(phi1_rad).driving_torque.value, self.losses.mesh_share)
 
     def inertia(self, phi1_rad: Array) -> tuple[Array, Array]:
         """J in N mm s^2 and its slope by the driving angle, at driving angles in rad, shape (n,) each."""

@@ -11,7 +11,8 @@ holds for circular gears under an even load with 1 to 2 pairs in contact:
 
     H_V = pi (1/z1 + 1/z2) (1 - e1 - e2 + e1^2 + e2^2),   e1, e2: contact ratios before and behind the pitch point
 
-The force is the one without friction, so losses are of first order in mu.  The guide takes mu |N| of the slider's way.
+The force is the one without friction between the teeth, so that loss is of first order in mu.  The guide takes mu |N|
+of the slider's way, with the force N of the rigid level, which counts that friction itself.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ BLOCK = 1024
 class Losses:
     """Work in N mm per cycle at constant driving speed; ``mesh_loss_factor`` is H, None where no teeth are followed.
 
-    ``useful_n_mm`` is the work of the driving torque without friction, which the resistance takes.
+    ``useful_n_mm`` is the work that the resistance takes: that of the rigid level less what the guide takes of it.
     """
 
     useful_n_mm: float
@@ -74,16 +75,17 @@ class Losses:
         return self.useful_n_mm / (self.useful_n_mm + self.mesh_n_mm + self.guide_n_mm)
 
 
-def losses_of(cycle: Cycle, mesh_loss_factor: float | None, mesh_friction: float, guide_friction: float) -> Losses:
-    """The losses of a cycle."""
-    loads = cycle.loads
+def losses_of(cycle: Cycle, mesh_loss_factor: float | None, mesh_friction: float) -> Losses:
+    """The losses of a cycle whose loads do not count friction between the teeth."""
+    loads, guide_friction = cycle.loads, cycle.rigid.guide_friction
+    guide_n_mm = guide_friction * cycle.integral(np.abs(loads.guide_n * loads.way_mm))
     return Losses(
-        useful_n_mm=cycle.integral(loads.driving.torque_n_mm),
+        useful_n_mm=cycle.integral(loads.driving.torque_n_mm) - guide_n_mm,
         moved_n_mm=cycle.integral(np.abs(loads.driving.torque_n_mm)),
         mesh_loss_factor=mesh_loss_factor,
         mesh_friction=mesh_friction,
         guide_friction=guide_friction,
-        guide_n_mm=guide_friction * cycle.integral(np.abs(loads.guide_n * loads.way_mm)),
+        guide_n_mm=guide_n_mm,
     )
 
 

@@ -10,12 +10,20 @@ inertia J keeps the coefficient of speed fluctuation C = (largest - smallest spe
 J C w^2 = E_max - E_min (e.g. R. L. Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  The torque is the
 one at constant speed, so this holds for small C.
 
+Where the guide rubs, the slider bears mu |N| against its motion besides its load.  N follows from all that the slider
+bears along its line, and is affine in it: with N_0 of a guide without friction and N_1 of a resistance of 1 N,
+|N| = |N_0| / (1 - mu N_1 sign(N_0)) on the way out, with a plus on the way back.  Where that is not positive the slider
+jams in its guide, and the machine is refused.
+
+Of two pairs in series, the shaft between them turns unevenly as well and takes its part of the torque.
+
 Gears whose carrying flanks cannot hold the torque, because their pressure angle reaches 90 degrees, are refused.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from math import degrees, pi, sqrt
 from operator import attrgetter
@@ -25,6 +33,7 @@ import numpy as np
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
+from ncgear.kinematics.check import KinematicCheck, WithMasses
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
 from ncgear.mechanisms.forces import CrankPace, EvenPace, JointForces
 from ncgear.mechanisms.masses import Masses
@@ -33,8 +42,10 @@ from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
 from ncgear.numerics.extrema import Extremum, extremes, grid_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
-from ncgear.numerics.units import in_words
+from ncgear.numerics.quadrature import gauss_points
+from ncgear.numerics.units import N_M_PER_N_MM, N_PER_KG_MM_S2, in_words
 from ncgear.numerics.zeros import all_zeros
+from ncgear.ratio.transmission import Transmission
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,20 +75,30 @@ class Loads:
 
 @dataclass(frozen=True, eq=False)
 class RigidMachine:
-    """A machine at constant driving speed and its moving masses; ``place`` is how its gears lie, None without gears."""
+    """A machine at constant driving speed with all that its design gives: the one loaded machine of every command.
+
+    ``place`` is how its gears lie, None without gears.  ``guide_friction`` is the coefficient of friction between the
+    slider and its guide.  ``between`` is the angle of the shaft between two pairs of gears over the driving angle, None
+    of a single pair.  Raises NoSuchMechanism, once loads are asked for, where the slider jams in its guide.
+    """
 
     machine: Machine
     masses: Masses
     place: MeshPlace | None = None
+    guide_friction: float = 0.0
+    between: Transmission | None = None
 
-    def loads(self, driven_angle: Jet, resistance_n: Jet) -> Loads:
-        """The loads for a crank angle that is a jet by the driving angle; loads and resistance have two orders less."""
+    def loads(self, phi1: Array, driven_angle: Jet, resistance_n: Jet, returning: Mask) -> Loads:
+        """The loads at driving angles, shape (n,), for a crank angle that is a jet by them.
+
+        Loads and resistance have two orders less than the angle; ``returning`` (shape (n,)) says which stroke it is.
+        """
         pace = EvenPace(self.machine.speed_rad_s)
-        joints = self.machine.linkage.joint_forces(driven_angle, self.masses, pace, resistance_n)
+        joints = self._joints(driven_angle, pace, resistance_n, returning)
         slope, torque = driven_angle.differentiated(), joints.torque_n_mm
         mesh = None if self.place is None else mesh_force(self.place, slope, torque)
         return Loads(
-            driving_torque=slope.truncated(torque.order) * torque,
+            driving_torque=slope.truncated(torque.order) * torque + self._of_shaft_between(phi1, pace, torque.order),
             driven_torque=torque,
             joints=joints.joints,
             crank_bearing=joints.crank_axis if mesh is None else joints.crank_axis - mesh.force,
@@ -88,29 +109,66 @@ class RigidMachine:
     def at(self, phi1: Array) -> Loads:
         """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law."""
         driven = self.machine.transmission.driven_angle(phi1, 2)
-        return self.loads(driven, self._resistance_n(driven.truncated(0), ~self.machine.working(driven.value)))
+        returning = ~self.machine.working(driven.value)
+        return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning)
 
     def joints(self, crank_angle_rad: Array, pace: CrankPace) -> JointForces:
-        """Forces in the joints for any motion of the crank, at crank angles in rad, shape (n,)."""
+        """Forces in the joints for any motion of the crank, at crank angles in rad, shape (n,), by a smooth guide."""
         angle = Jet.variable(crank_angle_rad, 2)
         resistance = self._resistance_n(angle.truncated(0), ~self.machine.working(crank_angle_rad))
         return self.machine.linkage.joint_forces(angle, self.masses, pace, resistance.value)
 
     def on(self, stretch: Stretch, phi1: Array) -> Loads:
         """The loads with their slopes at driving angles on a stretch, shape (n,); one-sided at its ends."""
-        driven = stretch.driven_angle(phi1, 3)
-        return self.loads(driven, self._resistance_n(driven.truncated(1), np.full(phi1.shape, not stretch.working)))
+        driven, returning = stretch.driven_angle(phi1, 3), np.full(phi1.shape, not stretch.working)
+        return self.loads(phi1, driven, self._resistance_n(driven.truncated(1), returning), returning)
 
     def breaks(self, stretch: Stretch) -> Array:
         """Driving angles of a stretch, ends included, between which loads are smooth and the resistance is monotone."""
         corners = self.machine.load.corners_mm(self.machine.linkage.stroke_mm, not stretch.working)
         passed = angles_at(stretch, corners)
-        return distinct([stretch.start_rad, *stretch.knots_rad, *passed, stretch.end_rad])
+        breaks = distinct([stretch.start_rad, *stretch.knots_rad, *passed, stretch.end_rad])
+        if not self.guide_friction:
+            return breaks
+        # Friction has a kink where the slider passes from one side of its guide to the other
+        smooth = replace(self, guide_friction=0.0)
+        guide = fitted(lambda phi1: smooth.on(stretch, phi1).guide.value, breaks)
+        return distinct([*breaks, *all_zeros(guide)])
+
+    def _joints(self, driven_angle: Jet, pace: EvenPace, resistance_n: Jet, returning: Mask) -> JointForces:
+        """The forces in the joints, with what the guide's friction adds to the resistance."""
+        linkage = self.machine.linkage
+        smooth = linkage.joint_forces(driven_angle, self.masses, pace, resistance_n)
+        if not self.guide_friction:
+            return smooth
+        one = linkage.joint_forces(driven_angle, linkage.MASSES(), pace, resistance_n * 0.0 + 1.0).guide_n
+        side, way = np.where(smooth.guide_n.value < 0.0, -1.0, 1.0), np.where(returning, -1.0, 1.0)
+        left = 1.0 - one * (self.guide_friction * way * side)
+        if np.any(left.value <= 0.0):
+            raise NoSuchMechanism(
+                f"the slider jams in its guide at a coefficient of friction of {self.guide_friction:g}: the guide "
+                f"presses on it with {np.abs(one.value).max():.3g} times what it bears along its line; a longer rod, "
+                "or less friction, is right",
+                key="drivetrain.guide_friction",
+            )
+        rubbing = smooth.guide_n * (self.guide_friction * way * side) / left
+        return linkage.joint_forces(driven_angle, self.masses, pace, resistance_n + rubbing)
+
+    def _of_shaft_between(self, phi1: Array, pace: EvenPace, order: int) -> Jet | float:
+        """What the shaft between two pairs asks of the driving shaft to turn unevenly, in N mm."""
+        if self.between is None or not self.masses.between_inertia_kg_mm2:
+            return 0.0
+        angle = self.between.driven_angle(phi1, order + 2)
+        inertia = N_PER_KG_MM_S2 * self.masses.between_inertia_kg_mm2
+        return angle.differentiated().truncated(order) * pace.second(angle) * inertia
 
     def _resistance_n(self, driven_angle: Jet, returning: Mask) -> Jet:
         """The load of the slider along -x, with derivatives."""
         return self.machine.load.backwards_jet_n(self.machine.linkage.displacement(driven_angle), returning)
 
+
+NODES = 25
+"""Gauss points of a panel: exact for the square of a form of degree 24, the degree of ``numerics.chebyshev``."""
 
 IDLE = 1e-9
 """Share of the largest torque below which flanks carry nothing: far above rounding errors, far below any real load."""
@@ -156,6 +214,12 @@ class Fluctuation:
         """Largest less smallest energy stored."""
         low, high = self.stored_range_n_mm
         return high.value - low.value
+
+    @property
+    def rms_n_mm(self) -> float:
+        """Root of the mean over the driving angle of the squared torque."""
+        points, weights = gauss_points(self.torque.breaks, NODES)
+        return sqrt(float(np.sum(weights * self.torque(points) ** 2)) / float(np.ptp(self.torque.breaks)))
 
     @cached_property
     def flank_changes_rad(self) -> Array:
@@ -223,10 +287,8 @@ class MeshPeak:
 
 @dataclass(frozen=True)
 class LoadPeaks:
-    """Extreme driving torques in N mm and largest sizes of forces in N, with the driving angles of each."""
+    """Largest sizes of forces in N, with the driving angles of each."""
 
-    most_torque_n_mm: Extremum
-    least_torque_n_mm: Extremum
     joints_n: Mapping[str, Extremum]
     crank_bearing_n: Extremum
     guide_n: Extremum
@@ -241,10 +303,7 @@ def broken_cycle(rigid: RigidMachine) -> list[Broken]:
 def load_peaks(rigid: RigidMachine) -> LoadPeaks:
     """Peaks over one cycle."""
     cycle = broken_cycle(rigid)
-    least, most = range_over(rigid, cycle, lambda loads: loads.driving_torque)
     return LoadPeaks(
-        most_torque_n_mm=most,
-        least_torque_n_mm=least,
         joints_n={name: largest_over(rigid, cycle, _joint(name)) for name in rigid.machine.linkage.JOINTS},
         crank_bearing_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing),
         guide_n=largest_over(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
@@ -286,15 +345,92 @@ def _along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Je
 
 
 @dataclass(frozen=True, eq=False)
-class Rigid:
-    """A machine, its peaks and the swing of its torque; ``machine.at`` gives the curves."""
+class DrivingShaft:
+    """What the driving shaft of a machine is asked for over one cycle at constant speed, with all that the file gives.
+
+    Every command takes torque and power of the driving shaft from here.  Power is torque times speed: positive where
+    the motor drives, negative where it brakes.
+    """
 
     machine: RigidMachine
+
+    @cached_property
+    def torque_range_n_mm(self) -> tuple[Extremum, Extremum]:
+        """Least and largest torque, with their driving angles."""
+        return range_over(self.machine, broken_cycle(self.machine), lambda loads: loads.driving_torque)
+
+    @cached_property
+    def fluctuation(self) -> Fluctuation:
+        """The torque over the cycle, with its mean, its root mean square, its work and its swing."""
+        return fluctuation(self.machine)
+
+    @property
+    def peak_power_w(self) -> Extremum:
+        """Largest power that the motor delivers; 0 where it never drives."""
+        most = self.torque_range_n_mm[1]
+        return Extremum(max(0.0, most.value) * self._w_per_n_mm, most.at)
+
+    @property
+    def braking_power_w(self) -> Extremum:
+        """Largest power that flows back to the motor, as a size; 0 where none does but for rounding."""
+        least, most = self.torque_range_n_mm
+        brakes = -least.value > IDLE * max(-least.value, most.value)
+        return Extremum((-least.value if brakes else 0.0) * self._w_per_n_mm, least.at)
+
+    @property
+    def mean_power_w(self) -> float:
+        """Mean over the cycle."""
+        return self.fluctuation.mean_torque_n_mm * self._w_per_n_mm
+
+    @property
+    def rms_torque_n_m(self) -> float:
+        """Root of the mean over the driving angle of the squared torque."""
+        return N_M_PER_N_MM * self.fluctuation.rms_n_mm
+
+    @property
+    def energy_swing_j(self) -> float:
+        """What the driving shaft stores and gives back in a cycle where the motor's torque is even."""
+        return N_M_PER_N_MM * self.fluctuation.swing_n_mm
+
+    @property
+    def _w_per_n_mm(self) -> float:
+        return N_M_PER_N_MM * self.machine.machine.speed_rad_s
+
+
+def counting_masses(check: KinematicCheck, shaft: DrivingShaft) -> KinematicCheck:
+    """A check of the same machine with the power that its masses, and friction in its guide, ask for as well."""
+    return replace(
+        check,
+        peak_power_w=shaft.peak_power_w,
+        mean_power_w=shaft.mean_power_w,
+        with_masses=WithMasses(
+            peak_power_resistance_w=check.peak_power_w,
+            braking_power_w=shaft.braking_power_w,
+            rms_torque_n_m=shaft.rms_torque_n_m,
+            energy_swing_j=shaft.energy_swing_j,
+        ),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Rigid:
+    """A machine, what its driving shaft is asked for, and its peaks; ``machine.at`` gives the curves."""
+
+    machine: RigidMachine
+    driving: DrivingShaft
     peaks: LoadPeaks
-    fluctuation: Fluctuation
+
+    @property
+    def fluctuation(self) -> Fluctuation:
+        """The driving torque of one cycle."""
+        return self.driving.fluctuation
 
 
-def rigid_level(machine: RigidMachine) -> Rigid:
-    """Peaks and torque swing of a machine; raises NoSuchMechanism where its teeth cannot hold the torque."""
+def rigid_level(driving: DrivingShaft, place: MeshPlace | None) -> Rigid:
+    """The forces in a machine by its driving shaft and how its gears lie, None without gears.
+
+    Raises NoSuchMechanism where its teeth cannot hold the torque.
+    """
+    machine = replace(driving.machine, place=place)
     refuse_locked(machine)
-    return Rigid(machine, load_peaks(machine), fluctuation(machine))
+    return Rigid(machine, driving, load_peaks(machine))

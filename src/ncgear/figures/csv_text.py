@@ -13,6 +13,7 @@ from ncgear.figures.numbers import finite
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.units import N_M_PER_N_MM
 
 if TYPE_CHECKING:
     from ncgear.contact.pair import PairContact
@@ -23,8 +24,10 @@ OUTLINE_COLUMNS = ("x_mm", "y_mm")
 def law_csv(motion: OutputMotion, output: Output) -> str:
     """The motion law over one turn, one row per driving angle, columns named with their units.
 
-    Places of an output that turns are in rad there, its torques in N m.  Raises ValueError when a column holds
-    something other than finite numbers, or columns differ in length.
+    Places of an output that turns are in rad there, its torques in N m.  ``power_w`` is that of the resistance alone;
+    where masses are counted, torque and power of the driving shaft with them have columns of their own.
+
+    Raises ValueError when a column holds something other than finite numbers, or columns differ in length.
     """
     columns = {
         "phi1_rad": motion.phi1_rad,
@@ -34,6 +37,9 @@ def law_csv(motion: OutputMotion, output: Output) -> str:
         **load_column(motion, output),
         "power_w": motion.power_w,
     }
+    if motion.torque_with_masses_n_mm is not None and motion.power_with_masses_w is not None:
+        columns["driving_torque_with_masses_n_m"] = N_M_PER_N_MM * motion.torque_with_masses_n_mm
+        columns["power_with_masses_w"] = motion.power_with_masses_w
     return csv_text(list(columns), list(columns.values()))
 
 

@@ -146,9 +146,9 @@ def _losses(found: DrivetrainResult) -> dict[str, Any]:
         "guide_friction": losses.guide_friction,
         "guide_loss_w": W * losses.guide_n_mm / cycle_s,
         "efficiency": losses.efficiency,
-        "mean_driving_power_w": W * demand.fluctuation.work_n_mm / cycle_s,
-        **_at("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
-        **_at("least_driving_torque", "n_m", least, N_M_PER_N_MM),
+        "mean_power_with_tooth_friction_w": W * demand.fluctuation.work_n_mm / cycle_s,
+        **_at("peak_driving_torque_with_tooth_friction", "n_m", most, N_M_PER_N_MM),
+        **_at("least_driving_torque_with_tooth_friction", "n_m", least, N_M_PER_N_MM),
     }
 
 

@@ -17,6 +17,7 @@ OF_GEAR = {"length": "length of pitch curve", "min radius": "least radius of cur
 
 NAMES = {
     "bending safety min": "least safety against breakage",
+    "bearing force": "force on crank's bearings, teeth apart",
     "bending tooth": "weakest tooth against breakage",
     "center distance": "centre distance",
     "contact ratio back mean": "contact ratio, idle flanks",
@@ -35,6 +36,7 @@ NAMES = {
     "peak pushing force": "peak pushing force, one pair of teeth",
     "play max": "greatest play of the last driven gear",
     "reversal play": "play where torque turns round",
+    "peak power resistance": "peak power, resistance alone",
     "peak tooth force": "peak tooth force, one pair of teeth",
     "rms torque": "r.m.s. torque",
     "rms torque of rated": "r.m.s. torque of rated",

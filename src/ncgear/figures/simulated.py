@@ -76,11 +76,12 @@ def rigid_figures(drive: Drive) -> dict[str, Any]:
     """The masses, and the peaks of both machines."""
     design = drive.design
     assert design.masses is not None
+    wanted = design.masses.flywheel.speed_fluctuation
     return {
         **_about(drive, Level.RIGID),
         "masses": _masses(drive),
-        "this_design": _loads(drive.rigid, design.masses.flywheel.speed_fluctuation),
-        uniform_key(drive): _loads(drive.uniform_rigid, design.masses.flywheel.speed_fluctuation),
+        "this_design": _loads(drive.rigid, drive.check.peak_power_resistance_w, wanted),
+        uniform_key(drive): _loads(drive.uniform_rigid, drive.uniform_check.peak_power_resistance_w, wanted),
     }
 
 
@@ -105,16 +106,20 @@ def _masses(drive: Drive) -> dict[str, Any]:
     return {**found, **gravity} if gravity["gravity_m_s2"] else found
 
 
-def _loads(rigid: Rigid, coefficient: float) -> dict[str, Any]:
-    peaks, swing, speed = rigid.peaks, rigid.fluctuation, rigid.machine.machine.speed_rad_s
+def _loads(rigid: Rigid, alone: Extremum, coefficient: float) -> dict[str, Any]:
+    peaks, shaft, swing = rigid.peaks, rigid.driving, rigid.fluctuation
+    least, most = shaft.torque_range_n_mm
     linkage = rigid.machine.machine.linkage
     return {
-        **_peak("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M_PER_N_MM),
-        **_peak("least_driving_torque", "n_m", peaks.least_torque_n_mm, N_M_PER_N_MM),
+        **_peak("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
+        **_peak("least_driving_torque", "n_m", least, N_M_PER_N_MM),
         "mean_driving_torque_n_m": N_M_PER_N_MM * swing.mean_torque_n_mm,
-        "mean_power_w": N_M_PER_N_MM * swing.mean_torque_n_mm * speed,
-        "peak_driving_power_w": N_M_PER_N_MM * peaks.most_torque_n_mm.value * speed,
-        "energy_swing_j": N_M_PER_N_MM * swing.swing_n_mm,
+        "mean_power_w": shaft.mean_power_w,
+        **_peak("peak_power", "w", shaft.peak_power_w),
+        **_peak("peak_power_resistance", "w", alone),
+        **_peak("braking_power", "w", shaft.braking_power_w),
+        "rms_torque_n_m": shaft.rms_torque_n_m,
+        "energy_swing_j": shaft.energy_swing_j,
         "flank_changes_deg": [degrees(angle) for angle in swing.flank_changes_rad],
         "speed_fluctuation": coefficient,
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),

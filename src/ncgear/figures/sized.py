@@ -16,7 +16,7 @@ from ncgear.figures.quantities import name_of
 from ncgear.figures.strong import LOADS, materials_words
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import INDENT, WIDTH
-from ncgear.project.sizing import Sized
+from ncgear.project.sizing import Sized, stated_inertias
 from ncgear.strength.holding import Damage, worst
 
 SUFFIX = "-sized"
@@ -82,7 +82,8 @@ def sized_name(name: str) -> str:
 def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]) -> str:
     """The text of a design file with other gears and with what was asked for, its name and description saying so."""
     design = loaded.design
-    values = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
-    said = f"Sized: {design.name} with {listed(map(str, changed(values)), 'and')}, so that its teeth hold."
+    chosen = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
+    said = f"Sized: {design.name} with {listed(map(str, changed(chosen)), 'and')}, so that its teeth hold."
+    values = {**chosen, **dict.fromkeys(stated_inertias(design))}
     about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
     return design_copy(loaded, {"name": sized_name(design.name), **about, **values})

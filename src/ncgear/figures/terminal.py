@@ -49,6 +49,7 @@ SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank", 
 COMPARED = (
     "speed_rpm",
     "peak_power_w",
+    "peak_power_resistance_w",
     "mean_power_w",
     "peak_acceleration_cycle_mm_s2",
     "peak_speed_mm_s",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from math import degrees, fsum
 
 import numpy as np
@@ -18,8 +19,26 @@ from ncgear.shown import Shown
 
 
 @dataclass(frozen=True)
+class WithMasses:
+    """What is known of the driving shaft's power where masses are counted; each peak with its driving angle.
+
+    ``peak_power_resistance_w`` is the peak of the resistance alone, without masses, weights and friction in the guide.
+    ``braking_power_w`` is the largest power that flows back to the motor, as a size.  ``energy_swing_j`` is what the
+    driving shaft stores and gives back in a cycle where the motor's torque is even.
+    """
+
+    peak_power_resistance_w: Extremum
+    braking_power_w: Extremum
+    rms_torque_n_m: float
+    energy_swing_j: float
+
+
+@dataclass(frozen=True)
 class KinematicCheck(Shown):
     """Peaks over one cycle of the output, each with the driving angle at which it occurs.
+
+    Power is that of the driving shaft with all that its design gives; ``with_masses`` is None where that is the
+    resistance alone.
 
     Speeds and accelerations are in mm/s and mm/s^2, or in rad/s and rad/s^2 where the output turns.  Accelerations are
     magnitudes; ``working`` means from the retracted to the extended dead centre, or all of the cycle of an output that
@@ -33,6 +52,12 @@ class KinematicCheck(Shown):
     peak_speed: Extremum
     peak_acceleration_working: Extremum
     peak_acceleration_cycle: Extremum
+    with_masses: WithMasses | None = None
+
+    @property
+    def peak_power_resistance_w(self) -> Extremum:
+        """The peak power of the resistance alone, whether or not masses are counted."""
+        return self.with_masses.peak_power_resistance_w if self.with_masses else self.peak_power_w
 
     def __repr__(self) -> str:
         rows = (
@@ -45,7 +70,10 @@ class KinematicCheck(Shown):
 
 
 def kinematic_check(machine: Machine) -> KinematicCheck:
-    """Exact peaks of a machine: stationary points of the closed forms, and both sides of every joint."""
+    """Exact peaks of a machine: stationary points of the closed forms, and both sides of every joint.
+
+    Its power is that of the resistance alone: masses are counted by ``ncgear.dynamics.rigid``.
+    """
     omega = machine.speed_rad_s
     cycle = stretches(machine)
     peaks = [_peaks(machine, stretch) for stretch in cycle]
@@ -121,6 +149,21 @@ def _cycle_work_n_mm(machine: Machine) -> float:
     if machine.transmission.lobes.repeats:
         return load.cycle_work_n_mm(stroke_mm)
     return float(load.work_n_mm(np.array([_end_mm(machine)]), stroke_mm, returning=False)[0])
+
+
+def at_speed(check: KinematicCheck, speed_rpm: float) -> KinematicCheck:
+    """The check of the same machine, without masses, at another driving speed: power grows as speed, and so on."""
+    factor = speed_rpm / check.speed_rpm
+    return replace(
+        check,
+        speed_rpm=speed_rpm,
+        peak_power_w=_scaled(check.peak_power_resistance_w, factor),
+        mean_power_w=check.mean_power_w * factor,
+        peak_speed=_scaled(check.peak_speed, factor),
+        peak_acceleration_working=_scaled(check.peak_acceleration_working, factor**2),
+        peak_acceleration_cycle=_scaled(check.peak_acceleration_cycle, factor**2),
+        with_masses=None,
+    )
 
 
 def _at(peak: Extremum, unit: str) -> str:

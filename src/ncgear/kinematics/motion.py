@@ -34,7 +34,9 @@ class OutputMotion(Shown):
     """Samples over the driving angle, all of shape (n,); the load is the one against the motion, on both strokes.
 
     Places, speeds, accelerations and loads are in mm, mm/s, mm/s^2 and N, or in rad, rad/s, rad/s^2 and N mm where the
-    output of ``linkage``, the mechanism that moves so, turns.
+    output of ``linkage``, the mechanism that moves so, turns.  ``power_w`` is that of the resistance alone;
+    ``torque_with_masses_n_mm`` and ``power_with_masses_w`` are what the driving shaft is asked for with all that the
+    design gives, None where masses are not counted.
     """
 
     linkage: Mechanism
@@ -46,6 +48,13 @@ class OutputMotion(Shown):
     acceleration: Array
     load: Array
     power_w: Array
+    torque_with_masses_n_mm: Array | None = None
+    power_with_masses_w: Array | None = None
+
+    @property
+    def driving_power_w(self) -> Array:
+        """Power of the driving shaft with all that is counted."""
+        return self.power_w if self.power_with_masses_w is None else self.power_with_masses_w
 
     def __repr__(self) -> str:
         last = float(np.degrees(self.phi1_rad[-1]))

@@ -34,7 +34,8 @@ class ShaftMasses:
 
     The crank's centre of mass lies ``crank_center_mm`` from its axis towards the pin; ``crank_inertia_kg_mm2`` is about
     the axis and includes all that turns with the crank except the driven gear.  ``gravity_m_s2`` has its components
-    along and across the slider's line, in the frame of the mechanism.
+    along and across the slider's line, in the frame of the mechanism.  ``between_inertia_kg_mm2`` is that of the shaft
+    between two pairs of gears in series with both its gears.
     """
 
     crank_kg: float = 0.0
@@ -44,6 +45,7 @@ class ShaftMasses:
     driving_inertia_kg_mm2: float = 0.0
     flywheel_inertia_kg_mm2: float = 0.0
     gravity_m_s2: tuple[float, float] = (0.0, 0.0)
+    between_inertia_kg_mm2: float = 0.0
 
     @property
     def crank_shaft_kg_mm2(self) -> float:

@@ -7,31 +7,12 @@ power is the driving shaft's torque times its speed: positive where the motor dr
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, sqrt
+from math import inf
 
-import numpy as np
-
-from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.rigid import (
-    IDLE,
-    Fluctuation,
-    Loads,
-    RigidMachine,
-    broken_cycle,
-    fluctuation,
-    largest_over,
-    range_over,
-)
+from ncgear.dynamics.rigid import IDLE, DrivingShaft, Loads, RigidMachine, broken_cycle, largest_over, range_over
 from ncgear.frozen import dataclass
-from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.plane import Vector
-from ncgear.numerics.quadrature import gauss_points
-from ncgear.numerics.units import N_M_PER_N_MM
-
-NODES = 25
-"""Gauss points of a panel: exact for the square of a form of degree 24, the degree of ``numerics.chebyshev``."""
 
 
 @dataclass(frozen=True)
@@ -53,19 +34,16 @@ class Felt:
     shaking_force_n: float
 
 
-def felt(machine: Machine, masses: Masses, speed_fluctuation: float) -> Felt:
+def felt(rigid: RigidMachine, speed_fluctuation: float) -> Felt:
     """The figures of a machine; the coefficient of speed fluctuation is over 0 and at most about 0.2."""
-    rigid = RigidMachine(machine, masses)
-    cycle, speed = broken_cycle(rigid), machine.speed_rad_s
-    least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.driving_torque))
-    swinging = fluctuation(rigid)
-    free = replace(machine, load=SliderLoad())
-    inert = RigidMachine(free, replace(masses, gravity_m_s2=(0.0, 0.0)))
+    shaft, cycle = DrivingShaft(rigid), broken_cycle(rigid)
+    free = replace(rigid.machine, load=SliderLoad())
+    inert = RigidMachine(free, replace(rigid.masses, gravity_m_s2=(0.0, 0.0)))
     return Felt(
-        peak_power_w=N_M_PER_N_MM * speed * max(0.0, most),
-        braking_power_w=N_M_PER_N_MM * speed * max(0.0, -least),
-        rms_torque_n_m=N_M_PER_N_MM * rms_n_mm(swinging),
-        flywheel_kg_mm2=swinging.flywheel_kg_mm2(speed_fluctuation),
+        peak_power_w=shaft.peak_power_w.value,
+        braking_power_w=shaft.braking_power_w.value,
+        rms_torque_n_m=shaft.rms_torque_n_m,
+        flywheel_kg_mm2=shaft.fluctuation.flywheel_kg_mm2(speed_fluctuation),
         bearing_force_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing).value,
         shaking_force_n=largest_over(inert, broken_cycle(inert), _on_frame).value,
     )
@@ -76,18 +54,11 @@ def _on_frame(loads: Loads) -> Vector:
     return Vector(loads.crank_bearing.x, loads.crank_bearing.y + loads.guide)
 
 
-def rms_n_mm(swinging: Fluctuation) -> float:
-    """Root of the mean over the driving angle of the squared driving torque."""
-    points, weights = gauss_points(swinging.torque.breaks, NODES)
-    return sqrt(float(np.sum(weights * swinging.torque(points) ** 2)) / float(np.ptp(swinging.torque.breaks)))
-
-
-def tooth_force_n(machine: Machine, masses: Masses, place: MeshPlace) -> float:
+def tooth_force_n(rigid: RigidMachine) -> float:
     """Largest force between the teeth along the flanks' normal; infinite where flanks carry at 90 degrees or more.
 
     All of it counts as carried at the pitch point, where the force of one pair of teeth or of several has the same arm.
     """
-    rigid = RigidMachine(machine, masses, place)
     cycle = broken_cycle(rigid)
     least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.mesh_force.size_n))
     # Beyond 90 degrees the size is negative

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, field, replace
 from math import degrees, inf, pi, tan
 
 from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import kinematic_check
@@ -16,7 +18,7 @@ from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.felt import felt, tooth_force_n
 from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.transmission import Lobes, Train
+from ncgear.ratio.transmission import Lobes, Pair, Train
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Task:
     ``masses`` are those that move, of the mechanism's class ``MASSES``; None: the resistance alone is felt.  ``gears``
     is the size of the pair that force between teeth needs, None: not known.  ``speed_fluctuation`` is the coefficient,
     largest less smallest speed over the mean, for which a flywheel on the driving shaft is computed.
+    ``guide_friction`` is the coefficient of friction of the slider in its guide, which figures count.
 
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
@@ -56,6 +59,7 @@ class Task:
     masses: Masses | None = None
     gears: GearSize | None = None
     speed_fluctuation: float = FLUCTUATION
+    guide_friction: float = 0.0
 
     def __post_init__(self) -> None:
         self.lobes.require_one_cycle()
@@ -210,14 +214,15 @@ class Prices:
         return float(sum(price * getattr(found, name) for name, price in prices.items()))
 
 
-def figures(task: Task, train: Train) -> Figures:
+def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
 
-    Power is that of the driving shaft: of the load alone, or with masses of these as well.
+    Power is that of the driving shaft: of the load alone, or with masses of these as well.  The force between the teeth
+    is that of gears at their own centre distance, or at that of another law's gears (``as_large_as``).
     """
     machine = Machine(train.whole, task.linkage, task.load, task.speed_rad_s)
     check = kinematic_check(machine)
-    pairs = [sized_pair(one.transmission, TEETH * task.lobes.driving, 1.0, None) for one in train.pairs]
+    pairs = [_pair(task, one) for one in train.pairs]
     lowest, highest = train.whole.ratio_range
     of_motion = Figures(
         peak_power_w=check.peak_power_w.value,
@@ -234,21 +239,28 @@ def figures(task: Task, train: Train) -> Figures:
     )
     if task.masses is None:
         return of_motion
-    loads = asdict(felt(machine, task.masses, task.speed_fluctuation))
-    tooth = _tooth_force_n(task, machine, pairs[0]) if len(pairs) == 1 else None
-    return replace(of_motion, **loads, tooth_force_n=tooth)
+    between = train.pairs[0].transmission if len(train.pairs) > 1 else None
+    rigid = RigidMachine(machine, task.masses, None, task.guide_friction, between)
+    loads = asdict(felt(rigid, task.speed_fluctuation))
+    sized = pairs if as_large_as is None else [_pair(task, one) for one in as_large_as.pairs]
+    return replace(of_motion, **loads, tooth_force_n=_tooth_force_n(task, rigid, sized))
 
 
-def _tooth_force_n(task: Task, machine: Machine, pair: PitchPair) -> float | None:
-    """The largest force between the teeth at the gears' own size; None where that is not known."""
+def _pair(task: Task, pair: Pair) -> PitchPair:
+    return sized_pair(pair.transmission, TEETH * task.lobes.driving, 1.0, None)
+
+
+def _tooth_force_n(task: Task, rigid: RigidMachine, pairs: Sequence[PitchPair]) -> float | None:
+    """The largest force between the teeth at the gears' own size; None where that is not known, and of two pairs."""
     size = task.gears
-    if size is None:
+    if size is None or len(pairs) > 1:
         return None
+    pair = pairs[0]
     lobes, length = task.lobes, pair.arc.period * task.lobes.driving
     own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
     # The direction of the centre line turns the force and leaves its size
     place = MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0, size.idle_angle_rad)
-    return tooth_force_n(machine, task.moving, place)
+    return tooth_force_n(replace(rigid, place=place))
 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:

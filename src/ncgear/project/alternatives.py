@@ -184,14 +184,14 @@ def changed_drive(drive: Drive, changes: Changes) -> Drive:
     ):
         kept = SAME_TEETH
 
-    def changed(one: Drive) -> Drive:
-        other = Drive(design, one.stage)
+    def changed(one: Drive, whole: Drive | None = None) -> Drive:
+        other = Drive(design, one.stage, whole=whole)
         take_over(kept, one, other)
         return other
 
     whole = changed(drive)
     if design.stages > 1 and drive.stage is None:
-        vars(whole)["by_stage"] = tuple(map(changed, drive.by_stage))
+        vars(whole)["by_stage"] = tuple(changed(one, whole) for one in drive.by_stage)
     return whole
 
 

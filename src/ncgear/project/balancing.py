@@ -25,7 +25,7 @@ from ncgear.mechanisms.mechanism import require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 from ncgear.project.law import require_whole_turns
-from ncgear.project.moving_masses import masses_of
+from ncgear.project.moving_masses import masses_of, stated_inertia
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.shown import Shown
@@ -78,14 +78,15 @@ class Balancing(Shown):
             with below(f"mechanisms.{number}"):
                 linkage = require_rod(mechanism_of(given.linkage), "balance", "linkage")
             transmission = uniform_law(Lobes())
-            masses = masses_of(given.masses, linkage)
+            masses = masses_of(given.masses, linkage, stated_inertia(given.masses))
         else:
             drive = self._drive(f"mechanisms.{number}.design")
             with located(drive.places):
                 require_whole_turns(drive.design, "balance of a mechanism")
                 linkage = require_rod(drive.linkage, "balance", "linkage")
             transmission = drive.transmission
-            masses = drive.masses if given.masses is None else masses_of(given.masses, linkage)
+            stated = given.masses
+            masses = drive.masses if stated is None else masses_of(stated, linkage, stated_inertia(stated))
         added = tuple(
             Counterweight(Carrier(one.on), one.mass_kg, one.arm_mm, radians(one.angle_deg))
             for one in given.counterweights

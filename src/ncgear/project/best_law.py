@@ -6,15 +6,21 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from ncgear.design.keys.design import Design
+from ncgear.design.laws.spline_ratio import SecondStageRatios, SplineRatio
+from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.extras import installed, require
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
-from ncgear.project.wishes import task_of, wishes_of
+from ncgear.project.moving_masses import TrainInertia
+from ncgear.project.wishes import inertia_as_given, inertia_with, task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
 from ncgear.shown import Shown
@@ -58,23 +64,37 @@ class BestLaw(Shown):
         return wishes_of(self.design)
 
     @cached_property
+    def begun(self) -> Begun:
+        """The machine with its gears as given, its certified limit, and where the search for a law starts."""
+        from ncgear.optimum.makeable.demanded import start_motion
+
+        inertia = inertia_as_given(self.design)
+        task = task_of(self.design, inertia)
+        bound = self._bound_of(task)
+        return Begun(inertia, task, bound, start_motion(task, self.wishes, bound))
+
+    @property
     def task(self) -> Task:
-        """The machine that the law is for."""
-        return task_of(self.design)
+        """The machine that is built: its masses are those with the gears that the best law makes."""
+        return self._settled.task
 
     @cached_property
     def bound(self) -> Bound | None:
-        """A limit that no law can go below, in the unit of the goal; None for a goal that no limit is known of.
+        """A limit that no law of the machine that is built can go below, in the unit of the goal.
 
-        It needs no law; ``limit`` is higher for some goals.
+        None for a goal that no limit is known of; ``limit`` is higher for some goals.
         """
+        begun = self.begun
+        return begun.bound if self.task is begun.task else self._bound_of(self.task)
+
+    def _bound_of(self, task: Task) -> Bound | None:
         from ncgear.optimum.certified.refusals import TooTight
         from ncgear.optimum.makeable.demanded import certified_limit
 
         try:
-            return certified_limit(self.task, self.wishes)
+            return certified_limit(task, self.wishes)
         except TooTight as refused:
-            raise self._with_what_was_found(refused) from refused
+            raise self._with_what_was_found(task, refused) from refused
 
     @cached_property
     def limit(self) -> Bound | None:
@@ -83,13 +103,13 @@ class BestLaw(Shown):
 
         return None if self.bound is None else raised_limit(self.task, self.wishes, self.bound, self.figures)
 
-    def _with_what_was_found(self, refused: NoSuchMechanism) -> NoSuchMechanism:
+    def _with_what_was_found(self, task: Task, refused: NoSuchMechanism) -> NoSuchMechanism:
         """The refusal, and values of limits with which laws were found; as it was where the optimiser is missing."""
         if not installed("casadi"):
             return refused
         from ncgear.optimum.makeable.law import found_instead
 
-        found = found_instead(self.task, self.wishes)
+        found = found_instead(task, self.wishes)
         if not found:
             return refused
         said = "a law was found with" if len(found) == 1 else "laws were found with each of these:"
@@ -102,23 +122,51 @@ class BestLaw(Shown):
 
         return not_covered(self.wishes)
 
-    @cached_property
+    @property
     def law(self) -> MakeableLaw:
         """The best makeable law; raises WrongInput where the optimiser is not installed."""
-        return min(self._laws, key=lambda law: law.goal)
+        return self._settled.law
+
+    @property
+    def rounds(self) -> int:
+        """Laws found one after the other until the inertia of the gears was that of those that come out."""
+        return self._settled.rounds
+
+    @cached_property
+    def _settled(self) -> Settled:
+        """The law whose gears have the inertia that it was found with, to SETTLED of all that turns with the crank."""
+        require("casadi", "optimize", "ncgear optimize")
+        from ncgear.optimum.makeable.law import makeable_law
+
+        begun, design = self.begun, self.design
+        law, task, inertia = min(self._laws, key=lambda law: law.goal), begun.task, begun.inertia
+        for rounds in range(1, MOST_ROUNDS + 1):
+            made = inertia_with(design, motion_keys(law))
+            change = _change(task, inertia, made)
+            if not change:
+                return Settled(law, task, rounds)
+            inertia, task = made, task_of(design, made)
+            if change <= SETTLED:
+                return Settled(law, task, rounds)
+            law = makeable_law(task, self.wishes, motion_of_law(law))
+        raise NoSuchMechanism(
+            f"the law and the inertia of its gears do not settle: after {MOST_ROUNDS} laws the gears still change by "
+            f"{change:.2g} of all that turns with the crank; give masses.driven_gear_kg_mm2, or lighter gears",
+            key="optimize",
+        )
 
     @cached_property
     def _laws(self) -> list[MakeableLaw]:
-        """The laws found from all starts, that of the usual one first."""
+        """The laws found from all starts with the gears as given, that of the usual start first."""
         require("casadi", "optimize", "ncgear optimize")
-        from ncgear.optimum.makeable.demanded import start_motion
         from ncgear.optimum.makeable.law import makeable_law
 
-        start = start_motion(self.task, self.wishes, self.bound)
-        usual = makeable_law(self.task, self.wishes, start)
+        begun = self.begun
+        usual = makeable_law(begun.task, self.wishes, begun.start)
         if self._starts == 1:
             return [usual]
-        others = dict(finished(partial(_found_from, self.design, start), range(1, self._starts), *self._where))
+        search = partial(_found_from, self.design, begun.inertia, begun.start)
+        others = dict(finished(search, range(1, self._starts), *self._where))
         found = [others[number] for number in sorted(others)]
         return [usual, *(replace(usual, **one._asdict()) for one in found if one is not None)]
 
@@ -141,8 +189,8 @@ class BestLaw(Shown):
 
     @cached_property
     def uniform_figures(self) -> Figures:
-        """Exact figures of a uniform crank on the same machine."""
-        return figures(self.task, single(uniform_law(self.task.lobes)))
+        """Exact figures of a uniform crank on the same machine, its round gears as far apart as the law's."""
+        return figures(self.task, single(uniform_law(self.task.lobes)), self.train)
 
     @cached_property
     def given_figures(self) -> Figures | None:
@@ -169,6 +217,58 @@ class BestLaw(Shown):
         return self.wishes.prices.of(self.figures)
 
 
+SETTLED = 1e-5
+"""Share of all that turns with the crank by which the gears of a law may differ from those that it was found with: the
+figures and the limit are told for the gears that come out, and a law is so much nearer to its optimum still."""
+
+MOST_ROUNDS = 12
+"""Laws that are found one after the other at most; two or three are the rule."""
+
+
+class Begun(NamedTuple):
+    """The machine that the search begins with: its gears' inertia, its task, its limit, and a motion to start from."""
+
+    inertia: TrainInertia
+    task: Task
+    bound: Bound | None
+    start: Motion
+
+
+class Settled(NamedTuple):
+    """A law, the machine with the gears that it makes, and how many laws it took."""
+
+    law: MakeableLaw
+    task: Task
+    rounds: int
+
+
+def motion_keys(law: MakeableLaw) -> SplineRatio:
+    """A law as the motion of a design file."""
+    second = None if law.second is None else SecondStageRatios(ratio=tuple(law.second.tolist()))
+    return SplineRatio(law="spline_ratio", ratio=tuple(law.ratio.tolist()), second_stage=second)
+
+
+def motion_of_law(law: MakeableLaw) -> Motion:
+    """The law as a motion that a search starts from."""
+    from ncgear.optimum.certified.limit import Motion
+
+    return Motion(law.driven_angle_rad, 1.0 / law.ratio)
+
+
+TURN_PLACES = 360
+"""Places of the crank by which the mean inertia is taken; it only says what is small."""
+
+
+def _change(task: Task, used: TrainInertia, made: TrainInertia) -> float:
+    """By how much the gears differ from those used, over the mean of all that turns with the crank, reduced to it."""
+    apart = max(abs(used.between_kg_mm2 - made.between_kg_mm2), abs(used.driven_kg_mm2 - made.driven_kg_mm2))
+    if not apart:
+        return 0.0
+    angle = Jet.variable(np.linspace(0.0, 2.0 * np.pi, TURN_PLACES, endpoint=False), 2)
+    whole, _ = reduced_inertia(task.linkage.moving_masses(angle, task.moving), task.moving)
+    return apart / float(np.mean(whole))
+
+
 class _Found(NamedTuple):
     """What differs between laws from several starts, and can be sent from process to process."""
 
@@ -177,9 +277,9 @@ class _Found(NamedTuple):
     reached: Array
 
 
-def _found_from(design: Design, start: Motion, number: int) -> _Found | None:
+def _found_from(design: Design, inertia: TrainInertia, start: Motion, number: int) -> _Found | None:
     """The law from another start, computed in a process of its own; None where none is found."""
     from ncgear.optimum.makeable.law import law_from
 
-    law = law_from(task_of(design), wishes_of(design), start, number)
+    law = law_from(task_of(design, inertia), wishes_of(design), start, number)
     return None if law is None else _Found(law.ratio, law.second, law.reached)

@@ -14,7 +14,6 @@ from ncgear.numerics.arrays import Array
 from ncgear.project.computed import computed
 from ncgear.project.geared import Geared
 from ncgear.project.law import require_whole_turns
-from ncgear.project.tooth_form import mesh_place
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
@@ -52,7 +51,7 @@ class Drive(Geared):
         """One drive for each pair of gears, from the driving shaft on; with a single pair, this drive alone."""
         if self.design.stages == 1 or self.stage is not None:
             return (self,)
-        return tuple(Drive(self.design, number, self.loaded) for number in range(1, self.design.stages + 1))
+        return tuple(Drive(self.design, number, self.loaded, self) for number in range(1, self.design.stages + 1))
 
     def of_stage(self, stage: int | None) -> Drive:
         """The drive of one pair of gears: of two in series that of stage 1 or 2, else the only one, by None.
@@ -189,16 +188,7 @@ class Drive(Geared):
         """
         from ncgear.project.tooth_load import tooth_load
 
-        pair, place = self.pair, mesh_place(self.gears, self.pitch.center_distance_mm)
-        if self.design.masses is not None:
-            return tooth_load("masses", self.machine, self.masses, pair, place)
-        if self.design.resistance is None:
-            raise WrongInput(
-                "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
-                "moving masses, or from both: give one of them",
-                key="resistance",
-            )
-        return tooth_load("resistance", self.machine, self.linkage.MASSES(), pair, place)
+        return tooth_load(self)
 
     @computed
     def pair_stiffness(self) -> LinearTeeth:

@@ -15,7 +15,7 @@ from ncgear.drivetrain.bearings import (
     bending_moment_n_mm,
     most_bent,
 )
-from ncgear.drivetrain.cycle import Cycle, cycle_of
+from ncgear.drivetrain.cycle import Cycle, cycle_of, rubbing
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.keys import FREE_HEIGHT_MM, Key, KeySafety, key_safety
 from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
@@ -88,9 +88,10 @@ def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) 
     given, masses = design.drivetrain, design.masses
     assert given is not None
     assert masses is not None
-    cycle, wanted = cycle_of(rigid), WantedLife(given.life_h, given.reliability_percent)
-    factor = None if touching is None else _loss_factor(touching, cycle)
-    losses = losses_of(cycle, factor, design.simulation.friction.dynamic, given.guide_friction)
+    smooth, wanted = cycle_of(rigid), WantedLife(given.life_h, given.reliability_percent)
+    factor = None if touching is None else _loss_factor(touching, smooth)
+    losses = losses_of(smooth, factor, design.simulation.friction.dynamic)
+    cycle = rubbing(smooth, losses.mesh_share)
     motor = given.motor
     rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
     demand = Demand(cycle, losses, rotor_kg_mm2)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,13 +11,17 @@ import numpy as np
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.gears import Gears
 from ncgear.design.mechanisms import entry_of
-from ncgear.errors import WrongInput
-from ncgear.kinematics.motion import Machine
+from ncgear.errors import DesignError, WrongInput
+from ncgear.kinematics.check import KinematicCheck, at_speed
+from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.masses import Masses
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
 from ncgear.project.law import require_whole_turns, size_of
 from ncgear.project.moving import Moving
+from ncgear.project.moving_masses import GearInertia, gear_inertia_of, inertia_of_train, masses_of
 from ncgear.project.tooth_form import (
     backlash_of,
     helix_of,
@@ -28,7 +34,7 @@ from ncgear.project.tooth_form import (
 from ncgear.teeth.form import BasicRack
 
 if TYPE_CHECKING:
-    from ncgear.dynamics.rigid import Rigid
+    from ncgear.dynamics.rigid import DrivingShaft, Rigid, RigidMachine
     from ncgear.pitch.pair import PitchPair
     from ncgear.pitch.pumped import Pumped
     from ncgear.solids.helical.helix import Helix
@@ -164,59 +170,145 @@ class Geared(Moving):
         tolerance = CURVES_SHARE * self.design.output.chord_tolerance_mm
         return {gear: arc_outline(self.teeth.of(gear), tolerance) for gear in Gear}
 
+    if TYPE_CHECKING:
+
+        @property
+        def by_stage(self) -> tuple[Geared, ...]:
+            """One drive for each pair of gears, see ``Drive``."""
+
+    @computed
+    def gear_inertia(self) -> GearInertia:
+        """The moments of inertia of this pair's gears, from their bodies."""
+        return gear_inertia_of(self)
+
     @computed
     def masses(self) -> Masses:
-        """The moving masses; makes solids only where a gear's moment of inertia is left out.
+        """The moving masses; makes teeth only where a gear's moment of inertia is left out.
 
-        Raises WrongInput without masses, and where it is left out of two pairs of gears.
+        Raises WrongInput without masses.
         """
-        from ncgear.project.moving_masses import masses_of
-
         require_whole_turns(self.design, "the computation of forces")
-        given, gears = self.design.masses, self.design.gears
+        given = self.design.masses
         if given is None:
             needed = listed(entry_of(self.design.linkage).needed_masses, "and")
             raise WrongInput(f"missing; forces need {needed}", key="masses")
-        if gears is None or given.tells_gears:
-            return masses_of(given, self.linkage)
-        if self.design.stages > 1:
-            left_out = "driving" if given.driving_gear_kg_mm2 is None else "driven"
-            raise WrongInput(
-                "missing; with two pairs of gears it is not taken from the gears' bodies",
-                key=f"masses.{left_out}_gear_kg_mm2",
-            )
-        from ncgear.project.service import densities_kg_m3
-        from ncgear.solids.plan.body import body_kg_mm2
+        whole = self.whole
+        return whole.masses if whole is not self else masses_of(given, self.linkage, inertia_of_train(self))
 
-        plans = self.solids.driving.plan, self.solids.driven.plan
-        densities = densities_kg_m3(given, gears)
-        driving, driven = (body_kg_mm2(plan, density) for plan, density in zip(plans, densities, strict=True))
-        return masses_of(given, self.linkage, driving, driven)
+    @property
+    def masses_left_out(self) -> str | None:
+        """Why masses are not counted, in words; None where they are."""
+        if self.design.masses is None:
+            return "the file gives none; the section masses does"
+        if self.design.motion.is_open:
+            return "they are counted of gears that turn on and on"
+        return None
+
+    @property
+    def gear_refusal(self) -> DesignError | None:
+        """Why gears whose inertia counts cannot be made as given, and discs stand for them; None where none do."""
+        found = (pair for pair in self.whole.by_stage if "gear_inertia" in vars(pair))
+        return next((pair.gear_inertia.refusal for pair in found if pair.gear_inertia.refusal), None)
+
+    def loaded_machine(self, machine: Machine) -> RigidMachine:
+        """A machine of this design with all that the file gives; its gears do not lie anywhere."""
+        from ncgear.dynamics.rigid import RigidMachine
+
+        around, pairs = self.design.drivetrain, self.law.train.pairs
+        return RigidMachine(
+            machine,
+            self.masses,
+            guide_friction=around.guide_friction if around else 0.0,
+            between=pairs[0].transmission if len(pairs) > 1 else None,
+        )
+
+    @computed
+    def driving(self) -> DrivingShaft:
+        """What the driving shaft is asked for, with masses; raises as ``masses`` does."""
+        return self._driving(self.machine)
+
+    @computed
+    def uniform_driving(self) -> DrivingShaft:
+        """What the driving shaft of the uniform crank with the same masses is asked for."""
+        return self._driving(self.uniform_machine)
+
+    def _driving(self, machine: Machine) -> DrivingShaft:
+        from ncgear.dynamics.rigid import DrivingShaft
+
+        loaded = self.loaded_machine(machine)
+        with self.stopwatch("forces"):
+            return DrivingShaft(loaded)
+
+    @computed
+    def check(self) -> KinematicCheck:
+        """Exact peaks at the operating speed, with all masses that the design gives."""
+        return self._counted(self.massless_check, lambda: self.driving)
+
+    @computed
+    def uniform_check(self) -> KinematicCheck:
+        """The peaks of the uniform crank with the same masses at the same speed."""
+        return self._counted(self.massless_uniform_check, lambda: self.uniform_driving)
+
+    def check_at_rpm(self, speed_rpm: float) -> KinematicCheck:
+        """The check of this design at another driving speed in r/min."""
+        machine = replace(self.machine, speed_rad_s=speed_rpm * RAD_S_PER_RPM)
+        return self._counted(at_speed(self.massless_check, speed_rpm), lambda: self._driving(machine))
+
+    def _counted(self, massless: KinematicCheck, driving: Callable[[], DrivingShaft]) -> KinematicCheck:
+        """A check with the masses that the design gives, of the machine that turns such a driving shaft."""
+        if self.masses_left_out is not None:
+            return massless
+        from ncgear.dynamics.rigid import counting_masses
+
+        shaft = driving()
+        with self.stopwatch("forces"):
+            return counting_masses(massless, shaft)
+
+    @computed
+    def motion(self) -> OutputMotion:
+        """The output's motion at the operating speed, sampled, with the masses that the design gives."""
+        return self.motion_of(self.machine, sample_angles(self.transmission))
+
+    @computed
+    def uniform_motion(self) -> OutputMotion:
+        """The uniform crank's motion at the same angles, with the same masses."""
+        return self.motion_of(self.uniform_machine, self.motion.phi1_rad)
+
+    def motion_of(self, machine: Machine, phi1_rad: Array) -> OutputMotion:
+        """The motion of a machine of this design at driving angles in rad, shape (n,)."""
+        with self.stopwatch("motion"):
+            moved = machine.motion(phi1_rad)
+        if self.masses_left_out is not None:
+            return moved
+        loaded = self.loaded_machine(machine)
+        with self.stopwatch("forces"):
+            torque = loaded.at(phi1_rad).driving_torque.value
+        power = N_M_PER_N_MM * machine.speed_rad_s * torque
+        return replace(moved, torque_with_masses_n_mm=torque, power_with_masses_w=power)
 
     @computed
     def rigid(self) -> Rigid:
         """The forces in the machine at constant driving speed."""
-        return self._rigid(self.machine)
+        return self._rigid(lambda: self.driving)
 
     @computed
     def uniform_rigid(self) -> Rigid:
         """The forces in the uniform crank with the same masses."""
-        return self._rigid(self.uniform_machine)
+        return self._rigid(lambda: self.uniform_driving)
 
     def require_one_stage(self) -> None:
         """Raise WrongInput where there are two pairs of gears."""
         if self.design.stages > 1:
             raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
 
-    def _rigid(self, machine: Machine) -> Rigid:
-        from ncgear.dynamics.rigid import RigidMachine, rigid_level
+    def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
+        from ncgear.dynamics.rigid import rigid_level
 
         self.require_one_stage()
-        require_whole_turns(self.design, "the computation of forces")
         place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
-        masses = self.masses
+        shaft = driving()
         with self.stopwatch("forces"):
-            return rigid_level(RigidMachine(machine, masses, place))
+            return rigid_level(shaft, place)
 
     @computed
     def running(self) -> Running:

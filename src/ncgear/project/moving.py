@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Self
 
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.errors import Places, WrongInput
 from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
-from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
+from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.outcomes import Achieved, achieved
 from ncgear.kinematics.wishes import Wish
 from ncgear.mechanisms.mechanism import Mechanism
@@ -26,11 +27,18 @@ from ncgear.stopwatch import Stopwatch
 class Moving(Shown):
     """A design, and the motion of its machine; see ``ncgear.project.drive.Drive``."""
 
-    def __init__(self, design: Design, stage: int | None = None, loaded: LoadedDesign | None = None) -> None:
+    def __init__(
+        self,
+        design: Design,
+        stage: int | None = None,
+        loaded: LoadedDesign | None = None,
+        whole: Self | None = None,
+    ) -> None:
         self.design = design
         self.stage = stage
         self.loaded = loaded
         self.stopwatch = Stopwatch()
+        self._whole = whole
 
     def __repr__(self) -> str:
         stage = "" if self.stage is None else f", stage {self.stage}"
@@ -48,8 +56,17 @@ class Moving(Shown):
         return dict(self.stopwatch.seconds)
 
     @computed
+    def whole(self) -> Self:
+        """The drive of the whole machine, of which a drive with a stage is one pair of gears."""
+        if self.stage is None:
+            return self
+        return self._whole or type(self)(self.design, loaded=self.loaded)
+
+    @computed
     def law(self) -> Law:
         """Linkage and closed law."""
+        if self._whole is not None:
+            return self._whole.law
         with self.stopwatch("law"):
             return law_of(self.design)
 
@@ -94,20 +111,8 @@ class Moving(Shown):
         return replace(self.machine, transmission=uniform_law(self.transmission.lobes))
 
     @computed
-    def motion(self) -> OutputMotion:
-        """The slider's motion at the operating speed, sampled."""
-        with self.stopwatch("motion"):
-            return self.machine.motion(sample_angles(self.transmission))
-
-    @computed
-    def uniform_motion(self) -> OutputMotion:
-        """The uniform crank's motion at the same angles."""
-        with self.stopwatch("motion"):
-            return self.uniform_machine.motion(self.motion.phi1_rad)
-
-    @computed
-    def check(self) -> KinematicCheck:
-        """Exact peaks at the operating speed."""
+    def massless_check(self) -> KinematicCheck:
+        """Exact peaks at the operating speed, with the power of the resistance alone."""
         with self.stopwatch("check"):
             return kinematic_check(self.machine)
 
@@ -141,7 +146,7 @@ class Moving(Shown):
         return {f"stroke_residual_{place.ending}": place.factor * self.stroke_residual}
 
     @computed
-    def uniform_check(self) -> KinematicCheck:
-        """The uniform crank's peaks at the same speed."""
+    def massless_uniform_check(self) -> KinematicCheck:
+        """The uniform crank's peaks at the same speed, with the power of the resistance alone."""
         with self.stopwatch("check"):
             return kinematic_check(self.uniform_machine)

@@ -6,24 +6,18 @@ from math import radians
 
 import numpy as np
 
-from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import DesignError
 from ncgear.kinematics.motion import sample_angles
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.moving_masses import masses_of
 from ncgear.project.strengthening import unknown
-from ncgear.project.tooth_form import mesh_place
-from ncgear.project.tooth_load import ToothLoad
+from ncgear.project.tooth_load import asked_of
 from ncgear.strength.at_pitch_point import PitchPointLoad, RoughSafety, rough_safeties
 from ncgear.strength.iso6336 import RackTip
 
 
 def rough_strength(drive: Drive) -> list[RoughSafety]:
-    """Both gears' safeties, roughly; empty where no load is known, or where the formulas do not cover the gears.
-
-    Moments of inertia of gears that are not given are left out, since they would follow from the teeth.
-    """
+    """Both gears' safeties, roughly; empty where no load is known, or where the formulas do not cover the gears."""
     if unknown(drive) is not None:
         return []
     try:
@@ -45,12 +39,6 @@ def rough_strength(drive: Drive) -> list[RoughSafety]:
 
 
 def _load(drive: Drive) -> PitchPointLoad:
-    given, linkage = drive.design.masses, drive.linkage
-    masses = linkage.MASSES() if given is None else masses_of(given, linkage)
-    place = mesh_place(drive.gears, drive.pitch.center_distance_mm)
-    angle = sample_angles(drive.pair.transmission)
-    load = ToothLoad(
-        "resistance" if given is None else "masses", RigidMachine(drive.machine, masses), drive.pair, place
-    )
+    load, angle = asked_of(drive), sample_angles(drive.pair.transmission)
     curvature = np.stack([drive.pitch.of(gear).at_angle(angle).curvature for gear in Gear])
     return PitchPointLoad(angle, load.mesh_force(angle).size_n.value, curvature)

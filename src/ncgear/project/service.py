@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ncgear.design.keys.gears import Gears
-from ncgear.design.keys.masses import ShaftMasses
 from ncgear.design.keys.material import GearMaterial
 from ncgear.design.keys.strength import USUAL_LIFE_H, StrengthKeys
 from ncgear.strength.classes import Quality
@@ -37,10 +36,10 @@ def _choice_of(given: GearMaterial) -> Choice:
     return Choice(replace(entry, elastic=elastic), given.contact_limit_mpa, given.bending_limit_mpa)
 
 
-def densities_kg_m3(given: ShaftMasses, gears: Gears) -> tuple[float, float]:
+def densities_kg_m3(given: float | None, gears: Gears) -> tuple[float, float]:
     """The densities of the driving and the driven gear: that given with the masses, or those of their materials."""
-    if given.density_kg_m3 is not None:
-        return given.density_kg_m3, given.density_kg_m3
+    if given is not None:
+        return given, given
     driving, driven = choices_of(gears)
     return driving.entry.elastic.density_kg_m3, driven.entry.elastic.density_kg_m3
 

@@ -29,6 +29,15 @@ from ncgear.solids.plan.plan import outer_radius_mm
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
 
+GEAR_INERTIA = ("driving_gear_kg_mm2", "shaft_between_kg_mm2", "driven_gear_kg_mm2")
+"""Keys of ``masses`` that hold what follows from the gears' bodies."""
+
+
+def stated_inertias(design: Design) -> list[str]:
+    """The moments of inertia of gears that a design states, as dotted keys."""
+    return [f"masses.{name}" for name in GEAR_INERTIA if getattr(design.masses, name, None) is not None]
+
+
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
@@ -109,7 +118,12 @@ def require_material(name: str, key: str) -> None:
 
 
 def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
-    """The design with another material and other wanted safeties, by their keys."""
+    """The design with another material and other wanted safeties, by their keys.
+
+    Moments of inertia of gears that the file states are left out: they are those of gears of another size.
+    """
+    if design.masses is not None:
+        design = design.model_copy(update={"masses": design.masses.model_copy(update=dict.fromkeys(GEAR_INERTIA))})
     strength = {key.removeprefix("strength."): value for key, value in asked.items() if key.startswith("strength.")}
     design = design.model_copy(update={"strength": design.strength.model_copy(update=strength)})
     if design.gears is None or "gears.material" not in asked:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.dynamics.rigid import RigidMachine, refuse_locked_at
+from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.kinematics.motion import Machine, sample_angles
-from ncgear.mechanisms.masses import Masses
+from ncgear.kinematics.motion import sample_angles
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import tangent_slope
+from ncgear.project.tooth_form import mesh_place
 from ncgear.ratio.transmission import Pair
+
+if TYPE_CHECKING:
+    from ncgear.project.geared import Geared
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,20 +28,24 @@ class ToothLoad:
     ``load`` says what it counts: the machine's masses with the resistance, or the resistance alone.  ``place`` is how
     the pair's gears lie.  Angles are those of the pair's own driving gear.
 
-    Without friction a pair passes on the power that the driving shaft takes in, so that its torque is the driving
-    shaft's times the driving shaft's speed over that of the pair's driven gear.  The inertia of a shaft between two
-    pairs, of which a design says nothing, is not counted.
+    A pair passes on the power that its driven gear's shaft takes in; friction between the teeth is not counted.  The
+    first of two pairs turns the shaft between them, whose inertia the whole machine counts; the last one turns the
+    crank alone.
     """
 
     load: Literal["masses", "resistance"]
     machine: RigidMachine
     pair: Pair
     place: MeshPlace
+    turns_crank: bool
 
     def torque_n_mm(self, angle_rad: Array) -> Array:
         """Torque asked of the driven gear, shape (n,)."""
+        loads = self.machine.at(self.pair.shaft_rad(angle_rad))
+        if self.turns_crank:
+            return loads.driven_torque.value
         driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)
-        return np.asarray(self.machine.at(self.pair.shaft_rad(angle_rad)).driving_torque.value / driven_speed)
+        return np.asarray(loads.driving_torque.value / driven_speed)
 
     def mesh_force(self, angle_rad: Array) -> MeshForce:
         """Normal force of all pairs of teeth together."""
@@ -50,13 +58,29 @@ class ToothLoad:
         return float(np.abs(self.mesh_force(sample_angles(self.pair.transmission)).size_n.value).max())
 
 
-def tooth_load(
-    load: Literal["masses", "resistance"], machine: Machine, masses: Masses, pair: Pair, place: MeshPlace
-) -> ToothLoad:
-    """The load of the teeth of a pair of the machine; raises NoSuchMechanism where they cannot hold it."""
-    found = ToothLoad(load, RigidMachine(machine, masses), pair, place)
+def asked_of(drive: Geared) -> ToothLoad:
+    """What a drive asks of the teeth of its pair: with masses, or where there are none, of the resistance alone.
+
+    Raises WrongInput where there is neither, and where there are two pairs and the drive has no stage.
+    """
+    pair, place, design = drive.pair, mesh_place(drive.gears, drive.pitch.center_distance_mm), drive.design
+    last = drive.stage in (None, design.stages)
+    if design.masses is not None:
+        return ToothLoad("masses", drive.loaded_machine(drive.machine), pair, place, last)
+    if design.resistance is None:
+        raise WrongInput(
+            "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
+            "moving masses, or from both: give one of them",
+            key="resistance",
+        )
+    return ToothLoad("resistance", RigidMachine(drive.machine, drive.linkage.MASSES()), pair, place, last)
+
+
+def tooth_load(drive: Geared) -> ToothLoad:
+    """The load of the teeth of a drive's pair, as ``asked_of``; raises NoSuchMechanism where they cannot hold it."""
+    found, pair = asked_of(drive), drive.pair
     # The pressure angle is judged where it is largest, too, which is where the curves lean most, either way.
-    leaning = pair.transmission.extremes(lambda slope: tangent_slope(slope, place.mesh), 1)
+    leaning = pair.transmission.extremes(lambda slope: tangent_slope(slope, found.place.mesh), 1)
     angle = np.append(sample_angles(pair.transmission), [extremum.at for extremum in leaning])
     refuse_locked_at(angle, found.torque_n_mm(angle), found.mesh_force(angle).pressure_angle_rad.value)
     return found

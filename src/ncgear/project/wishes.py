@@ -7,57 +7,96 @@ from math import pi, radians, sin
 from typing import NamedTuple
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.masses import Flywheel
 from ncgear.design.keys.optimize import Limits, Optimize
+from ncgear.design.laws.base import LawKeys
+from ncgear.design.laws.uniform_crank import UniformCrank
 from ncgear.design.mechanisms import mechanism_of
-from ncgear.errors import WrongInput
+from ncgear.errors import DesignError, WrongInput
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
 from ncgear.project.law import kept_size, load_of, lobes_of, require_whole_turns
 from ncgear.project.motion_wishes import motion_wishes_of
-from ncgear.project.moving_masses import masses_of
+from ncgear.project.moving_masses import TrainInertia, inertia_of_train, masses_of
 from ncgear.project.tooth_form import rack_of
 
 RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears; it is the one of ISO 53."""
 
 
-def task_of(design: Design) -> task.Task:
-    """The machine: mechanism, load, masses, speed and lobes.
+def task_of(design: Design, gears: TrainInertia) -> task.Task:
+    """The machine: mechanism, load, masses with the moments of inertia of its gears, speed and lobes.
 
-    Raises WrongInput for gears that turn less than once, and for a mechanism whose output never returns: limits and
-    laws of strokes know dead centres.
+    Raises WrongInput for gears that turn less than once, for a mechanism whose output never returns (limits and laws of
+    strokes know dead centres), and where friction in the guide would change what is limited.
     """
     require_whole_turns(design, "the search for a best law")
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
     if not linkage.RETURNS:
         problem = f"{linkage.NAME} moves nothing to and fro, and the best law is sought for strokes only"
         raise WrongInput(f"{problem}; a mechanism with dead centres is right", key="linkage")
-    speed = design.operation.speed_rpm * RAD_S_PER_RPM
+    _refuse_guide_friction(design)
     return task.Task(
         linkage,
         load_of(design),
-        speed,
+        design.operation.speed_rpm * RAD_S_PER_RPM,
         lobes_of(design),
-        masses=_masses_of(design),
+        masses=_masses_of(design, gears),
         gears=_size_of(design, limits),
         speed_fluctuation=(given.flywheel if given else Flywheel()).speed_fluctuation,
+        guide_friction=design.drivetrain.guide_friction if design.drivetrain else 0.0,
     )
 
 
-def _masses_of(design: Design) -> Masses | None:
-    """All masses that move; zero ones where a figure is asked for that is not of the motion alone, else None.
-
-    Moments of inertia of gears that are not given are left out, since they would follow from the teeth.
-    """
+def _masses_of(design: Design, gears: TrainInertia) -> Masses | None:
+    """All masses that move; zero ones where a figure is asked for that is not of the motion alone, else None."""
     linkage, asked = mechanism_of(design.linkage), design.optimize or Optimize()
     if design.masses is not None:
-        return masses_of(design.masses, linkage)
+        return masses_of(design.masses, linkage, gears)
     limited = any(getattr(asked.limits, name) is not None for name in task.LOAD_LIMITS)
     return linkage.MASSES() if limited or _prices(asked).of_loads else None
+
+
+def _refuse_guide_friction(design: Design) -> None:
+    """Refuse limits and goals of loads with friction in the guide, which the search for a law does not know."""
+    if design.drivetrain is None or not design.drivetrain.guide_friction:
+        return
+    asked = design.optimize or Optimize()
+    limited = [name for name in ("peak_power_w", *task.LOAD_LIMITS) if getattr(asked.limits, name) is not None]
+    prices = _prices(asked)
+    if limited or prices.of_loads or prices.peak_power_w:
+        what = f"limits.{limited[0]}" if limited else "goal"
+        raise WrongInput(
+            f"given, but the search for a law does not know friction in the guide, which changes optimize.{what}; "
+            "leave the friction out to search, and give it again to check, simulate and build",
+            key="drivetrain.guide_friction",
+        )
+
+
+def inertia_with(design: Design, motion: LawKeys) -> TrainInertia:
+    """The moments of inertia of a design's gears with another motion, as they come out; as given where all are given.
+
+    Raises as pitch curves and laws do.
+    """
+    from ncgear.project.drive import Drive
+
+    gears = design.gears
+    if design.masses is None:
+        return TrainInertia()
+    if gears is not None:
+        gears = gears.model_copy(update=dict(zip(SIZES, kept_size(design), strict=True)))
+    return inertia_of_train(Drive(design.model_copy(update={"motion": motion, "gears": gears})))
+
+
+def inertia_as_given(design: Design) -> TrainInertia:
+    """The moments of inertia of a design's gears with its own law, or with round gears where that cannot be made."""
+    try:
+        return inertia_with(design, design.motion)
+    except DesignError:
+        return inertia_with(design, UniformCrank(law="uniform_crank"))
 
 
 def _size_of(design: Design, limits: Limits) -> task.GearSize | None:

@@ -84,6 +84,9 @@ def kind_of(design: Design) -> Kind | None:
     # Batches know outputs that slide and return.
     if law is None or entry_of(design.linkage).turns or (design.gears is not None and design.gears.mesh == "internal"):
         return None
+    if design.masses is not None:
+        # Power with masses depends on the bodies of the gears, which only a single computation makes.
+        return None
     load = load_of(design)
     if load.loads_return or isinstance(load.working, TableResistance):
         # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,

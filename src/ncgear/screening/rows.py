@@ -17,6 +17,7 @@ from ncgear.design.keys.gears import SIZES
 from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
+from ncgear.kinematics.check import KinematicCheck
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
@@ -111,12 +112,25 @@ def single_figures(design: Design) -> dict[str, float]:
         "ratio.min": low.value,
         "ratio.max": high.value,
         "check.peak_power_w": check.peak_power_w.value,
+        **_with_masses(check),
         "check.mean_power_w": check.mean_power_w,
         f"check.peak_speed_{speed}": check.peak_speed.value,
         f"check.peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
         f"check.peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
         **pitch,
     }
+
+
+WITH_MASSES = ("check.peak_power_resistance_w", "check.braking_power_w", "check.rms_torque_n_m")
+"""Keys of the figures that only designs with masses have."""
+
+
+def _with_masses(check: KinematicCheck) -> dict[str, float]:
+    found = check.with_masses
+    if found is None:
+        return {}
+    values = found.peak_power_resistance_w.value, found.braking_power_w.value, found.rms_torque_n_m
+    return dict(zip(WITH_MASSES, values, strict=True))
 
 
 PITCH = (
@@ -145,6 +159,7 @@ def figure_names(design: Design) -> tuple[str, ...]:
         "ratio.min",
         "ratio.max",
         "check.peak_power_w",
+        *(() if Drive(design).masses_left_out else WITH_MASSES),
         "check.mean_power_w",
         f"check.peak_speed_{output.speed.ending}",
         f"check.peak_acceleration_working_{output.acceleration.ending}",

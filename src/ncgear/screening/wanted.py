@@ -120,7 +120,7 @@ def objective_of(text: str, names: Sequence[str]) -> Objective:
 
 def objectives_of(texts: Sequence[str], names: Sequence[str]) -> tuple[Objective, ...]:
     """Objectives; without any, least acceleration and least power."""
-    starts = ("check.peak_acceleration_cycle_", "check.peak_power_")
+    starts = ("check.peak_acceleration_cycle_", "check.peak_power_w")
     objectives = [objective_of(text, names) for text in texts]
     if not objectives:
         return tuple(Objective(name) for start in starts for name in names if name.startswith(start))

@@ -128,20 +128,21 @@ class GearMasses(Model):
     )
     driven_gear_kg_mm2: Inertia | None = Field(
         default=None,
-        description="moment of inertia of the driven gear in kg mm2; left out: that of its own body",
+        description="moment of inertia of the driven gear in kg mm2, the last one of two pairs; left out: that of its "
+        "own body",
+    )
+    shaft_between_kg_mm2: Inertia | None = Field(
+        default=None,
+        description="moment of inertia in kg mm2 of the shaft between two pairs of gears in series, with both its "
+        "gears; left out: that of these gears' own bodies",
     )
     density_kg_m3: float | None = Field(
         default=None,
         gt=0.0,
         le=30000.0,
-        description="density of both gears in kg/m3; left out: those of gears.material, 7850 where none is named",
+        description="density of all gears in kg/m3; left out: those of gears.material, 7850 where none is named",
     )
     flywheel: Flywheel = Field(default_factory=Flywheel, description="flywheel on the driving shaft; left out: none")
-
-    @property
-    def tells_gears(self) -> bool:
-        """Whether the moments of inertia of both gears are given."""
-        return self.driving_gear_kg_mm2 is not None and self.driven_gear_kg_mm2 is not None
 
 
 class Weights(Model):

@@ -24,7 +24,7 @@ class Quantity(Enum):
     VELOCITY = "velocity"
     ACCELERATION = "acceleration"
     LOAD = "load"
-    POWER = "power_w"
+    POWER = "driving_power_w"
     RATIO = "ratio"
 
     def name_of(self, output: Output) -> str:
@@ -53,7 +53,9 @@ class Quantity(Enum):
     def key_of(self, output: Output) -> str:
         """The quantity's name in tables and on the page, which ends in its unit."""
         name = output.load_name if self is Quantity.LOAD else self.value
-        ending = "" if self is Quantity.POWER else self.unit_of(output).ending
+        if self is Quantity.POWER:
+            return "power_w"
+        ending = self.unit_of(output).ending
         return f"{name}_{ending}" if ending else name
 
     def values(self, motion: OutputMotion | Slide, output: Output) -> Array:
@@ -92,8 +94,9 @@ def motion_chart(
     if uniform is not None:
         angle, values = np.degrees(uniform.phi1_rad), quantity.values(uniform, output)
         lines.append(Line(Role.UNIFORM, f"{linkage.UNIFORM}, same speed", angle, values))
+    counted = ", with masses" if quantity is Quantity.POWER and own.power_with_masses_w is not None else ""
     return Chart(
-        quantity.name_of(output),
+        quantity.name_of(output) + counted,
         quantity.unit_of(output).text,
         tuple(lines),
         degrees(own.phi1_rad[-1]),

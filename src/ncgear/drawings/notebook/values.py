@@ -159,7 +159,8 @@ def _machine(machine: Machine) -> Iterator[Markup]:
 
 @_pieces.register
 def _motion(motion: OutputMotion) -> Iterator[Markup]:
-    loaded = LOAD if np.any(motion.load != 0.0) else ()
+    powered = () if motion.power_with_masses_w is None else (Quantity.POWER,)
+    loaded = LOAD if np.any(motion.load != 0.0) else powered
     chosen = [
         (quantity, motion_chart(quantity, motion.linkage, motion)) for quantity in (*MOTION, *loaded, Quantity.RATIO)
     ]

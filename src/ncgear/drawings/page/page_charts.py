@@ -37,12 +37,12 @@ It is far larger than the rounding of an angle, and too small to be seen or hit 
 
 
 def motion_charts(drive: Drive, end_rad: float) -> list[PageChart]:
-    """Displacement to ratio from 0 to a driving angle; force and power where the design has a resistance."""
+    """Displacement to ratio from 0 to a driving angle; with force and power where the design has them."""
     phi1 = cycle_angles_rad(drive)
-    own, uniform = drive.machine.motion(phi1), drive.uniform_machine.motion(phi1)
+    own, uniform = drive.motion_of(drive.machine, phi1), drive.motion_of(drive.uniform_machine, phi1)
     joints = np.degrees(joints_up_to(drive.transmission, end_rad))
     charts = []
-    for quantity in (*MOTION, *(LOAD if drive.design.resistance is not None else ()), Quantity.RATIO):
+    for quantity in (*MOTION, *loads_of(drive), Quantity.RATIO):
         chart = motion_chart(quantity, drive.linkage, own, uniform, joints)
         this, other = chart.lines
         lines = this, replace(other, label=drive.linkage.UNIFORM)
@@ -53,6 +53,13 @@ def motion_charts(drive: Drive, end_rad: float) -> list[PageChart]:
             )
         )
     return charts
+
+
+def loads_of(drive: Drive) -> tuple[Quantity, ...]:
+    """Force and power where the design has a resistance, power alone where it has masses and no resistance."""
+    if drive.design.resistance is not None:
+        return LOAD
+    return () if drive.masses_left_out is not None else (Quantity.POWER,)
 
 
 def cycle_angles_rad(drive: Drive) -> Array:

@@ -81,7 +81,8 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
     if best.task.masses is not None:
-        rows.append(Row("masses", ("count in all figures; with them the limit is a relaxation and may lie higher",)))
+        counted = f"{figure('driven_gear_kg_mm2', best.task.moving.driven_inertia_kg_mm2)} in the driven gear"
+        rows.append(Row("masses", (f"count in all figures, {counted}; the limit is a relaxation and may lie higher",)))
     return rows
 
 

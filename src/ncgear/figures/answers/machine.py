@@ -14,7 +14,7 @@ from ncgear.figures.advice.values import Advice
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.summary.check_summary import comparison_rows, peaks
+from ncgear.figures.summary.check_summary import comparison_rows, counted_note, peaks
 from ncgear.figures.wished import motion_facts, wish_line, wish_rows
 from ncgear.numerics.units import CM3_PER_MM3, label_and_unit
 from ncgear.pitch.pair import largest_tangent_angle_rad
@@ -45,7 +45,7 @@ def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tupl
         (*compared_rows(drive), *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)),
         faults_of(("", advice) for advice in advices),
         in_one_line(drive.design.description),
-        notes,
+        (*notes, *_counted(drive)),
         (THIS, drive.linkage.UNIFORM),
         then=then,
     )
@@ -75,10 +75,15 @@ def build_answer(
         (*compared_rows(drive), *gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]),
         faults_of([*(("", advice) for advice in check_advice(drive)), *of_pairs]),
         in_one_line(drive.design.description),
-        notes,
+        (*notes, *_counted(drive)),
         (THIS, drive.linkage.UNIFORM),
         then=then,
     )
+
+
+def _counted(drive: Drive) -> tuple[str, ...]:
+    note = counted_note(drive)
+    return (note,) if note else ()
 
 
 def head_of(drive: Drive) -> str:
@@ -96,12 +101,20 @@ def head_of(drive: Drive) -> str:
     return f"{design.name}: {', '.join([mechanism + stages, *moved, f'law {design.motion.law}'])}"
 
 
+IN_FULL = ("rms_torque_n_m", "energy_swing_j")
+"""Figures of power that only --verbose, JSON and a simulation tell."""
+
+
 def compared_rows(drive: Drive) -> list[Row]:
     """The peaks of the machine beside those of the same machine with an even crank, at equal driving speed."""
     returns = drive.linkage.RETURNS
     own, uniform = peaks(drive.check, returns=returns), peaks(drive.uniform_check, returns=returns)
-    loaded = drive.design.resistance is not None
-    keys = [key for key in own if not key.endswith("_at_rad") and (loaded or not key.endswith("_power_w"))]
+    powered = drive.design.resistance is not None or drive.check.with_masses is not None
+    keys = [
+        key
+        for key in own
+        if not key.endswith("_at_rad") and key not in IN_FULL and (powered or not key.endswith("_power_w"))
+    ]
     rows = [_beside(key, own[key], uniform[key]) for key in keys]
     # Where the largest acceleration is in the working stroke, its own row would say the same once more.
     texts = [one.texts for one in rows]
@@ -115,13 +128,14 @@ def _beside(key: str, own: float, other: float) -> Row:
 def _published(drive: Drive) -> list[Row]:
     """Published mechanisms at the same speed, whose peak power is known."""
     found = [one for one in comparison_rows(drive)[2:] if one["same_speed"] and one["peak_power_w"] is not None]
-    own = drive.check.peak_power_w.value
+    own = drive.check.peak_power_resistance_w.value
+    alone = " of the resistance alone" if drive.check.with_masses else ""
     return [
         Row(
             in_one_line(str(one["name"]), 24),
             (
                 f"{name_of('peak_power_w')} {figure('peak_power_w', one['peak_power_w'])} at equal speed; this "
-                f"design's: {difference(own, one['peak_power_w'])}",
+                f"design's{alone}: {difference(own, one['peak_power_w'])}",
             ),
         )
         for one in found[:PUBLISHED]
@@ -223,15 +237,17 @@ SIZES = ("module_mm", "face_width_mm", "center_distance_mm")
 
 
 def machine_facts(drive: Drive) -> Facts:
-    """The main figures of a machine; the peak power where the design has a resistance."""
+    """The main figures of a machine; the peak power where the design has a resistance or masses."""
     linkage, check, place = drive.linkage, drive.check, drive.linkage.OUTPUT.place
     found = [("law", drive.design.motion.law.replace("_", " "))]
     found.append(_fact("speed_rpm", drive.design.operation.speed_rpm))
     if linkage.RETURNS:
         found.append(_fact(f"stroke_{place.ending}", place.factor * linkage.stroke_mm))
     found.append(("ratio", _ratio(drive.transmission)))
-    if drive.design.resistance is not None:
+    if drive.design.resistance is not None or check.with_masses is not None:
         found.append(_fact("peak_power_w", check.peak_power_w.value))
+    if check.with_masses is not None:
+        found.append(_fact("peak_power_resistance_w", check.peak_power_resistance_w.value))
     acceleration = f"peak_acceleration_cycle_{linkage.OUTPUT.acceleration.ending}"
     return [*found, _fact(acceleration, check.peak_acceleration_cycle.value)]
 

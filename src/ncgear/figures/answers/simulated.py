@@ -31,8 +31,10 @@ AFTER = {
 COMPARED = (
     "peak_driving_torque_n_m",
     "least_driving_torque_n_m",
-    "peak_driving_power_w",
+    "peak_power_w",
+    "braking_power_w",
     "mean_power_w",
+    "peak_power_resistance_w",
     "energy_swing_j",
     "inertia_for_speed_fluctuation_kg_m2",
     "peak_mesh_force_n",
@@ -111,7 +113,7 @@ def _around(found: Mapping[str, Any]) -> list[Row]:
     """What stands around the gears: losses, and the shortest life, the least safety and the motor's load."""
     if not found:
         return []
-    losses, power = found["losses"], "mean_driving_power_w"
+    losses, power = found["losses"], "mean_power_with_tooth_friction_w"
     shafts = [found[name] for name in ("driving_shaft", "driven_shaft") if name in found]
     bearings = [one for shaft in shafts for name, one in shaft.items() if name.startswith("bearing")]
     lives = [one["life_h"] for one in bearings if one["life_h"] is not None]

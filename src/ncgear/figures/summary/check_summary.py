@@ -9,7 +9,7 @@ from ncgear.design.keys.machine import Published
 from ncgear.figures.advice.collected import check_advice, rough_advice
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.figures.wished import motion_summary, wish_rows
-from ncgear.kinematics.check import KinematicCheck
+from ncgear.kinematics.check import KinematicCheck, WithMasses
 from ncgear.mechanisms.mechanism import Output
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
@@ -100,18 +100,34 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
     return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.carrying_angle_deg}
 
 
+MASSES_KEY = "masses_counted"
+"""Key that says whether figures of power count moving masses."""
+
+
+def counted_note(drive: Drive) -> str:
+    """What figures of power leave out, or by what they count gears, in words; empty where there is nothing to say.
+
+    A design that gives neither resistance nor masses has no power of which anything could be said.
+    """
+    why = drive.masses_left_out
+    if why is not None:
+        return f"power counts the resistance alone, no moving masses: {why}" if drive.design.resistance else ""
+    refusals = [] if drive.design.gears is None else [drive.gear_refusal]
+    return "".join(
+        "the gears cannot be made as given, and discs within their pitch curves stand for their moments of inertia: "
+        f"{refusal.problem}"
+        for refusal in refusals
+        if refusal is not None
+    )
+
+
 def _check(drive: Drive) -> dict[str, Any]:
-    result = peaks(drive.check, returns=drive.linkage.RETURNS)
-    factor = drive.law_speed_rpm / drive.design.operation.speed_rpm
-    speed, acceleration = drive.check.output.speed.ending, drive.check.output.acceleration.ending
+    result = {MASSES_KEY: drive.check.with_masses is not None} | peaks(drive.check, returns=drive.linkage.RETURNS)
     if drive.law.stroke is not None:
-        result["at_law_speed"] = {
-            "speed_rpm": drive.law_speed_rpm,
-            "peak_power_w": drive.check.peak_power_w.value * factor,
-            f"peak_speed_{speed}": drive.check.peak_speed.value * factor,
-            f"peak_acceleration_working_{acceleration}": drive.check.peak_acceleration_working.value * factor**2,
-            f"peak_acceleration_cycle_{acceleration}": drive.check.peak_acceleration_cycle.value * factor**2,
-        }
+        found = drive.check_at_rpm(drive.law_speed_rpm)
+        of_law = peaks(found, returns=drive.linkage.RETURNS)
+        told = {key: value for key, value in of_law.items() if key.startswith("peak_") and not key.endswith("_at_rad")}
+        result["at_law_speed"] = {"speed_rpm": drive.law_speed_rpm, **told}
     result[uniform_key(drive)] = peaks(drive.uniform_check, returns=drive.linkage.RETURNS)
     return result
 
@@ -131,12 +147,27 @@ def peaks(check: KinematicCheck, *, returns: bool) -> dict[str, Any]:
     return {
         "peak_power_w": check.peak_power_w.value,
         "peak_power_at_rad": check.peak_power_w.at,
+        **_with_masses(check.with_masses),
         "mean_power_w": check.mean_power_w,
         f"peak_speed_{speed}": check.peak_speed.value,
         "peak_speed_at_rad": check.peak_speed.at,
         **(working if returns else {}),
         f"peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
         "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle.at,
+    }
+
+
+def _with_masses(found: WithMasses | None) -> dict[str, float]:
+    """What is told of power where masses are counted; the resistance alone stands beside it."""
+    if found is None:
+        return {}
+    return {
+        "peak_power_resistance_w": found.peak_power_resistance_w.value,
+        "peak_power_resistance_at_rad": found.peak_power_resistance_w.at,
+        "braking_power_w": found.braking_power_w.value,
+        "braking_power_at_rad": found.braking_power_w.at,
+        "rms_torque_n_m": found.rms_torque_n_m,
+        "energy_swing_j": found.energy_swing_j,
     }
 
 
@@ -150,26 +181,36 @@ def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
     published = drive.design.comparison.published if drive.design.comparison else ()
     return [
         _checked("this design", drive.check, speed, ""),
-        _checked(
-            drive.linkage.UNIFORM, drive.uniform_check, speed, _against(drive, drive.uniform_check.peak_power_w.value)
-        ),
+        _checked(drive.linkage.UNIFORM, drive.uniform_check, speed, _against_uniform(drive)),
         *(_scaled(drive, mechanism) for mechanism in published),
         *(row for mechanism in published for row in _mixed(drive, mechanism)),
     ]
 
 
-def _against(drive: Drive, other_power_w: float | None) -> str:
-    """Words for the peak power of this design against that of another mechanism at the same speed."""
-    if not other_power_w:
+def _against_uniform(drive: Drive) -> str:
+    """Words for the peak power of this design against that of the uniform crank with the same masses."""
+    own, other = drive.check.peak_power_w.value, drive.uniform_check.peak_power_w.value
+    return _saved("this design's peak power", own, other)
+
+
+def _against_published(drive: Drive, other_power_w: float | None) -> str:
+    """Words for the peak power of this design against a published one, which counts no masses of this machine."""
+    alone = ", of the resistance alone," if drive.check.with_masses else ""
+    return _saved(f"this design's peak power{alone}", drive.check.peak_power_resistance_w.value, other_power_w)
+
+
+def _saved(what: str, own_w: float, other_w: float | None) -> str:
+    if not other_w:
         return ""
-    saving = 100.0 * (1.0 - drive.check.peak_power_w.value / other_power_w)
-    return f"this design's peak power is {fixed(abs(saving), 1)} % {'lower' if saving >= 0 else 'higher'}"
+    saving = 100.0 * (1.0 - own_w / other_w)
+    return f"{what} is {fixed(abs(saving), 1)} % {'lower' if saving >= 0 else 'higher'}"
 
 
 def _checked(name: str, check: KinematicCheck, speed: float, note: str) -> dict[str, Any]:
     acceleration, velocity = check.peak_acceleration_cycle.value, check.peak_speed.value
     row = _row(check.output, name, speed, check.peak_power_w.value, acceleration, velocity)
-    return {**row, "mean_power_w": check.mean_power_w, "same_speed": True, "note": note}
+    alone = {"peak_power_resistance_w": check.peak_power_resistance_w.value} if check.with_masses else {}
+    return {**row, **alone, "mean_power_w": check.mean_power_w, "same_speed": True, "note": note}
 
 
 def _row(
@@ -189,7 +230,7 @@ def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
     """Published figures at the operating speed."""
     found = published.at_speed(drive.design.operation.speed_rpm)
     power, pressing = found.peak_power_w, found.compression_speed_mm_s
-    notes = [_against(drive, power), f"compression speed {to_digits(pressing, 4)} mm/s" if pressing else ""]
+    notes = [_against_published(drive, power), f"compression speed {to_digits(pressing, 4)} mm/s" if pressing else ""]
     output = drive.linkage.OUTPUT
     row = _row(output, found.name, found.speed_rpm, power, found.peak_acceleration_mm_s2, found.peak_speed_mm_s)
     return {**row, "same_speed": True, "note": "; ".join(note for note in notes if note)}
@@ -205,8 +246,9 @@ def _mixed(drive: Drive, published: Published) -> list[dict[str, Any]]:
     quoted = _row(
         output, "set against it in the publication", published.quoted_speed_rpm, published.quoted_power_w, None, None
     )
-    same = drive.check.peak_power_w.value * published.speed_rpm / drive.design.operation.speed_rpm
-    note = f"at {published.speed_rpm:g} r/min this design needs {shown(same)} W"
+    same = drive.check.peak_power_resistance_w.value * published.speed_rpm / drive.design.operation.speed_rpm
+    alone = " for the resistance alone" if drive.check.with_masses else ""
+    note = f"at {published.speed_rpm:g} r/min this design needs {shown(same)} W{alone}"
     if published.peak_power_w:
         saving = 100.0 * (1.0 - published.quoted_power_w / published.peak_power_w)
         note = f"the {fixed(saving, 1)} % between the two rows is a difference of speed; {note}"

@@ -11,7 +11,7 @@ from enum import Enum
 from math import inf, pi
 
 from ncgear.frozen import dataclass
-from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs
+from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs, with_shaft_between
 
 Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 """Place, slider, and length of the driving curve over the centre distance, to the terms of a level."""
@@ -104,7 +104,7 @@ class Level:
     def terms(self, ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
         """The level's terms, from i12, and iB where there are two pairs, and every pair's length."""
         if not self.of_pairs:
-            return self.sides(ratios[0], slider, lengths[0])
+            return self.sides(ratios[0], with_shaft_between(slider, ratios), lengths[0])
         return tuple(
             side for at, length in zip(pairs(ratios), lengths, strict=True) for side in self.sides(at, slider, length)
         )

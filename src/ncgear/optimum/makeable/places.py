@@ -15,6 +15,7 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.optimum.loads import machine_loads
 from ncgear.optimum.makeable.levels import TURN, Stretch
 from ncgear.optimum.makeable.quantities import Slider
@@ -127,15 +128,16 @@ def slider_at(task: Task, crank_angle_rad: Array) -> Slider:
     pressing = task.load.backwards_n(np.clip(displacement.value, 0.0, task.linkage.stroke_mm), returning)
     first, second, third = (displacement.derivative(order) for order in range(1, ORDER + 1))
     logarithm = np.log(np.hypot(first, STANDING * task.linkage.stroke_mm))
+    between = N_PER_KG_MM_S2 * task.moving.between_inertia_kg_mm2
     return Slider(first, second, third, pressing, *_load_columns(task, crank_angle_rad, pressing))._replace(
-        log_first=logarithm
+        log_first=logarithm, between=np.full(crank_angle_rad.size, between)
     )
 
 
 def _load_columns(task: Task, crank_angle_rad: Array, resistance_n: Array) -> list[Array]:
     """The columns of loads of ``Slider`` in their order, shape (m,) each; zero where no masses are known."""
     if task.masses is None:
-        return [np.zeros(crank_angle_rad.size)] * (len(Slider._fields) - 5)
+        return [np.zeros(crank_angle_rad.size)] * (len(Slider._fields) - 6)
     felt = machine_loads(task.linkage, task.masses, crank_angle_rad, resistance_n)
     bearing = [column for axis in (0, 1) for column in felt.bearing_n.component(axis)]
     shaking = [column for axis in (0, 1) for column in felt.shaking_n.component(axis)[1:]]

@@ -39,6 +39,8 @@ class Slider(NamedTuple):
     columns of ``ncgear.optimum.loads``, each load as its parts at rest, by q and by q'/2: the torque asked of the
     driven gear in N mm, and the forces in N on the crank's bearings and on the frame, along and across the slider's
     line.  They are zero where no masses are known.  ``log_first`` is ln |x'|, finite at dead centres too.
+    ``between`` is the moment of inertia in N mm s^2 of a shaft between two pairs, times m' m'' of its angle m where a
+    law is known, primes by the driving angle.
     """
 
     first: Term
@@ -59,6 +61,7 @@ class Slider(NamedTuple):
     shaking_y_by_q: Term = 0.0
     shaking_y_by_rate: Term = 0.0
     log_first: Term = 0.0
+    between: Term = 0.0
 
 
 def velocity(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
@@ -93,8 +96,9 @@ def moved(at: Place, by_q: Term, by_rate: Term, speed_rad_s: Term) -> Term:
 
 
 def driving_torque(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
-    """Torque on the driving gear in N mm with all masses: that of the driven gear, times s."""
-    return (slider.torque + moved(at, slider.torque_by_q, slider.torque_by_rate, speed_rad_s)) * at.slope
+    """Torque on the driving gear in N mm with all masses: that of the driven gear, times s, and of a shaft between."""
+    crank = (slider.torque + moved(at, slider.torque_by_q, slider.torque_by_rate, speed_rad_s)) * at.slope
+    return crank + speed_rad_s**2 * slider.between
 
 
 def bearing_force(at: Place, slider: Slider, speed_rad_s: Term) -> tuple[Term, Term]:
@@ -164,6 +168,15 @@ def pairs(ratios: Sequence[Place]) -> tuple[Place, ...]:
         return (ratios[0],)
     whole, second = ratios
     return _first_pair(whole, second), second
+
+
+def with_shaft_between(slider: Slider, ratios: Sequence[Place]) -> Slider:
+    """The machine at a place with what the shaft between two pairs does: m' = iB s and m'' = m' s (g' - f')."""
+    if len(ratios) == 1:
+        return slider._replace(between=0.0)
+    whole, second = ratios
+    speed = second.ratio * whole.slope
+    return slider._replace(between=slider.between * speed**2 * whole.slope * (second.first - whole.first))
 
 
 def length_rates(ratios: Sequence[Place]) -> tuple[Term, ...]:
