@@ -78,6 +78,11 @@ class LawKeys(Model):
         return ""
 
     @property
+    def even_rad(self) -> tuple[float, float] | None:
+        """The driving angles in rad between which the law prescribes a constant speed; None where it does not."""
+        return None
+
+    @property
     def pairs_in_series(self) -> int:
         """Pairs of gears that make the ratio: 1 or 2."""
         return 1

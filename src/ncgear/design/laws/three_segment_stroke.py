@@ -213,10 +213,15 @@ class ThreeSegmentStroke(LawKeys):
     @property
     def prescribed(self) -> str:
         """The constant speed, where there is a stretch of it."""
-        if not self.theta3 > self.theta2:
+        if self.even_rad is None:
             return ""
-        start, end = degrees(self.theta2), degrees(self.theta3)
+        start, end = map(degrees, self.even_rad)
         return f"the constant speed v2 from theta2 to theta3 ({start:.5g} to {end:.5g} deg)"
+
+    @property
+    def even_rad(self) -> tuple[float, float] | None:
+        """theta2 and theta3, where there is a stretch between them."""
+        return (self.theta2, self.theta3) if self.theta3 > self.theta2 else None
 
     @property
     def gives_stroke(self) -> bool:
