@@ -19,7 +19,7 @@ from ncgear.kinematics.motion import Machine
 from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
-from ncgear.project.wishes import task_of
+from ncgear.project.wishes import inertia_as_given, task_of
 from ncgear.ratio.transmission import Train
 
 ROOT = Path(__file__).parents[1]
@@ -122,5 +122,5 @@ def _cap(value: float | None) -> float:
 def kept(name: str) -> KeptLaw:
     """The law of a file; raises DesignError where the file's law cannot be made or is no cycle of a slider."""
     design = load(FILES[name]).design
-    task, train = task_of(design), law_of(design).train
+    task, train = task_of(design, inertia_as_given(design)), law_of(design).train
     return KeptLaw(task, train, figures(task, train))

@@ -14,6 +14,7 @@ from drives import loaded
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.arrays import Array
+from ncgear.dynamics.rigid import RigidMachine
 from ncgear.optimum.felt import felt
 from ncgear.project.law import law_of
 from ncgear.ratio.laws.uniform import uniform_law
@@ -45,7 +46,7 @@ def law(name: str) -> Transmission:
 @cache
 def powers(name: str, masses: RodMasses) -> tuple[float, float]:
     """Greatest driving and braking power in W of the driving shaft at 60 r/min."""
-    found = felt(Machine(law(name), BALER_LINKAGE, PRESS, 60.0 * RPM), masses, 0.05)
+    found = felt(RigidMachine(Machine(law(name), BALER_LINKAGE, PRESS, 60.0 * RPM), masses), 0.05)
     return found.peak_power_w, found.braking_power_w
 
 

@@ -21,6 +21,7 @@ from ncgear.optimum.felt import Felt, felt, tooth_force_n
 from ncgear.optimum.loads import machine_loads
 from ncgear.optimum.task import GearSize, Task, figures
 from ncgear.pitch.shape import Mesh
+from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.wishes import task_of
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
@@ -55,7 +56,7 @@ def swaying(offset_mm: float = 60.0) -> Machine:
 def test_powers_that_another_program_has_found(name: str, mass_kg: float, power_w: float, braking_w: float) -> None:
     """Figures of a slider alone, with all digits that were printed; the second is the law of half the power."""
     law = uniform_law(Lobes()) if name == "uniform-crank" else drive(name).machine.transmission
-    found = felt(Machine(law, BALER_LINKAGE, PRESS, 60.0 * RPM), RodMasses(slider_kg=mass_kg), 0.05)
+    found = felt(RigidMachine(Machine(law, BALER_LINKAGE, PRESS, 60.0 * RPM), RodMasses(slider_kg=mass_kg)), 0.05)
     assert found.peak_power_w == pytest.approx(power_w, abs=0.51)
     assert found.braking_power_w == pytest.approx(braking_w, abs=0.51)
 
@@ -103,7 +104,7 @@ def sampled() -> tuple[Array, Array, Array]:
 
 @cache
 def found() -> Felt:
-    return felt(swaying(), WHOLE, 0.05)
+    return felt(RigidMachine(swaying(), WHOLE), 0.05)
 
 
 @pytest.mark.thorough
@@ -127,7 +128,9 @@ def test_the_flywheel_stores_what_an_even_motor_torque_leaves() -> None:
     fastest, slowest = speed * 1.025, speed * 0.975
     assert inertia * (fastest**2 - slowest**2) / 2.0 == pytest.approx(np.ptp(stored), rel=1e-4)
     # Half the fluctuation takes twice the flywheel
-    assert felt(swaying(), WHOLE, 0.025).flywheel_kg_mm2 == pytest.approx(2.0 * found().flywheel_kg_mm2, rel=1e-12)
+    assert felt(RigidMachine(swaying(), WHOLE), 0.025).flywheel_kg_mm2 == pytest.approx(
+        2.0 * found().flywheel_kg_mm2, rel=1e-12
+    )
 
 
 def test_the_frame_feels_the_rate_of_momentum() -> None:
@@ -147,7 +150,7 @@ def test_the_bearings_feel_the_columns_of_the_loads() -> None:
 
 
 def test_nothing_moves_and_nothing_resists() -> None:
-    idle = felt(replace(swaying(), load=SliderLoad()), RodMasses(), 0.05)
+    idle = felt(RigidMachine(replace(swaying(), load=SliderLoad()), RodMasses()), 0.05)
     assert set(vars(idle).values()) == {0.0}
 
 
@@ -155,8 +158,8 @@ def test_nothing_moves_and_nothing_resists() -> None:
 def test_the_force_between_teeth_is_torque_over_lever() -> None:
     """On circles the lever is the base circle's radius; the peak torque is that of the power."""
     even = Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 60.0 * RPM)
-    force = tooth_force_n(even, WHOLE, MeshPlace(200.0, radians(20.0), Mesh.EXTERNAL, 0.0))
-    own = felt(even, WHOLE, 0.05)
+    force = tooth_force_n(RigidMachine(even, WHOLE, MeshPlace(200.0, radians(20.0), Mesh.EXTERNAL, 0.0)))
+    own = felt(RigidMachine(even, WHOLE), 0.05)
     torque = max(own.peak_power_w, own.braking_power_w) * 1e3 / even.speed_rad_s
     assert force == pytest.approx(torque / (100.0 * cos(radians(20.0))), rel=1e-12)
 
@@ -164,7 +167,7 @@ def test_the_force_between_teeth_is_torque_over_lever() -> None:
 @pytest.mark.slow
 def test_the_force_between_teeth_of_a_design_is_that_of_its_simulation() -> None:
     """Of designs/baler-half-dynamics.yaml.  Its gears' own inertia follows from their teeth and is left out here."""
-    made, task = drive("baler-half-dynamics"), task_of(loaded("baler-half-dynamics").design)
+    made, task = drive("baler-half-dynamics"), task_of(loaded("baler-half-dynamics").design, TrainInertia())
     force = figures(task, made.law.train).tooth_force_n
     pitch = made.pitch
     place = MeshPlace(pitch.center_distance_mm, radians(20.0), Mesh.EXTERNAL, pi)
@@ -220,4 +223,4 @@ resistance: {polynomial_n: [1000]}
     ],
 )
 def test_masses_are_known_where_they_are_given_or_asked_for(more: str, masses: RodMasses | None) -> None:
-    assert task_of(drive_of_text(HEAD + more).design).masses == masses
+    assert task_of(drive_of_text(HEAD + more).design, TrainInertia()).masses == masses

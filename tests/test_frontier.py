@@ -27,6 +27,7 @@ from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, mo
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
+from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.wishes import task_of, wishes_of
 from published import FIT
 
@@ -60,7 +61,7 @@ def found() -> Frontier:
 
 @pytest.mark.slow
 def test_caps_run_from_the_least_power_to_where_more_is_of_no_use() -> None:
-    task, wishes = task_of(design()), wishes_of(design())
+    task, wishes = task_of(design(), TrainInertia()), wishes_of(design())
     caps = caps_w(task, wishes, 3)
     assert caps == sorted(caps)
     assert caps[1] ** 2 == pytest.approx(caps[0] * caps[2], rel=1e-12)
@@ -84,7 +85,7 @@ def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None
 @pytest.mark.slow
 def test_the_familys_motion_makes_the_law_it_says() -> None:
     """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
-    task = task_of(design())
+    task = task_of(design(), TrainInertia())
     family = Family(task.linkage, task.load, task.speed_rad_s)
     best = best_of_family(family, Peak.ACCELERATION, 15_000.0, starts=1)
     said = {"motion": motion_of(best), "name": "again", "linkage": {"crank_mm": 380.0, "rod_mm": 960.0}}
@@ -292,7 +293,7 @@ def test_the_picture_has_one_unit_whatever_the_size(times: float, monkeypatch: p
 @pytest.mark.long
 def test_points_come_from_processes_and_are_those_of_one(tmp_path: Path) -> None:
     whole = frontier(design(16), 2, tmp_path, lambda done, total: None)
-    task, wishes = task_of(design(16)), wishes_of(design(16))
+    task, wishes = task_of(design(16), TrainInertia()), wishes_of(design(16))
     alone = law_point(task, wishes, whole.laws[0].cap_w)
     assert whole.laws[0].law.peak_acceleration_mm_s2 == pytest.approx(alone.law.peak_acceleration_mm_s2, rel=1e-9)
     assert sum(bool(line) for line in (tmp_path / POINTS_FILE).read_text(encoding="utf-8").splitlines()) == 5

@@ -488,6 +488,7 @@ def test_what_is_not_offered_is_refused_by_its_key(old: str, new: str, key: str)
 @pytest.mark.parametrize("what", ["rigid", "masses", "best law", "strength"])
 def test_what_needs_whole_turns_says_so(what: str) -> None:
     from ncgear.project.strengthening import unknown
+    from ncgear.project.moving_masses import TrainInertia
     from ncgear.project.wishes import task_of
 
     found = drive_of_text(OPEN)
@@ -497,7 +498,7 @@ def test_what_needs_whole_turns_says_so(what: str) -> None:
         assert why.key == "motion.law"
         return
     with pytest.raises(WrongInput, match="turn to and fro, less than once") as refusal:
-        _ = task_of(found.design) if what == "best law" else getattr(found, what)
+        _ = task_of(found.design, TrainInertia()) if what == "best law" else getattr(found, what)
     assert refusal.value.key == "motion.law"
 
 

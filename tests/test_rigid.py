@@ -15,7 +15,16 @@ from scipy.optimize import brentq
 
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.rigid import Fluctuation, Loads, RigidMachine, fluctuation, load_peaks, rigid_level
+from ncgear.dynamics.rigid import (
+    DrivingShaft,
+    Fluctuation,
+    Loads,
+    Rigid,
+    RigidMachine,
+    fluctuation,
+    load_peaks,
+    rigid_level,
+)
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
@@ -296,9 +305,13 @@ def test_forces_of_inertia_go_with_mass_and_speed_squared(name: str) -> None:
     assert fast == pytest.approx({name: 18.0 * value for name, value in slow.items()}, rel=1e-12, abs=1e-9)
 
 
+def level_of(machine: RigidMachine) -> Rigid:
+    return rigid_level(DrivingShaft(machine), machine.place)
+
+
 def test_no_mass_and_no_resistance_ask_for_nothing() -> None:
-    level = rigid_level(even(RodMasses(), SliderLoad()))
-    assert level.peaks.most_torque_n_mm.value == level.peaks.crank_bearing_n.value == 0.0
+    level = level_of(even(RodMasses(), SliderLoad()))
+    assert level.driving.peak_power_w.value == level.peaks.crank_bearing_n.value == 0.0
     assert level.fluctuation.swing_n_mm == 0.0
 
 
@@ -310,10 +323,11 @@ def test_no_mass_and_no_resistance_ask_for_nothing() -> None:
 def test_peaks_are_those_of_dense_samples(name: str) -> None:
     rigid = RigidMachine(machine(name, 60.0), HEAVY, OUTSIDE)
     peaks, loads = load_peaks(rigid), rigid.at(np.linspace(0.0, rigid.machine.transmission.cycle_rad, 20001)[:-1])
+    least, most = DrivingShaft(rigid).torque_range_n_mm
     assert peaks.mesh is not None
     for peak, sampled in (
-        (peaks.most_torque_n_mm.value, loads.driving_torque.value),
-        (-peaks.least_torque_n_mm.value, -loads.driving_torque.value),
+        (most.value, loads.driving_torque.value),
+        (-least.value, -loads.driving_torque.value),
         (peaks.mesh.force_n.value, loads.mesh_force.size_n.value),
         (peaks.joints_n["wrist"].value, np.hypot(loads.joints["wrist"].x.value, loads.joints["wrist"].y.value)),
         (peaks.joints_n["pin"].value, np.hypot(loads.joints["pin"].x.value, loads.joints["pin"].y.value)),
@@ -330,7 +344,7 @@ def test_a_narrow_peak_of_a_table_is_neither_passed_over_nor_missed_in_the_work(
     """Half a millimetre of a stroke of 760 mm: 5000 N over a plain 100 N, on a slider alone."""
     spike = TableResistance((0.0, 400.0, 400.25, 400.5, 760.0), (100.0, 100.0, 5000.0, 100.0, 100.0))
     rigid = RigidMachine(machine("stroke, e = 0", 20.0, load=SliderLoad(spike)), RodMasses(slider_kg=1.0), OUTSIDE)
-    level = rigid_level(rigid)
+    level = level_of(rigid)
     made = rigid.machine
     at = brentq(lambda phi1: made.displacement(np.array([phi1]), 0).value[0] - 400.25, 0.1, 3.0, xtol=1e-15)
     push = 5000.0 + 1e-3 * made.motion(np.array([at])).acceleration[0]
@@ -377,7 +391,7 @@ def test_flywheel_keeps_the_speed_as_even_as_asked() -> None:
 @pytest.mark.slow
 def test_flanks_beyond_90_degrees_are_refused() -> None:
     with pytest.raises(NoSuchMechanism, match=r"cannot push the driven gear at phi1 = .* pressure angle is 9\d"):
-        rigid_level(RigidMachine(machine("stroke, law speed", 20.0), HEAVY, OUTSIDE))
+        level_of(RigidMachine(machine("stroke, law speed", 20.0), HEAVY, OUTSIDE))
 
 
 @pytest.mark.slow

@@ -60,7 +60,9 @@ RESIDUALS = ("closure.residual_rad", "closure.stroke_residual_mm")
 
 
 def data_of(name: str) -> dict[str, Any]:
-    return deepcopy(loaded(name).source.document.data)
+    """The content of a design file without masses, which a single computation counts."""
+    data = deepcopy(loaded(name).source.document.data)
+    return {key: value for key, value in data.items() if key not in ("masses", "drivetrain")}
 
 
 def singly(data: dict[str, Any], keys: list[str], values: list[float]) -> dict[str, float] | str:
@@ -435,7 +437,7 @@ def test_no_designs_give_an_empty_block() -> None:
 @pytest.mark.parametrize("name", ["baler-drivetrain", "baler"])
 def test_the_closing_residual_is_taken_at_other_points_than_the_law(name: str) -> None:
     """Where the points of a piece are too few, a law closes at its own points and not at others."""
-    design = loaded(name).design
+    design = loaded(name).design.model_copy(update={"masses": None})
     kind = kind_of(design)
     assert kind is not None
     batch = Batch(kind, (design,), np.zeros(1, dtype=int), {})

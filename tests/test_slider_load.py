@@ -17,7 +17,7 @@ from scipy.integrate import quad
 
 from ncgear.design.reading.design_file import load
 from ncgear.dynamics.crank_load import crank_load
-from ncgear.dynamics.rigid import RigidMachine, fluctuation, load_peaks
+from ncgear.dynamics.rigid import DrivingShaft, RigidMachine, fluctuation
 from ncgear.errors import WrongInput
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
@@ -277,10 +277,10 @@ def test_torque_is_that_of_virtual_work(name: str) -> None:
 @pytest.mark.slow
 def test_peaks_of_the_torque_are_those_of_samples() -> None:
     rigid = RigidMachine(machine("table and formula"), HEAVY, OUTSIDE)
-    peaks = load_peaks(rigid)
+    least, most = DrivingShaft(rigid).torque_range_n_mm
     torque = rigid.at(np.linspace(0.0, 2.0 * pi, 100_001)).driving_torque.value
-    assert peaks.most_torque_n_mm.value == pytest.approx(torque.max(), rel=1e-6)
-    assert peaks.least_torque_n_mm.value == pytest.approx(torque.min(), rel=1e-6)
+    assert most.value == pytest.approx(torque.max(), rel=1e-6)
+    assert least.value == pytest.approx(torque.min(), rel=1e-6)
 
 
 # --- motion in time ------------------------------------------------------------------------------------------------

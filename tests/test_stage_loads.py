@@ -39,7 +39,7 @@ masses:
   crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
   driving_gear_kg_mm2: 0
 """
-DRIVEN = "  driven_gear_kg_mm2: 0\n"
+DRIVEN = "  driven_gear_kg_mm2: 0\n  shaft_between_kg_mm2: 0\n"
 WHOLE, SINE = "[-0.35, 0.08]", "[0.12]"
 SHARED = TEXT.format(first=WHOLE, sine=SINE, second=", second_stage: {cosine: [-0.2], sine: [0.05]}")
 FIRST_EVEN = TEXT.format(first=WHOLE, sine=SINE, second=f", second_stage: {{cosine: {WHOLE}, sine: {SINE}}}")
@@ -154,11 +154,41 @@ def test_a_stage_that_cannot_turn_its_mate_is_refused_and_the_other_is_not(secon
             assert pair.tooth_load.peak_n > 0.0
 
 
-def test_inertias_of_two_pairs_have_to_be_given() -> None:
-    for pair in made(SHARED + SLIDER).by_stage:
-        with pytest.raises(WrongInput, match="not taken from the gears' bodies") as told:
-            _ = pair.tooth_load
-        assert told.value.key == "masses.driven_gear_kg_mm2"
+BETWEEN = DRIVEN.replace("between_kg_mm2: 0", "between_kg_mm2: 5e4")
+
+
+def energy_n_mm(one: Drive, phi1: Array, between_kg_mm2: float) -> Array:
+    """Kinetic energy of slider and shaft between, from places that are differenced anew."""
+    step, speed = 1e-4, one.machine.speed_rad_s
+    sides = [phi1 - step, phi1 + step]
+    slid = [one.machine.displacement(side, 0).value for side in sides]
+    turned = [one.law.train.pairs[0].transmission.driven_angle(side).value for side in sides]
+    rates = [(after - before) / (2.0 * step) for before, after in (slid, turned)]
+    return np.asarray(0.5e-3 * speed**2 * (30.0 * rates[0] ** 2 + between_kg_mm2 * rates[1] ** 2))
+
+
+@pytest.mark.judges("dynamics")
+def test_the_shaft_between_two_pairs_takes_its_part_of_the_torque() -> None:
+    one, phi1 = made(SHARED + SLIDER + BETWEEN), np.linspace(0.1, 6.2, 60)
+    step = 1e-4
+    rise = (energy_n_mm(one, phi1 + step, 5e4) - energy_n_mm(one, phi1 - step, 5e4)) / (2.0 * step)
+    moved = one.machine.motion(phi1)
+    wanted = rise + moved.load * moved.velocity / one.machine.speed_rad_s
+    torque = one.driving.machine.at(phi1).driving_torque.value
+    np.testing.assert_allclose(torque, wanted, atol=3e-6 * np.abs(wanted).max())
+    # Negative control: without the shaft between it is another torque, and the check's power another power.
+    without = made(SHARED + SLIDER + DRIVEN)
+    assert np.abs(without.driving.machine.at(phi1).driving_torque.value - wanted).max() > 0.1 * np.abs(wanted).max()
+    assert one.check.peak_power_w.value > 1.05 * without.check.peak_power_w.value
+
+
+def test_gears_between_two_pairs_weigh_what_their_bodies_do() -> None:
+    one = made(SHARED + SLIDER)
+    first, second = (pair.gear_inertia for pair in one.by_stage)
+    assert one.masses.between_inertia_kg_mm2 == first.driven_kg_mm2 + second.driving_kg_mm2 > 0.0
+    assert one.masses.driven_inertia_kg_mm2 == second.driven_kg_mm2
+    assert one.masses.driving_inertia_kg_mm2 == 0.0
+    assert one.by_stage[0].masses == one.by_stage[1].masses == one.masses
 
 
 @pytest.mark.long

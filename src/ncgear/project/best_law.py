@@ -158,6 +158,8 @@ class BestLaw(Shown):
 
         begun, design = self.begun, self.design
         law, task, inertia = min(self._laws, key=lambda law: law.goal), begun.task, begun.inertia
+        if design.masses is None:
+            return Settled(law, task, 1)
         for rounds in range(1, MOST_ROUNDS + 1):
             made = inertia_with(design, motion_keys(law))
             change = _change(task, inertia, made)

@@ -218,9 +218,9 @@ class Geared(Moving):
     def masses_left_out(self) -> str | None:
         """Why masses are not counted, in words; None where they are."""
         if self.design.masses is None:
-            return "the file gives none; the section masses does"
+            return "give them as masses"
         if self.design.motion.is_open:
-            return "they are counted of gears that turn on and on"
+            return "gears turn less than once"
         return None
 
     @property

@@ -14,7 +14,7 @@ from ncgear.figures.advice.values import Advice
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.summary.check_summary import comparison_rows, counted_note, peaks
+from ncgear.figures.summary.check_summary import comparison_rows, masses_note, peaks
 from ncgear.figures.wished import motion_facts, wish_line, wish_rows
 from ncgear.numerics.units import CM3_PER_MM3, label_and_unit
 from ncgear.pitch.pair import largest_tangent_angle_rad
@@ -45,7 +45,7 @@ def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tupl
         (*compared_rows(drive), *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)),
         faults_of(("", advice) for advice in advices),
         in_one_line(drive.design.description),
-        (*notes, *_counted(drive)),
+        notes,
         (THIS, drive.linkage.UNIFORM),
         then=then,
     )
@@ -75,15 +75,10 @@ def build_answer(
         (*compared_rows(drive), *gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]),
         faults_of([*(("", advice) for advice in check_advice(drive)), *of_pairs]),
         in_one_line(drive.design.description),
-        (*notes, *_counted(drive)),
+        notes,
         (THIS, drive.linkage.UNIFORM),
         then=then,
     )
-
-
-def _counted(drive: Drive) -> tuple[str, ...]:
-    note = counted_note(drive)
-    return (note,) if note else ()
 
 
 def head_of(drive: Drive) -> str:
@@ -118,7 +113,14 @@ def compared_rows(drive: Drive) -> list[Row]:
     rows = [_beside(key, own[key], uniform[key]) for key in keys]
     # Where the largest acceleration is in the working stroke, its own row would say the same once more.
     texts = [one.texts for one in rows]
-    return [one for place, one in enumerate(rows) if one.texts not in texts[place + 1 :]]
+    told = [one for place, one in enumerate(rows) if one.texts not in texts[place + 1 :]]
+    return [*told, *(Row(name, (text,)) for name, text in _masses(drive))]
+
+
+def _masses(drive: Drive) -> Facts:
+    """How masses count in power, where that is to be told."""
+    note = masses_note(drive)
+    return [("masses", note)] if note else []
 
 
 def _beside(key: str, own: float, other: float) -> Row:
@@ -249,7 +251,7 @@ def machine_facts(drive: Drive) -> Facts:
     if check.with_masses is not None:
         found.append(_fact("peak_power_resistance_w", check.peak_power_resistance_w.value))
     acceleration = f"peak_acceleration_cycle_{linkage.OUTPUT.acceleration.ending}"
-    return [*found, _fact(acceleration, check.peak_acceleration_cycle.value)]
+    return [*found, *_masses(drive), _fact(acceleration, check.peak_acceleration_cycle.value)]
 
 
 def gear_facts(drive: Drive) -> Facts:

@@ -100,36 +100,29 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
     return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.carrying_angle_deg}
 
 
-MASSES_KEY = "masses_counted"
-"""Key that says whether figures of power count moving masses."""
-
-
-def counted_note(drive: Drive) -> str:
-    """What figures of power leave out, or by what they count gears, in words; empty where there is nothing to say.
+def masses_note(drive: Drive) -> str:
+    """How masses count in the figures of power where that is to be told; empty where they count as the file gives them.
 
     A design that gives neither resistance nor masses has no power of which anything could be said.
     """
     why = drive.masses_left_out
     if why is not None:
-        return f"power counts the resistance alone, no moving masses: {why}" if drive.design.resistance else ""
-    refusals = [] if drive.design.gears is None else [drive.gear_refusal]
-    return "".join(
-        "the gears cannot be made as given, and discs within their pitch curves stand for their moments of inertia: "
-        f"{refusal.problem}"
-        for refusal in refusals
-        if refusal is not None
-    )
+        return f"not counted in power: {why}" if drive.design.resistance else ""
+    if drive.gear_refusal is None:
+        return ""
+    return f"discs within the pitch curves stand for gears that cannot be made: {drive.gear_refusal.problem}"
 
 
 def _check(drive: Drive) -> dict[str, Any]:
-    result = {MASSES_KEY: drive.check.with_masses is not None} | peaks(drive.check, returns=drive.linkage.RETURNS)
+    result = peaks(drive.check, returns=drive.linkage.RETURNS)
     if drive.law.stroke is not None:
         found = drive.check_at_rpm(drive.law_speed_rpm)
         of_law = peaks(found, returns=drive.linkage.RETURNS)
         told = {key: value for key, value in of_law.items() if key.startswith("peak_") and not key.endswith("_at_rad")}
         result["at_law_speed"] = {"speed_rpm": drive.law_speed_rpm, **told}
     result[uniform_key(drive)] = peaks(drive.uniform_check, returns=drive.linkage.RETURNS)
-    return result
+    note = masses_note(drive)
+    return {**result, "masses": note} if note else result
 
 
 def uniform_key(drive: Drive) -> str:
