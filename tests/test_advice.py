@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from copy import deepcopy
 from functools import cache
 from math import radians, sin
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from drives import design_of, loaded
+from drives import DESIGNS, design_of, loaded
+from ncgear.design.beginning import begun, usual_answers
 from ncgear.design.keys.design import json_schema
+from ncgear.design.laws.registry import LawName
+from ncgear.design.machines import MachineName
+from ncgear.design.reading.design_file import parsed
+from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.collected import build_advice, check_advice
 from ncgear.figures.advice.law_advice import crank_pin
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
@@ -150,7 +157,7 @@ NOT_REMOVED = {Kind.NEGATIVE_RESISTANCE}
         ("loses contact", Kind.CONTACT_RATIO, "", "0.857 pitches"),
         ("too weak", Kind.STRENGTH, "driving", "where 1 is wanted"),
         ("internal-1-2", Kind.RING, "driven", "no hob can cut it"),
-        ("baler", Kind.SPEEDS, "", "2.64 times slower"),
+        ("baler", Kind.SPEEDS, "", "there v1 is 605.96 mm/s and v2 is 416.6 mm/s"),
         ("baler", Kind.SHORTENED, "driving", "would slope too much"),
     ],
 )
@@ -265,7 +272,8 @@ def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: 
 def test_two_given_sizes_stay_two() -> None:
     data = merged(SMALL, {"gears": {"teeth": None, "module_mm": 4, "center_distance_mm": 48}})
     drive = drive_of(data)
-    remedy = next(a for a in build_advice(drive) if a.kind is Kind.UNDERCUT).remedies[0]
+    advice = next(a for a in build_advice(drive) if a.kind is Kind.UNDERCUT)
+    remedy = next(remedy for remedy in advice.remedies if Change("gears.teeth", 18) in remedy.changes)
     assert remedy.changes == (Change("gears.teeth", 18), Change("gears.module_mm", None))
     assert "leave gears.module_mm out" in str(remedy)
     assert drive_of(followed(data, remedy)).pitch.center_distance_mm == pytest.approx(48.0)
@@ -312,3 +320,111 @@ def test_a_crank_pin_that_meets_a_shaft_or_hub_is_told(
     for advice in told:
         passed = abs(80.0 - crank) if near == ["driving"] else crank
         assert f"{passed:.3g} mm from the {near[0]} gear" in advice.what
+
+
+def stands_in(data: Data, key: str) -> bool:
+    group: Any = data
+    for part in key.split("."):
+        if not isinstance(group, dict) or part not in group:
+            return False
+        group = group[part]
+    return True
+
+
+def undone(data: Data, remedy: Remedy) -> list[str]:
+    """What a remedy changes of what the file asks of the machine: all but the means, its law and its gears."""
+    asked = [one.key for one in remedy.changes if not one.key.startswith(("motion.", "gears."))]
+    return [key for key in asked if stands_in(data, key)]
+
+
+def judged_advices(drive: Drive) -> Iterator[Advice]:
+    yield from check_advice(drive)
+    with suppress(NoSuchMechanism):
+        for pair in drive.by_stage if drive.design.gears else ():
+            yield from build_advice(pair)
+
+
+def kept_wishes(drive: Drive) -> set[str]:
+    return {one.wish.key for one in drive.achieved.outcomes if one.kept} if drive.achieved else set()
+
+
+def undone_by_advices(data: Data) -> list[str]:
+    """What is changed of a file by doing what any of its advices says, and the wishes that are kept no more."""
+    drive, found = drive_of(data), []
+    for advice in judged_advices(drive):
+        for remedy in advice.remedies:
+            found += undone(data, remedy)
+            if not remedy.command and remedy.changes:
+                found += kept_wishes(drive) - kept_wishes(drive_of(followed(data, remedy)))
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("slower", [1.0, 0.55, 1.7])
+@pytest.mark.parametrize("beginning", [*MachineName, LawName.THREE_SEGMENT_STROKE])
+def test_a_new_machine_of_any_speed_is_not_advised_another_one(beginning: MachineName | LawName, slower: float) -> None:
+    """The law of the file is stated at the speed that was asked for, and no advice undoes anything of the file."""
+    speed = round(usual_answers(beginning)["speed_rpm"] * slower, 3)
+    data = parsed(begun("a", beginning, {"speed_rpm": speed}), Path("a.yaml")).data
+    assert data["operation"]["speed_rpm"] == speed
+    assert data["motion"].get("law_speed_rpm", speed) == speed
+    drive = drive_of(data)
+    assert Kind.SPEEDS not in {advice.kind for advice in check_advice(drive)}
+    assert undone_by_advices(data) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(path.stem for path in DESIGNS.glob("*.yaml")))
+def test_no_advice_undoes_what_a_design_asks_of_its_machine(name: str) -> None:
+    assert undone_by_advices(loaded(name).data) == []
+
+
+def test_a_law_stated_at_another_speed_than_the_given_one_is_a_remark() -> None:
+    """By hand: v2 = 1100 mm/s at 52.81 r/min is 624.9 mm/s at 30 r/min."""
+    data = merged(loaded("baler").data, {"operation": {"speed_rpm": 30}})
+    (advice,) = (one for one in check_advice(drive_of(data)) if one.kind is Kind.SPEEDS)
+    assert (advice.matters, advice.remedies) == (False, ())
+    assert "v2 is 624.9 mm/s" in advice.line
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("case", "given", "kind", "left"),
+    [
+        # A limit of the file that is wider than an advice's is wanted so, one that is tighter stays.
+        ("concave", {"optimize": {"limits": {"convex": False}}}, Kind.CONCAVE, None),
+        ("concave", {"optimize": {"limits": {"convex": True}}}, Kind.CONCAVE, []),
+        ("wide ellipse", {"optimize": {"limits": {"ratio_max": 8}}}, Kind.RATIO_RANGE, None),
+        ("wide ellipse", {"optimize": {"limits": {"ratio_max": 3.5}}}, Kind.RATIO_RANGE, ["ratio_min"]),
+        ("wide ellipse", {"optimize": {"limits": {"ratio_min": 0.3, "ratio_max": 3.5}}}, Kind.RATIO_RANGE, []),
+        ("steep rack", {"optimize": {"limits": {"pressure_angle_deg": 63}}}, Kind.PRESSURE_ANGLE, None),
+        ("steep rack", {"optimize": {"limits": {"pressure_angle_deg": 52}}}, Kind.PRESSURE_ANGLE, []),
+    ],
+)
+def test_a_limit_of_the_file_is_not_changed_by_an_advice(
+    case: str, given: Data, kind: Kind, left: list[str] | None
+) -> None:
+    data = merged(data_of(case), given)
+    (advice,) = (one for one in judged_advices(drive_of(data)) if one.kind is kind and one.where[0].gear != "driven")
+    searches = [one for one in advice.remedies if one.command]
+    changed = [[change.key.rpartition(".")[2] for change in one.changes] for one in searches]
+    assert changed == ([] if left is None else [left])
+    assert [undone(data, one) for one in advice.remedies if undone(data, one)] == []
+
+
+def test_a_resistance_that_is_said_to_be_negative_is_a_remark() -> None:
+    for said in ("keep", "zero"):
+        data = merged(data_of("negative resistance"), {"resistance": {"where_negative": said}})
+        (advice,) = (one for one in check_advice(drive_of(data)) if one.kind is Kind.NEGATIVE_RESISTANCE)
+        assert (advice.matters, advice.remedies) == (False, ())
+
+
+@pytest.mark.thorough
+def test_a_gentler_law_is_not_advised_where_it_would_miss_a_wish_that_is_kept() -> None:
+    """This law comes back several times as fast as it works, and a gentler one a little less so."""
+    data = merged(SMALL, {"motion": {"law": "harmonic_ratio", "sine": [1.9]}})
+    ratio = drive_of(data).achieved.time_ratio
+    for least, count in ((0.3 * ratio, 1), (0.99 * ratio, 0)):
+        wished = drive_of(merged(data, {"wishes": {"time_ratio": {"at_least": least}}}))
+        (advice,) = (one for one in check_advice(wished) if one.kind is Kind.RATIO_RANGE)
+        assert len([one for one in advice.remedies if "swing" in one.text]) == count

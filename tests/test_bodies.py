@@ -520,11 +520,6 @@ WRONG = [
     ("driving: {hub: {diameter_mm: 0, height_mm: 3}}", "driving.hub.diameter_mm", "0"),
     ("driving: {bore_mm: 12, hub: {diameter_mm: 12, height_mm: 3}}", "driving.hub.diameter_mm", "over 12 mm is right"),
     (
-        "process_clearance_mm: 0.5\n  driving: {bore_mm: 12, hub: {diameter_mm: 12.9, height_mm: 3}}",
-        "driving.hub.diameter_mm",
-        "over 13 mm is right",
-    ),
-    (
         "driving: {bore_mm: 8, keyway: {width_mm: 6, depth_mm: 4}, hub: {diameter_mm: 16, height_mm: 3}}",
         "driving.hub.diameter_mm",
         "over 17.09 mm is right",
@@ -541,12 +536,6 @@ WRONG = [
         "20 mm or over is right",
     ),
     ("driving: {web: {thickness_mm: 10, rim_mm: 3, hub_mm: 9}}", "driving.web.thickness_mm", "under 10 mm is right"),
-    (
-        "first_layer_chamfer_mm: 3\n  driven: {web: {thickness_mm: 3, rim_mm: 3, hub_mm: 9}}",
-        "first_layer_chamfer_mm",
-        "as high as the driven gear's web; under 3 mm",
-    ),
-    ("first_layer_chamfer_mm: 10", "first_layer_chamfer_mm", "as high as the gear; under 10 mm"),
     ("driving: {" + SCREW.format("diameter_mm: 3") + "}", "driving.hub.set_screw", "a set screw without a bore"),
     (
         "driving: {bore_mm: 2, " + SCREW.format("diameter_mm: 3") + "}",
@@ -565,12 +554,6 @@ WRONG = [
     ),
     ("driving: {lightening_holes: {count: 0, least_wall_mm: 1}}", "driving.lightening_holes.count", "0"),
     ("driving: {lightening_holes: {count: 3}}", "driving.lightening_holes.least_wall_mm", "missing"),
-    (
-        "helix: {angle_deg: 10, kind: helical, hand: left}\n  first_layer_chamfer_mm: 1",
-        "first_layer_chamfer_mm",
-        "helical",
-    ),
-    ("helix: {angle_deg: 10, kind: helical, hand: left}\n  process_clearance_mm: 1", "process_clearance_mm", "helical"),
     *(
         (f"mesh: internal\n  driven: {{{part}}}", f"driven.{part.split(':')[0]}", f"a ring .* has no {name}")
         for part, name in (
@@ -588,6 +571,41 @@ def test_wrong_bodies_are_refused_with_their_place(text: str, key: str, problem:
         asked("  " + text)
     assert caught.value.key == f"gears.{key}"
     assert caught.value.location
+
+
+OF_PROCESS = [
+    (
+        "process_clearance_mm: 0.5\n  driving: {bore_mm: 12, hub: {diameter_mm: 12.9, height_mm: 3}}",
+        "driving.hub.diameter_mm",
+        "over 13 mm is right",
+    ),
+    (
+        "first_layer_chamfer_mm: 3\n  driven: {web: {thickness_mm: 3, rim_mm: 3, hub_mm: 9}}",
+        "first_layer_chamfer_mm",
+        "as high as the driven gear's web; under 3 mm",
+    ),
+    ("first_layer_chamfer_mm: 10", "first_layer_chamfer_mm", "as high as the gear; under 10 mm"),
+    ("first_layer_chamfer_mm: 2.9", "first_layer_chamfer_mm", "more than half of the thinnest part"),
+    ("process_clearance_mm: 1.9", "process_clearance_mm", "more than half of the thinnest part"),
+    ("process_clearance_mm: -1.9", "process_clearance_mm", "kerf"),
+    (f"{HELIX}\n  first_layer_chamfer_mm: 1", "first_layer_chamfer_mm", "helical"),
+    (f"{HELIX}\n  process_clearance_mm: 1", "process_clearance_mm", "helical"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("text", "key", "problem"), OF_PROCESS)
+def test_what_the_process_wants_blocks_the_files_alone(text: str, key: str, problem: str) -> None:
+    """Moments of inertia, and so all forces, are those of the gears as they come out: the process changes nothing."""
+    made = asked("  " + text)
+    plain = asked("  " + re.sub(r"(first_layer_chamfer|process_clearance)_mm: [-0-9.]+", r"\g<1>_mm: 0", text))
+    assert made.gear_inertia.driving_kg_mm2 == plain.gear_inertia.driving_kg_mm2
+    assert made.gear_inertia.driven_kg_mm2 == plain.gear_inertia.driven_kg_mm2
+    assert made.gear_inertia.refusal is None
+    assert made.gear_inertia.driven_kg_mm2 > 0.0
+    with pytest.raises(WrongInput, match=problem) as caught:
+        made.solids  # noqa: B018
+    assert caught.value.key == f"gears.{key}"
 
 
 @pytest.mark.parametrize("name", ["printed-pump", "pump-1-2", "baler"])

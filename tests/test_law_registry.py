@@ -40,7 +40,7 @@ def test_the_module_of_a_law_describes_the_law_of_its_name(law: LawName) -> None
 @pytest.mark.parametrize("law", LawName)
 def test_what_a_law_says_of_its_template_is_there(law: LawName) -> None:
     found, motion = design_law(law), read_yaml(template("a", law), "template").data["motion"]
-    assert set(found.grows_with_stroke) <= set(motion)
+    assert set(found.grows_with_machine) <= set(motion)
     assert set(found.examples) <= set(found.keys.model_fields)
     assert (found.asked_length == "stroke_mm") == ("stroke_mm" in motion)
 

@@ -41,7 +41,15 @@ BORES = tuple(
 SIZED = ("resistance", "masses", "wishes", "optimize")
 """Groups whose values grow with the stroke, and with the speed, by the units their keys end in."""
 
-GROWTH = {"_kg_mm2": (2, 0), "_mm_s3": (1, 3), "_mm_s2": (1, 2), "_mm_s": (1, 1), "_mm": (1, 0), "_w": (1, 1)}
+GROWTH = {
+    "_kg_mm2": (2, 0),
+    "_mm_s3": (1, 3),
+    "_mm_s2": (1, 2),
+    "_mm_s": (1, 1),
+    "_rpm": (0, 1),
+    "_mm": (1, 0),
+    "_w": (1, 1),
+}
 """Powers of the stroke and of the speed that a value grows with, if the same forces and masses move; by its unit."""
 
 
@@ -75,8 +83,9 @@ def begun(
 ) -> str:
     """The text of a design file with some answers; all other values keep the usual proportions to them.
 
-    The speeds and the acceleration of the slider grow with the stroke, and the resistance extends over the whole of it,
-    so that the law keeps its form.  A machine's masses lie, its limits and wishes are, as its stroke and its speed say.
+    The speeds and the acceleration of the slider grow with the stroke and with the speed, and so do the speeds at which
+    they hold; the resistance extends over the whole stroke.  So the law keeps its form.  A machine's masses lie, its
+    limits and wishes are, as its stroke and its speed say.
     The bores grow with the gears.  ``wishes`` by their kinds, in the form of a design file, count as they are; they
     stand in place of a machine's own ones of the same kind.
     """
@@ -130,12 +139,10 @@ def _values(document: Document, beginning: Beginning, answers: Mapping[str, floa
     keys = {answer: key for answer, key in ANSWERS.items() if document.at(key) is not None}
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual[answer])
     longer, faster = (own[one] / usual[one] for one in ("crank_mm", "speed_rpm"))
-    if longer != 1.0:
-        law = design_law(LawName(document.at("motion.law")))
-        grown = {key: document.at(f"motion.{key}") for key in law.grows_with_stroke}
-        yield from ((f"motion.{key}", _rounded(longer * value)) for key, value in grown.items() if value is not None)
     if (longer, faster) != (1.0, 1.0):
-        yield from _grown(document.data, longer, faster)
+        law = design_law(LawName(document.at("motion.law")))
+        moved = {key: value for key, value in document.data["motion"].items() if key in law.grows_with_machine}
+        yield from _grown({**{group: document.data.get(group) for group in SIZED}, "motion": moved}, longer, faster)
     gears = own["teeth"] * own["module_mm"] / (usual["teeth"] * usual["module_mm"])
     if gears != 1.0:
         yield from ((key, _rounded(gears * document.at(key), 2)) for key in BORES if document.at(key) is not None)
@@ -154,8 +161,12 @@ def _grown(data: Mapping[str, Any], longer: float, faster: float) -> Iterator[tu
             return [_rounded(one / longer**power) for power, one in enumerate(value)]
         if isinstance(value, list):
             return [of_key(key, one) for one in value]
-        powers = next((powers for unit, powers in GROWTH.items() if key.endswith(unit)), None)
-        return value if powers is None else _rounded(value * longer ** powers[0] * faster ** powers[1])
+        unit = next((unit for unit in GROWTH if key.endswith(unit)), None)
+        if unit is None:
+            return value
+        # Driving speeds may be the one that a person has given, with all its digits.
+        digits = 12 if unit == "_rpm" else 4
+        return _rounded(value * longer ** GROWTH[unit][0] * faster ** GROWTH[unit][1], digits)
 
     def changed(path: str, value: Any) -> Iterator[tuple[str, Any]]:
         if isinstance(value, dict):
@@ -164,8 +175,8 @@ def _grown(data: Mapping[str, Any], longer: float, faster: float) -> Iterator[tu
         elif (new := of_key(path.rpartition(".")[2], value)) != value:
             yield path, new
 
-    for group in SIZED:
-        yield from changed(group, data.get(group))
+    for group, value in data.items():
+        yield from changed(group, value)
 
 
 def _rounded(value: float, digits: int = 4) -> float:

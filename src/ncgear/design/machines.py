@@ -172,15 +172,14 @@ operation: {speed_rpm: 20}
 
 motion:                    # builds at once; ncgear optimize finds the best law
   law: three_segment_stroke
-  solve_for: law_speed
+  solve_for: v1
   theta1_pi: 0.4
   theta2_pi: 0.7
   theta3_pi: 1.0
   theta4_pi: 1.3
-  v1_mm_s: 1600
-  v2_mm_s: 1100
+  v2_mm_s: 416.6           # while it presses
   a1_mm_s2: -1500
-  a1_speed_rpm: 20
+  law_speed_rpm: 20
   return: {basis: ratio}
 
 gears:

@@ -116,9 +116,9 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "unit": unit_of_goal(best),
             "limit": None if bound is None else bound.value,
             "places": None if bound is None else bound.places,
-            "not_covered_by_limit": best.not_covered,
+            "not_covered_by_limit": [*best.not_covered, *(["soft wishes"] if best.soft else [])],
             "law": best.goal,
-            "gap": best.goal / bound.value - 1.0 if bound is not None and bound.value > 0.0 else None,
+            "gap": best.gap,
             "programmes": effort.programmes if effort else None,
             "parts": effort.parts if effort else None,
             "argument": ARGUMENT,
@@ -126,7 +126,7 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "starts": asdict(best.starts),
         "masses": None if best.task.masses is None else asdict(best.task.masses),
         "speed_fluctuation": best.task.speed_fluctuation,
-        "not_kept": best.design.motion.prescribed,
+        "not_kept": best.not_kept,
         "wishes": best.design.optimize.model_dump(mode="json") if best.design.optimize else {},
         "frontier": [
             _named({"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}, best)
@@ -177,7 +177,7 @@ def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = 
 
 def _notes(best: BestLaw, found: str) -> list[str]:
     """What the figures count besides the resistance, and what of the given motion the laws ``found`` do not keep."""
-    lost = best.design.motion.prescribed
+    lost = best.not_kept
     notes = []
     if best.design.masses is not None:
         slides = not best.task.linkage.OUTPUT.angular
@@ -195,10 +195,11 @@ def _limit(best: BestLaw) -> list[str]:
     law = f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}"
     if bound is None:
         return [heading, "  limit      none is certified of this goal", law, *_starts(best)]
-    gap = f", {fixed(100.0 * (best.goal / bound.value - 1.0), 1)} % above the limit" if bound.value > 0.0 else ""
+    gap = "" if best.gap is None else f", {fixed(100.0 * best.gap, 1)} % above the limit"
+    of_hard = " of hard wishes and limits alone" if best.soft else ""
     return [
         heading,
-        f"  limit      {finite(bound.value, 'the limit'):,.6g} {unit}: no law has less (certified)",
+        f"  limit      {finite(bound.value, 'the limit'):,.6g} {unit}{of_hard}: no law has less (certified)",
         f"{law}{gap}",
         *_starts(best),
         *_about_limit(best),
@@ -379,7 +380,7 @@ def frontier_figures(found: Frontier, best: BestLaw) -> dict[str, Any]:
                     "power_cap_w": point.cap_w,
                     "limit_acceleration_mm_s2": point.limit_mm_s2,
                     "law": _named(figures_summary(point.law), best),
-                    "gap": point.law.peak_acceleration_mm_s2 / point.limit_mm_s2 - 1.0,
+                    "gap": None if best.soft else point.law.peak_acceleration_mm_s2 / point.limit_mm_s2 - 1.0,
                     "family_power_w": family.peak_power_w,
                     "family_acceleration_mm_s2": family.peak_acceleration_mm_s2,
                     "family_motion": family.motion,
@@ -400,7 +401,7 @@ def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: S
     rows, unit = [], best.task.linkage.OUTPUT.acceleration.text
     for point, family in points_of(found):
         law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
-        gap = fixed(100.0 * (law / limit - 1.0), 1)
+        gap = "-" if best.soft else fixed(100.0 * (law / limit - 1.0), 1)
         rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])
     others = [
         (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} {unit}")

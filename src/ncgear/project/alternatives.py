@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES, Gears
+from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import DesignError, WrongInput
 from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
@@ -92,12 +94,16 @@ def _is_sound(design: Design, share: float, harmful: Callable[[Transmission], bo
     changes = gentler(design, share)
     if not changes:
         return False
-    values = {key.removeprefix("motion."): value for key, value in changes.items()}
-    changed = design.model_copy(update={"motion": design.motion.model_copy(update=values)})
     try:
-        return not harmful(Drive(changed).pair.transmission)
+        return not harmful(Drive(changed_motion(design, changes)).pair.transmission)
     except DesignError:
         return False
+
+
+def changed_motion(design: Design, changes: Changes) -> Design:
+    """The design with other values of keys right under ``motion``."""
+    values = {key.removeprefix("motion."): value for key, value in changes.items()}
+    return design.model_copy(update={"motion": design.motion.model_copy(update=values)})
 
 
 def gentler(design: Design, share: float) -> Changes:
@@ -111,6 +117,40 @@ def gentler(design: Design, share: float) -> Changes:
     even_turn = f"{lobes.driving}/{lobes.driven}" if lobes else "1"
     values = design.motion.gentler(share, even_turn)
     return {f"motion.{key}": value for key, value in values.items() if value != ()}
+
+
+# What a person has asked for, which no change may undo.
+
+
+def is_given(design: Design, key: str) -> bool:
+    """Whether the design file gives a value at a dotted key, be it the one that it would have without."""
+    group: object = design
+    for name in key.split("."):
+        if not isinstance(group, Model) or name not in group.model_fields_set:
+            return False
+        group = getattr(group, name)
+    return group is not None
+
+
+def overstepped(design: Design) -> set[str]:
+    """The keys of the hard wishes that a design's law does not keep, and of the limits of the best law.
+
+    Of the limits, those of the ratio and of the motion without masses.  Raises DesignError where there is no such law.
+    """
+    drive = Drive(design)
+    outcomes = drive.achieved.outcomes if drive.achieved else ()
+    missed = {one.wish.key for one in outcomes if one.wish.hard and not one.kept}
+    low, high = drive.transmission.ratio_range
+    limits = (design.optimize or Optimize()).limits
+    least_ratio = {"ratio_min"} if low.value < limits.ratio_min else set()
+    most = {
+        "ratio_max": high.value,
+        "peak_acceleration_mm_s2": drive.check.peak_acceleration_cycle.value,
+        "peak_acceleration_rad_s2": drive.check.peak_acceleration_cycle.value,
+        "peak_power_w": drive.check.peak_power_w.value,
+    }
+    over = {key for key, value in most.items() if (limit := getattr(limits, key)) is not None and value > limit}
+    return missed | {f"optimize.limits.{key}" for key in over | least_ratio}
 
 
 # Other racks and other teeth.

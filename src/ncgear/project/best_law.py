@@ -126,6 +126,24 @@ class BestLaw(Shown):
         return NoSuchMechanism(f"{refused.problem}; {said} {', '.join(map(str, found))}", key=refused.key)
 
     @property
+    def not_kept(self) -> str:
+        """What the design's own law prescribes of the motion and no wish asks for, in words; empty where none is."""
+        from ncgear.project.law import keeps_even_speed
+
+        return "" if keeps_even_speed(self.design) else self.design.motion.prescribed
+
+    @property
+    def soft(self) -> bool:
+        """Whether soft wishes count in what is least: they bend the law, and the limit is that of hard ones alone."""
+        return any(not wish.hard for wish in self.wishes.motion)
+
+    @property
+    def gap(self) -> float | None:
+        """The share by which the law's goal lies over the limit; None without one, and where soft wishes count too."""
+        bound = self.limit
+        return None if bound is None or bound.value <= 0.0 or self.soft else self.goal / bound.value - 1.0
+
+    @property
     def not_covered(self) -> list[str]:
         """The limits, in words, that restrict the law and that the bound does not know."""
         from ncgear.optimum.makeable.demanded import not_covered

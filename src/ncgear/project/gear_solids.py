@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import cos, pi, radians, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-from ncgear.design.keys.bodies import GearBody
+from ncgear.design.keys.bodies import GearBody, chamfer_fault, hub_wall_fault
 from ncgear.design.keys.bodies import Hub as AskedHub
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.solids.helical.helix import Helix
 from ncgear.solids.plan.body import Blank, Bore, EndStop, HoleSet, Hub, Keyway, RingBlank, RoundHole, SetScrew, WebSize
 from ncgear.teeth.form import ToothForm
@@ -20,6 +22,9 @@ from ncgear.teeth.gear import ToothedPair
 
 if TYPE_CHECKING:
     from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.solids.plan.body import BodyPlan
+
+Made = TypeVar("Made")
 
 RIM_IN_MODULES = 3.5
 """Rim of a ring where the file gives none.
@@ -52,16 +57,65 @@ def straight_solids(
     """Both gears with straight teeth as closed meshes; raises WrongInput where a part of the body has no room."""
     from ncgear.solids.mesh.pair import SolidPair, gear_solid, ring_solid
 
+    _require_room_for_process(gears)
+    return SolidPair(*_straight(gears, pitch, teeth, tolerance_mm, crank_pin, (gear_solid, ring_solid)))
+
+
+def finished_plans(
+    gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float, crank_pin: RoundHole | None = None
+) -> tuple[BodyPlan, BodyPlan]:
+    """The bodies of both gears with straight teeth as they come out, whatever the process wants of the files.
+
+    Raises WrongInput where a part of the body has no room.
+    """
+    from ncgear.solids.mesh.pair import gear_plan
+    from ncgear.solids.plan.plan import planned_ring
+
+    return _straight(finished(gears), pitch, teeth, tolerance_mm, crank_pin, (gear_plan, planned_ring))
+
+
+def finished(gears: Gears) -> Gears:
+    """The gears without what the process alone wants: bevelled edges, and outlines moved into or out of material."""
+    return gears.model_copy(update=dict.fromkeys(PROCESS, 0.0))
+
+
+PROCESS = ("first_layer_chamfer_mm", "process_clearance_mm")
+"""Keys of what the process alone wants."""
+
+
+def _require_room_for_process(gears: Gears) -> None:
+    """Raise WrongInput where what the process wants leaves no wall around a bore, or is as high as a gear."""
+    for name, body in (("driving", gears.driving), ("driven", gears.driven)):
+        clearance, chamfer = max(gears.process_clearance_mm, 0.0), gears.first_layer_chamfer_mm
+        for wrong in (hub_wall_fault(name, body, clearance), chamfer_fault(name, body, gears.face_width_mm, chamfer)):
+            if wrong is not None:
+                key, problem = wrong
+                raise WrongInput(problem, key=f"gears.{key}")
+
+
+GearMaker = Callable[[Gear, Array, Blank, float, float, Mesh], Made]
+RingMaker = Callable[[Array, RingBlank, float, float], Made]
+
+
+def _straight(
+    gears: Gears,
+    pitch: PitchPair,
+    teeth: ToothedPair,
+    tolerance_mm: float,
+    crank_pin: RoundHole | None,
+    makers: tuple[GearMaker[Made], RingMaker[Made]],
+) -> tuple[Made, Made]:
+    """Solids or plans of both gears with straight teeth, by what makes one of a gear and of a ring."""
+    gear, ring = makers
     module, outline = pitch.size.module_mm, teeth.driven.outline_mm
     covered = pitch.transmission.lobes.range
     turned = (0.0, 0.0) if covered is None else (covered.driving_rad, pitch.mesh.sense * covered.driven_rad)
     blank = _blank(gears, gears.driving, turned[0])
-    driving = gear_solid(Gear.DRIVING, teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
+    driving = gear(Gear.DRIVING, teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
     if pitch.driven.is_ring:
-        return SolidPair(driving, ring_solid(outline, _ring_blank(gears, module), module, tolerance_mm))
+        return driving, ring(outline, _ring_blank(gears, module), module, tolerance_mm)
     blank = replace(_blank(gears, gears.driven, turned[1]), crank_pin=crank_pin)
-    driven = gear_solid(Gear.DRIVEN, outline, blank, module, tolerance_mm)
-    return SolidPair(driving, driven)
+    return driving, gear(Gear.DRIVEN, outline, blank, module, tolerance_mm, Mesh.EXTERNAL)
 
 
 def helical_solids(
@@ -72,9 +126,16 @@ def helical_solids(
     tolerance_mm: float,
     crank_pin: RoundHole | None = None,
 ) -> SolidPair:
-    """Both gears with helical teeth as closed meshes; raises WrongInput for an internal pair."""
+    """Both gears with helical teeth as closed meshes.
+
+    Raises WrongInput for an internal pair, and for what the process wants: sections are made as designed.
+    """
     from ncgear.solids.helical.mesh import helical_pair
 
+    for name in PROCESS:
+        if getattr(gears, name) != 0.0:
+            problem = "given, but helical teeth are made as designed, edges and all; leave it out"
+            raise WrongInput(problem, key=f"gears.{name}")
     if pitch.driven.is_ring:
         raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
     driven = replace(_blank(gears, gears.driven), crank_pin=crank_pin)

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from ncgear.pitch.pumped import Pumped
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
+    from ncgear.solids.plan.body import BodyPlan
     from ncgear.strength.conditions import Conditions, Running
     from ncgear.strength.material import Material
     from ncgear.teeth.arcs import ArcOutline
@@ -155,6 +156,24 @@ class Geared(Moving):
         teeth = self.teeth
         with self.stopwatch("solids"):
             return straight_solids(gears, pitch, teeth, tolerance, crank_pin)
+
+    @computed
+    def finished_plans(self) -> tuple[BodyPlan, BodyPlan]:
+        """The bodies of both gears as they come out, whatever the process wants of the files."""
+        from ncgear.project.gear_solids import crank_pin_hole, finished, finished_plans, helical_solids
+
+        gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
+        crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
+        if self.helix is None:
+            teeth = self.teeth
+            with self.stopwatch("bodies"):
+                return finished_plans(gears, pitch, teeth, tolerance, crank_pin)
+        if finished(gears) == gears:
+            return self.solids.driving.plan, self.solids.driven.plan
+        form = self.tooth_form
+        with self.stopwatch("bodies"):
+            solids = helical_solids(finished(gears), pitch, form, self.helix, tolerance, crank_pin)
+        return solids.driving.plan, solids.driven.plan
 
     @computed
     def tooth_arcs(self) -> dict[Gear, ArcOutline] | None:

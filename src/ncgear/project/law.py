@@ -10,7 +10,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import RockerTorque, ShaftTorque, StrokeForce, TurningLoad
 from ncgear.design.mechanisms import mechanism_of, mechanism_of_stroke
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
 from ncgear.ratio.transmission import CLOSED, Law, Lobes
@@ -154,3 +154,22 @@ def _torque_of(given: TurningLoad, key: str) -> Resistance:
         return FormulaResistance(given.expression_n_m, keep, f"{key}.expression_n_m", turning=True)
     coefficients = tuple(N_MM_PER_N_M * one for one in given.polynomial_n_m or ())
     return PolynomialResistance(coefficients, keep) if coefficients else NO_RESISTANCE
+
+
+def keeps_even_speed(design: Design) -> bool:
+    """Whether a hard wish asks for even speed somewhere on the stretch on which the design's own law prescribes it.
+
+    What a person needs of that stretch is then what the wish says.  False where the law prescribes none.
+    """
+    stretch, wishes = design.motion.even_rad, design.wishes
+    if stretch is None or wishes is None:
+        return False
+    try:
+        law = law_of(design)
+    except DesignError:
+        return False
+    place = law.linkage.OUTPUT.place
+    crank = law.transmission.driven_angle(np.array(stretch))
+    start, end = place.factor * law.linkage.displacement(crank).value
+    kept = (one for one in wishes.constant_speed if one.hard and one.stroke == "working")
+    return any(one.place("from") < end and one.place("to") > start for one in kept)

@@ -1,9 +1,10 @@
 """From keys to values: the moving masses of a design, with the moments of inertia of its gears.
 
-Where a design leaves out a gear's moment of inertia, it is that of the gear's own body: slab by slab, from the same
-plan as the solid that is written.  Gears that cannot be made as given have no body; then a disc within the pitch curve
-takes its place, with bore and hub, and the answer says so.  On a circle such a disc is heavier than the toothed gear by
-about one module's width in ten of its rim, or 0.4 module over the radius (tests/test_one_machine.py).
+Where a design leaves out a gear's moment of inertia, it is that of the gear's own body: slab by slab, from the plan of
+the gear as it comes out, without what the process wants of the written solid (bevels, and outlines moved). Gears that
+cannot be made as given have no body; then a disc within the pitch curve takes its place, with bore and hub, and the
+answer says so. On a circle such a disc is heavier than the toothed gear by about one module's width in ten of its rim,
+or 0.4 module over the radius (tests/test_one_machine.py).
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ def gear_inertia_of(drive: Geared) -> GearInertia:
     given = drive.design.masses
     densities = densities_kg_m3(None if given is None else given.density_kg_m3, drive.gears)
     try:
-        plans = drive.solids.driving.plan, drive.solids.driven.plan
+        plans = drive.finished_plans
     except DesignError as refusal:
         curves = drive.pitch.driving, drive.pitch.driven
         first, last = (_disc_kg_mm2(drive, *of) for of in zip(curves, densities, strict=True))

@@ -97,7 +97,7 @@ def standing_of(drive: Geared) -> tuple[Standing, ...]:
     if drive.pitch.mesh is Mesh.INTERNAL:
         return tuple(found)
     for gear, body, (x, y) in ((Gear.DRIVING, gears.driving, driving), (Gear.DRIVEN, gears.driven, (0.0, 0.0))):
-        pin = drive.solids.of(gear).plan.pin_mm if body.end_stop else None
+        pin = drive.finished_plans[gear is Gear.DRIVEN].pin_mm if body.end_stop else None
         if pin is not None and body.end_stop is not None:
             # The frame of the pair has the driven axis on +x of the driving one.
             turned = complex(*pin) * np.exp(1j * (axis_rad - pi))

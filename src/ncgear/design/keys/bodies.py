@@ -185,23 +185,32 @@ class DrivenBody(GearBody):
         ]
 
 
-def require_hub_wall(name: str, body: GearBody, clearance: float) -> None:
-    """Raise a fault if bore and keyway break through the hub, or through what a web leaves about the axis."""
+def hub_wall_fault(name: str, body: GearBody, clearance: float) -> tuple[str, str] | None:
+    """Where bore and keyway break through the hub, or through what a web leaves about the axis: a key and its fault.
+
+    ``name`` is the gear's key, and bore and keyway are moved outwards by ``clearance``.
+    """
     least = 2.0 * body.farthest_corner_mm(clearance)
     hub, web = body.hub.diameter_mm if body.hub else None, body.web.hub_mm if body.web else None
     for key, diameter in (("hub.diameter_mm", hub), ("web.hub_mm", web)):
         if diameter is not None and diameter <= least:
             problem = f"{diameter:g} mm leaves no wall around bore and keyway; over {least:.4g} mm is right"
-            raise fault(f"{name}.{key}", problem)
+            return f"{name}.{key}", problem
+    return None
 
 
-def require_height(name: str, body: GearBody, face_width: float, chamfer: float) -> None:
-    """Raise a fault if the web is as thick as the gear, or the chamfer as high as the web or the gear."""
+def require_height(name: str, body: GearBody, face_width: float) -> None:
+    """Raise a fault if the web is as thick as the gear."""
     web = body.web
     if web is not None and web.thickness_mm >= face_width:
         problem = f"{web.thickness_mm:g} mm is no thinner than the gear; under {face_width:g} mm is right"
         raise fault(f"{name}.web.thickness_mm", problem)
-    lowest = face_width if web is None else web.thickness_mm
-    if chamfer >= lowest:
-        part = "gear" if web is None else f"{name} gear's web"
-        raise fault("first_layer_chamfer_mm", f"{chamfer:g} mm is as high as the {part}; under {lowest:g} mm is right")
+
+
+def chamfer_fault(name: str, body: GearBody, face_width: float, chamfer: float) -> tuple[str, str] | None:
+    """Where the chamfer of the lower edges is as high as the web or the gear: its key and its fault."""
+    web = body.web
+    lowest, part = (face_width, "gear") if web is None else (web.thickness_mm, f"{name} gear's web")
+    if chamfer < lowest:
+        return None
+    return "first_layer_chamfer_mm", f"{chamfer:g} mm is as high as the {part}; under {lowest:g} mm is right"

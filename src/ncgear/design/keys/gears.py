@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 from pydantic import Field, Strict, model_validator
 
 from ncgear.design.keys.base import Length, Model, fault, listed
-from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height, require_hub_wall
+from ncgear.design.keys.bodies import DrivenBody, GearBody, hub_wall_fault, require_height
 from ncgear.design.keys.material import WrittenMaterials
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
@@ -403,15 +403,9 @@ class Gears(Model):
         return self
 
     @model_validator(mode="after")
-    def _helical_teeth_are_whole(self) -> Self:
-        for name in ("first_layer_chamfer_mm", "process_clearance_mm"):
-            if self.helix is not None and getattr(self, name) != 0.0:
-                raise fault(name, "given, but helical teeth are made as designed, edges and all; leave it out")
-        return self
-
-    @model_validator(mode="after")
     def _bodies_have_walls(self) -> Self:
         for name, body in (("driving", self.driving), ("driven", self.driven)):
-            require_hub_wall(name, body, max(self.process_clearance_mm, 0.0))
-            require_height(name, body, self.face_width_mm, self.first_layer_chamfer_mm)
+            if wrong := hub_wall_fault(name, body, 0.0):
+                raise fault(*wrong)
+            require_height(name, body, self.face_width_mm)
         return self

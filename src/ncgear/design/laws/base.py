@@ -78,6 +78,11 @@ class LawKeys(Model):
         return ""
 
     @property
+    def even_rad(self) -> tuple[float, float] | None:
+        """The driving angles in rad between which the law prescribes a constant speed; None where it does not."""
+        return None
+
+    @property
     def pairs_in_series(self) -> int:
         """Pairs of gears that make the ratio: 1 or 2."""
         return 1
@@ -130,8 +135,8 @@ class DesignLaw:
     asked_length: Literal["crank_mm", "stroke_mm"] = "crank_mm"
     """The length that ``ncgear new`` asks for; the other length follows from it."""
 
-    grows_with_stroke: tuple[str, ...] = ()
-    """Keys of the template that must be proportional to the stroke, so that the law keeps its form."""
+    grows_with_machine: tuple[str, ...] = ()
+    """Keys of a new file that must grow with stroke and speed, as their units say, so that the law keeps its form."""
 
     examples: Mapping[str, str] = field(default_factory=dict)
     """Examples for ``ncgear explain``, in the form of a file, for keys that the template leaves out."""

@@ -11,16 +11,16 @@ TEMPLATES: dict[LawName, str] = {
     LawName.THREE_SEGMENT_STROKE: """\
 motion:                    # how the slider moves
   law: three_segment_stroke
-  solve_for: law_speed     # law_speed, v1, v2, a1 or stroke: its own key is left out below
+  solve_for: v1            # law_speed, v1, v2, a1 or stroke: its own key is left out below
   theta1_pi: 0.4           # the slider's speed is v1, its acceleration zero
   theta2_pi: 0.7           # from here it presses at constant speed v2 ...
   theta3_pi: 1.0           # ... to here, and then slows down
   theta4_pi: 1.3           # extended dead centre; the rest of the turn is the return
-  v1_mm_s: 1600            # slider speeds, at the law speed
-  v2_mm_s: 1100
+  # v1_mm_s:               # slider's speed at theta1; found here
+  v2_mm_s: 416.6           # slider's speed while it presses
   a1_mm_s2: -1500          # slider acceleration at theta4, negative
-  a1_speed_rpm: 20         # speed at which a1 is stated; left out: the law speed
-  # law_speed_rpm:         # speed at which v1 and v2 hold; found here
+  # a1_speed_rpm: 20       # speed at which a1 is stated; left out: the law speed
+  law_speed_rpm: 20        # speed at which v1 and v2 hold
   stroke_mm: 760           # left out: the stroke of the linkage
   return:                  # the return stroke
     basis: ratio           # ratio or inverse_ratio

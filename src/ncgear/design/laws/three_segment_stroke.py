@@ -213,10 +213,15 @@ class ThreeSegmentStroke(LawKeys):
     @property
     def prescribed(self) -> str:
         """The constant speed, where there is a stretch of it."""
-        if not self.theta3 > self.theta2:
+        if self.even_rad is None:
             return ""
-        start, end = degrees(self.theta2), degrees(self.theta3)
+        start, end = map(degrees, self.even_rad)
         return f"the constant speed v2 from theta2 to theta3 ({start:.5g} to {end:.5g} deg)"
+
+    @property
+    def even_rad(self) -> tuple[float, float] | None:
+        """theta2 and theta3, where there is a stretch between them."""
+        return (self.theta2, self.theta3) if self.theta3 > self.theta2 else None
 
     @property
     def gives_stroke(self) -> bool:
@@ -358,6 +363,6 @@ LAW = DesignLaw(
     keys=ThreeSegmentStroke,
     choice="the slider works in three segments: it goes, presses at constant speed, slows down",
     asked_length="stroke_mm",
-    grows_with_stroke=("v1_mm_s", "v2_mm_s", "a1_mm_s2"),
+    grows_with_machine=("v2_mm_s", "a1_mm_s2", "law_speed_rpm"),
     narrower_ratio="move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps",
 )

@@ -5,13 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import cos, degrees, floor, radians
 
+from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
 from ncgear.figures.numbers import drawn, fixed, to_digits
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project.alternatives import STEPS, flatter_rack, gentler, kept_percent
+from ncgear.project.alternatives import (
+    STEPS,
+    changed_motion,
+    flatter_rack,
+    gentler,
+    is_given,
+    kept_percent,
+    overstepped,
+)
 from ncgear.project.drive import Drive
 from ncgear.project.passing import CRANK_PIN, about_axis
 from ncgear.ratio.transmission import Transmission
@@ -54,19 +63,31 @@ def _too_wide(transmission: Transmission) -> bool:
 
 
 def speeds(drive: Drive) -> Advice | None:
-    """A machine that runs at another speed than the one at which its law's velocities hold."""
+    """A remark where the machine runs at another speed than the one at which its law's velocities hold.
+
+    The machine's speed is always given by a person, and so are the velocities: it says what holds at that speed.
+    """
     operating, law = drive.design.operation.speed_rpm, drive.law_speed_rpm
     if abs(operating / law - 1.0) < SAME_SPEED:
         return None
-    factor, sense = (law / operating, "slower") if law > operating else (operating / law, "faster")
+    held = speeds_at_work(drive)
     return Advice(
         Kind.SPEEDS,
         (Where(),),
-        f"the law's velocities hold at {to_digits(law, 5)} r/min, but the machine runs at {operating:g} r/min",
-        f"there the slider is {to_digits(factor, 3)} times {sense} than v1 and v2 say",
-        (Remedy("run the machine at the law's speed", (Change("operation.speed_rpm", law),)),),
-        brief=f"the machine runs {to_digits(factor, 3)} times {sense} than the law's speeds say",
+        f"the law's velocities hold at {to_digits(law, 5)} r/min, and the machine runs at {operating:g} r/min",
+        f"there {held}",
+        matters=False,
+        brief=f"at {operating:g} r/min {held}",
     )
+
+
+def speeds_at_work(drive: Drive) -> str:
+    """The velocities that a law states, as they are at the speed at which the machine runs, in words."""
+    unit, facts = drive.linkage.OUTPUT.speed, drive.law.stroke.facts if drive.law.stroke else {}
+    share, end = drive.design.operation.speed_rpm / drive.law_speed_rpm, f"_{unit.ending}"
+    given = {key.removesuffix(end): one for key, one in facts.items() if key.endswith(end) and isinstance(one, float)}
+    named = [f"{name} is {to_digits(share * one, 5)} {unit.text}" for name, one in given.items()]
+    return " and ".join(named) or f"velocities are {to_digits(share, 3)} times as large"
 
 
 def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
@@ -79,17 +100,19 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
     place = drive.linkage.OUTPUT.place
     ends = [[to_digits(place.factor * end, 3) for end in stretch] for stretch in stretches]
     named = ", ".join(f"{low}..{high}" for low, high in ends)
-    kept = resistance.keep_negative
+    kept, rule = resistance.keep_negative, f"{key}.where_negative"
     other = "take it as zero there" if kept else "count it, where the load really pulls the slider"
+    remedies = (
+        Remedy("give a resistance that is nowhere under zero, as a table or a formula"),
+        Remedy(other, (Change(rule, "zero" if kept else "keep"),)),
+    )
     return Advice(
         Kind.NEGATIVE_RESISTANCE,
         (Where(),),
         f"the resistance{way} is negative for displacements of {named} {place.text}",
         "it is kept, so that it drives the slider" if kept else "it is taken as zero there",
-        (
-            Remedy("give a resistance that is nowhere under zero, as a table or a formula"),
-            Remedy(other, (Change(f"{key}.where_negative", "zero" if kept else "keep"),)),
-        ),
+        () if is_given(drive.design, rule) else remedies,
+        matters=not is_given(drive.design, rule),
         brief=f"the resistance{way} is negative in places and {'kept' if kept else 'taken as zero there'}",
     )
 
@@ -253,18 +276,36 @@ def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
 def optimised(drive: Drive, **limits: float | bool) -> tuple[Remedy, ...]:
     """The remedy of an optimised law within limits, which are given by their keys under ``optimize.limits``.
 
-    Empty where the output never returns, since there is nothing to optimise then.
+    A limit of the file that is as tight stays as it is.  Empty where one of the file is wider, since a person wants it
+    so, and where the output never returns, since there is nothing to optimise then.
     """
-    if not drive.linkage.RETURNS:
+    own = (drive.design.optimize or Optimize()).limits
+    given = {key: getattr(own, key) for key in limits if is_given(drive.design, f"optimize.limits.{key}")}
+    wider = [key for key, value in given.items() if not _as_tight(key, value, limits[key])]
+    if wider or not drive.linkage.RETURNS:
         return ()
-    changes = changed({f"optimize.limits.{key}": value for key, value in limits.items()})
-    return (Remedy("let the best law within this limit be found", changes, OPTIMIZE),)
+    changes = changed({f"optimize.limits.{key}": value for key, value in limits.items() if key not in given})
+    words = "let the best law within this limit be found" if changes else "let the best law within its limits be found"
+    return (Remedy(words, changes, OPTIMIZE, short=OPTIMIZE),)
+
+
+def _as_tight(key: str, given: float | bool | None, wanted: float | bool) -> bool:
+    """Whether a limit of the file lets a law do no more than a wanted one."""
+    if given is None:
+        return False
+    return given >= wanted if isinstance(wanted, bool) or key == "ratio_min" else given <= wanted
 
 
 def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Remedy, ...]:
-    """The remedy of the design's own law with a smaller swing that is not ``harmful``; empty where there is none."""
+    """The remedy of the design's own law with a smaller swing that is not ``harmful``; empty where there is none.
+
+    Empty too where that law no longer keeps a wish or a limit of the file that the law as given keeps.
+    """
     percent = kept_percent(drive.design, harmful)
     if percent == 0:
         return ()
+    changes = gentler(drive.design, percent / STEPS)
+    if not overstepped(changed_motion(drive.design, changes)) <= overstepped(drive.design):
+        return ()
     text = f"keep {percent} % of the law's swing, which moves the {drive.linkage.OUTPUT.name} more evenly"
-    return (Remedy(text, changed(gentler(drive.design, percent / STEPS))),)
+    return (Remedy(text, changed(changes)),)

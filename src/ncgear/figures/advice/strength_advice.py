@@ -95,7 +95,7 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
     coarsest = SERIES_I_MM[-1] / size.module_mm
     scale = coarsest * MOST_TEETH / size.driving_teeth
     if wider > WIDEST_MODULES * SERIES_I_MM[-1] / face_width_mm * scale * max(scale, coarsest):
-        return (Remedy("lessen the load: no gears of a usual size would do"),)
+        return (Remedy("take a stronger material or more pairs of gears: no usual size of these would do"),)
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
         about = f"about {to_digits(module, 2)} mm"

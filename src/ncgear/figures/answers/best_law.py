@@ -57,7 +57,9 @@ def _limit(best: BestLaw) -> str:
     if bound is None:
         return f"{law}; no limit is certified of this goal"
     limit = f"{shown(finite(bound.value, 'the limit'))}{unit}"
-    over = f"{fixed(100.0 * (best.goal / bound.value - 1.0), 1)} % above " if bound.value > 0.0 else "beside "
+    if best.soft:
+        return f"{law}, bent by soft wishes; the limit of hard wishes and limits alone is {limit} (certified)"
+    over = "beside " if best.gap is None else f"{fixed(100.0 * best.gap, 1)} % above "
     return f"{law}, {over}the limit of {limit}, which no law goes below (certified)"
 
 
@@ -91,7 +93,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
 
 def _lost(best: BestLaw) -> tuple[Fault, ...]:
     """What of the motion as given is not kept."""
-    lost = best.design.motion.prescribed
+    lost = best.not_kept
     return (Fault(f"not kept of the design as given: {lost}"),) if lost else ()
 
 
@@ -105,7 +107,7 @@ def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
     rows = []
     for point, family in told:
         law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
-        gap = f"{fixed(100.0 * (law / limit - 1.0), 1)} %"
+        gap = "-" if best.soft else f"{fixed(100.0 * (law / limit - 1.0), 1)} %"
         texts = figure(key, limit), figure(key, law), gap, figure(key, family.peak_acceleration_mm_s2)
         rows.append(Row(f"under {figure('power_cap_w', point.cap_w)}", texts))
     rows += [
@@ -114,12 +116,13 @@ def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
     ]
     if best.task.masses is not None:
         rows.append(Row("family", (FAMILY_WITHOUT_MASS,)))
+    certified = "the limit counts hard wishes alone" if best.soft else "no law goes below the limit"
     speed = best.design.operation.speed_rpm
     return Answer(
         f"{best.design.name}: least {name_of(key)} under caps on the power, at {speed:g} r/min",
         tuple(rows),
         _lost(best),
-        f"{len(points)} points in all; no law goes below the limit (certified)",
+        f"{len(points)} points in all; {certified} (certified)",
         heads=("limit", "best law", "above it", "published family"),
         then=then,
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ncgear.errors import DesignError
 from ncgear.figures.advice.collected import check_advice
+from ncgear.figures.advice.law_advice import speeds
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
@@ -144,13 +145,15 @@ def _published(drive: Drive) -> list[Row]:
 
 
 def _solved(drive: Drive) -> list[Row]:
-    """The quantity of a stroke that was solved for."""
+    """The quantity of a stroke that was solved for, and the law's velocities where the machine has another speed."""
     if drive.law.stroke is None or "solved_for" not in drive.law.stroke.facts:
         return []
     facts = {**drive.law.stroke.facts, "law_speed_rpm": drive.law_speed_rpm}
     words = str(facts["solved_for"]).replace("_", " ")
+    remark = speeds(drive)
+    held = "" if remark is None else f"; {remark.brief}"
     return [
-        Row("solved for", (f"{name_of(key)} {figure(key, value)}",))
+        Row("solved for", (f"{name_of(key)} {figure(key, value)}{held}",))
         for key, value in facts.items()
         if label_and_unit(key)[0] == words
     ]

@@ -57,8 +57,20 @@ def gear_solid(
     mesh: Mesh = Mesh.EXTERNAL,
 ) -> GearSolid:
     """A gear that is no ring, with all that its blank asks; raises as ``planned`` and ``solid_of_plan`` do."""
+    return solid_of_plan(gear_plan(gear, outline_mm, blank, module_mm, chord_tolerance_mm, mesh))
+
+
+def gear_plan(
+    gear: Gear,
+    outline_mm: Array,
+    blank: Blank,
+    module_mm: float,
+    chord_tolerance_mm: float,
+    mesh: Mesh = Mesh.EXTERNAL,
+) -> BodyPlan:
+    """The body of a gear that is no ring; raises as ``planned`` does."""
     direction, key = meeting_direction_rad(gear, mesh), f"gears.{gear.value}"
-    return solid_of_plan(planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, key))
+    return planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, key)
 
 
 def ring_solid(outline_mm: Array, blank: RingBlank, module_mm: float, chord_tolerance_mm: float) -> GearSolid:
