@@ -180,7 +180,7 @@ def size(
         from ncgear.figures.terminal import written_lines
         from ncgear.files.manifest import Run, publish_run
         from ncgear.project.drive import Drive
-        from ncgear.project.sizing import Space, asked_design, smallest_gears
+        from ncgear.project.sizing import Space, asked_design, smallest_gears, stated_inertias
 
         options = {
             "strength.bending_safety": bending_safety,
@@ -201,4 +201,4 @@ def size(
             written = "\n".join(written_lines(run.paths, run.kept))
             typer.echo("\n\n".join([sized_text(found), *([written] if run.paths else [])]))
         else:
-            typer.echo(answer_text(sized_answer(found, then), run.paths, run.kept))
+            typer.echo(answer_text(sized_answer(found, then, stated_inertias(loaded.design)), run.paths, run.kept))

@@ -24,7 +24,7 @@ from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.rewritten import LINE_WIDTH
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import finite, fixed, shown
-from ncgear.figures.quantities import name_of, told
+from ncgear.figures.quantities import figure, name_of, told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.frozen import dataclass
@@ -247,6 +247,8 @@ def _about_limit(best: BestLaw) -> list[str]:
         unknown = listed(best.not_covered, "nor")
         said.append(f"  The limit does not know {unknown}: the least of all laws may lie higher.")
     if best.task.masses is not None:
+        counted = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
+        said.append(f"  It holds with a driven gear of {counted}, as it comes out with this law.")
         said.append("  With masses the limit is a relaxation: part of the distance may be its own.")
     return said
 

@@ -71,7 +71,7 @@ class Source:
     @property
     def name(self) -> str:
         """The function's name with its module, as in ``dynamics.rigid.DrivingShaft.peak_power_w``."""
-        made = self.function.fget if isinstance(self.function, property) else self.function
+        made: Any = self.function.fget if isinstance(self.function, property) else self.function
         return f"{made.__module__.removeprefix('ncgear.')}.{made.__qualname__}"
 
 

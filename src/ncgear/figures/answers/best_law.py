@@ -60,7 +60,14 @@ def _limit(best: BestLaw) -> str:
     if best.soft:
         return f"{law}, bent by soft wishes; the limit of hard wishes and limits alone is {limit} (certified)"
     over = "beside " if best.gap is None else f"{fixed(100.0 * best.gap, 1)} % above "
-    return f"{law}, {over}the limit of {limit}, which no law goes below (certified)"
+    return f"{law}, {over}the limit of {limit}, which no law goes below{_gears(best)} (certified)"
+
+
+def _gears(best: BestLaw) -> str:
+    """The inertia of the gears that a limit holds for, in words; empty without masses."""
+    if best.task.masses is None:
+        return ""
+    return f" with a driven gear of {figure('driven_gear_kg_mm2', best.task.masses.driven_inertia_kg_mm2)}"
 
 
 def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
@@ -86,9 +93,15 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
     if best.task.masses is not None:
-        counted = f"{figure('driven_gear_kg_mm2', best.task.moving.driven_inertia_kg_mm2)} in the driven gear"
-        rows.append(Row("masses", (f"count in all figures, {counted}; the limit is a relaxation and may lie higher",)))
-    return rows
+        rows.append(Row("masses", ("count in all figures; with them the limit is a relaxation and may lie higher",)))
+    return [*rows, *_without_masses(best)]
+
+
+def _without_masses(best: BestLaw) -> list[Row]:
+    """That masses are not counted, where the design gives none and has a power."""
+    if best.design.masses is not None or best.design.resistance is None:
+        return []
+    return [Row("masses", ("not counted in power: give them as masses",))]
 
 
 def _lost(best: BestLaw) -> tuple[Fault, ...]:
@@ -116,6 +129,7 @@ def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
     ]
     if best.task.masses is not None:
         rows.append(Row("family", (FAMILY_WITHOUT_MASS,)))
+    rows += _without_masses(best)
     certified = "the limit counts hard wishes alone" if best.soft else "no law goes below the limit"
     speed = best.design.operation.speed_rpm
     return Answer(
