@@ -59,10 +59,10 @@ def may_be_asked(design: Design, offers: Sequence[Offer]) -> bool:
 
 
 def with_what_was_found(design: Design, task: Task, wishes: Wishes, refused: Refused) -> Refused:
-    """The refusal with offers that a file may ask for, in their place those with which laws were found, if any.
+    """The refusal with offers that a file may ask for, and behind them those with which laws were found, if any.
 
-    Where no limit alone is enough, all limits that together have to give way are named, with values with which a law
-    was found that keeps every wish.  Without the optimiser, the offers are those with which there might be a law.
+    Where no limit alone is enough, all limits that together have to give way are named in their place, with values with
+    which a law was found that keeps every wish.  Without the optimiser, all offers only might be enough.
     """
     refused = refused.among(lambda offers: may_be_asked(design, offers))
     if not installed("casadi"):
@@ -75,7 +75,7 @@ def with_what_was_found(design: Design, task: Task, wishes: Wishes, refused: Ref
             return Refused(refused.said, found, refused.key, _all, each=False, found=True)
     if refused.found or not each:
         return refused
-    return Refused(refused.said, each, refused.key, _each, each=True, found=True)
+    return Refused(refused.problem, each, refused.key, _each, each=True, found=True)
 
 
 def _alone(design: Design, task: Task, wishes: Wishes, refused: Refused) -> list[Offer]:

@@ -89,8 +89,8 @@ def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
 
     It is a local optimum, found from an even crank where none is from the motion, with every limit kept between the
     programme's places too.  Two stages start with half of ln i12 each, and end so that the larger of their pressure
-    angles is least.  Raises NoSuchMechanism with the limits that cannot be kept together, and for each the nearest value
-    with which the others can be kept.
+    angles is least.  Raises NoSuchMechanism with the limits that cannot be kept together, and for each the nearest
+    value with which the others can be kept.
     """
     search = searched(task, wishes)
     begun = search.begun(start)
