@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+<<<<<<< HEAD
 from collections.abc import Callable
+=======
+from collections.abc import Iterator
+from contextlib import contextmanager
+>>>>>>> words
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,11 +18,12 @@ from ncgear.design.keys.design import Design
 from ncgear.design.laws.spline_ratio import SecondStageRatios, SplineRatio
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import DesignError, NoSuchMechanism
-from ncgear.extras import installed, require
+from ncgear.extras import require
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.makeable.wishes import Wishes
+from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
 from ncgear.project.moving_masses import TrainInertia
@@ -79,7 +85,8 @@ class BestLaw(Shown):
         inertia = inertia_as_given(self.design)
         task = task_of(self.design, inertia)
         bound = self._bound_of(task)
-        return Begun(inertia, task, bound, start_motion(task, self.wishes, bound))
+        with self._offering(task):
+            return Begun(inertia, task, bound, start_motion(task, self.wishes, bound))
 
     @property
     def task(self) -> Task:
@@ -96,13 +103,10 @@ class BestLaw(Shown):
         return begun.bound if self.task is begun.task else self._bound_of(self.task)
 
     def _bound_of(self, task: Task) -> Bound | None:
-        from ncgear.optimum.certified.refusals import TooTight
         from ncgear.optimum.makeable.demanded import certified_limit
 
-        try:
+        with self._offering(task):
             return certified_limit(task, self.wishes)
-        except TooTight as refused:
-            raise self._with_what_was_found(task, refused) from refused
 
     @cached_property
     def limit(self) -> Bound | None:
@@ -113,17 +117,15 @@ class BestLaw(Shown):
             return None
         return raised_limit(self.task, self.wishes, self.bound, self.figures, self.law.motion, self._on_programme)
 
-    def _with_what_was_found(self, task: Task, refused: NoSuchMechanism) -> NoSuchMechanism:
-        """The refusal, and values of limits with which laws were found; as it was where the optimiser is missing."""
-        if not installed("casadi"):
-            return refused
-        from ncgear.optimum.makeable.law import found_instead
+    @contextmanager
+    def _offering(self, task: Task) -> Iterator[None]:
+        """A context in which refusals get what can be asked for instead, checked by doing."""
+        try:
+            yield
+        except Refused as refused:
+            from ncgear.project.offered import with_what_was_found
 
-        found = found_instead(task, self.wishes)
-        if not found:
-            return refused
-        said = "a law was found with" if len(found) == 1 else "laws were found with each of these:"
-        return NoSuchMechanism(f"{refused.problem}; {said} {', '.join(map(str, found))}", key=refused.key)
+            raise with_what_was_found(self.design, task, self.wishes, refused) from refused
 
     @property
     def not_kept(self) -> str:
@@ -178,7 +180,12 @@ class BestLaw(Shown):
             inertia, task = made, task_of(design, made)
             if change <= SETTLED:
                 return Settled(law, task, rounds)
+<<<<<<< HEAD
             law = makeable_law(task, self.wishes, law.motion)
+=======
+            with self._offering(task):
+                law = makeable_law(task, self.wishes, motion_of_law(law))
+>>>>>>> words
         raise NoSuchMechanism(
             f"the law and the inertia of its gears do not settle: after {MOST_ROUNDS} laws the gears still change by "
             f"{change:.2g} of all that turns with the crank; give masses.driven_gear_kg_mm2, or lighter gears",
@@ -192,7 +199,8 @@ class BestLaw(Shown):
         from ncgear.optimum.makeable.law import makeable_law
 
         begun = self.begun
-        usual = makeable_law(begun.task, self.wishes, begun.start)
+        with self._offering(begun.task):
+            usual = makeable_law(begun.task, self.wishes, begun.start)
         if self._starts == 1:
             return [usual]
         search = partial(_found_from, self.design, begun.inertia, begun.start)

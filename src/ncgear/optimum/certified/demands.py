@@ -8,6 +8,7 @@ from math import atan, inf
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.optimum.offers import Offer
 
 
 @dataclass(frozen=True)
@@ -23,8 +24,8 @@ class StretchTime:
     start_rad: float
     end_rad: float
     at_most_rad: float
-    shown: Callable[[float], str] = field(default=lambda angle_rad: f"{angle_rad:.5g} rad", compare=False)
-    instead: tuple[str, ...] = ()
+    shown: Callable[[float], Offer] = field(default=lambda angle_rad: Offer(f"{angle_rad:.5g} rad"), compare=False)
+    instead: tuple[Offer, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class SpeedSpread:
     start_rad: float
     end_rad: float
     spread: float
-    shown: Callable[[float], str] = field(default=lambda spread: f"a spread of {spread:.5g}", compare=False)
+    shown: Callable[[float], Offer] = field(default=lambda spread: Offer(f"a spread of {spread:.5g}"), compare=False)
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,9 @@ class SpeedRange:
     end_rad: float
     least_mm_s: float = 0.0
     most_mm_s: float = inf
-    shown: Callable[[float], str] = field(default=lambda factor: f"a range {factor:.5g} times as wide", compare=False)
+    shown: Callable[[float], Offer] = field(
+        default=lambda factor: Offer(f"a range {factor:.5g} times as wide"), compare=False
+    )
 
     def wider(self, factor: float) -> SpeedRange:
         """The range that is wider by a factor."""

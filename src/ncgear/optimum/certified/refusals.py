@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from ncgear.errors import NoSuchMechanism
 from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
 
 FINE = 1e-5
@@ -62,7 +63,8 @@ def turning_point(
             continue
         near = brentq(at, low, high, xtol=fine / 8.0)
         for side in (-fine / 3.0, fine / 3.0):
-            at(near + side)
+            # Beside the interval rounding may decide, and all that lies there is known.
+            at(min(max(near + side, low), high))
         low, high = ends()
     return guess * exp(low), guess * exp(high)
 
@@ -71,6 +73,8 @@ DIGITS = 5
 """Significant digits of a nearest value; it is rounded to the side that is allowed."""
 
 
+NOT_CONVEX = Offer("pitch curves that are not convex", (("optimize.limits.convex", False),))
+
 LEAST_ROOM = 1e-9
 """Share of the mean ratio by which a limit must differ from it: a mean that is written with ten digits differs by less.
 
@@ -78,8 +82,18 @@ The bounds themselves hold down to 1e-12; below that, rounding decides whether t
 """
 
 
-class TooTight(NoSuchMechanism):
-    """The refusal of limits that certainly no law keeps together."""
+class TooTight(Refused):
+    """The refusal of limits that certainly no law keeps together; each offer alone can be enough."""
+
+    def __init__(self, said: str, offers: Sequence[Offer], key: str) -> None:
+        super().__init__(said, offers, key, _can_be_enough, each=True, found=False)
+
+
+def _can_be_enough(said: str, offers: Sequence[Offer]) -> str:
+    if not offers:
+        return said
+    told = ", or ".join(map(str, offers))
+    return f"{said}; {told}, can be enough" if ", or " in told else f"{said}; {told} can be enough"
 
 
 def refuse_ratios(task: Task, asked: Demands) -> None:
@@ -90,16 +104,20 @@ def refuse_ratios(task: Task, asked: Demands) -> None:
         rest, least = 2.0 * pi - crank, task.cycle_rad - most
         if asked.ratio_min * crank > most:
             said = _at_one_ratio(f"least ratio of {asked.ratio_min:g}", crank, asked.ratio_min * crank)
-            offers = [stretch.shown(asked.ratio_min * crank), f"a ratio_min of at most {shown_below(most / crank)}"]
+            offers = [stretch.shown(asked.ratio_min * crank), _ratio("ratio_min", "most", shown_below(most / crank))]
             said = f"{said} at most {degrees(most):.5g}"
         elif asked.ratio_max * rest < least:
             said = _at_one_ratio(f"greatest ratio of {asked.ratio_max:g}", rest, asked.ratio_max * rest)
             own = stretch.shown(task.cycle_rad - asked.ratio_max * rest)
-            offers = [own, *stretch.instead, f"a ratio_max of at least {shown_above(least / rest)}"]
+            offers = [own, *stretch.instead, _ratio("ratio_max", "least", shown_above(least / rest))]
             said = f"{said} at least {degrees(least):.5g}"
         else:
             continue
-        raise TooTight(f"{said} deg of them; {_any_of(offers)}", key=stretch.key)
+        raise TooTight(f"{said} deg of them", offers, stretch.key)
+
+
+def _ratio(name: str, side: str, enough: str) -> Offer:
+    return Offer(f"a {name} of at {side} {enough}", ((f"optimize.limits.{name}", float(enough)),))
 
 
 def _at_one_ratio(ratio: str, crank_rad: float, driving_rad: float) -> str:
@@ -150,11 +168,8 @@ def in_demand(task: Task, name: str) -> float:
 
 def too_little(task: Task, name: str, value: float, enough: float) -> TooTight:
     """The refusal of a demand whose least value with the others is known."""
-    return TooTight(
-        f"{_said(task, name, value)} is too little with the other limits; "
-        f"{_any_of([f'at least {_enough(task, name, enough)}'])}",
-        key=peak_of(task, name).key,
-    )
+    said = f"{_said(task, name, value)} is too little with the other limits"
+    return TooTight(said, [_enough(task, name, enough, "at least ")], peak_of(task, name).key)
 
 
 def refusal(problem: Problem) -> TooTight:
@@ -173,34 +188,30 @@ def refusal(problem: Problem) -> TooTight:
             other = {"power_w": " at any acceleration", "acceleration_mm_s2": " at any power"}.get(name, "")
             kept = problem if problem.under(**{name: inf}).is_open else free.under(**{name: value})
             said = f"{_said(task, name, value)} is too little{other}"
-            return TooTight(f"{said}; {_any_of(_offers(kept, [name]))}", key=peak_of(task, name).key)
+            return TooTight(said, _offers(kept, [name]), peak_of(task, name).key)
     # Of two, each alone can be kept
     binding = [name for name in given if len(given) == 2 or problem.under(**{name: inf}).is_open] or list(given)
     names = sorted(binding, key=lambda name: name != "acceleration_mm_s2")
     said = " and ".join(_said(task, name, given[name]) for name in names)
-    return TooTight(
-        f"{said} are too little together; {_any_of(_offers(problem, names))}", key=peak_of(task, names[0]).key
-    )
+    return TooTight(f"{said} are too little together", _offers(problem, names), peak_of(task, names[0]).key)
 
 
-def _offers(problem: Problem, names: Sequence[str]) -> list[str]:
+def _offers(problem: Problem, names: Sequence[str]) -> list[Offer]:
     """What would do instead of peaks that are too low: each of them higher, or something else."""
-    enough = [_enough(problem.task, name, value) for name in names if (value := _least(problem, name)) < inf]
-    return [*([f"at least {', or '.join(enough)}"] if enough else []), *_other_curves(problem), *_other_wishes(problem)]
-
-
-def _any_of(offers: Sequence[str]) -> str:
-    """Offers as the end of a sentence."""
-    said = ", or ".join(offers)
-    return f"{said}, can be enough" if ", or " in said else f"{said} can be enough"
+    least = [(name, value) for name in names if (value := _least(problem, name)) < inf]
+    enough = [
+        _enough(problem.task, name, value, "" if place else "at least ") for place, (name, value) in enumerate(least)
+    ]
+    return [*enough, *_other_curves(problem), *_other_wishes(problem)]
 
 
 def _said(task: Task, name: str, value: float) -> str:
     return f"{value / in_demand(task, name):.10g} {peak_of(task, name).unit}"
 
 
-def _enough(task: Task, name: str, value: float) -> str:
-    return f"{shown_above(value * (1.0 + EDGE) / in_demand(task, name))} {peak_of(task, name).unit}"
+def _enough(task: Task, name: str, value: float, before: str) -> Offer:
+    peak, enough = peak_of(task, name), shown_above(value * (1.0 + EDGE) / in_demand(task, name))
+    return Offer(f"{before}{enough} {peak.unit}", ((peak.key, float(enough)),))
 
 
 EDGE = 1e-4
@@ -230,14 +241,14 @@ def _of_curves_and_wishes(problem: Problem) -> TooTight:
             free = _without(problem, kind, wish)
             kept, free = (problem, free) if free.is_open else (alone, bare)
             offers = [*_nearest_wish(free, kind, wish), *_other_curves(kept)]
-            return TooTight(f"no law keeps this wish; {_any_of(offers)}", key=wish.key or "wishes")
+            return TooTight("no law keeps this wish", offers, wish.key or "wishes")
     instead = [(wish, said) for kind, wish in wishes for said in _instead_of(problem, kind, wish)]
     offers = [*(said for _, said in instead), *_other_curves(problem)]
     if instead:
         said, key = "no law keeps this wish with the other wishes", instead[0][0].key or "wishes"
     else:
         said, key = "no law keeps the limits of ratio and curves and the wishes together", "optimize.limits"
-    return TooTight("; ".join([said, *([_any_of(offers)] if offers else [])]), key=key)
+    return TooTight(said, offers, key)
 
 
 WISHES = ("times", "even_speeds", "speeds")
@@ -253,18 +264,18 @@ def _without(problem: Problem, kind: str, wish: StretchTime | SpeedSpread | Spee
     return problem.under(**{kind: tuple(one for one in getattr(problem.asked, kind) if one is not wish)})
 
 
-def _other_wishes(problem: Problem) -> list[str]:
+def _other_wishes(problem: Problem) -> list[Offer]:
     """For each wish without which there may be a law, the nearest that could be asked for, with its key."""
     return [said for kind, wish in _wishes(problem.asked) for said in _instead_of(problem, kind, wish)]
 
 
-def _instead_of(problem: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> list[str]:
+def _instead_of(problem: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> list[Offer]:
     """The nearest that could be asked for instead of a wish, with its key; none where nothing is gained without it."""
     free = _without(problem, kind, wish)
     return _nearest_wish(free, kind, wish) if free.is_open else []
 
 
-def _nearest_wish(free: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> list[str]:
+def _nearest_wish(free: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> list[Offer]:
     """The nearest wish that can be kept, in words, with all that ``free`` asks for; none where there is none."""
     others = getattr(free.asked, kind)
 
@@ -280,7 +291,7 @@ def _nearest_wish(free: Problem, kind: str, wish: StretchTime | SpeedSpread | Sp
             eased = 1.0 + nearest(lambda more: wish.wider(1.0 + more), LEAST_EASE)
     if eased == inf:
         return []
-    return [f"{wish.shown(eased)} ({wish.key})" if wish.key else wish.shown(eased)]
+    return [replace(wish.shown(eased), key=wish.key)]
 
 
 def _eased(problem: Problem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
@@ -308,9 +319,9 @@ LEAST_EASE = 0.01
 """Where the search for a spread or a range of speeds begins, as a share of the speed."""
 
 
-def _other_curves(problem: Problem) -> list[str]:
+def _other_curves(problem: Problem) -> list[Offer]:
     """What of the curves would do instead: the least pressure angle, or curves that are not convex."""
-    asked, said = problem.asked, []
+    asked, said = problem.asked, list[Offer]()
     if asked.steepness < inf:
         rack = asked.rack_angle_rad
         widest = pi / 2.0 - rack if rack else pi / 2.0 - 1e-6
@@ -319,9 +330,11 @@ def _other_curves(problem: Problem) -> list[str]:
             if steep < inf:
                 enough = degrees(atan(steep) + rack)
                 of_rack = f" (of which the rack has {degrees(rack):.6g})" if rack else ""
-                said.append(f"a pressure angle of {shown_above(enough)} deg{of_rack}")
+                shown = shown_above(enough)
+                values = (("optimize.limits.pressure_angle_deg", float(shown)),)
+                said.append(Offer(f"a pressure angle of {shown} deg{of_rack}", values))
     if asked.convex and problem.under(convex=False).is_open:
-        said.append("pitch curves that are not convex")
+        said.append(NOT_CONVEX)
     return said
 
 

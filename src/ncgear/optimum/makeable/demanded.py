@@ -13,9 +13,14 @@ from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, S
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
+<<<<<<< HEAD
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.motion_wishes import evenness_in_words, speed_in_words, time_in_words
+=======
+from ncgear.optimum.makeable.motion_wishes import evenness_offer, speed_offer, time_offer
+>>>>>>> words
 from ncgear.optimum.makeable.wishes import Wishes
+from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import Figures, Task
 
 OF_LOADS = {"braking_power_w": "braking_w", "rms_torque_n_m": "torque_n_mm", "flywheel_kg_mm2": "fluctuation_n_mm"}
@@ -78,12 +83,12 @@ def _demands(
     match asked:
         case SpeedWithin(stretch, least, most):
 
-            def wider(factor: float) -> str:
-                return speed_in_words(wish, asked, log(factor))
+            def wider(factor: float) -> Offer:
+                return speed_offer(wish, asked, log(factor))
 
             yield SpeedRange(wish.key, *stretch, least, most, wider)
         case EvenSpeed(stretch, spread):
-            yield SpeedSpread(wish.key, *stretch, spread, lambda other: evenness_in_words(log(other)))
+            yield SpeedSpread(wish.key, *stretch, spread, lambda other: evenness_offer(wish, log(other)))
         case TimeWithin(stretch, least, most):
             if most < inf:
                 yield _time(task, wish, stretch, most, 1.0)
@@ -93,19 +98,20 @@ def _demands(
 
 
 def _time(task: Task, wish: Wish, stretch: CrankStretch, at_most_rad: float, sign: float) -> StretchTime:
-    def shown(other_rad: float) -> str:
-        return time_in_words(wish, other_rad - at_most_rad, sign, task.cycle_rad)
+    def shown(other_rad: float) -> Offer:
+        return time_offer(wish, other_rad - at_most_rad, sign, task.cycle_rad)
 
     return StretchTime(wish.key, *stretch, at_most_rad, shown)
 
 
-def _wider_dwell(task: Task, wish: Wish, ratio_max: float) -> tuple[str, ...]:
-    """The words for the nearest place of an end that a dwell can be within at the greatest ratio; none for others."""
+def _wider_dwell(task: Task, wish: Wish, ratio_max: float) -> tuple[Offer, ...]:
+    """The nearest place of an end that a dwell can be within at the greatest ratio; none for others."""
     if not isinstance(wish, Dwell):
         return ()
     nearest = nearest_dwell_mm(task.linkage, wish.end, wish.for_rad, ratio_max)
     place = task.linkage.OUTPUT.place
-    return (f"one within {shown_above(place.factor * nearest)} {place.text}",)
+    within = shown_above(place.factor * nearest)
+    return (Offer(f"one within {within} {place.text}", ((f"{wish.key}.within_{place.ending}", float(within)),)),)
 
 
 def certified_limit(task: Task, wishes: Wishes) -> Bound | None:

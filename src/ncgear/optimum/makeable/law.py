@@ -6,11 +6,10 @@ value is found with which all others can be kept.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from math import ceil, pi
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,10 +17,11 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
-from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.levels import OF_LIMITS, Level
 from ncgear.optimum.makeable.programme import Solution
 from ncgear.optimum.makeable.search import Kept, Search, goal_weights, kept, searched
 from ncgear.optimum.makeable.wishes import CONVEX, Wishes
+from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.spline import spline_ratio_law, spline_ratio_staged
 from ncgear.ratio.transmission import Lobes, Train, single
@@ -54,9 +54,9 @@ FEW_KNOTS = (90, 45)
 EVEN = Motion(np.array([0.0, pi]), np.ones(2))
 """A crank that turns evenly."""
 
-NONE = "no law was found that keeps all limits; "
+NONE = "no law was found that keeps all limits"
 
-BETWEEN = "a law was found that keeps all limits at the places of the search, and none that keeps them everywhere; "
+BETWEEN = "a law was found that keeps all limits at the places of the search, and none that keeps them everywhere"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,17 +92,18 @@ class MakeableLaw:
 def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
     """The best law found from a motion.
 
-    It is a local optimum, with every limit kept between the programme's places too.  Two stages start with half of ln
-    i12 each, and end so that the larger of their pressure angles is least.  Raises NoSuchMechanism with the limits that
-    cannot be kept together, and for each the nearest value with which the others can be kept.
+    It is a local optimum, found from an even crank where none is from the motion, with every limit kept between the
+    programme's places too.  Two stages start with half of ln i12 each, and end so that the larger of their pressure
+    angles is least.  Raises NoSuchMechanism with the limits that cannot be kept together, and for each the nearest
+    value with which the others can be kept.
     """
     search = searched(task, wishes)
     begun = search.begun(start)
-    found = kept(search, begun)
+    found = kept(search, begun) or _from_even(search)
     if found is not None:
         return _weighed(search, law_of(search, found))
     if instead := found_instead(task, wishes, CLEAR):
-        raise _offered(f"{NONE}one of these is enough", instead)
+        raise _offered(NONE, instead)
     return _weighed(search, _kept_at_last(search, begun))
 
 
@@ -145,21 +146,21 @@ def _kept_between(search: Search, near: Array) -> MakeableLaw:
     """
     levels, reached = search.programme.levels, search.reached(near)
     limited = dict.fromkeys(level.wish for level in levels if level.limit is not None and level.wish != CONVEX)
-    found = {wish: law for wish in limited if (law := _kept_without(search, wish, near)) is not None}
+    found = {wish: law for wish in limited if (law := _kept_without(search, [wish], near)) is not None}
     for law in (Kept(search.rounded(near), reached), *found.values()):
         if not np.any(law.reached > search.caps):
             return law_of(search, law)
     if found:
         eased = [easing for wish, law in found.items() for easing in _easing(search, wish, law.reached)]
-        raise _offered(f"{BETWEEN}one of these is enough", eased)
+        raise _offered(BETWEEN, eased)
     over = dict.fromkeys(level.wish for level, yes in zip(levels, reached > search.caps, strict=True) if yes)
     eased = [easing for wish in over for easing in _easing(search, wish, reached)]
-    raise _offered(f"{BETWEEN}that law does with all of these together", eased)
+    raise _offered(BETWEEN, eased, each=False)
 
 
-def _kept_without(search: Search, wish: str, start: Array | Solution) -> Kept | None:
-    """Coefficients that keep all limits but one everywhere, and that one as nearly as they can."""
-    return kept(_freed(search, [wish]), start)
+def _kept_without(search: Search, wishes: Sequence[str], start: Array | Solution) -> Kept | None:
+    """Coefficients that keep all limits but some everywhere, and those as nearly as they can."""
+    return kept(_freed(search, wishes), start)
 
 
 def _freed(search: Search, wishes: Sequence[str]) -> Search:
@@ -189,32 +190,27 @@ def law_of(search: Search, found: Kept) -> MakeableLaw:
     return MakeableLaw(programme.knots.angle_rad, first, programme.levels, found.reached, *second)
 
 
-def _cannot_be(search: Search, near: Solution) -> NoSuchMechanism:
+def _cannot_be(search: Search, near: Solution) -> Refused:
     """The refusal: what each limit would have to be with all the others, or all of them together."""
-    enough, found = "one of these is enough", list(_easings(search, near))
-    if not found:
-        enough, found = "all of these are enough together", list(_easings_together(search, near))
-    return _offered(f"{NONE}{enough}", found)
+    if found := list(_easings(search, near)):
+        return _offered(NONE, found)
+    return _offered(NONE, list(_easings_together(search, near)), each=False)
 
 
-def _offered(said: str, easings: Sequence[Easing]) -> NoSuchMechanism:
-    return NoSuchMechanism(
-        f"{said}: {', '.join(map(str, easings)) or 'none known'}",
-        key=easings[0].key if easings else "optimize.limits",
-    )
+def _offered(said: str, easings: Sequence[Offer], *, each: bool = True) -> Refused:
+    key = easings[0].key if easings else "optimize.limits"
+    return Refused(said, easings, key, _each_enough if each else _all_enough, each=each, found=True)
 
 
-class Easing(NamedTuple):
-    """The key of a wish, and the words for a value of it that makes room."""
-
-    key: str
-    said: str
-
-    def __str__(self) -> str:
-        return f"{self.said} ({self.key})"
+def _each_enough(said: str, offers: Sequence[Offer]) -> str:
+    return f"{said}; one of these is enough: {', '.join(map(str, offers)) or 'none known'}"
 
 
-def _easings(search: Search, near: Solution) -> Iterator[Easing]:
+def _all_enough(said: str, offers: Sequence[Offer]) -> str:
+    return f"{said}; all of these are enough together: {', '.join(map(str, offers)) or 'none known'}"
+
+
+def _easings(search: Search, near: Solution) -> Iterator[Offer]:
     """For each wish that presses, the nearest value with which all others can be kept, if there is one."""
     for wish, found in _eased(search, near):
         yield from _easing(search, wish, search.reached(found.coefficients))
@@ -233,7 +229,7 @@ def _eased(search: Search, near: Solution) -> Iterator[tuple[str, Solution]]:
             yield wish, found
 
 
-def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[Easing]:
+def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[Offer]:
     """Limits and wishes, each eased alone to a value with which a law was found that keeps all others everywhere.
 
     For wishes that no law keeps all of.  Laws of few knots are looked for, which take about a second: with more knots
@@ -246,34 +242,95 @@ def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[E
     return []
 
 
-def _found_instead(search: Search, over: float) -> Iterator[Easing]:
+def _found_instead(search: Search, over: float) -> Iterator[Offer]:
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, search.begun(EVEN))
     if near is None or near.excess <= over:
         return
     for wish, found in _eased(search, near):
-        law = _kept_without(search, wish, found) or _kept_without(search, wish, found.coefficients)
+        law = _kept_without(search, [wish], found) or _kept_without(search, [wish], found.coefficients)
         if law is not None:
             yield from _easing(search, wish, law.reached)
 
 
-def _easings_together(search: Search, near: Solution) -> Iterator[Easing]:
-    """Values of several wishes that are enough together, where no single one is.
-
-    The most pressing wish is given up, then the one that presses most without it, and so on.
-    """
-    freed: list[str] = []
-    found: Solution | None = near
-    while found is not None and found.excess > NO_EXCESS:
-        levels = search.programme.levels
-        shares = [0.0 if level.wish in freed else share for level, share in _shares(search, found)]
-        freed.append(levels[int(np.argmax(shares))].wish)
-        found = _without(search, freed, TOGETHER, found)
-        if len(freed) == len(levels):
-            return
+def _easings_together(search: Search, near: Solution) -> Iterator[Offer]:
+    """Values of several wishes that are enough together, where no single one is."""
+    freed, found = _freed_together(search, near, lambda level: True)
     if found is not None:
         reached = search.reached(found.coefficients)
         eased = [list(_easing(search, wish, reached)) for wish in freed]
         yield from chain(*eased) if all(eased) else ()
+
+
+def _freed_together(
+    search: Search, near: Solution, may_give: Callable[[Level], bool]
+) -> tuple[list[str], Solution | None]:
+    """Wishes, of those that may give way, without which a law keeps all others at the places, and that law.
+
+    The most pressing wish is given up, then the one that presses most without it, and so on; then each is kept again
+    where the others are enough.  The law is None where none was found.
+    """
+    freed: list[str] = []
+    found: Solution | None = near
+    while found is not None and found.excess > NO_EXCESS:
+        shares = [
+            share if may_give(level) and level.wish not in freed else 0.0 for level, share in _shares(search, found)
+        ]
+        if not max(shares) > 0.0:
+            return freed, None
+        freed.append(search.programme.levels[int(np.argmax(shares))].wish)
+        found = _without(search, freed, TOGETHER, found)
+    for wish in freed[:-1]:
+        fewer = [one for one in freed if one != wish]
+        enough = found and _without(search, fewer, TOGETHER, found)
+        if enough is not None and enough.excess <= NO_EXCESS:
+            freed, found = fewer, enough
+    return freed, found
+
+
+def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Callable[[float], list[Offer]] | None:
+    """Limits that, all eased together, leave a law that keeps all wishes and all other limits everywhere.
+
+    They are eased by the argument more than that law needs, a share of their levels, so that another search finds one
+    too.  Wishes give way as well unless ``limits_alone``.  None where no law was found.
+    """
+    for most in FEW_KNOTS:
+        few = replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))
+        if (found := _found_together(searched(task, few), limits_alone)) is not None:
+            return found
+    return None
+
+
+def _found_together(search: Search, limits_alone: bool) -> Callable[[float], list[Offer]] | None:
+    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, search.begun(EVEN))
+    if near is None:
+        return None
+    freed, found = _freed_together(search, near, lambda level: not limits_alone or level.group == OF_LIMITS)
+    if found is None:
+        return None
+    law = _kept_without(search, freed, found) or _kept_without(search, freed, found.coefficients)
+    if law is None:
+        return None
+    reached = law.reached
+
+    def eased(room: float) -> list[Offer]:
+        levels = reached + room * np.maximum(np.abs(reached), 1.0)
+        return list(chain(*(_easing(search, wish, levels) for wish in freed)))
+
+    return eased
+
+
+def keeps_all(task: Task, wishes: Wishes) -> bool:
+    """Whether a law is found, from an even crank, that keeps all limits and wishes everywhere."""
+    return _from_even(searched(task, wishes)) is not None
+
+
+def _from_even(search: Search) -> Kept | None:
+    """The law found from an even crank, at once or from the one that comes nearest to keeping all limits."""
+    begun = search.begun(EVEN)
+    if (found := kept(search, begun)) is not None:
+        return found
+    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, begun)
+    return None if near is None or near.excess > NO_EXCESS else kept(search, near.coefficients)
 
 
 def _without(search: Search, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
@@ -295,9 +352,9 @@ def _shares(search: Search, near: Solution) -> Iterator[tuple[Level, float]]:
     return zip(search.programme.levels, near.pressing.tolist(), strict=True)
 
 
-def _easing(search: Search, wish: str, reached: Array) -> Iterator[Easing]:
+def _easing(search: Search, wish: str, reached: Array) -> Iterator[Offer]:
     """The value that a law has reached; none where no file may ask for so wide a limit."""
     levels = zip(reached, search.programme.levels, strict=True)
     value, level = max(((value, level) for value, level in levels if level.wish == wish), key=lambda one: one[0])
     if value < level.widest:
-        yield Easing(level.key, level.shown(float(value)))
+        yield replace(level.shown(float(value)), key=level.key)

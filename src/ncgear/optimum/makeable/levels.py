@@ -12,6 +12,16 @@ from math import inf, pi
 
 from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs, with_shaft_between
+from ncgear.optimum.offers import Offer
+
+OF_LIMITS = "optimize.limits."
+"""The group of keys of limits, with its dot."""
+
+
+def limit_offer(name: str, words: str, number: str) -> Offer:
+    """The offer of a limit by its name under ``optimize.limits``; its number stands in the words for the braces."""
+    return Offer(words.format(number), ((f"{OF_LIMITS}{name}", float(number)),))
+
 
 Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 """Place, slider, and length of the driving curve over the centre distance, to the terms of a level."""
@@ -63,8 +73,8 @@ TURN = Stretch(0.0, 2.0 * pi)
 class Level:
     """One level: the ``wish`` that it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
 
-    Terms and limit are in units in which they are of the order of one; ``shown`` says in words what the user's limit
-    would have to be for a level that exceeds it.  ``of_pairs`` is true for a level of every pair of gears, false for
+    Terms and limit are in units in which they are of the order of one; ``shown`` says what the user's limit would
+    have to be for a level that exceeds it.  ``of_pairs`` is true for a level of every pair of gears, false for
     one of the machine as a whole.  Beyond ``widest`` no limit can be asked for.  Integrals and swings are levels of the
     machine as a whole; the integral of a pair's term would be one over the driving angle of the whole train, too.
 
@@ -76,13 +86,13 @@ class Level:
     limit: float | None
     weight: float
     sides: Sides
-    shown: Callable[[float], str]
+    shown: Callable[[float], Offer]
     of_pairs: bool = False
     widest: float = inf
     kind: Kind = Kind.PEAK
     stretch: Stretch = TURN
     target: float = 0.0
-    group: str = "optimize.limits."
+    group: str = OF_LIMITS
     floor: float = -inf
     share_of_goal: float = 0.0
 

@@ -17,8 +17,9 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.optimum.certified.refusals import shown_above
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.levels import Kind, Level, limit_offer
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
+from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import Limits, Prices, Task
 
 LEAST_N_MM, LEAST_N = 1.0, 1e-3
@@ -67,19 +68,19 @@ def of_loads(units: MachineScales, limits: Limits, prices: Prices) -> Iterator[L
     yield from _level(
         ("peak_power_w", limits, prices, per_power),
         lambda at, slider, length: (driving(at, slider),),
-        lambda value: f"a peak power of {shown_above(value)} W",
+        lambda value: limit_offer("peak_power_w", "a peak power of {} W", shown_above(value)),
     )
     # Nothing is gained by a shaft that never brakes
     yield from _level(
         ("braking_power_w", limits, prices, per_power),
         lambda at, slider, length: (-driving(at, slider), 0.0),
-        lambda value: f"a braking power of {shown_above(value)} W",
+        lambda value: limit_offer("braking_power_w", "a braking power of {} W", shown_above(value)),
     )
     yield from _mean_square(task, limits, prices, torque, driving)
     yield from _level(
         ("flywheel_kg_mm2", limits, prices, KG_MM2 * torque / (task.speed_fluctuation * speed**2)),
         lambda at, slider, length: (driving(at, slider),),
-        lambda value: f"a flywheel of {shown_above(value)} kg mm^2",
+        lambda value: limit_offer("flywheel_kg_mm2", "a flywheel of {} kg mm^2", shown_above(value)),
         Kind.SWING,
     )
     for name, unit, words, force in (
@@ -98,7 +99,7 @@ Asked = tuple[str, Limits, Prices, float]
 def _level(
     asked: Asked,
     sides: Callable[[Place, Slider, Term], tuple[Term, ...]],
-    shown: Callable[[float], str],
+    shown: Callable[[float], Offer],
     kind: Kind = Kind.PEAK,
 ) -> Iterator[Level]:
     """The level of a figure that has a limit or a price; ``shown`` says a limit in words."""
@@ -120,7 +121,9 @@ def _mean_square(
             None if limit is None else (limit / unit) ** 2,
             price,
             lambda at, slider, length: (driving(at, slider) ** 2 / task.cycle_rad,),
-            lambda level: f"an r.m.s. torque of {shown_above(sqrt(max(level, 0.0)) * unit)} N m",
+            lambda level: limit_offer(
+                "rms_torque_n_m", "an r.m.s. torque of {} N m", shown_above(sqrt(max(level, 0.0)) * unit)
+            ),
             kind=Kind.INTEGRAL,
         )
 
@@ -134,7 +137,8 @@ def _force(
         along, across = force(at, slider, speed)
         return (((along / unit) ** 2 + (across / unit) ** 2 + ROUND**2) ** 0.5,)
 
-    yield from _level(asked, sides, lambda value: f"a force of {shown_above(value)} N on the {words}")
+    said = f"a force of {{}} N on the {words}"
+    yield from _level(asked, sides, lambda value: limit_offer(asked[0], said, shown_above(value)))
 
 
 def _tooth_force(task: Task, limit: float) -> Level:
@@ -158,5 +162,5 @@ def _tooth_force(task: Task, limit: float) -> Level:
         1.0,
         0.0,
         sides,
-        lambda level: f"a force of {shown_above(level * limit)} N between the teeth",
+        lambda level: limit_offer("tooth_force_n", "a force of {} N between the teeth", shown_above(level * limit)),
     )

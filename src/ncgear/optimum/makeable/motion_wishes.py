@@ -27,15 +27,12 @@ from ncgear.kinematics.wishes import (
     TimeWithin,
     Wish,
     WorkingStroke,
-    spread,
 )
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.optimum.certified.refusals import shown_above, shown_below
 from ncgear.optimum.makeable.levels import Kind, Level, Stretch
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, log_speed
-
-WIDEST_TOLERANCE = 0.5
-"""Greatest tolerance of an even speed that a design file may ask for."""
+from ncgear.optimum.offers import Offer
 
 EXACT_RAD = 1e-5
 """Tolerance of a driving angle below which the angle itself is held: ten times the margin of the search."""
@@ -70,11 +67,10 @@ def _level(
     kind: Kind,
     stretch: CrankStretch,
     sides: Callable[[Place, Slider, Term], tuple[Term, ...]],
-    shown: Callable[[float], str],
+    shown: Callable[[float], Offer],
     most: float = 0.0,
     per_share: float = 1.0,
     target: float = 0.0,
-    widest: float = inf,
 ) -> Level:
     """A hard wish's level of at most ``most``; a soft one's costs from there on, ``per_share`` of it a share."""
     return Level(
@@ -86,7 +82,6 @@ def _level(
         kind=kind,
         stretch=Stretch(*stretch),
         target=target,
-        widest=widest,
         group="",
         floor=-inf if wish.hard else most,
         share_of_goal=(wish.weight or 0.0) / per_share,
@@ -100,7 +95,7 @@ def _extreme(machine: WishedMachine, wish: ExtremeSpeed) -> Level:
         None,
         0.0,
         lambda at, slider, _: (sign * log_speed(at, slider, machine.speed_rad_s),),
-        lambda level: f"{exp(sign * level):.5g} {wish.output.speed.text}",
+        lambda level: Offer(f"{exp(sign * level):.5g} {wish.output.speed.text}"),
         stretch=Stretch(*wish.place(machine.linkage)),
         group="",
         share_of_goal=wish.weight or 0.0,
@@ -114,10 +109,9 @@ def _even(machine: WishedMachine, wish: Wish, stretch: CrankStretch, widest: flo
         Kind.SPREAD,
         stretch,
         lambda at, slider, _: (log_speed(at, slider, machine.speed_rad_s),),
-        evenness_in_words,
+        lambda level: evenness_offer(wish, level),
         most=log(widest),
         per_share=2.0,
-        widest=log(spread(WIDEST_TOLERANCE)),
     )
 
 
@@ -129,28 +123,36 @@ def _speed(machine: WishedMachine, wish: Wish, asked: SpeedWithin) -> Level:
         over = (speed - log(most),) if most < inf else ()
         return (*over, log(least) - speed) if least > 0.0 else over
 
-    def shown(level: float) -> str:
-        return speed_in_words(wish, asked, level)
+    def shown(level: float) -> Offer:
+        return speed_offer(wish, asked, level)
 
     return _level(wish, Kind.PEAK, asked.stretch, sides, shown)
 
 
-def evenness_in_words(level: float) -> str:
+def evenness_offer(wish: Wish, level: float) -> Offer:
     """The tolerance of a speed whose greatest value is exp(level) times the least."""
-    return f"a tolerance of {shown_above(tanh(level / 2.0))} of the speed"
+    return _tolerance(wish, tanh(level / 2.0))
 
 
-def speed_in_words(wish: Wish, asked: SpeedWithin, level: float) -> str:
+def _tolerance(wish: Wish, share: float) -> Offer:
+    tolerance = shown_above(share)
+    return Offer(f"a tolerance of {tolerance} of the speed", ((f"{wish.key}.tolerance", float(tolerance)),))
+
+
+def speed_offer(wish: Wish, asked: SpeedWithin, level: float) -> Offer:
     """What a wish would have to ask for so that speeds beyond its bounds by a factor of exp(level) were within them."""
     least, most = asked.least_mm_s, asked.most_mm_s
-    place, unit = wish.output.place, wish.output.speed.text
+    place, unit = wish.output.place, wish.output.speed
     match wish:
         case ConstantSpeed():
-            return f"a tolerance of {shown_above((1.0 + wish.tolerance) * exp(level) - 1.0)} of the speed"
+            return _tolerance(wish, (1.0 + wish.tolerance) * exp(level) - 1.0)
         case SpeedAt():
-            bounds = [f"at least {shown_below(least * exp(-level))} {unit}"] if least > 0.0 else []
-            bounds += [f"at most {shown_above(most * exp(level))} {unit}"] if most < inf else []
-            return f"{' and '.join(bounds)} at {place.factor * wish.at_mm:g} {place.text}"
+            bounds = {"at least": shown_below(least * exp(-level))} if least > 0.0 else {}
+            bounds |= {"at most": shown_above(most * exp(level))} if most < inf else {}
+            said = " and ".join(f"{bound} {speed} {unit.text}" for bound, speed in bounds.items())
+            keys = {bound: f"{wish.key}.{bound.replace(' ', '_')}_{unit.ending}" for bound in bounds}
+            values = tuple((keys[bound], float(speed)) for bound, speed in bounds.items())
+            return Offer(f"{said} at {place.factor * wish.at_mm:g} {place.text}", values)
     raise TypeError(f"{type(wish).__name__} asks for no speed")
 
 
@@ -172,24 +174,29 @@ def _time(wish: Wish, asked: TimeWithin, kind: Kind, sign: float, target: float,
         kind,
         asked.stretch,
         lambda *_: (sign,),
-        lambda level: time_in_words(wish, level, sign, cycle),
+        lambda level: time_offer(wish, level, sign, cycle),
         per_share=cycle,
         target=target,
     )
 
 
-def time_in_words(wish: Wish, level: float, sign: float, cycle: float) -> str:
+def time_offer(wish: Wish, level: float, sign: float, cycle: float) -> Offer:
     """What a wish would have to ask for so that a driving angle in rad by which it is missed were none."""
     match wish:
         case TimeRatio():
             working = cycle * wish.at_least / (1.0 + wish.at_least) - level
-            return f"at least {shown_below(working / (cycle - working))} times the time of the return"
+            name, number = "at_least", shown_below(working / (cycle - working))
+            said = f"at least {number} times the time of the return"
         case WorkingStroke():
-            return f"a tolerance of {shown_above(degrees(wish.tolerance_rad + level))} deg"
+            name, number = "tolerance_deg", shown_above(degrees(wish.tolerance_rad + level))
+            said = f"a tolerance of {number} deg"
         case Dwell():
-            return f"a dwell of {shown_below(degrees(wish.for_rad - level))} deg"
+            name, number = "for_deg", shown_below(degrees(wish.for_rad - level))
+            said = f"a dwell of {number} deg"
         case Position():
-            shown = shown_above if sign > 0.0 else shown_below
-            place, angle = wish.output.place, shown(degrees(wish.phi1_rad + sign * level))
-            return f"{place.factor * wish.at_mm:g} {place.text} passed at {angle} deg"
-    raise TypeError(f"{type(wish).__name__} asks for no time")
+            shown, place = shown_above if sign > 0.0 else shown_below, wish.output.place
+            name, number = "phi1_deg", shown(degrees(wish.phi1_rad + sign * level))
+            said = f"{place.factor * wish.at_mm:g} {place.text} passed at {number} deg"
+        case _:
+            raise TypeError(f"{type(wish).__name__} asks for no time")
+    return Offer(said, ((f"{wish.key}.{name}", float(number)),))

@@ -13,12 +13,13 @@ from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
 from ncgear.frozen import dataclass
 from ncgear.kinematics.wishes import Wish
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.refusals import shown_above, shown_below
+from ncgear.optimum.certified.refusals import NOT_CONVEX, shown_above, shown_below
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.levels import Level, limit_offer
 from ncgear.optimum.makeable.load_levels import MachineScales, of_loads
 from ncgear.optimum.makeable.motion_wishes import WishedMachine, of_motion_wishes
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
+from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import Limits, Prices
 
 
@@ -183,7 +184,11 @@ def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:
         _over(limit, unit),
         weight,
         sides,
-        lambda level: f"a peak acceleration of {shown_above(level * unit)} {told.text[:-1]}^2",
+        lambda level: limit_offer(
+            f"peak_acceleration_{told.ending}",
+            f"a peak acceleration of {{}} {told.text[:-1]}^2",
+            shown_above(level * unit),
+        ),
     )
 
 
@@ -198,7 +203,7 @@ def _power(wishes: Wishes, scales: Scales, weight: float) -> Level:
         _over(wishes.limits.peak_power_w, unit),
         weight,
         sides,
-        lambda level: f"a peak power of {shown_above(level * unit)} W",
+        lambda level: limit_offer("peak_power_w", "a peak power of {} W", shown_above(level * unit)),
     )
 
 
@@ -212,7 +217,9 @@ def _jerk(limit: float, scales: Scales) -> Level:
         1.0,
         0.0,
         sides,
-        lambda level: f"a peak jerk of {shown_above(level * limit)} {told.text}^3",
+        lambda level: limit_offer(
+            f"peak_jerk_{told.ending}3", f"a peak jerk of {{}} {told.text}^3", shown_above(level * limit)
+        ),
     )
 
 
@@ -229,7 +236,7 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
             top,
             0.0,
             lambda at, *_: (-at.log,),
-            lambda level: f"a driven gear at {shown_above(rpm * exp(level))} r/min",
+            lambda level: limit_offer("driven_speed_rpm", "a driven gear at {} r/min", shown_above(rpm * exp(level))),
         )
 
 
@@ -239,7 +246,7 @@ def _least_ratio(limit: float, of_pairs: bool) -> Level:
         -log(limit),
         0.0,
         lambda at, *_: (-at.log,),
-        lambda level: f"a least ratio of {shown_below(exp(-level))}",
+        lambda level: limit_offer("ratio_min", "a least ratio of {}", shown_below(exp(-level))),
         of_pairs,
     )
 
@@ -250,7 +257,7 @@ def _greatest_ratio(limit: float, of_pairs: bool) -> Level:
         log(limit),
         0.0,
         lambda at, *_: (at.log,),
-        lambda level: f"a greatest ratio of {shown_above(exp(level))}",
+        lambda level: limit_offer("ratio_max", "a greatest ratio of {}", shown_above(exp(level))),
         of_pairs,
     )
 
@@ -277,7 +284,9 @@ def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:
         most,
         weight,
         lambda at, *_: _both(quantities.tangent(at)),
-        lambda level: f"a pressure angle of {shown_above(degrees(atan(level) + rack_rad))} deg",
+        lambda level: limit_offer(
+            "pressure_angle_deg", "a pressure angle of {} deg", shown_above(degrees(atan(level) + rack_rad))
+        ),
         of_pairs=True,
         widest=tan(pi / 2.0 - rack_rad) if rack_rad else inf,
     )
@@ -290,18 +299,18 @@ def _curvature(wishes: Wishes, turns: float) -> Level:
         ]
         return (*bulges, *(-bulge for bulge in bulges)) if not wishes.convex else tuple(bulges)
 
-    def shown(level: float) -> str:
+    def shown(level: float) -> Offer:
         if wishes.curvature_wish is CurvatureWish.UNDERCUT:
-            return f"{ceil(wishes.curvature_given * level)} teeth in place of {wishes.curvature_given:g}"
-        return f"a least radius of {shown_below(wishes.curvature_given / level)} mm"
+            teeth = ceil(wishes.curvature_given * level)
+            return Offer(f"{teeth} teeth in place of {wishes.curvature_given:g}", (("gears.teeth", teeth),))
+        least = shown_below(wishes.curvature_given / level)
+        return limit_offer("least_radius_mm", "a least radius of {} mm", least)
 
     return Level(wishes.curvature_wish.value, 1.0, 0.0, sides, shown, of_pairs=True)
 
 
 def _convex(bulge: Callable[[Place], Term]) -> Level:
-    return Level(
-        CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: "pitch curves that are not convex", of_pairs=True
-    )
+    return Level(CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: NOT_CONVEX, of_pairs=True)
 
 
 def _both(term: Term) -> tuple[Term, Term]:

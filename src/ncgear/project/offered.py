@@ -1,0 +1,129 @@
+"""What is offered in place of wishes and limits that no law keeps, checked by doing what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+from ncgear.design.keys.base import spellings
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.optimize import Optimize
+from ncgear.errors import DesignError
+from ncgear.extras import installed
+from ncgear.optimum.makeable.wishes import Wishes
+from ncgear.optimum.offers import Offer, Refused
+from ncgear.optimum.task import Task
+from ncgear.project.wishes import wishes_of
+
+ROOMS = (0.005, 0.02, 0.08)
+"""Shares by which limits are eased more than a law needs that was found: the second where the first does not do."""
+
+
+def asking_for(design: Design, offers: Sequence[Offer]) -> Design:
+    """The design with the values of offers; raises ValidationError or DesignError where a file may not ask for them."""
+    for key, value in (one for offer in offers for one in offer.values):
+        group, *path = key.split(".")
+        model = getattr(design, group) or Optimize()
+        data = model.model_dump(by_alias=True, exclude_unset=True)
+        _put(data, path, value)
+        design = design.model_copy(update={group: type(model).model_validate(data)})
+    wishes_of(design)
+    return design
+
+
+def _put(data: dict[str, Any], path: Sequence[str], value: Any) -> None:
+    """Set a key of nested groups and lists; the same angle in another unit gives way to it."""
+    *groups, name = path
+    within: Any = data
+    for one in groups:
+        if isinstance(within, dict):
+            held = within.setdefault(one, {})
+            # Lists of models are tuples, which do not change.
+            within[one] = within = list(held) if isinstance(held, tuple) else held
+        else:
+            within = within[int(one)]
+    for spelled in spellings(name.removesuffix("_deg")) if name.endswith("_deg") else ():
+        within.pop(spelled, None)
+    within[name] = value
+
+
+def may_be_asked(design: Design, offers: Sequence[Offer]) -> bool:
+    """Whether a file with the values of all offers is read, and its wishes do not contradict each other."""
+    try:
+        asking_for(design, offers)
+    except (ValidationError, DesignError):
+        return False
+    return True
+
+
+def with_what_was_found(design: Design, task: Task, wishes: Wishes, refused: Refused) -> Refused:
+    """The refusal with offers that a file may ask for, and behind them those with which laws were found, if any.
+
+    Where no limit alone is enough, all limits that together have to give way are named in their place, with values with
+    which a law was found that keeps every wish.  Without the optimiser, all offers only might be enough.
+    """
+    refused = refused.among(lambda offers: may_be_asked(design, offers))
+    if not installed("casadi"):
+        return refused
+    each = _alone(design, task, wishes, refused)
+    if not any(map(_is_limit, each)):
+        if limits := eased_together(design, task, wishes, limits_alone=True):
+            return Refused(refused.said, [*limits, *each], refused.key, _limits, each=False, found=True)
+        if not each and (found := eased_together(design, task, wishes, limits_alone=False)):
+            return Refused(refused.said, found, refused.key, _all, each=False, found=True)
+    if refused.found or not each:
+        return refused
+    return Refused(refused.problem, each, refused.key, _each, each=True, found=True)
+
+
+def _alone(design: Design, task: Task, wishes: Wishes, refused: Refused) -> list[Offer]:
+    """Offers each of which alone is enough: a law was found."""
+    from ncgear.optimum.makeable.law import found_instead
+
+    if refused.found:
+        return list(refused.offers) if refused.each else []
+    return [one for one in found_instead(task, wishes) if may_be_asked(design, [one])]
+
+
+def eased_together(design: Design, task: Task, wishes: Wishes, *, limits_alone: bool) -> list[Offer]:
+    """Limits, with values, that all together leave a law which keeps all wishes, found by a search with these values.
+
+    Wishes give way too unless ``limits_alone``.  Empty where none were found.
+    """
+    from ncgear.optimum.makeable.law import found_together, keeps_all
+
+    eased = found_together(task, wishes, limits_alone=limits_alone)
+    if eased is None:
+        return []
+    for room in ROOMS:
+        offers = eased(room)
+        if not offers or not may_be_asked(design, offers):
+            return []
+        if keeps_all(task, wishes_of(asking_for(design, offers))):
+            return offers
+    return []
+
+
+def _is_limit(offer: Offer) -> bool:
+    return not offer.key.startswith("wishes.")
+
+
+def _each(said: str, offers: Sequence[Offer]) -> str:
+    found = "a law was found with" if len(offers) == 1 else "laws were found with each of these:"
+    return f"{said}; {found} {', '.join(map(str, offers))}"
+
+
+def _all(said: str, offers: Sequence[Offer]) -> str:
+    return f"{said}; a law was found with all of these together: {', '.join(map(str, offers))}"
+
+
+def _limits(said: str, offers: Sequence[Offer]) -> str:
+    """Limits that have to give way together, or one of the wishes."""
+    limits, wishes = (
+        ", ".join(str(one) for one in offers if _is_limit(one) is of_limits) for of_limits in (True, False)
+    )
+    all_of = "" if sum(map(_is_limit, offers)) == 1 else " all of these together:"
+    either = f"; with the limits as they are, one with {wishes}" if wishes else ""
+    return f"{said}; a law that keeps every wish was found with{all_of} {limits}{either}"
