@@ -234,8 +234,11 @@ def not_closed(best: BestLaw) -> str | None:
         return None
     if bound.effort is None:
         return "not closed further: that needs pitch curves that must be convex"
-    solved, parts = bound.effort.programmes, bound.effort.parts
-    return f"not closed further: {solved} programmes in {parts} parts of the motions prove no more"
+    effort = bound.effort
+    proof = f"{effort.programmes} programmes in {effort.parts} part{'s' if effort.parts > 1 else ''} of all motions"
+    if effort.ended:
+        return f"as near as {effort.places} places of the crank let it be, proven by {proof}"
+    return f"not closed further: {proof} were not enough"
 
 
 def _about_limit(best: BestLaw) -> list[str]:

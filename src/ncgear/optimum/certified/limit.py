@@ -22,8 +22,7 @@ from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import cells_that_matter, stretches
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
-from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, motion_along
-from ncgear.optimum.certified.tree import proven as least_proven
+from ncgear.optimum.certified.tree import Effort, Figures, Solved, Trials, Tried, bisected, motion_along
 from ncgear.optimum.task import Task
 
 PLACES_ROUGH = 960
@@ -37,9 +36,6 @@ FINE_RAD = radians(0.5)
 
 CLOSE = 1.002
 """A motion this close to the limit without the driving curve leaves nothing to gain that is worth the time."""
-
-MOST_PROGRAMMES = 150
-"""Programmes that are solved at most where only the driving curve matters, and no law is known yet."""
 
 BISECTED = 1e-4
 """Relative width to which limits are narrowed that no programme gives at once."""
@@ -184,7 +180,7 @@ def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven
     value = without.value
     if proven and found.value > CLOSE * value:
         parts = stretches(problem.on, without.q, found.q)
-        value, _ = least_proven(trials, parts, without.value, found, problem.asked, Budget(MOST_PROGRAMMES))
+        value = bisected(trials, parts, without.value, found, problem.asked)
     return Bound(value, problem.on.count, motion_of(problem.on, found.q))
 
 

@@ -164,6 +164,6 @@ def raised(
     trials = Trials(problem.on, least_value, motions, prices)
     without = least_value(None, dict.fromkeys(prices, (0.0, inf)), whole)
     if not without.value < whole:
-        return whole, Effort(1, 1)
+        return whole, Effort(1, 1, problem.on.count, True)
     q = np.interp(problem.on.crank_angle_rad, motion.crank_angle_rad, motion.turning, period=2.0 * pi) ** 2
     return proven(trials, halves(problem.on), without.value, Solved(whole, q), asked, budget, law)

@@ -7,8 +7,9 @@ target, is done with; another is narrowed again as long as that pays, and then c
 bound of a box is proven by multipliers (``proof``), and each cut leaves every motion in one of both halves.
 
 If the boxes are not all done with after a share of the programmes that may be solved, the target is lowered: what is
-known of motions below a target holds of those below a lower one, and so the boxes that are left are taken on.  In the
-end no motion has less than the target, or than the least value of any box that is left.
+known of motions below a target holds of those below a lower one, and so the boxes that are left are taken on.  Where
+they are done with, and programmes are left, a target between is tried with them.  In the end no motion has less than
+the highest target that was met, or than the least value of any box that is left.
 
 This is spatial branch and bound (A. H. Land and A. G. Doig, Econometrica 28 (1960); H. S. Ryoo and N. V. Sahinidis,
 J. Glob. Optim. 8 (1996)) with the tightening of bounds by optimization and its filter (A. M. Gleixner et al., "Three
@@ -21,7 +22,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from math import ceil, inf, log, sqrt
-from types import MappingProxyType
 
 import numpy as np
 
@@ -71,10 +71,15 @@ class Trials:
 
 @dataclass(frozen=True)
 class Effort:
-    """What the proof of a limit took: programmes solved, and parts into which the motions were divided."""
+    """What the proof of a limit took: programmes solved, and parts into which the motions were divided.
+
+    ``places`` are those of its grid; ``ended`` says whether the limit is as near to the law as they let it be.
+    """
 
     programmes: int
     parts: int
+    places: int
+    ended: bool
 
 
 class Budget:
@@ -123,6 +128,9 @@ NARROW = 1.1
 
 WORTH = 0.85
 """A box is narrowed again while a round leaves less than this share of its widths."""
+
+WORTH_ALONE = 0.93
+"""The same where boxes are not divided."""
 
 OF_FIGURE = 4.0
 """A figure of a sum is divided where its width, as a share of its greatest value, is over the widest of ln q by this
@@ -178,7 +186,7 @@ class Tree:
             left += sorted((half for half in tried if half is not None), key=lambda half: half.value)
         return [*left, *stuck]
 
-    def narrowed(self, box: Box, target: float) -> Box | None:
+    def narrowed(self, box: Box, target: float, worth: float = WORTH) -> Box | None:
         """A box narrowed in rounds to motions below a target; None where it holds none of them."""
         while True:
             before = self.width(box)
@@ -186,7 +194,7 @@ class Tree:
             if after is None:
                 return None
             after = self.bounded(after, target)
-            if after is None or self.width(after) > WORTH * before:
+            if after is None or self.width(after) > worth * before:
                 return after
             box = after
 
@@ -295,6 +303,22 @@ class Seen:
         return [side for side, gain in sides.items() if gain > room]
 
 
+def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands) -> float:
+    """A certain least value with ranges of q in parts of the turn, places in a row each, from one box.
+
+    ``without`` is what is certain without ranges, ``motion`` one that keeps all relations.  The target is halfway back
+    to what is certain, as often as the box is not empty.
+    """
+    tree, box = _whole(trials, parts, without, motion, asked, Budget(0))
+    target = (1.0 - ENOUGH) * motion.value
+    while target > box.value * (1.0 + TOO_NEAR):
+        narrowed = tree.narrowed(box, target, WORTH_ALONE)
+        if narrowed is None:
+            return target
+        box, target = narrowed, (narrowed.value + target) / 2.0
+    return box.value
+
+
 def proven(
     trials: Trials,
     parts: Sequence[IndexArray],
@@ -302,26 +326,39 @@ def proven(
     motion: Solved,
     asked: Demands,
     budget: Budget,
-    figures: Mapping[str, float] = MappingProxyType({}),
+    figures: Mapping[str, float],
 ) -> tuple[float, Effort]:
-    """A certain least value, with ranges of q in parts of the turn, places in a row each, and what it took.
+    """A certain least value as ``bisected`` gives it, and what it took, from boxes that are divided.
 
-    ``without`` is what is certain without ranges, ``motion`` one that keeps all relations, of which ``figures`` are the
-    priced ones.
+    ``figures`` are the priced ones of the motion.
     """
-    on = trials.on
-    stretches = [Stretch(places, motion.q[places], asked.ratio_max) for places in parts]
-    tree = Tree(trials, stretches, [stretch.checkpoints(on) for stretch in stretches], budget)
-    known = Known(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
-    whole = Box(known, dict.fromkeys(trials.prices, (0.0, inf)), without)
+    tree, whole = _whole(trials, parts, without, motion, asked, budget)
     # One box alone first: it may be narrow enough for the highest target
     target = (1.0 - ENOUGH) * motion.value
-    boxes = tree.emptied([whole], target, budget.used + 1)
+    boxes, failed = tree.emptied([whole], target, budget.used + 1), target
     value = min((box.value for box in boxes), default=target)
-    target = min(target, motion.value - (1.0 + OVER_GRID) * tree.lacking(motion, figures))
-    while boxes and budget.used < budget.most and target > value * (1.0 + TOO_NEAR):
-        boxes = tree.emptied(boxes, target, budget.used + ceil(PHASE * (budget.most - budget.used)))
-        value = min((box.value for box in boxes), default=target)
-        far = value - without > FAR * (target - without)
-        target = motion.value - EASIER * (motion.value - target) if far else (value + target) / 2.0
-    return value, Effort(budget.used, budget.parts)
+    target = nearest = min(target, motion.value - (1.0 + OVER_GRID) * tree.lacking(motion, figures))
+    while value < nearest and budget.used < budget.most and target > value * (1.0 + TOO_NEAR):
+        left = tree.emptied(boxes, target, budget.used + ceil(PHASE * (budget.most - budget.used)))
+        if not left:
+            # What is left of a higher target holds for all below it
+            value, target = target, (target + failed) / 2.0
+            continue
+        boxes, failed = left, target
+        lowest = min(box.value for box in boxes)
+        easier = motion.value - EASIER * (motion.value - target)
+        far = lowest - without > FAR * (target - without) and easier > value
+        value = max(value, lowest)
+        target = easier if far else (value + target) / 2.0
+    return value, Effort(budget.used, budget.parts, trials.on.count, value >= nearest)
+
+
+def _whole(
+    trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands, budget: Budget
+) -> tuple[Tree, Box]:
+    """The tree and the box of all motions in parts of the turn."""
+    on = trials.on
+    stretches = [Stretch(places, motion.q[places], asked.ratio_max) for places in parts]
+    known = Known(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
+    tree = Tree(trials, stretches, [stretch.checkpoints(on) for stretch in stretches], budget)
+    return tree, Box(known, dict.fromkeys(trials.prices, (0.0, inf)), without)
