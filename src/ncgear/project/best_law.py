@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-<<<<<<< HEAD
-from collections.abc import Callable
-=======
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
->>>>>>> words
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -180,12 +176,8 @@ class BestLaw(Shown):
             inertia, task = made, task_of(design, made)
             if change <= SETTLED:
                 return Settled(law, task, rounds)
-<<<<<<< HEAD
-            law = makeable_law(task, self.wishes, law.motion)
-=======
             with self._offering(task):
-                law = makeable_law(task, self.wishes, motion_of_law(law))
->>>>>>> words
+                law = makeable_law(task, self.wishes, law.motion)
         raise NoSuchMechanism(
             f"the law and the inertia of its gears do not settle: after {MOST_ROUNDS} laws the gears still change by "
             f"{change:.2g} of all that turns with the crank; give masses.driven_gear_kg_mm2, or lighter gears",

@@ -13,12 +13,8 @@ from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, S
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
-<<<<<<< HEAD
 from ncgear.optimum.certified.tree import Budget
-from ncgear.optimum.makeable.motion_wishes import evenness_in_words, speed_in_words, time_in_words
-=======
 from ncgear.optimum.makeable.motion_wishes import evenness_offer, speed_offer, time_offer
->>>>>>> words
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import Figures, Task
