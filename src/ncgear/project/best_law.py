@@ -148,7 +148,7 @@ class BestLaw(Shown):
         """The limits, in words, that restrict the law and that the bound does not know."""
         from ncgear.optimum.makeable.demanded import not_covered
 
-        return not_covered(self.wishes)
+        return not_covered(self.task, self.wishes)
 
     @property
     def law(self) -> MakeableLaw:
