@@ -12,7 +12,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.limit import Bound, least_acceleration, least_acceleration_roughly, least_power
-from ncgear.optimum.makeable.demanded import demands_of, start_motion
+from ncgear.optimum.makeable.demanded import demands_of, knows_loads, start_motion
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Figures, Task, figures
 
@@ -71,9 +71,12 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
 def limit_points(task: Task, wishes: Wishes, most_w: float) -> list[tuple[float, float]]:
     """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
 
-    The caps begin a tenth over the least power at any acceleration; there are none where nothing resists.  The driving
-    curve is left free, so these limits are a little lower than that of a law's own power.
+    The caps begin a tenth over the least power at any acceleration; there are none where nothing resists, and where the
+    limit does not know the power (``knows_loads``).  The driving curve is left free, so these limits are a little lower
+    than that of a law's own power.
     """
+    if not knows_loads(task, wishes):
+        return []
     free = replace(demands_of(task, _free(wishes, Goal.ACCELERATION)), power_w=inf, acceleration_mm_s2=inf)
     least_w = WITHIN_REACH * least_power(task, free, proven=False).value
     if not 0.0 < least_w < most_w:

@@ -75,14 +75,45 @@ class BestLaw(Shown):
 
     @cached_property
     def begun(self) -> Begun:
-        """The machine with its gears as given, its certified limit, and where the search for a law starts."""
+        """The machine with its gears as given, its certified limit, and where the search for a law starts.
+
+        Where no law keeps the limits with these gears, other laws have other gears: those of the law that comes nearest
+        are tried until they settle, and only then the limits are refused.
+        """
+        inertia = inertia_as_given(self.design)
+        for _ in range(MOST_ROUNDS):
+            try:
+                return self._begun_with(inertia)
+            except NoSuchMechanism as refused:
+                last, made = refused, self._inertia_of_nearest(inertia)
+            if made is None:
+                break
+            inertia = made
+        raise last
+
+    def _begun_with(self, inertia: TrainInertia) -> Begun:
         from ncgear.optimum.makeable.demanded import start_motion
 
-        inertia = inertia_as_given(self.design)
         task = task_of(self.design, inertia)
         bound = self._bound_of(task)
         with self._offering(task):
             return Begun(inertia, task, bound, start_motion(task, self.wishes, bound))
+
+    def _inertia_of_nearest(self, used: TrainInertia) -> TrainInertia | None:
+        """That of the gears of the law that comes nearest to keeping the limits.
+
+        None where it is the one used, and where there is no such law or its gears cannot be made.
+        """
+        if self.design.masses is None or not installed("casadi"):
+            return None
+        from ncgear.optimum.makeable.law import nearest_law
+
+        task = task_of(self.design, used)
+        try:
+            made = inertia_with(self.design, motion_keys(nearest_law(task, self.wishes)))
+        except DesignError:
+            return None
+        return made if _change(task, used, made) > SETTLED else None
 
     @property
     def task(self) -> Task:
@@ -146,7 +177,7 @@ class BestLaw(Shown):
         """The limits, in words, that restrict the law and that the bound does not know."""
         from ncgear.optimum.makeable.demanded import not_covered
 
-        return not_covered(self.wishes)
+        return not_covered(self.task, self.wishes)
 
     @property
     def law(self) -> MakeableLaw:

@@ -11,7 +11,7 @@ from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.masses import Flywheel
 from ncgear.design.keys.optimize import Limits, Optimize
 from ncgear.design.laws.base import LawKeys
-from ncgear.design.laws.uniform_crank import UniformCrank
+from ncgear.design.laws.harmonic_ratio import HarmonicRatio, SecondStage
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.mechanisms.masses import Masses
@@ -92,11 +92,18 @@ def inertia_with(design: Design, motion: LawKeys) -> TrainInertia:
 
 
 def inertia_as_given(design: Design) -> TrainInertia:
-    """The moments of inertia of a design's gears with its own law, or with round gears where that cannot be made."""
+    """The moments of inertia of a design's gears with its own law.
+
+    With round gears where that cannot be made, and where it is one of one pair and two are looked for.
+    """
+    shared = design.optimize is not None and design.optimize.limits.stages > 1
+    even = HarmonicRatio(law="harmonic_ratio", second_stage=SecondStage() if shared else None)
+    if shared and design.stages == 1:
+        return inertia_with(design, even)
     try:
         return inertia_with(design, design.motion)
     except DesignError:
-        return inertia_with(design, UniformCrank(law="uniform_crank"))
+        return inertia_with(design, even)
 
 
 def _size_of(design: Design, limits: Limits) -> task.GearSize | None:

@@ -27,6 +27,14 @@ DEMANDS = {"peak_acceleration_mm_s2": "acceleration_mm_s2", "peak_power_w": "pow
 """All figures that the limit knows, and their names among its demands."""
 
 
+def knows_loads(task: Task, wishes: Wishes) -> bool:
+    """Whether the limit knows power and torque of the driving shaft.
+
+    It does not where a shaft between two pairs has inertia: its part depends on how the pairs share the ratio.
+    """
+    return wishes.two_stages is None or not task.moving.between_inertia_kg_mm2
+
+
 def demands_of(task: Task, wishes: Wishes) -> Demands:
     """The demands of hard wishes and limits, as far as the certified limit knows them.
 
@@ -42,7 +50,7 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         for requirement in wish.requirements(task.linkage, task.cycle_rad)
         for one in _demands(task, wish, requirement, limits.ratio_max)
     ]
-    one_pair = wishes.two_stages is None
+    one_pair, loads_known = wishes.two_stages is None, knows_loads(task, wishes)
     return Demands(
         ratio_min=max(limits.ratio_min, slowest),
         ratio_max=limits.ratio_max,
@@ -50,8 +58,11 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         rack_angle_rad=limits.rack_angle_rad,
         convex=wishes.convex and one_pair,
         acceleration_mm_s2=limits.peak_acceleration_mm_s2 or inf,
-        power_w=limits.peak_power_w or inf,
-        **{name: _of_load(task, figure, getattr(limits, figure)) for figure, name in OF_LOADS.items()},
+        power_w=(limits.peak_power_w if loads_known else None) or inf,
+        **{
+            name: _of_load(task, figure, getattr(limits, figure) if loads_known else None)
+            for figure, name in OF_LOADS.items()
+        },
         times=tuple(one for one in asked if isinstance(one, StretchTime)),
         even_speeds=tuple(one for one in asked if isinstance(one, SpeedSpread)),
         speeds=tuple(one for one in asked if isinstance(one, SpeedRange)),
@@ -116,7 +127,7 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
     Raises NoSuchMechanism where certainly no law keeps the limits.
     """
     asked, prices = demands_of(task, wishes), wishes.prices
-    priced = {name: price for name, price in vars(prices).items() if price}
+    priced = _known_prices(task, wishes)
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
         _refuse_together(task, asked)
         weights = Weights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
@@ -127,6 +138,12 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
         return None
     # No law has less of any figure than alone, and so none has a lower sum
     return replace(found[0], value=sum(bound.value for bound in found))
+
+
+def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
+    """The prices of the figures that the limit knows."""
+    known = DEMANDS if knows_loads(task, wishes) else ("peak_acceleration_mm_s2",)
+    return {name: price for name, price in vars(wishes.prices).items() if price and name in known}
 
 
 CLOSE = 1.01
@@ -150,7 +167,7 @@ def raised_limit(
     programmes solved and at most to be solved.
     """
     asked = demands_of(task, wishes)
-    priced = {name: price for name, price in vars(wishes.prices).items() if price and name in DEMANDS}
+    priced = _known_prices(task, wishes)
     reached = sum(price * getattr(law, name) for name, price in priced.items())
     if not asked.convex or not reached > CLOSE * bound.value:
         return bound
@@ -207,12 +224,14 @@ NOT_COVERED = {
 }
 
 
-def not_covered(wishes: Wishes) -> list[str]:
-    """The limits, in words, that restrict the law and that the certified limit does not know."""
+def not_covered(task: Task, wishes: Wishes) -> list[str]:
+    """What restricts the law, in words, and the certified limit does not know."""
     found = [said for name, said in NOT_COVERED.items() if getattr(wishes, name) is not None]
     limits = wishes.limits
     loads = {"bearing_force_n": "bearing force", "shaking_force_n": "shaking force", "tooth_force_n": "tooth force"}
     found += [said for name, said in loads.items() if getattr(limits, name) is not None]
     if wishes.two_stages is not None:
         found.append("curves and pressure angles of the two pairs")
+    if not knows_loads(task, wishes):
+        found.append("power and torque with the inertia of the shaft between")
     return found

@@ -107,6 +107,16 @@ def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
     return _weighed(search, _kept_at_last(search, begun))
 
 
+def nearest_law(task: Task, wishes: Wishes) -> MakeableLaw:
+    """The law that comes nearest to keeping all limits, for wishes that no law keeps all of.
+
+    Raises NoSuchMechanism where none is found.
+    """
+    search = searched(task, wishes)
+    near = _nearest(search, search.begun(EVEN)).coefficients
+    return law_of(search, Kept(search.rounded(near), search.reached(near)))
+
+
 def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> MakeableLaw | None:
     """The best law found from another start than a motion, of many that are told apart by numbers; None where none is.
 
@@ -129,13 +139,18 @@ def _weighed(search: Search, law: MakeableLaw) -> MakeableLaw:
 
 def _kept_at_last(search: Search, start: Array) -> MakeableLaw:
     """The law found from the one that comes nearest to keeping all limits; raises NoSuchMechanism where none is."""
-    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
-    if near is None:
-        raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
+    near = _nearest(search, start)
     if near.excess > NO_EXCESS:
         raise _cannot_be(search, near)
     found = kept(search, near.coefficients)
     return _kept_between(search, near.coefficients) if found is None else law_of(search, found)
+
+
+def _nearest(search: Search, start: Array) -> Solution:
+    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
+    if near is None:
+        raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
+    return near
 
 
 def _kept_between(search: Search, near: Array) -> MakeableLaw:
