@@ -85,8 +85,7 @@ def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None
 def test_the_familys_motion_makes_the_law_it_says() -> None:
     """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
     task = task_of(design(), TrainInertia())
-    family = Family(task.linkage, task.load, task.speed_rad_s)
-    best = best_of_family(family, Peak.ACCELERATION, 15_000.0, starts=1)
+    best = best_of_family(Family(task), Peak.ACCELERATION, 15_000.0, starts=1)
     said = {"motion": motion_of(best), "name": "again", "linkage": {"crank_mm": 380.0, "rod_mm": 960.0}}
     again = Design.model_validate({**said, "operation": {"speed_rpm": 60.0}, "resistance": RESISTANCE})
     found = BestLaw(again).given_figures

@@ -144,9 +144,6 @@ def _point(design: Design, job: tuple[str, float]) -> dict[str, Any]:
     """One point, computed in its own process; where no law keeps the limits, the refusal."""
     kind, cap_w = job
     task, wishes = _task(design), wishes_of(design)
-    if kind == "family" and task.masses is not None:
-        # The family's search knows the power of the resistance alone
-        return asdict(FamilyPoint(cap_w, None, None))
     if kind == "family":
         return asdict(family_point(task, cap_w))
     try:
