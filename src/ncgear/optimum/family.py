@@ -162,13 +162,18 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
         asked = strokes, linkage, task.cycle_rad, skewness, RETURN_POINTS
         back = return_samples(returns_with_skewness(*asked, inverse=family.inverse), linkage, RETURN_POINTS, 1)
         miss = np.abs(back.end_driven_rad - 2.0 * pi)
-        power = (
-            _power_of_load_w(task, out, back) if task.masses is None else _driving_power_w(family, strokes, out, back)
-        )
+        power = _power_w(family, strokes, out, back)
     closed = (back.slopes[0][:, 0].min(axis=1) > 0.0) & (miss <= CLOSED * (2.0 * pi - linkage.working_angle_rad))
     possible = (advancing & (strokes.pressing_mm_rad > 0.0) & closed)[:, None]
     acceleration = np.hstack([out.acceleration, back.acceleration[:, 0]]) * omega**2
     return SampledLaws(np.where(possible, acceleration, inf), np.where(possible, np.maximum(power, 0.0), inf))
+
+
+def _power_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
+    """The power of the driving shaft in W, shape (n, points), negative where it brakes."""
+    if family.task.masses is None:
+        return _power_of_load_w(family.task, out, back)
+    return _power_with_masses_w(family, strokes, out, back)
 
 
 def _power_of_load_w(task: Task, out: Motion, back: ReturnSamples) -> Array:
@@ -180,8 +185,8 @@ def _power_of_load_w(task: Task, out: Motion, back: ReturnSamples) -> Array:
     return power * (task.speed_rad_s / 1000.0)
 
 
-def _driving_power_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
-    """The power of the driving shaft with all masses at all points of the cycle, shape (n, points)."""
+def _power_with_masses_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
+    """The power of the driving shaft with all masses at all points of the cycle."""
     task = family.task
     phi1, driven = working_angles(strokes, task.linkage, SEGMENT_POINTS, 2)
     start = strokes.theta4_rad[:, None]
