@@ -22,8 +22,8 @@ from ncgear.extras import require
 from ncgear.frozen import dataclass
 from ncgear.interrupts import uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
-from ncgear.optimum.task import Figures, Task
-from ncgear.project.wishes import inertia_as_given, task_of, wishes_of
+from ncgear.optimum.task import Figures
+from ncgear.project.comparison import GearsAsGiven
 from ncgear.shown import Shown
 from ncgear.workers import finished
 
@@ -130,24 +130,20 @@ def frontier(
 
 def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
     """The caps of a frontier of ``count`` points, which are kept as well."""
-    caps = caps_w(_task(design), wishes_of(design), count)
+    machine = GearsAsGiven(design)
+    caps = caps_w(machine.task, machine.wishes, count)
     kept.add("caps", float(count), {"caps_w": caps})
     return caps
-
-
-def _task(design: Design) -> Task:
-    """The machine of all points, with its gears as given: laws that are compared turn the same masses."""
-    return task_of(design, inertia_as_given(design))
 
 
 def _point(design: Design, job: tuple[str, float]) -> dict[str, Any]:
     """One point, computed in its own process; where no law keeps the limits, the refusal."""
     kind, cap_w = job
-    task, wishes = _task(design), wishes_of(design)
+    machine = GearsAsGiven(design)
     if kind == "family":
-        return asdict(family_point(task, cap_w))
+        return asdict(family_point(machine.task, cap_w))
     try:
-        return asdict(law_point(task, wishes, cap_w))
+        return asdict(law_point(machine.task, machine.wishes, cap_w))
     except NoSuchMechanism as refusal:
         return {"refused": refusal.problem}
 
