@@ -24,6 +24,7 @@ from ncgear.interrupts import uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.task import Figures
 from ncgear.project.comparison import GearsAsGiven
+from ncgear.project.wishes import refuse_guide_friction
 from ncgear.shown import Shown
 from ncgear.workers import finished
 
@@ -108,12 +109,13 @@ def frontier(
 
     ``scheduler`` and ``processes`` say where the points are computed, as in ``ncgear.workers``.
 
-    Raises WrongInput where nothing resists or the optimiser is not installed, NoSuchMechanism where no law keeps the
-    limits.
+    Raises WrongInput where nothing resists, where the guide rubs, or where the optimiser is not installed, and
+    NoSuchMechanism where no law keeps the limits.
     """
     require("casadi", "optimize", "ncgear frontier")
     if design.resistance is None:
         raise WrongInput("missing; without it there is no power to set against acceleration", key="resistance")
+    refuse_guide_friction(design, "the power that is capped")
     kept = FinishedPoints(folder / POINTS_FILE, design)
     found = kept.found()
     caps = found["caps", float(count)]["caps_w"] if ("caps", float(count)) in found else _caps(design, count, kept)
