@@ -96,7 +96,7 @@ def frontier(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
-    """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
+    """Set power against acceleration: certified limit, beside laws, published family, mechanisms, all at one speed.
 
     Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
     """
@@ -108,22 +108,22 @@ def frontier(
         from ncgear.figures.best_law import frontier_figures, frontier_text
         from ncgear.files.frontier import frontier_files
         from ncgear.files.manifest import publish_run
-        from ncgear.project.best_law import BestLaw
+        from ncgear.project.comparison import GearsAsGiven
         from ncgear.project.frontier_run import frontier as frontier_of
 
         folder = out or EXPORT / f"{loaded.design.name}-frontier"
         prepare(folder)
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
-        best = BestLaw(loaded.design)
-        run = publish_run(folder, frontier_files(found, best), "frontier")
+        beside = GearsAsGiven(loaded.design)
+        run = publish_run(folder, frontier_files(found, beside), "frontier")
         if as_json:
-            print_figures(frontier_figures(found, best), kept=run.kept)
+            print_figures(frontier_figures(found, beside), kept=run.kept)
         elif verbose:
-            typer.echo(frontier_text(found, best, run.paths, run.kept))
+            typer.echo(frontier_text(found, beside, run.paths, run.kept))
         else:
             then = "give a cap as optimize.limits.peak_power_w, then ncgear optimize"
-            typer.echo(answer_text(frontier_answer(found, best, then), run.paths, run.kept))
+            typer.echo(answer_text(frontier_answer(found, beside, then), run.paths, run.kept))
 
 
 def size(

@@ -100,7 +100,7 @@ def family_point(task: Task, cap_w: float) -> FamilyPoint:
 
     found = []
     for inverse in (False, True):
-        family = Family(task.linkage, task.load, task.speed_rad_s, inverse, task.lobes)
+        family = Family(task, inverse)
         try:
             found.append(best_of_family(family, Peak.ACCELERATION, cap_w, seed=FAMILY_SEED, starts=FAMILY_STARTS))
         except NoSuchMechanism:
@@ -122,7 +122,10 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
         **{f"theta{number}_rad": getattr(asked, f"theta{number}_rad") for number in (1, 2, 3, 4)},
         "v1_mm_s": asked.v1_mm_s,
         "a1_mm_s2": asked.a1_mm_s2,
-        "return": {"basis": "inverse_ratio" if best.inverse else "ratio", "e": "least_acceleration"},
+        "return": {
+            "basis": "inverse_ratio" if best.inverse else "ratio",
+            "e": "least_acceleration" if best.constant is None else best.constant,
+        },
     }
 
 

@@ -14,18 +14,16 @@ from ncgear.design.keys.design import Design
 from ncgear.design.laws.spline_ratio import SecondStageRatios, SplineRatio
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import DesignError, NoSuchMechanism
-from ncgear.extras import require
+from ncgear.extras import installed, require
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
-from ncgear.project.law import law_of
+from ncgear.project.comparison import Comparison
 from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.wishes import inertia_as_given, inertia_with, task_of, wishes_of
-from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Train, single
+from ncgear.ratio.transmission import Train
 from ncgear.shown import Shown
 from ncgear.workers import finished
 
@@ -46,7 +44,7 @@ class Starts:
     apart: float
 
 
-class BestLaw(Shown):
+class BestLaw(Comparison, Shown):
     """A design's machine with the best law that its wishes allow.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
@@ -64,14 +62,9 @@ class BestLaw(Shown):
         processes: int | None = None,
         on_programme: Callable[[int, int], None] = lambda solved, most: None,
     ) -> None:
-        self.design = design
+        super().__init__(design)
         self._starts, self._where = starts, (scheduler, processes)
         self._on_programme = on_programme
-
-    @cached_property
-    def wishes(self) -> Wishes:
-        """Goal and limits."""
-        return wishes_of(self.design)
 
     @cached_property
     def begun(self) -> Begun:
@@ -155,18 +148,6 @@ class BestLaw(Shown):
             raise with_what_was_found(self.design, task, self.wishes, refused) from refused
 
     @property
-    def not_kept(self) -> str:
-        """What the design's own law prescribes of the motion and no wish asks for, in words; empty where none is."""
-        from ncgear.project.law import keeps_even_speed
-
-        return "" if keeps_even_speed(self.design) else self.design.motion.prescribed
-
-    @property
-    def soft(self) -> bool:
-        """Whether soft wishes count in what is least: they bend the law, and the limit is that of hard ones alone."""
-        return any(not wish.hard for wish in self.wishes.motion)
-
-    @property
     def gap(self) -> float | None:
         """The share by which the law's goal lies over the limit; None without one, and where soft wishes count too."""
         bound = self.limit
@@ -248,18 +229,10 @@ class BestLaw(Shown):
         """Exact figures of the law."""
         return figures(self.task, self.train)
 
-    @cached_property
-    def uniform_figures(self) -> Figures:
-        """Exact figures of a uniform crank on the same machine, its round gears as far apart as the law's."""
-        return figures(self.task, single(uniform_law(self.task.lobes)), self.train)
-
-    @cached_property
-    def given_figures(self) -> Figures | None:
-        """Exact figures of the design's own law at the same speed; None where that law cannot be made."""
-        try:
-            return figures(self.task, law_of(self.design).train)
-        except DesignError:
-            return None
+    @property
+    def sizing(self) -> Train:
+        """The law found: the round gears of the uniform crank are as far apart as its own."""
+        return self.train
 
     @cached_property
     def limit_points(self) -> list[tuple[float, float]]:

@@ -61,16 +61,19 @@ def _masses_of(design: Design, gears: TrainInertia) -> Masses | None:
 
 
 def _refuse_guide_friction(design: Design) -> None:
-    """Refuse limits and goals of loads with friction in the guide, which the search for a law does not know."""
-    if design.drivetrain is None or not design.drivetrain.guide_friction:
-        return
+    """Refuse limits and goals of loads with friction in the guide."""
     asked = design.optimize or Optimize()
     limited = [name for name in ("peak_power_w", *task.LOAD_LIMITS) if getattr(asked.limits, name) is not None]
     prices = _prices(asked)
     if limited or prices.of_loads or prices.peak_power_w:
-        what = f"limits.{limited[0]}" if limited else "goal"
+        refuse_guide_friction(design, f"optimize.limits.{limited[0]}" if limited else "optimize.goal")
+
+
+def refuse_guide_friction(design: Design, changed: str) -> None:
+    """Refuse friction in the guide, which changes what a search limits and which the search for a law does not know."""
+    if design.drivetrain is not None and design.drivetrain.guide_friction:
         raise WrongInput(
-            f"given, but the search for a law does not know friction in the guide, which changes optimize.{what}; "
+            f"given, but the search for a law does not know friction in the guide, which changes {changed}; "
             "leave the friction out to search, and give it again to check, simulate and build",
             key="drivetrain.guide_friction",
         )
