@@ -60,14 +60,7 @@ def _limit(best: BestLaw) -> str:
     if best.soft:
         return f"{law}, bent by soft wishes; the limit of hard wishes and limits alone is {limit} (certified)"
     over = "beside " if best.gap is None else f"{fixed(100.0 * best.gap, 1)} % above "
-    return f"{law}, {over}the limit of {limit}, which no law goes below{_gears(best)} (certified)"
-
-
-def _gears(best: BestLaw) -> str:
-    """The inertia of the gears that a limit holds for, in words; empty without masses."""
-    if best.task.masses is None:
-        return ""
-    return f" with a driven gear of {figure('driven_gear_kg_mm2', best.task.masses.driven_inertia_kg_mm2)}"
+    return f"{law}, {over}the limit of {limit}, which no law goes below (certified)"
 
 
 def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
@@ -93,7 +86,8 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
     if best.task.masses is not None:
-        rows.append(Row("masses", ("count in all figures; with them the limit is a relaxation and may lie higher",)))
+        gear = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
+        rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}, and may lie higher",)))
     return [*rows, *_without_masses(best)]
 
 
