@@ -22,7 +22,9 @@ from ncgear.extras import require
 from ncgear.frozen import dataclass
 from ncgear.interrupts import uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
+from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task
+from ncgear.project.offered import may_be_asked
 from ncgear.project.wishes import inertia_as_given, task_of, wishes_of
 from ncgear.shown import Shown
 from ncgear.workers import finished
@@ -151,6 +153,8 @@ def _point(design: Design, job: tuple[str, float]) -> dict[str, Any]:
         return asdict(family_point(task, cap_w))
     try:
         return asdict(law_point(task, wishes, cap_w))
+    except Refused as refusal:
+        return {"refused": refusal.among(lambda offers: may_be_asked(design, offers)).problem}
     except NoSuchMechanism as refusal:
         return {"refused": refusal.problem}
 
