@@ -64,7 +64,7 @@ def reached(asked: Asked) -> Reached:
     search_s = process_time() - start
     found = figures(task, law.train(task.lobes))
     start = process_time()
-    raised = raised_limit(task, wishes, bound, found)
+    raised = raised_limit(task, wishes, bound, found, law.motion)
     return Reached(wishes.prices.of(found), raised.value, limit_s + process_time() - start, search_s)
 
 

@@ -34,6 +34,13 @@ SIZED = "pusher", "baler-half-dynamics"
 FRONTIERS = "baler-frontier", "printed-pump"
 TOLERATED = "ellipse", "internal-1-2", "desk-toy", "baler-drivetrain"
 SWEPT = "baler", "ellipse", "feeder-table", "internal-1-2", "baler-66-two-stage", "pusher"
+AS_JSON = """
+build designs/printed-pump.yaml --format svg | build designs/baler-66-two-stage.yaml --format svg
+report designs/printed-pump.yaml | simulate designs/baler-dynamics.yaml | strength designs/printed-pump.yaml
+tolerance designs/ellipse.yaml --samples 256 | size designs/pusher.yaml | optimize designs/pusher.yaml | reproduce
+sweep designs/pusher.yaml --vary linkage.rod_mm=50:400:4
+"""
+"""Commands whose figures are also printed for programs, as those of checks and of balances are."""
 VARIED = "baler-dynamics", "printed-pump", "internal-1-2", "feeder-table", "helical-ellipse", "baler-half"
 VARIED_GEARS = "printed-pump", "helical-ellipse"
 """Designs of which each key of the gears is also changed for a build."""
@@ -116,6 +123,8 @@ def _designs() -> Iterator[Run]:
         rod = YAML(typ="safe").load(DESIGNS[name])["linkage"]["rod_mm"]
         vary = "--vary", f"linkage.rod_mm={rod / 4}:{rod * 2}:4", "--vary", "operation.speed_rpm=10:40:2"
         yield Run(f"sweep/{name}", ("sweep", _place(DESIGNS[name]), *vary))
+    for words in _lines(AS_JSON):
+        yield Run(f"json/{'-'.join(Path(word).stem for word in words[:2])}", (*words, "--json"))
     for name, path in CASES.items():
         file = {f"{name}.yaml": path.read_text(encoding="utf-8")}
         yield Run(f"case/{name}/check", ("check", f"{name}.yaml"), file, together="check", quick=True)
@@ -194,11 +203,15 @@ reproduce --out designs/baler.yaml | new | new a --law circle | new a --teeth 2.
 """
 
 
+def _lines(text: str) -> list[tuple[str, ...]]:
+    """The words of each command of a text, which stand on lines of their own or between bars."""
+    return [words for line in text.replace("\n", "|").split("|") if (words := tuple(line.split()))]
+
+
 def _wrong_use() -> Iterator[Run]:
-    for line in WRONG_USE.replace("\n", "|").split("|"):
-        if words := tuple(line.split()):
-            name = f"wrong-use/{' '.join(words).replace('/', ':')}"
-            yield Run(name, words, together="wrong use", quick=True)
+    for words in _lines(WRONG_USE):
+        name = f"wrong-use/{' '.join(words).replace('/', ':')}"
+        yield Run(name, words, together="wrong use", quick=True)
     yield Run("wrong-use/nothing", (), quick=True)
     yield Run("wrong-use/missing", ("check", "none.yaml"), quick=True)
 

@@ -17,6 +17,7 @@ import numpy as np
 from ncgear.design.reading.design_file import load
 from ncgear.kinematics.motion import Machine
 from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
+from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
 from ncgear.project.wishes import inertia_as_given, task_of
@@ -53,6 +54,12 @@ class KeptLaw:
     def machine(self) -> Machine:
         """The machine that follows the law."""
         return Machine(self.train.whole, self.task.linkage, self.task.load, self.task.speed_rad_s)
+
+    @property
+    def motion(self) -> Motion:
+        """How the crank turns at even driving angles."""
+        turned = self.train.whole.driven_angle(np.linspace(0.0, self.task.cycle_rad, 400, endpoint=False), 1)
+        return Motion(turned.value, turned.derivative(1))
 
     def without_masses(self) -> KeptLaw:
         """The law where the load alone is felt."""

@@ -204,6 +204,7 @@ RETURNS = st.one_of(
     st.just({"basis": "inverse_ratio"}),
     st.just({"e": "least_acceleration"}),
     number(-3.0, 3.0).map(lambda e: {"basis": "ratio", "e": e}),
+    number(-1.0, 3.0).map(lambda e: {"basis": "inverse_ratio", "e": e}),
 )
 
 

@@ -101,7 +101,7 @@ FEW = ["build baler", "build printed-pump", "strength baler", "simulate baler-dr
 def test_every_command_answers_on_a_screen(case: str, run: Run) -> None:
     command, *options, name = case.split()
     status, text, err = run(command, str(DESIGNS / f"{name}.yaml"), *options)
-    if status == 3 or "motion.second_stage" in err:
+    if status == 3 or "motion.second_stage" in err or "motion.law: open" in err:
         pytest.skip("refused")
     assert status == 0, err
     assert fits(text), text

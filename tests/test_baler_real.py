@@ -11,10 +11,10 @@ import pytest
 
 from documented.installing import ROOT
 from drives import loaded
+from ncgear.dynamics.rigid import RigidMachine
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.arrays import Array
-from ncgear.dynamics.rigid import RigidMachine
 from ncgear.optimum.felt import felt
 from ncgear.project.law import law_of
 from ncgear.ratio.laws.uniform import uniform_law

@@ -191,12 +191,6 @@ BAD: dict[str, tuple[str, str, str, str]] = {
     ),
     "nan for e": (changed(STROKE, "e: least_acceleration", "e: .nan"), "e: .nan", "motion.return.e", ".nan given"),
     "truth for e": (changed(STROKE, "e: least_acceleration", "e: true"), "e: true", "motion.return.e", "true given"),
-    "e of inverse ratio": (
-        changed(changed(STROKE, "e: least_acceleration", "e: 1"), "basis: ratio ", "basis: inverse_ratio "),
-        "e: 1 ",
-        "motion.return.e",
-        "needs basis ratio",
-    ),
     "two formulas": (
         PLAIN + "motion: {law: ratio_expression, ratio: '1', driven_angle: phi}\n",
         "driven_angle",

@@ -58,14 +58,15 @@ def ends_of(name: str) -> ReturnEnds:
 
 @cache
 def law_of(name: str, kind: str) -> ReturnLaw:
-    """A return of each kind: the constant as text, or least acceleration in one of the bases."""
+    """A return of each kind: the constant or least acceleration, as text, in one of the bases."""
     ends, linkage = ends_of(name), LINKAGES[name]
     if kind.startswith("least"):
         return return_of_least_acceleration(ends, linkage, inverse=kind == "least inverse")
-    return return_with_constant(ends, float(kind))
+    constant, _, basis = kind.partition(" ")
+    return return_with_constant(ends, float(constant), inverse=basis == "inverse")
 
 
-KINDS = ["0", "1", "-2", "least", "least inverse"]
+KINDS = ["0", "1", "-2", "least", "least inverse", "1.5 inverse"]
 every_return = pytest.mark.parametrize(("name", "kind"), [(name, kind) for name in LINKAGES for kind in KINDS])
 
 
@@ -96,7 +97,7 @@ def test_the_driven_angle_closes_by_exact_quadrature(name: str, kind: str) -> No
 def test_the_polynomial_has_degree_five_in_its_basis(name: str, kind: str) -> None:
     law = law_of(name, kind)
     assert law.polynomial.degree() <= 5
-    assert law.inverse == (kind == "least inverse")
+    assert law.inverse == kind.endswith("inverse")
 
 
 @every_return
@@ -203,10 +204,11 @@ def test_the_best_of_a_scan_of_the_family_is_not_better(name: str, kind: str) ->
     assert min(peaks) >= dense_peak(law, linkage) * (1.0 - ON_GRID)
 
 
+@pytest.mark.parametrize("kind", ["least", "least inverse"])
 @pytest.mark.parametrize("name", LINKAGES)
-def test_least_acceleration_and_its_own_e_are_the_same_law(name: str) -> None:
-    law = law_of(name, "least")
-    again = return_with_constant(law.ends, law.extrapolated_ratio)
+def test_least_acceleration_and_its_own_e_are_the_same_law(name: str, kind: str) -> None:
+    law = law_of(name, kind)
+    again = return_with_constant(law.ends, law.extrapolated_ratio, inverse=law.inverse)
     tau = np.linspace(0.0, 1.0, 101)
     # e is an extrapolation whose rounding, 1e-12, comes back damped
     assert np.max(np.abs(again.polynomial(tau) - law.polynomial(tau))) <= 1e-10

@@ -47,6 +47,7 @@ def test_all_commands() -> None:
         ("ncgear simulate x --level q", ["quasi_static"]),
         ("ncgear strength x --method el", ["elements"]),
         ("ncgear size x --material 18", ["18CrNiMo7-6"]),
+        ("ncgear sweep x --js", ["--json"]),
     ],
 )
 def test_words(typed: str, words: list[str]) -> None:

@@ -28,6 +28,7 @@ from ncgear.optimum.family import (
     sampled_laws,
     strokes_at,
 )
+from ncgear.optimum.task import Task
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.sampled_strokes import (
     BUMP_HEIGHT,
@@ -67,7 +68,7 @@ def points_of(shapes: Array, skewness: float = 0.0) -> Array:
 
 def family_of(linkage: CrankSlider, *, inverse: bool = True, lobes: Lobes | None = None) -> Family:
     """The family against the baler's resistance."""
-    return Family(linkage, PRESS, OMEGA, inverse, lobes or Lobes())
+    return Family(Task(linkage, PRESS, OMEGA, lobes or Lobes()), inverse)
 
 
 def made(shape: Array, family: Family) -> StrokeLaw:
@@ -76,7 +77,7 @@ def made(shape: Array, family: Family) -> StrokeLaw:
     stroke = solved_stroke(request_at(family, point[0]))
     strokes, _ = strokes_at(family, point)
     assert stroke.v2_mm_s == pytest.approx(strokes.pressing_mm_rad[0] * OMEGA, rel=1e-9)
-    return stroke_law(stroke, family.linkage, family.lobes, inverse_basis=family.inverse)
+    return stroke_law(stroke, family.task.linkage, family.task.lobes, inverse_basis=family.inverse)
 
 
 @pytest.mark.slow
@@ -107,8 +108,9 @@ def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
 def returned(family: Family, shape: Array, skewness: float) -> ReturnSamples:
     """Samples of the return of one shape."""
     strokes, found = strokes_at(family, points_of(shape[None], skewness))
-    asked = strokes, family.linkage, family.lobes.driving_period_rad, found, RETURN_POINTS
-    return return_samples(returns_with_skewness(*asked, inverse=family.inverse), family.linkage, RETURN_POINTS, 1)
+    task = family.task
+    asked = strokes, task.linkage, task.cycle_rad, found, RETURN_POINTS
+    return return_samples(returns_with_skewness(*asked, inverse=family.inverse), task.linkage, RETURN_POINTS, 1)
 
 
 @pytest.mark.tiers(
@@ -159,7 +161,7 @@ def baler_point() -> Array:
 
 def test_the_published_baler_is_a_member() -> None:
     """6315 W and 1500 mm/s^2 in the working stroke at 20 r/min, its headline figures."""
-    found = sampled_laws(Family(BALER_LINKAGE, PRESS, 20.0 * pi / 30.0), baler_point()[None])
+    found = sampled_laws(Family(Task(BALER_LINKAGE, PRESS, 20.0 * pi / 30.0)), baler_point()[None])
     assert found.power.max() == pytest.approx(6315.1, rel=1e-3)  # between samples
     assert np.abs(found.acceleration[:, : sum(SEGMENT_POINTS)]).max() == pytest.approx(
         1500.0, rel=1e-4
@@ -169,7 +171,7 @@ def test_the_published_baler_is_a_member() -> None:
 def test_shapes_that_turn_back_are_no_laws() -> None:
     random = np.random.default_rng(4)
     points = random.random((400, 7))
-    family = Family(BALER_LINKAGE, PRESS, OMEGA)
+    family = family_of(BALER_LINKAGE, inverse=False)
     found = sampled_laws(family, points)
     possible = np.isfinite(found.power[:, 0])
     assert 0.3 < possible.mean() < 0.95
@@ -183,7 +185,8 @@ def test_shapes_that_turn_back_are_no_laws() -> None:
 @cache
 def best(cap_w: float, *, inverse: bool, seed: int = 1) -> FamilyOptimum:
     """The least acceleration on the baler's linkage at 60 r/min."""
-    return best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, inverse), Peak.ACCELERATION, cap_w, seed=seed, starts=16)
+    family = family_of(BALER_LINKAGE, inverse=inverse)
+    return best_of_family(family, Peak.ACCELERATION, cap_w, seed=seed, starts=16)
 
 
 @pytest.mark.long
@@ -206,7 +209,7 @@ def test_the_reach_of_the_family_on_the_baler(cap_w: float, inverse: bool, at_mo
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_law() -> None:
-    again = best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, True), Peak.ACCELERATION, 18750.0, starts=16)
+    again = best_of_family(family_of(BALER_LINKAGE), Peak.ACCELERATION, 18750.0, starts=16)
     assert again.request == best(18750.0, inverse=True).request
 
 
@@ -226,7 +229,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     """Both ways of asking lead to the same frontier."""
     optimum = best(12000.0, inverse=True)
     cap = optimum.peak(Peak.ACCELERATION)
-    other = best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, True), Peak.POWER, cap, starts=16)
+    other = best_of_family(family_of(BALER_LINKAGE), Peak.POWER, cap, starts=16)
     assert other.peak(Peak.ACCELERATION) <= cap * (1.0 + 1e-6)
     assert other.peak(Peak.POWER) == pytest.approx(12000.0, rel=0.02)
 
@@ -234,7 +237,7 @@ def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
 @pytest.mark.tiers(slow=["offset"], rest="long")
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
-    family = Family(linkage, SliderLoad(), OMEGA, True)
+    family = Family(Task(linkage, SliderLoad(), OMEGA), inverse=True)
     optimum = best_of_family(family, Peak.ACCELERATION, 1.0, starts=6)
     assert optimum.peak(Peak.POWER) == 0.0
     without = best_of_family(family, Peak.ACCELERATION, inf, starts=6)
@@ -247,5 +250,5 @@ def test_a_cap_out_of_reach_is_refused_with_what_is_in_reach() -> None:
     """The work of a stroke in a whole cycle is a power no law goes below."""
     mean_w = PRESS.cycle_work_n_mm(760.0) / 1000.0
     with pytest.raises(NoSuchMechanism, match=r"power of \d+ or less; the least found is (\d+)") as caught:
-        best_of_family(Family(BALER_LINKAGE, PRESS, OMEGA, True), Peak.ACCELERATION, float(round(mean_w)), starts=4)
+        best_of_family(family_of(BALER_LINKAGE), Peak.ACCELERATION, float(round(mean_w)), starts=4)
     assert float(caught.value.problem.split()[-1]) > mean_w

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import os
 from io import BytesIO, StringIO
 from pathlib import Path
@@ -20,12 +19,12 @@ from drives import loaded
 from ncgear.design.keys.design import Design
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.best_law import frontier_csv, frontier_json, frontier_text, other_mechanisms
+from ncgear.figures.best_law import frontier_csv, frontier_figures, frontier_text, other_mechanisms
 from ncgear.files.frontier import frontier_files
 from ncgear.optimum.family import Family, Peak, best_of_family
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
 from ncgear.optimum.task import Figures
-from ncgear.project.best_law import BestLaw
+from ncgear.project.comparison import GearsAsGiven
 from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
 from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.wishes import task_of, wishes_of
@@ -86,11 +85,10 @@ def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None
 def test_the_familys_motion_makes_the_law_it_says() -> None:
     """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
     task = task_of(design(), TrainInertia())
-    family = Family(task.linkage, task.load, task.speed_rad_s)
-    best = best_of_family(family, Peak.ACCELERATION, 15_000.0, starts=1)
+    best = best_of_family(Family(task), Peak.ACCELERATION, 15_000.0, starts=1)
     said = {"motion": motion_of(best), "name": "again", "linkage": {"crank_mm": 380.0, "rod_mm": 960.0}}
     again = Design.model_validate({**said, "operation": {"speed_rpm": 60.0}, "resistance": RESISTANCE})
-    found = BestLaw(again).given_figures
+    found = GearsAsGiven(again).given_figures
     assert found is not None
     assert found.peak_acceleration_mm_s2 == pytest.approx(best.peak(Peak.ACCELERATION), rel=1e-9)
     assert found.peak_power_w == pytest.approx(best.peak(Peak.POWER), rel=1e-9)
@@ -219,10 +217,10 @@ def test_points_that_were_all_refused_say_why(tmp_path: Path, monkeypatch: pytes
 
 @pytest.mark.slow
 def test_tables_hold_the_points() -> None:
-    rows = list(csv.DictReader(StringIO(frontier_csv(found(), BestLaw(design())))))
+    rows = list(csv.DictReader(StringIO(frontier_csv(found(), GearsAsGiven(design())))))
     assert [float(row["limit_acceleration_mm_s2"]) for row in rows] == [30_000.0, 14_000.0]
     assert [row["family_acceleration_mm_s2"] for row in rows] == ["", "18500.0"]
-    content = json.loads(frontier_json(found(), BestLaw(design())))
+    content = frontier_figures(found(), GearsAsGiven(design()))
     assert content["points"][1]["gap"] == pytest.approx(1.0 / 7.0, rel=1e-12)
     assert content["speed_rpm"] == 60.0
 
@@ -231,7 +229,7 @@ def test_tables_hold_the_points() -> None:
 def test_mechanisms_are_at_one_speed() -> None:
     """The earlier mechanism's figures at 30 r/min: half the power, a quarter of the acceleration."""
     slow = design().model_copy(update={"operation": design().operation.model_copy(update={"speed_rpm": 30.0})})
-    at_60, at_30 = ({one.name: one for one in other_mechanisms(BestLaw(of))} for of in (design(), slow))
+    at_60, at_30 = ({one.name: one for one in other_mechanisms(GearsAsGiven(of))} for of in (design(), slow))
     assert set(at_60) == {"design as given", "uniform crank", "Lei et al. 2012"}
     assert at_60["Lei et al. 2012"].peak_power_w == 18_750.0
     for name, one in at_60.items():
@@ -241,12 +239,12 @@ def test_mechanisms_are_at_one_speed() -> None:
 
 @pytest.mark.slow
 def test_the_picture_and_the_text(tmp_path: Path) -> None:
-    files = frontier_files(found(), BestLaw(design()))
+    files = frontier_files(found(), GearsAsGiven(design()))
     assert set(files) == {"frontier.csv", "frontier.json", "frontier.png"}
     pixels = np.asarray(Image.open(BytesIO(files["frontier.png"])).convert("RGB")).reshape(-1, 3)
     for colour in ((0x00, 0x64, 0xA0), (0xB0, 0x4A, 0x00), (0xA0, 0x2C, 0x6A)):
         assert np.any(np.all(pixels == colour, axis=1))
-    text = frontier_text(found(), BestLaw(design()), [tmp_path / "frontier.csv"])
+    text = frontier_text(found(), GearsAsGiven(design()), [tmp_path / "frontier.csv"])
     assert "33.3" in text
     assert "uniform crank" in text
     assert "The best laws do not keep the constant speed v2" in text
@@ -256,7 +254,7 @@ def test_the_picture_and_the_text(tmp_path: Path) -> None:
 def test_small_powers_keep_their_digits_in_the_text() -> None:
     """A packaging machine's 8.7023 W is not 9 W, and its limit of 635.52 mm/s2 not 636."""
     small = Frontier([LawPoint(8.7023, 635.52, figures(8.7, 656.51))], [FamilyPoint(8.7023, 8.69, 702.18)])
-    row = frontier_text(small, BestLaw(design()), []).splitlines()[2].split()
+    row = frontier_text(small, GearsAsGiven(design()), []).splitlines()[2].split()
     assert row == ["8.7023", "635.52", "656.51", "3.3", "702.18"]
 
 

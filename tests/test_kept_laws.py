@@ -13,7 +13,8 @@ from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import least_acceleration, least_acceleration_roughly, least_of, least_power
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
-from ncgear.optimum.task import Figures, Task
+from ncgear.optimum.certified.tree import Budget
+from ncgear.optimum.task import Figures, Task, figures
 from tiers import long_but
 
 Limit = Callable[[Task, Demands], float]
@@ -199,7 +200,8 @@ def test_no_limit_is_raised_above_a_law(name: str, prices: dict[str, float]) -> 
     asked = law.demands()
     own = sum(price * getattr(asked, figure) for figure, price in prices.items())
     free = replace(asked, **dict.fromkeys(prices, inf))
-    assert raised(law.task, free, prices, 1.2 * own) <= own
+    wanted = {figure: 1.2 * getattr(asked, figure) for figure in prices}
+    assert raised(law.task, free, prices, wanted, law.motion, Budget(300))[0] <= own
 
 
 @pytest.mark.long
@@ -208,10 +210,10 @@ def test_a_limit_raised_for_less_than_the_law_feels_is_above_it() -> None:
     """Negative control: friction that the law does not have, 4 % of the force."""
     law = kept("designs/pump-both-ways")
     rubbing = replace(law.task, load=replace(law.task.load, friction_n=law.task.load.friction_n + 20.0))
-    own = law.demands()
+    own, felt = law.demands(), {"power_w": figures(rubbing, law.train).peak_power_w}
     asked = Demands(own.ratio_min, own.ratio_max, convex=True, acceleration_mm_s2=own.acceleration_mm_s2)
-    assert raised(law.task, asked, {"power_w": 1.0}, 1.2 * own.power_w) <= own.power_w
-    assert raised(rubbing, asked, {"power_w": 1.0}, 1.2 * own.power_w) > own.power_w
+    assert raised(law.task, asked, {"power_w": 1.0}, felt, law.motion, Budget(300))[0] <= own.power_w
+    assert raised(rubbing, asked, {"power_w": 1.0}, felt, law.motion, Budget(300))[0] > own.power_w
 
 
 def tighter(asked: Demands) -> Demands:

@@ -353,7 +353,8 @@ def test_spectra_have_lines() -> None:
 @pytest.mark.slow
 def test_the_command_writes_the_page(tmp_path: Path) -> None:
     done = fresh("reproduce", "--out", str(tmp_path))
-    assert done.stdout.splitlines()[-2:] == [f"  {tmp_path / name}" for name in (PAGE, "manifest.json")]
+    written = PAGE, "reproduction.json", "manifest.json"
+    assert done.stdout.splitlines()[-3:] == [f"  {tmp_path / name}" for name in written]
     assert f"{BALER}\n    10  reproduced\n" in done.stdout
     assert (tmp_path / PAGE).read_bytes() == (ROOT / "docs" / PAGE).read_bytes()
 

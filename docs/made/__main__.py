@@ -7,6 +7,8 @@ import sys
 from dataclasses import asdict
 
 from made.command_heads import FOLDER, NAMES, with_head
+from made.figures_page import NAME as FIGURES
+from made.figures_page import figures_page
 from made.gallery import NAME as GALLERY
 from made.gallery import gallery_page
 from made.key_pages import PAGES, key_page
@@ -29,6 +31,7 @@ def write_pages() -> None:
     for file in PAGES:
         (DOCS / file).write_text(key_page(file), encoding="utf-8")
     (DOCS / MATERIALS).write_text(material_page(), encoding="utf-8")
+    (DOCS / FIGURES).write_text(figures_page(), encoding="utf-8")
     (DOCS / GALLERY).write_text(gallery_page(), encoding="utf-8")
     (DOCS / KINDS).write_text(kinds_page(), encoding="utf-8")
     TOLD_KEYS.write_text(told_keys_text(), encoding="utf-8")

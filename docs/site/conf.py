@@ -57,6 +57,7 @@ CONTENTS = {
     ),
     "How far to trust it": (
         "docs/method",
+        "docs/figures",
         "docs/baler",
         "docs/how-it-is-tested",
         "docs/speed-against-error",

@@ -24,6 +24,7 @@ class Scene:
     """A machine: driven angle by the driving angle, linkage, masses, gears; all plain numbers.
 
     ``resistance`` and ``returning`` are the forces against the slider on its way out and back, by its displacement.
+    The guide rubs against its motion with ``guide_friction`` times the size of its force.
     """
 
     driven_angle: Angle
@@ -45,6 +46,7 @@ class Scene:
     internal: bool
     driving_axis: float
     returning: Callable[[Real], Real] = lambda x: mp.mpf(0)
+    guide_friction: float = 0.0
 
 
 def places(scene: Scene, phi1: Real) -> dict[str, Any]:
@@ -96,12 +98,22 @@ def _placed(scene: Scene, vector: Any) -> Any:
 
 
 def solved(scene: Scene, phi1: float, *, working: bool, pushing: bool) -> dict[str, float]:
-    """Wrist, pin and crank bearing, guide, mesh force, driving bearing and driving torque at one angle."""
+    """Wrist, pin and crank bearing, guide, mesh force, driving bearing and driving torque at one angle.
+
+    Friction follows the side on which the guide presses: both are tried, and one of them must agree with its force.
+    """
     with mp.workdps(DIGITS):
         names = ["wrist_x", "wrist_y", "pin_x", "pin_y", "crank_x", "crank_y", "guide", "mesh", "axis_x", "axis_y"]
         names.append("torque")
         rows, right = _equations(scene, mp.mpf(phi1), working, pushing, names)
-        return {name: float(value) for name, value in zip(names, mp.lu_solve(rows, right), strict=True)}
+        way, found = (1 if working else -1), []
+        for side in (1, -1) if scene.guide_friction else (0,):
+            rubbing = rows.copy()
+            rubbing[0, names.index("guide")] -= way * side * mp.mpf(scene.guide_friction)
+            solution = dict(zip(names, mp.lu_solve(rubbing, right), strict=True))
+            found += [solution] if side * solution["guide"] >= 0 else []
+        (only,) = found
+        return {name: float(value) for name, value in only.items()}
 
 
 def _equations(scene: Scene, phi1: Real, working: bool, pushing: bool, names: list[str]) -> tuple[Any, Any]:
@@ -141,3 +153,42 @@ def _equations(scene: Scene, phi1: Real, working: bool, pushing: bool, names: li
     equation(mp.mpf(0), torque=-1 if scene.internal else 1, mesh=held)
     matrix = mp.matrix([[row.get(name, 0) for name in names] for row in rows])
     return matrix, mp.matrix(right)
+
+
+def solved_yoke(scene: Scene, phi1: float, *, working: bool, pushing: bool) -> dict[str, float]:
+    """The same of a Scotch yoke: a slot across the slider's line, in which the pin presses along the line alone.
+
+    The slider's weight along the line counts; rod and offset do not.
+    """
+    with mp.workdps(DIGITS):
+        angle, scale = mp.mpf(phi1), mp.mpf(scene.speed_rad_s) ** 2 / 1000
+
+        def crank(at: Real) -> Real:
+            return mp.expjpi(1) * mp.expj(-scene.driven_angle(at))
+
+        out, center = crank(angle), scene.crank_center * crank(angle)
+        moved = mp.diff(crank, angle, 2) * scale
+        turned = -mp.diff(scene.driven_angle, angle, 2) * scale
+        gravity = mp.mpc(*scene.gravity)
+        x = scene.crank * (1 + out.real)
+        press = scene.resistance(x) if working else -scene.returning(x)
+        point, axis, direction = action(scene, angle, pushing=pushing)
+        weight = scene.crank_kg * (scene.crank_center * moved - gravity)
+        arm = scene.crank * out.imag
+        tilting = (center.conjugate() * scene.crank_kg * gravity).imag
+        held = ((point - axis).conjugate() * direction).imag
+        turning = (point.conjugate() * direction).imag
+        # Unknown: pin on the slot, both of the crank's bearing, the teeth, the driving torque
+        rows = mp.matrix(
+            [
+                [1, 0, 0, 0, 0],
+                [-1, 1, 0, direction.real, 0],
+                [0, 0, 1, direction.imag, 0],
+                [arm, 0, 0, turning, 0],
+                [0, 0, 0, -held, -1 if scene.internal else 1],
+            ]
+        )
+        slider = scene.slider_kg * (scene.crank * moved.real - gravity.real) + press
+        right = mp.matrix([slider, weight.real, weight.imag, scene.shaft_inertia * turned - tilting, 0])
+        names = ("pin_x", "crank_x", "crank_y", "mesh", "torque")
+        return {name: float(value) for name, value in zip(names, mp.lu_solve(rows, right), strict=True)}

@@ -74,6 +74,9 @@ DesignFile = Annotated[
         autocompletion=files_to_complete,
     ),
 ]
+AsJson = Annotated[
+    bool, typer.Option("--json", help="Print every figure as JSON to stdout, and everything else to stderr.")
+]
 Verbose = Annotated[bool, typer.Option("--verbose", help="Print every figure, every file, and warnings in full.")]
 Scheduler = Annotated[
     str | None,

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, Verbose, opened
+from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Verbose, opened
+from ncgear.cli.as_json import print_figures
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import steps_shown
 
@@ -17,6 +18,7 @@ def bench(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-bench")
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Measure time and error of each stage of a design, and recommend tolerance, mesh and positions for it."""
@@ -29,7 +31,7 @@ def bench(
 
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.bench import bench_answer
-        from ncgear.figures.bench import bench_text
+        from ncgear.figures.bench import bench_figures, bench_text
         from ncgear.figures.terminal import written_lines
         from ncgear.files.bench import bench_files
         from ncgear.files.manifest import publish_run
@@ -42,7 +44,9 @@ def bench(
             on_step("pictures")
             written = bench_files(stages, name)
         run = publish_run(folder, written, "bench")
-        if verbose:
+        if as_json:
+            print_figures(bench_figures(stages, name), kept=run.kept)
+        elif verbose:
             typer.echo(bench_text(stages, name, list(written_lines(run.paths, run.kept))))
         else:
             shown = next((made for made in written if made.startswith("bench-teeth")), "bench-motion.png")

@@ -9,7 +9,8 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import FileKind, keys_to_complete, model_of
+from ncgear.cli.arguments import AsJson, FileKind, keys_to_complete, model_of
+from ncgear.cli.as_json import print_figures
 from ncgear.cli.progress import steps_shown
 
 
@@ -80,13 +81,15 @@ def _into_settings(folder: Path) -> None:
 
 def reproduce(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Output folder.")] = Path("export/reproduction"),
+    as_json: AsJson = False,
 ) -> None:
     """Compute every figure of the six publications that ncgear is judged by, and say which can be reproduced."""
     from ncgear.files.manifest import publish_run
     from ncgear.files.publish import prepare
 
     prepare(out)
-    from ncgear.figures.ledger import PAGE, ledger_page, ledger_text
+    from ncgear.figures.ledger import PAGE, ledger_figures, ledger_page, ledger_text
+    from ncgear.figures.numbers import json_text
     from ncgear.papers.judgement import PAPERS, judgement
 
     judgements = []
@@ -94,5 +97,10 @@ def reproduce(
         for paper in PAPERS:
             on_step(paper.title)
             judgements.append(judgement(paper))
-    run = publish_run(out, {PAGE: ledger_page(judgements).encode()}, "reproduce")
-    typer.echo(ledger_text(judgements, run.paths, run.kept))
+    figures = ledger_figures(judgements)
+    files = {PAGE: ledger_page(judgements).encode(), "reproduction.json": json_text(figures).encode()}
+    run = publish_run(out, files, "reproduce")
+    if as_json:
+        print_figures(figures, kept=run.kept)
+    else:
+        typer.echo(ledger_text(judgements, run.paths, run.kept))

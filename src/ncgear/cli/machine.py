@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, Timing, Verbose, files_to_complete, opened
+from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Timing, Verbose, files_to_complete, opened
+from ncgear.cli.as_json import print_figures
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
@@ -18,7 +19,7 @@ from ncgear.files.workshop.formats import USUAL, Format, slow_to_load
 
 def check(
     design_file: DesignFile,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    as_json: AsJson = False,
     mend: MakeTeeth = False,
     verbose: Verbose = False,
     timing: Timing = False,
@@ -28,25 +29,27 @@ def check(
         from ncgear.figures.advice.collected import check_advice, rough_advice
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.machine import check_answer
-        from ncgear.figures.numbers import json_text
         from ncgear.figures.summary.check_summary import check_summary
         from ncgear.figures.terminal import check_text, timing_text
 
         made = mended(loaded) if mend else as_given(loaded)
         drive = made.drive
-        if made.said and (as_json or verbose):
-            typer.echo(f"{made.words}\n", err=as_json)
+        if as_json or verbose:
+            made.say(err=as_json)
         with steps_shown(1) as on_step:
             on_step("kinematics and power")
             if as_json:
-                text = json_text(check_summary(drive)).rstrip()
+                figures = check_summary(drive)
             elif verbose:
                 text = check_text(drive)
             else:
                 advices = (*check_advice(drive), *rough_advice(drive))
                 file = f"{design_file} {OPTION}" if made.text else str(design_file)
                 text = answer_text(check_answer(drive, advices, file, made.said))
-        typer.echo(text)
+        if as_json:
+            print_figures(figures)
+        else:
+            typer.echo(text)
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -70,6 +73,7 @@ def build(
         ),
     ] = False,
     mend: Mend = False,
+    as_json: AsJson = False,
     verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
@@ -105,9 +109,12 @@ def build(
         # Both runs wrote the manifest.
         paths = list(dict.fromkeys([*built.paths, *design.paths]))
         kept = [*built.kept, *design.kept]
-        if verbose:
-            text = build_text(built.summaries, paths, kept)
-            typer.echo("\n\n".join(part for part in (made.words, text) if part))
+        if as_json or verbose:
+            made.say(err=as_json)
+        if as_json:
+            print_figures(*built.summaries, kept=kept)
+        elif verbose:
+            typer.echo(build_text(built.summaries, paths, kept))
         else:
             shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
             then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {shown}"
@@ -122,6 +129,7 @@ def report(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
     ] = None,
+    as_json: AsJson = False,
     timing: Timing = False,
 ) -> None:
     """Write report.html: the machine running, its curves, comparison, warnings, data sheet and design file."""
@@ -135,7 +143,7 @@ def report(
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.drawings.page.page import report_page
         from ncgear.figures.terminal import kept_lines, timing_text
-        from ncgear.files.build import WRITTEN_STEPS, contacts_as_written
+        from ncgear.files.build import WRITTEN_STEPS, contacts_as_written, summaries_without_files
         from ncgear.files.manifest import publish_run
         from ncgear.project.drive import Drive
 
@@ -146,9 +154,13 @@ def report(
             contacts = contacts_as_written(drive, on_step) if has_gears else []
             on_step("report")
             page = report_page(drive, loaded, contacts, drawer)
+            figures = summaries_without_files(drive, contacts) if as_json else []
         run = publish_run(folder, {REPORT_FILE: page}, "report")
-        said = f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser"
-        typer.echo("\n".join([said, *kept_lines(run.kept)]))
+        if as_json:
+            print_figures(*figures, kept=run.kept)
+        else:
+            said = f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser"
+            typer.echo("\n".join([said, *kept_lines(run.kept)]))
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -203,6 +215,7 @@ def simulate(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-<level>")
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
@@ -226,7 +239,9 @@ def simulate(
             on_step(f"simulation, level {level}")
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
-        if verbose:
+        if as_json:
+            print_figures(found.figures, kept=run.kept)
+        elif verbose:
             typer.echo(simulation_text(found, run.paths, run.kept))
         else:
             answer = simulated_answer(drive, level, found.figures, found.faults, str(design_file))
@@ -254,7 +269,7 @@ def strength(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-strength")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    as_json: AsJson = False,
     verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
@@ -268,9 +283,8 @@ def strength(
         from ncgear.figures.advice.strength_advice import SIZE, remedies
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.strong import strength_answer
-        from ncgear.figures.numbers import json_text
         from ncgear.figures.strong import strength_figures, strength_text
-        from ncgear.figures.terminal import kept_lines, timing_text, written_lines
+        from ncgear.figures.terminal import timing_text, written_lines
         from ncgear.files.build import naming_stage
         from ncgear.files.manifest import publish_run
         from ncgear.files.strength import strength_files
@@ -292,10 +306,7 @@ def strength(
                 files.update(strength_files(pair, verdict, figures[-1]))
         run = publish_run(folder, files, "strength")
         if as_json:
-            stages = {"stages": {f"stage_{number}": found for number, found in enumerate(figures, start=1)}}
-            typer.echo(json_text(stages if len(figures) > 1 else figures[0]).rstrip())
-            if run.kept:
-                typer.echo("\n".join(kept_lines(run.kept)), err=True)
+            print_figures(*figures, kept=run.kept)
         elif verbose:
             texts = [strength_text(*one) for one in told]
             typer.echo("\n\n".join([*texts, "\n".join(written_lines(run.paths, run.kept))]))
@@ -313,7 +324,7 @@ def balance(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<name>-balance")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Say how much a machine shakes, and what mass where would stop it: linkages, gears, rotors, frequencies."""
@@ -327,7 +338,6 @@ def balance(
     from ncgear.figures.answers.answer import answer_text
     from ncgear.figures.answers.shaken import balance_answer
     from ncgear.figures.balance.parts import balance_text, figures_of
-    from ncgear.figures.terminal import kept_lines
     from ncgear.files.balance import balance_files
     from ncgear.files.manifest import publish_run
     from ncgear.project.balancing import Balancing
@@ -340,9 +350,7 @@ def balance(
         files = balance_files(balancing, figures)
     run = publish_run(folder, files, "balance")
     if as_json:
-        typer.echo(files["balance.json"].decode().rstrip())
-        if run.kept:
-            typer.echo("\n".join(kept_lines(run.kept)), err=True)
+        print_figures(figures, kept=run.kept)
     elif verbose:
         typer.echo(balance_text(figures, run.paths, run.kept))
     else:

@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, Verbose, opened
+from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Verbose, opened
+from ncgear.cli.as_json import print_figures
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import steps_shown
 
@@ -45,6 +46,7 @@ def measured(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-measured")
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Hold gears measured by points against the exact ones: pitch, thickness, profile, and whether the pair turns."""
@@ -53,7 +55,7 @@ def measured(
     with opened(design_file) as loaded:
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.compared import compared_answer
-        from ncgear.figures.compared import compared_text
+        from ncgear.figures.compared import compared_figures, compared_text
         from ncgear.figures.terminal import written_lines
         from ncgear.files.compared import compared_files
         from ncgear.files.manifest import publish_run
@@ -72,7 +74,9 @@ def measured(
             on_step("pictures")
             written = compared_files(pair, name)
         run = publish_run(folder, written, "measured")
-        if verbose:
+        if as_json:
+            print_figures(compared_figures(pair, name), kept=run.kept)
+        elif verbose:
             typer.echo(compared_text(pair, name, list(written_lines(run.paths, run.kept))))
         else:
             then = f"see {folder / 'measured-contact.png'} and measured.csv"

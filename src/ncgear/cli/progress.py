@@ -39,18 +39,27 @@ def counted(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, total: shown.update(what, done, total)
 
 
+class Steps:
+    """Steps that follow each other: called with the name of each one as it begins."""
+
+    def __init__(self, shown: Shown, count: int) -> None:
+        self._shown, self._count, self._begun, self._step = shown, count, -1, ""
+
+    def __call__(self, step: str) -> None:
+        """Begin a step."""
+        self._begun, self._step = self._begun + 1, step
+        self._shown.update(step, self._begun, self._count)
+
+    def within(self, said: str) -> None:
+        """Say how far the step has come."""
+        self._shown.update(f"{self._step}, {said}", self._begun, self._count)
+
+
 @contextmanager
-def steps_shown(count: int) -> Iterator[Callable[[str], None]]:
+def steps_shown(count: int) -> Iterator[Steps]:
     """A context with a function to call with the name of each step; ``count`` is the number of steps."""
     with _shown("starting", count) as shown:
-        begun = -1
-
-        def on_step(step: str) -> None:
-            nonlocal begun
-            begun += 1
-            shown.update(step, begun, count)
-
-        yield on_step
+        yield Steps(shown, count)
 
 
 @contextmanager

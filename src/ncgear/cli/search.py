@@ -11,6 +11,7 @@ import typer
 from ncgear.cli.arguments import (
     EXPORT,
     SUFFIXES,
+    AsJson,
     DesignFile,
     Processes,
     Scheduler,
@@ -18,6 +19,7 @@ from ncgear.cli.arguments import (
     materials_to_complete,
     opened,
 )
+from ncgear.cli.as_json import print_figures
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.errors import WrongInput
@@ -33,6 +35,7 @@ def optimize(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-optimized")
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
@@ -47,11 +50,17 @@ def optimize(
         from ncgear.files.frontier import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
 
-        best = BestLaw(loaded.design, starts, scheduler, processes)
-        name = optimized_name(best)
+        name = optimized_name(loaded.design)
         folder = out or EXPORT / name
         prepare(folder)
         with steps_shown(5) as on_step:
+            best = BestLaw(
+                loaded.design,
+                starts,
+                scheduler,
+                processes,
+                lambda solved, most: on_step.within(f"{solved} of at most {most} programmes"),
+            )
             on_step("certified limit")
             best.bound  # noqa: B018
             on_step("makeable law")
@@ -60,14 +69,16 @@ def optimize(
             best.limit  # noqa: B018
             written = optimized_design(loaded.text, best)
             on_step("figures")
-            certified = json_text(certificate(best)).encode()
-            files = {f"{name}.yaml": written.encode(), "certificate.json": certified}
+            figures = certificate(best)
+            files = {f"{name}.yaml": written.encode(), "certificate.json": json_text(figures).encode()}
             if best.limit_points:
                 on_step("picture")
                 files[PICTURE] = limit_picture(best)
         # The best law of another design in the same folder stays.
         run = publish_run(folder, files, f"optimize {name}")
-        if verbose:
+        if as_json:
+            print_figures(figures, kept=run.kept)
+        elif verbose:
             typer.echo(optimized_text(best, run.paths, run.kept))
         else:
             then = f"ncgear {'build' if best.design.gears else 'check'} {folder / name}.yaml"
@@ -82,9 +93,10 @@ def frontier(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-frontier")
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
-    """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
+    """Set power against acceleration: certified limit, beside laws, published family, mechanisms, all at one speed.
 
     Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
     """
@@ -93,23 +105,25 @@ def frontier(
     with opened(design_file) as loaded:
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.best_law import frontier_answer
-        from ncgear.figures.best_law import frontier_text
+        from ncgear.figures.best_law import frontier_figures, frontier_text
         from ncgear.files.frontier import frontier_files
         from ncgear.files.manifest import publish_run
-        from ncgear.project.best_law import BestLaw
+        from ncgear.project.comparison import GearsAsGiven
         from ncgear.project.frontier_run import frontier as frontier_of
 
         folder = out or EXPORT / f"{loaded.design.name}-frontier"
         prepare(folder)
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
-        best = BestLaw(loaded.design)
-        run = publish_run(folder, frontier_files(found, best), "frontier")
-        if verbose:
-            typer.echo(frontier_text(found, best, run.paths, run.kept))
+        beside = GearsAsGiven(loaded.design)
+        run = publish_run(folder, frontier_files(found, beside), "frontier")
+        if as_json:
+            print_figures(frontier_figures(found, beside), kept=run.kept)
+        elif verbose:
+            typer.echo(frontier_text(found, beside, run.paths, run.kept))
         else:
             then = "give a cap as optimize.limits.peak_power_w, then ncgear optimize"
-            typer.echo(answer_text(frontier_answer(found, best, then), run.paths, run.kept))
+            typer.echo(answer_text(frontier_answer(found, beside, then), run.paths, run.kept))
 
 
 def size(
@@ -144,6 +158,7 @@ def size(
         Path | None,
         typer.Option(metavar="FILE.yaml", help="Write the design file with the smallest gears.", show_default="none"),
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Find the smallest gears that hold: module of series I, number of teeth, face width, within a space."""
@@ -161,11 +176,11 @@ def size(
 
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.strong import sized_answer
-        from ncgear.figures.sized import sized_design, sized_text
+        from ncgear.figures.sized import sized_design, sized_figures, sized_text
         from ncgear.figures.terminal import written_lines
         from ncgear.files.manifest import Run, publish_run
         from ncgear.project.drive import Drive
-        from ncgear.project.sizing import Space, asked_design, smallest_gears
+        from ncgear.project.sizing import Space, asked_design, smallest_gears, stated_inertias
 
         options = {
             "strength.bending_safety": bending_safety,
@@ -180,8 +195,10 @@ def size(
         if out is not None:
             content = sized_design(loaded, found[0], asked).encode()
             run, then = publish_run(out.parent, {out.name: content}, f"size {out.name}"), f"ncgear build {out}"
-        if verbose:
+        if as_json:
+            print_figures(sized_figures(found), kept=run.kept)
+        elif verbose:
             written = "\n".join(written_lines(run.paths, run.kept))
             typer.echo("\n\n".join([sized_text(found), *([written] if run.paths else [])]))
         else:
-            typer.echo(answer_text(sized_answer(found, then), run.paths, run.kept))
+            typer.echo(answer_text(sized_answer(found, then, stated_inertias(loaded.design)), run.paths, run.kept))

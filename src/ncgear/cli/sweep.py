@@ -10,7 +10,8 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, Processes, Scheduler, Verbose, opened
+from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Processes, Scheduler, Verbose, opened
+from ncgear.cli.as_json import print_figures
 from ncgear.cli.progress import counted
 from ncgear.errors import WrongInput
 
@@ -75,6 +76,7 @@ def sweep(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-sweep")
     ] = None,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Screen many designs, up to millions: grids, lists or samples of some keys' values; the best go on to teeth.
@@ -99,7 +101,7 @@ def sweep(
 
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.swept import swept_answer
-        from ncgear.figures.sweep import sweep_text
+        from ncgear.figures.sweep import sweep_figures, sweep_text
         from ncgear.files.manifest import publish_run
         from ncgear.files.sweep_run import Order, names_of, screening_of, swept
         from ncgear.screening.wanted import Wanted, constraint_of, objectives_of
@@ -115,10 +117,13 @@ def sweep(
 
         from ncgear.files.sweep import first_best, sweep_files
 
-        files = sweep_files(loaded, found.last, found.screened)
+        figures = sweep_figures(loaded.design.name, found.screened, found.deeper, stage.value)
+        files = sweep_files(loaded, found.last, found.screened, figures)
         run = publish_run(folder, files, "sweep")
         run.paths.extend(found.tables)
-        if verbose:
+        if as_json:
+            print_figures(figures, kept=run.kept)
+        elif verbose:
             typer.echo(sweep_text(found.screened, found.deeper, stage.value, run.paths, run.kept))
         else:
             best = first_best(files)

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile, Scheduler, Verbose, opened
+from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Scheduler, Verbose, opened
+from ncgear.cli.as_json import print_figures
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted
 from ncgear.errors import WrongInput
@@ -29,7 +30,7 @@ def tolerance(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-tolerance")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+    as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
     """Say what tolerances do: play, transmission error, the assemblies that jam or knock, which tolerance matters."""
@@ -44,7 +45,6 @@ def tolerance(
 
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.toleranced import tolerance_answer
-        from ncgear.figures.numbers import json_text
         from ncgear.figures.toleranced import tolerance_json, tolerance_text
         from ncgear.files.manifest import publish_run
         from ncgear.files.tolerance import tolerance_files
@@ -57,7 +57,7 @@ def tolerance(
             found = tolerated(drive, samples, seed, Workers(scheduler, processes), on_done)
             run = publish_run(folder, tolerance_files(found), "tolerance")
         if as_json:
-            typer.echo(json_text(tolerance_json(found)).rstrip())
+            print_figures(tolerance_json(found), kept=run.kept)
         elif verbose:
             typer.echo(tolerance_text(found, run.paths, run.kept))
         else:

@@ -23,17 +23,19 @@ from ncgear.design.keys.gears import SIZES
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.rewritten import LINE_WIDTH
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import finite, fixed, json_text, shown
-from ncgear.figures.quantities import name_of, told
+from ncgear.figures.numbers import finite, fixed, shown
+from ncgear.figures.quantities import figure, name_of, told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
+from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
+from ncgear.project.comparison import Comparison
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law import kept_size
 
@@ -50,9 +52,9 @@ UNITS = {
 ARGUMENT = (
     "Between places of the crank every motion keeps relations that are convex in the squared ratio of speeds, for "
     "acceleration, power, time, the driven curve, the pressure angle and wishes of the motion; the driving curve's is "
-    "made so by ranges of this ratio that are narrowed in rounds, and so is the power that masses take. The "
-    "multipliers of a conic programme prove the least value, with all rounding errors charged. With masses and for "
-    "sums of figures it is a relaxation. What the limit does not know stands under not_covered_by_limit."
+    "made so by ranges of this ratio that are narrowed in rounds and divided, and so are times and the power that "
+    "masses take. The multipliers of a conic programme prove the least value of every part of the ranges, with all "
+    "rounding errors charged. What the limit does not know stands under not_covered_by_limit."
 )
 
 SUFFIX = "-optimized"
@@ -64,9 +66,9 @@ def unit_of_goal(best: BestLaw) -> str:
     return best.task.linkage.OUTPUT.acceleration.text if goal is Goal.ACCELERATION else UNITS[goal]
 
 
-def _named(values: dict[str, Any], best: BestLaw) -> dict[str, Any]:
+def _named(values: dict[str, Any], beside: Comparison) -> dict[str, Any]:
     """Plain values with keys that end in the units of the output: those of the code end in the ones of a slider."""
-    if not best.task.linkage.OUTPUT.angular:
+    if not beside.task.linkage.OUTPUT.angular:
         return values
     return {key.replace("_mm_s", "_rad_s"): value for key, value in values.items()}
 
@@ -80,7 +82,7 @@ def optimized_design(text: str, best: BestLaw) -> str:
     yaml = YAML(typ="rt")
     yaml.width = LINE_WIDTH
     document = yaml.load(text)
-    document["name"] = optimized_name(best)
+    document["name"] = optimized_name(best.design)
     law, second = best.law, best.law.second
     motion: dict[str, Any] = {"law": "spline_ratio", "ratio": _row(law.ratio)}
     if second is not None:
@@ -97,15 +99,16 @@ def optimized_design(text: str, best: BestLaw) -> str:
     return written.getvalue()
 
 
-def optimized_name(best: BestLaw) -> str:
+def optimized_name(design: Design) -> str:
     """Name of the optimised design."""
-    name = best.design.name
+    name = design.name
     return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
 
 
 def certificate(best: BestLaw) -> dict[str, Any]:
     """The limit, the law beside it, and the mechanisms to compare with, all at one speed."""
     bound, given = best.limit, best.given_figures
+    effort = None if bound is None else bound.effort
     return {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
@@ -117,6 +120,8 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "not_covered_by_limit": [*best.not_covered, *(["soft wishes"] if best.soft else [])],
             "law": best.goal,
             "gap": best.gap,
+            "programmes": effort.programmes if effort else None,
+            "parts": effort.parts if effort else None,
             "argument": ARGUMENT,
         },
         "starts": asdict(best.starts),
@@ -171,13 +176,13 @@ def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = 
     )
 
 
-def _notes(best: BestLaw, found: str) -> list[str]:
+def _notes(beside: Comparison, found: str) -> list[str]:
     """What the figures count besides the resistance, and what of the given motion the laws ``found`` do not keep."""
-    lost = best.not_kept
+    lost = beside.not_kept
     notes = []
-    if best.design.masses is not None:
-        slides = not best.task.linkage.OUTPUT.angular
-        slider = f"; the slider has {best.design.masses.slider_kg:g} kg" if slides else ""
+    if beside.design.masses is not None:
+        slides = not beside.task.linkage.OUTPUT.angular
+        slider = f"; the slider has {beside.design.masses.slider_kg:g} kg" if slides else ""
         notes.append(f"Powers, torques and forces include all masses, in the return as well{slider}.")
     if lost:
         notes.append(f"{found} not keep {lost} of the design as given.")
@@ -223,13 +228,31 @@ def starts_text(best: BestLaw) -> str:
     return f"the best of {found} laws, {shown(100.0 * starts.apart)} % below the worst{none}"
 
 
+def not_closed(best: BestLaw) -> str | None:
+    """Why the limit is not nearer to the law; None where it is near."""
+    bound = best.limit
+    if bound is None or best.goal <= CLOSE * bound.value:
+        return None
+    if bound.effort is None:
+        return "not closed further: that needs pitch curves that must be convex"
+    effort = bound.effort
+    proof = f"{effort.programmes} programmes in {effort.parts} part{'s' if effort.parts > 1 else ''} of all motions"
+    if effort.ended:
+        return f"as near as {effort.places} places of the crank let it be, proven by {proof}"
+    return f"not closed further: {proof} were not enough"
+
+
 def _about_limit(best: BestLaw) -> list[str]:
-    """What the limit does not know, so that the true one may be higher."""
+    """How far the limit was closed, and what it does not know, so that the true one may be higher."""
     said = []
+    if (distance := not_closed(best)) is not None:
+        said.append(f"  The limit is {distance}.")
     if best.not_covered:
         unknown = listed(best.not_covered, "nor")
         said.append(f"  The limit does not know {unknown}: the least of all laws may lie higher.")
     if best.task.masses is not None:
+        counted = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
+        said.append(f"  It holds with a driven gear of {counted}, as it comes out with this law.")
         said.append("  With masses the limit is a relaxation: part of the distance may be its own.")
     return said
 
@@ -317,16 +340,16 @@ class OtherMechanism:
     peak_acceleration_mm_s2: float
 
 
-def other_mechanisms(best: BestLaw) -> list[OtherMechanism]:
+def other_mechanisms(beside: Comparison) -> list[OtherMechanism]:
     """The design's own law, the uniform crank, and the published mechanisms whose two figures are known."""
     found = []
-    if best.given_figures is not None and best.design.motion.law != "uniform_crank":
-        given = best.given_figures
+    if beside.given_figures is not None and beside.design.motion.law != "uniform_crank":
+        given = beside.given_figures
         found.append(OtherMechanism("design as given", given.peak_power_w, given.peak_acceleration_mm_s2))
-    uniform = best.uniform_figures
+    uniform = beside.uniform_figures
     found.append(OtherMechanism("uniform crank", uniform.peak_power_w, uniform.peak_acceleration_mm_s2))
-    comparison = best.design.comparison
-    speed = best.design.operation.speed_rpm
+    comparison = beside.design.comparison
+    speed = beside.design.operation.speed_rpm
     for published in comparison.published if comparison else ():
         one = published.at_speed(speed)
         if one.peak_power_w is not None and one.peak_acceleration_mm_s2 is not None:
@@ -334,14 +357,14 @@ def other_mechanisms(best: BestLaw) -> list[OtherMechanism]:
     return found
 
 
-def frontier_csv(found: Frontier, best: BestLaw) -> str:
+def frontier_csv(found: Frontier, beside: Comparison) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
     rows = []
     for point, family in points_of(found):
         law = point.law
         figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
         rows.append([point.cap_w, point.limit_mm_s2, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
-    return rows_text(tuple(_named(dict.fromkeys(FRONTIER_COLUMNS), best)), rows)
+    return rows_text(tuple(_named(dict.fromkeys(FRONTIER_COLUMNS), beside)), rows)
 
 
 def points_of(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
@@ -350,56 +373,51 @@ def points_of(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
     return [(point, families[point.cap_w]) for point in found.laws]
 
 
-def frontier_json(found: Frontier, best: BestLaw) -> str:
-    """The points with all figures of the laws, and the other mechanisms, as JSON."""
-    content = {
-        "design": best.design.name,
-        "speed_rpm": best.design.operation.speed_rpm,
-        "masses": None if best.task.masses is None else asdict(best.task.masses),
+def frontier_figures(found: Frontier, beside: Comparison) -> dict[str, Any]:
+    """The points with all figures of the laws, and the other mechanisms."""
+    return {
+        "design": beside.design.name,
+        "speed_rpm": beside.design.operation.speed_rpm,
+        "masses": None if beside.task.masses is None else asdict(beside.task.masses),
         "argument_of_limit": ARGUMENT,
         "points": [
             _named(
                 {
                     "power_cap_w": point.cap_w,
                     "limit_acceleration_mm_s2": point.limit_mm_s2,
-                    "law": _named(figures_summary(point.law), best),
-                    "gap": None if best.soft else point.law.peak_acceleration_mm_s2 / point.limit_mm_s2 - 1.0,
+                    "law": _named(figures_summary(point.law), beside),
+                    "gap": None if beside.soft else point.law.peak_acceleration_mm_s2 / point.limit_mm_s2 - 1.0,
                     "family_power_w": family.peak_power_w,
                     "family_acceleration_mm_s2": family.peak_acceleration_mm_s2,
                     "family_motion": family.motion,
                 },
-                best,
+                beside,
             )
             for point, family in points_of(found)
         ],
-        "mechanisms": [_named(vars(mechanism), best) for mechanism in other_mechanisms(best)],
+        "mechanisms": [_named(vars(mechanism), beside) for mechanism in other_mechanisms(beside)],
     }
-    return json_text(content)
 
 
-FAMILY_WITHOUT_MASS = "The family is left out: its search knows the power of the resistance alone."
-
-
-def frontier_text(found: Frontier, best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+def frontier_text(found: Frontier, beside: Comparison, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """A table of the points, the mechanisms, the files written, and those kept."""
-    rows, unit = [], best.task.linkage.OUTPUT.acceleration.text
+    rows, unit = [], beside.task.linkage.OUTPUT.acceleration.text
     for point, family in points_of(found):
         law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
-        gap = "-" if best.soft else fixed(100.0 * (law / limit - 1.0), 1)
+        gap = "-" if beside.soft else fixed(100.0 * (law / limit - 1.0), 1)
         rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])
     others = [
         (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} {unit}")
-        for one in other_mechanisms(best)
+        for one in other_mechanisms(beside)
     ]
-    speed = best.design.operation.speed_rpm
+    speed = beside.design.operation.speed_rpm
     lines = [
-        f"{best.design.name}: power against acceleration at {speed:g} r/min",
+        f"{beside.design.name}: power against acceleration at {speed:g} r/min",
         *aligned([[one.format(unit) for one in FRONTIER_HEADS], *rows], least=FRONTIER_WIDTH),
         "",
         "At the same speed",
         *aligned(others, left=1, least=(0, 11, 15)),
-        *_notes(best, "The best laws do"),
-        *([FAMILY_WITHOUT_MASS] if best.task.masses is not None else []),
+        *_notes(beside, "The best laws do"),
         "",
         *written_lines(paths, kept),
     ]

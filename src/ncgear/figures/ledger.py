@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ncgear.figures.tables import markdown
 from ncgear.figures.terminal import written_lines
@@ -40,12 +41,36 @@ page; a test holds that every number and every claim of it stands here."""
 
 COLUMNS = ("place", "figure", "published", "computed", "difference", "verdict", "reading, reason or missing data")
 
+KEYS = (*COLUMNS[:-1], "words")
+"""The same columns as keys."""
+
 
 def ledger_page(judgements: Sequence[Judgement]) -> str:
     """The whole page."""
     counts = [(one.paper.title, *(str(one.count(verdict)) for verdict in Verdict)) for one in judgements]
     overview = "\n".join(markdown(("paper", *Verdict), counts))
     return "\n\n".join([HEAD, overview, *map(_section, judgements)]) + "\n"
+
+
+def ledger_figures(judgements: Sequence[Judgement]) -> dict[str, Any]:
+    """Every paper with its counts by verdict and its figures: the cells of the page, and the numbers computed."""
+    return {
+        "papers": [
+            {
+                "title": one.paper.title,
+                "reference": one.paper.reference,
+                "verdicts": {verdict.value: one.count(verdict) for verdict in Verdict},
+                "figures": [
+                    {
+                        **dict(zip(KEYS, _row(judged), strict=True)),
+                        "computed_values": list(judged.computed.values) if judged.computed else [],
+                    }
+                    for judged in one.entries
+                ],
+            }
+            for one in judgements
+        ]
+    }
 
 
 def ledger_text(judgements: Sequence[Judgement], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:

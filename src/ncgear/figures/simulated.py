@@ -100,6 +100,7 @@ def _masses(drive: Drive) -> dict[str, Any]:
     along, across = found.pop("gravity_m_s2")
     absent = {name for name in ("slider_kg",) if "slider" not in linkage.POINTS}
     absent |= {"crank_kg", "crank_center_mm"} if not linkage.HAS_CRANK else set()
+    absent |= {"between_inertia_kg_mm2"} if drive.design.stages == 1 else set()
     found = {name: value for name, value in found.items() if name not in absent}
     found = {name.replace("crank_", f"{linkage.CRANK}_".replace(" ", "_")): value for name, value in found.items()}
     gravity = {"gravity_m_s2": hypot(along, across), "gravity_direction_deg": degrees(atan2(across, along))}

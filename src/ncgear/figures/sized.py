@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from textwrap import wrap
+from typing import Any
 
 from ncgear.design.keys.base import listed
 from ncgear.design.naming import LONGEST_NAME
@@ -13,9 +14,10 @@ from ncgear.design.rewritten import design_copy
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import name_of
-from ncgear.figures.strong import LOADS, materials_words
+from ncgear.figures.strong import LOADS, materials_words, strength_summary
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import INDENT, WIDTH
+from ncgear.pitch.shape import Gear
 from ncgear.project.sizing import Sized, stated_inertias
 from ncgear.strength.holding import Damage, worst
 
@@ -72,6 +74,37 @@ def _row(one: Sized) -> list[str]:
         *("-" if safety is None else to_digits(safety, 3) for safety in least),
         f"{weak.gear.value} {weak.tooth}",
     ]
+
+
+def sized_figures(found: Sequence[Sized]) -> dict[str, Any]:
+    """The smallest gears that hold as plain values whose keys end in their unit, the smallest first."""
+    first = found[0]
+    design, verdict = first.drive.design, first.verdict
+    materials: dict[str, dict[str, Any]] = {
+        gear.value: {"material": verdict.strength.of(gear).material.name} for gear in Gear
+    }
+    for one in verdict.weakest:
+        materials[one.gear.value][f"{one.damage}_safety_wanted"] = one.wanted
+    return {
+        "design": {"name": design.name, "description": design.description},
+        "load": {"speed_rpm": design.operation.speed_rpm},
+        **materials,
+        "smallest": [_sizes(one) for one in found],
+    }
+
+
+def _sizes(one: Sized) -> dict[str, Any]:
+    size = one.drive.pitch.size
+    return {
+        "module_mm": size.module_mm,
+        "teeth_driving": size.driving_teeth,
+        "teeth_driven": size.driven_teeth,
+        "face_width_mm": one.face_width_mm,
+        "center_distance_mm": size.center_distance_mm,
+        "largest_diameter_mm": one.diameter_mm,
+        "strength": strength_summary(one.verdict),
+        "keys": dict(one.changes),
+    }
 
 
 def sized_name(name: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import isnan
 from pathlib import Path
 from textwrap import fill
+from typing import Any
 
 import numpy as np
 
@@ -140,6 +141,62 @@ def _refused(overview: Overview) -> list[str]:
         text = fill(said, WIDTH, initial_indent=space, subsequent_indent=space, break_on_hyphens=False)
         lines.append(f"{one.count:>{COUNT_WIDTH}}{text[COUNT_WIDTH:]}")
     return lines
+
+
+def sweep_figures(name: str, screened: Overview, deeper: Overview | None, stage: str) -> dict[str, Any]:
+    """Everything that is told of a sweep as plain values; ``name`` is that of the design.
+
+    Designs have their number, keys and figures by the names of the table's columns; what is not known is None.
+    """
+    last = deeper or screened
+    wanted, front = last.wanted, last.front
+    return {
+        "design": {"name": name},
+        "stage": stage,
+        "keys": list(last.space.keys),
+        "objectives": [
+            {"name": one.name, "wanted": "greatest" if one.greatest else "least"} for one in wanted.objectives
+        ],
+        "constraints": [vars(one) for one in wanted.constraints],
+        "screened": _counts(screened),
+        **({} if deeper is None else {"deeper": _counts(deeper)}),
+        "pareto_set_designs": 0 if front is None else len(front.numbers),
+        "best": {
+            objective.name: [_design(best, row) for row in range(len(best.numbers))]
+            for objective, best in zip(wanted.objectives, last.best, strict=False)
+        },
+        "effects": _effect_figures(last) if last.kept > 1 else {},
+    }
+
+
+def _counts(overview: Overview) -> dict[str, Any]:
+    """How many designs there are, are made and keep what is wanted, and why others are refused, most frequent first."""
+    refused = [
+        {"designs": one.count, "first_at": dict(one.values), "verdict": one.verdict}
+        for one in overview.frequent_refusals
+    ]
+    return {"designs": overview.count, "made": overview.made, "kept": overview.kept, "refused": refused}
+
+
+def _design(designs: Designs, row: int) -> dict[str, Any]:
+    figures = {name: _known(values[row]) for name, values in designs.figures.items()}
+    return {"number": int(designs.numbers[row]), **values_of(designs, row), **figures}
+
+
+def _effect_figures(overview: Overview) -> dict[str, Any]:
+    """By key and objective: the share of the variance that the key explains alone, and the rank correlation."""
+    explained, ranks = overview.effects.explained, rank_correlations(overview)
+    return {
+        key: {
+            objective.name: {"explained_share": _known(share), "rank_correlation": _known(rank)}
+            for objective, share, rank in zip(overview.wanted.objectives, explained[row], ranks[row], strict=True)
+        }
+        for row, key in enumerate(overview.space.keys)
+    }
+
+
+def _known(value: float) -> float | None:
+    return None if isnan(value) else float(value)
 
 
 def front_csv(front: Designs, wanted: Wanted) -> str:

@@ -6,7 +6,7 @@ pictures, and last the summary.  Two pairs in series have their files in the fol
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from ncgear.figures.data_sheet.pitch_table import pitch_csv
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build_summary import build_summary, with_files
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files.manifest import publish_run
 from ncgear.files.meshes import stl_bytes, written_outlines
 from ncgear.files.outline_errors import ERRORS, error_of_step_mm, exact_outlines
@@ -117,6 +118,19 @@ def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[Pa
         list(_computed(pair, named))
         contacts.append(_written(pair, named)[1])
     return contacts
+
+
+def summaries_without_files(drive: Drive, contacts: Sequence[PairContact]) -> list[dict[str, Any]]:
+    """The summary of every pair, whose contacts as written are given, as a build has it but for errors of its files.
+
+    Of a design without gears, which has no contacts, it is the summary of its check.
+    """
+    if not contacts:
+        return [check_summary(drive)]
+    return [
+        with_files(build_summary(pair, contact, build_advice(pair)), {}, pair.timing_s)
+        for pair, contact in zip(drive.by_stage, contacts, strict=True)
+    ]
 
 
 def folder_of(stage: int | None) -> str:

@@ -7,8 +7,11 @@ from itertools import accumulate
 
 from ncgear.drawings.plots.frontier_plot import frontier as frontier_plot
 from ncgear.drawings.plots.frontier_plot import rows
-from ncgear.figures.best_law import frontier_csv, frontier_json, other_mechanisms
+from ncgear.figures.best_law import frontier_csv, frontier_figures, other_mechanisms
+from ncgear.figures.numbers import json_text
+from ncgear.optimum.frontier import limit_points
 from ncgear.project.best_law import BestLaw
+from ncgear.project.comparison import Comparison
 from ncgear.project.frontier_run import Frontier
 
 Points = Sequence[tuple[float, float]]
@@ -17,19 +20,20 @@ PICTURE = "frontier.png"
 """Name of the picture of a frontier, and of that of a limit."""
 
 
-def frontier_files(found: Frontier, best: BestLaw) -> dict[str, bytes]:
+def frontier_files(found: Frontier, beside: Comparison) -> dict[str, bytes]:
     """CSV, JSON and picture."""
     caps = [(point.cap_w, point.limit_mm_s2) for point in found.laws]
-    points = sorted([*caps, *(point for point in best.limit_points if caps[0][0] < point[0] < caps[-1][0])])
+    curve = limit_points(beside.task, beside.wishes, caps[-1][0])
+    points = sorted([*caps, *(point for point in curve if caps[0][0] < point[0] < caps[-1][0])])
     # What needs so much acceleration at one power needs no less at a smaller one
     heights = [*accumulate((acceleration for _, acceleration in reversed(points)), max)][::-1]
     limit = [(power, height) for (power, _), height in zip(points, heights, strict=True)]
     laws = [(point.law.peak_power_w, point.law.peak_acceleration_mm_s2) for point in found.laws]
     family = [(one.cap_w, peak) for one in found.families if (peak := one.peak_acceleration_mm_s2) is not None]
     return {
-        "frontier.csv": frontier_csv(found, best).encode(),
-        "frontier.json": frontier_json(found, best).encode(),
-        PICTURE: _picture(best, limit, laws, family, "power against acceleration"),
+        "frontier.csv": frontier_csv(found, beside).encode(),
+        "frontier.json": json_text(frontier_figures(found, beside)).encode(),
+        PICTURE: _picture(beside, limit, laws, family, "power against acceleration"),
     }
 
 
@@ -39,9 +43,9 @@ def limit_picture(best: BestLaw) -> bytes:
     return _picture(best, best.limit_points, [law], [], "this law and the limit")
 
 
-def _picture(best: BestLaw, limit: Points, laws: Points, family: Points, what: str) -> bytes:
+def _picture(beside: Comparison, limit: Points, laws: Points, family: Points, what: str) -> bytes:
     """PNG of points of power in W and acceleration in mm/s2, with the mechanisms to compare with."""
-    others = [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in other_mechanisms(best)]
-    title = f"{best.design.name}: {what}, all at {best.design.operation.speed_rpm:.4g} r/min"
-    unit = best.task.linkage.OUTPUT.acceleration.text
+    others = [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in other_mechanisms(beside)]
+    title = f"{beside.design.name}: {what}, all at {beside.design.operation.speed_rpm:.4g} r/min"
+    unit = beside.task.linkage.OUTPUT.acceleration.text
     return frontier_plot(rows(limit), rows(laws), rows(family), others, title, unit)

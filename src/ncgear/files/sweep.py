@@ -1,10 +1,11 @@
-"""The files beside the table of a sweep: pictures, the Pareto set, what each key does, and designs as files."""
+"""The files beside the table of a sweep: figures, pictures, the Pareto set, what each key does, designs as files."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from math import isnan
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.drawings.plots.sweep_plots import MOST_KEYS, Axis, Effect, Named, effects, pareto, scatter_matrix
-from ncgear.figures.numbers import to_digits
+from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.quantities import name_of
 from ncgear.figures.sweep import effects_csv, front_csv, values_of
 from ncgear.numerics.arrays import Array, IndexArray
@@ -27,12 +28,14 @@ BEST = "best"
 """The folder of design files in the output folder."""
 
 
-def sweep_files(loaded: LoadedDesign, overview: Overview, screened: Overview) -> dict[str, bytes]:
+def sweep_files(
+    loaded: LoadedDesign, overview: Overview, screened: Overview, figures: Mapping[str, Any]
+) -> dict[str, bytes]:
     """Everything beside the tables: the best of the last stage, among all designs that were screened.
 
-    Where no design is made and keeps the constraints, there is nothing to show but the table.
+    Where no design is made and keeps the constraints, there is nothing to show but the figures and the table.
     """
-    files: dict[str, bytes] = {}
+    files = {"sweep.json": json_text(figures).encode()}
     all_known = screened.wanted.objectives == overview.wanted.objectives
     shown = screened if all_known else overview
     if screened.count:

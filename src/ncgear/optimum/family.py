@@ -12,31 +12,43 @@ regular where theta1 comes near theta2 and v1 near v2.  ``brake`` is -a1 (theta4
 Sobol points of the box of these numbers are looked at all at once.  From each of the best that lie apart, sequential
 quadratic programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local optimum, with all samples of acceleration
 and power as constraints and the peak as a variable of its own; then it does so from random neighbours of the best.  The
-result is made into a law as a design file would make it and judged by the exact peaks of ``kinematic_check``; where
-these exceed the cap between samples, the cap is tightened by as much.  The same seed gives the same law.  A local
+result is made into a law as a design file would make it and judged by its exact peaks, with masses those of the one
+loaded machine (``ncgear.dynamics.rigid``), from which the samples of the power come as well; where exact peaks exceed
+the cap between samples, the cap is tightened by as much.  The same seed gives the same law.  A local
 method proves no optimum: that is what the certified limits are for.
 """
 
 from __future__ import annotations
 
-from dataclasses import field
 from enum import Enum
+from functools import cached_property
 from math import inf, isfinite, pi
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
+from ncgear.dynamics.rigid import DrivingShaft, RigidMachine, counting_masses
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.sampled import shares
+from ncgear.numerics.units import N_M_PER_N_MM
+from ncgear.optimum.task import Task
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
-from ncgear.ratio.sampled_strokes import Points, return_samples, returns_with_skewness, working_motions
-from ncgear.ratio.transmission import Lobes
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.sampled_strokes import (
+    Motion,
+    Points,
+    ReturnSamples,
+    return_samples,
+    returns_with_skewness,
+    working_angles,
+    working_motions,
+)
 from ncgear.ratio.working_stroke import StrokeRequest, WorkingStrokes, shaped_strokes, solved_stroke
 
 BOX = np.array([[0.2, 0.9], [0.3, 0.995], [0.3, 1.0], [0.05, 0.98], [-1.55, 1.55], [0.02, 12.0], [-6.0, 6.0]])
@@ -87,18 +99,29 @@ class Peak(Enum):
 
 @dataclass(frozen=True)
 class Family:
-    """The family on a mechanism at an operating speed; ``inverse`` is the return's basis, as in a design file."""
+    """The family on a machine; ``inverse`` is the return's basis, as in a design file."""
 
-    linkage: Mechanism
-    load: SliderLoad
-    speed_rad_s: float
+    task: Task
     inverse: bool = False
-    lobes: Lobes = field(default_factory=Lobes)
+
+    @cached_property
+    def loaded(self) -> RigidMachine:
+        """The machine with all masses, its crank turning evenly: the loads of any other motion are asked of it."""
+        task = self.task
+        return task.loaded(Machine(uniform_law(task.lobes), task.linkage, task.load, task.speed_rad_s))
+
+    @property
+    def return_takes_power(self) -> bool:
+        """Whether the driving shaft is asked for power in the return as well."""
+        return self.task.masses is not None or self.task.load.loads_return
 
 
 @dataclass(frozen=True, eq=False)
 class SampledLaws:
-    """Sampled accelerations in mm/s^2 and powers in W, shape (n, points) each; infinite where there is no law."""
+    """Sampled accelerations in mm/s^2 and driving powers in W, shape (n, points) each; infinite where there is no law.
+
+    Power that flows back to the motor counts as zero.
+    """
 
     acceleration: Array
     power: Array
@@ -110,10 +133,14 @@ class SampledLaws:
 
 @dataclass(frozen=True, eq=False)
 class FamilyOptimum:
-    """The best law found: its stroke, as ``solve_for: v2`` of a design file with ``e: least_acceleration``."""
+    """The best law found: its stroke, as ``solve_for: v2`` of a design file.
+
+    ``constant`` is the e of its return, None for ``e: least_acceleration``.
+    """
 
     request: StrokeRequest
     inverse: bool
+    constant: float | None
     law: StrokeLaw
     check: KinematicCheck
 
@@ -126,41 +153,69 @@ class FamilyOptimum:
 def sampled_laws(family: Family, points: Array) -> SampledLaws:
     """Samples of the laws at points of the unit box, shape (n, 7)."""
     strokes, skewness = strokes_at(family, points)
-    linkage, omega = family.linkage, family.speed_rad_s
+    task = family.task
+    linkage, omega = task.linkage, task.speed_rad_s
     motions = working_motions(strokes, SEGMENT_POINTS)
-    displacement, velocity, working = (np.hstack(parts) for parts in zip(*motions, strict=True))
+    out = Motion(*(np.hstack(parts) for parts in zip(*motions, strict=True)))
     advancing = (motions[0].velocity[:, 1:].min(axis=1) > 0.0) & (strokes.approach_slope[0] > 0.0)
     with np.errstate(all="ignore"):
-        asked = strokes, linkage, family.lobes.driving_period_rad, skewness, RETURN_POINTS
+        asked = strokes, linkage, task.cycle_rad, skewness, RETURN_POINTS
         back = return_samples(returns_with_skewness(*asked, inverse=family.inverse), linkage, RETURN_POINTS, 1)
         miss = np.abs(back.end_driven_rad - 2.0 * pi)
+        power = _power_w(family, strokes, out, back)
     closed = (back.slopes[0][:, 0].min(axis=1) > 0.0) & (miss <= CLOSED * (2.0 * pi - linkage.working_angle_rad))
     possible = (advancing & (strokes.pressing_mm_rad > 0.0) & closed)[:, None]
-    acceleration = np.hstack([working, back.acceleration[:, 0]]) * omega**2
-    power = family.load.against_n(displacement, False) * velocity
-    if family.load.loads_return:
-        homeward = family.load.backwards_n(back.displacement[:, 0], True) * back.velocity[:, 0]
+    acceleration = np.hstack([out.acceleration, back.acceleration[:, 0]]) * omega**2
+    return SampledLaws(np.where(possible, acceleration, inf), np.where(possible, np.maximum(power, 0.0), inf))
+
+
+def _power_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
+    """The power of the driving shaft in W, shape (n, points), negative where it brakes."""
+    if family.task.masses is None:
+        return _power_of_load_w(family.task, out, back)
+    return _power_with_masses_w(family, strokes, out, back)
+
+
+def _power_of_load_w(task: Task, out: Motion, back: ReturnSamples) -> Array:
+    """The power of the load alone at all points of the working stroke, and of the return where anything loads it."""
+    power = task.load.against_n(out.displacement, False) * out.velocity
+    if task.load.loads_return:
+        homeward = task.load.backwards_n(back.displacement[:, 0], True) * back.velocity[:, 0]
         power = np.hstack([power, homeward])
-    power = power * (omega / 1000.0)
-    return SampledLaws(np.where(possible, acceleration, inf), np.where(possible, power, inf))
+    return power * (task.speed_rad_s / 1000.0)
+
+
+def _power_with_masses_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
+    """The power of the driving shaft with all masses at all points of the cycle."""
+    task = family.task
+    phi1, driven = working_angles(strokes, task.linkage, SEGMENT_POINTS, 2)
+    start = strokes.theta4_rad[:, None]
+    phi1 = np.hstack([phi1, start + (task.cycle_rad - start) * shares(RETURN_POINTS.count)])
+    homeward = back.driven_rad, *back.slopes
+    turned, slope, change = (np.hstack([one, two[:, 0]]) for one, two in zip(driven, homeward, strict=True))
+    returning = np.broadcast_to(np.arange(phi1.shape[1]) >= out.displacement.shape[1], phi1.shape)
+    resistance = task.load.backwards_n(np.hstack([out.displacement, back.displacement[:, 0]]), returning)
+    angle = Jet(np.stack([turned.ravel(), slope.ravel(), change.ravel() / 2.0]))
+    loads = family.loaded.loads(phi1.ravel(), angle, Jet(resistance.reshape(1, -1)), returning.ravel())
+    return loads.driving_torque.value.reshape(phi1.shape) * (N_M_PER_N_MM * task.speed_rad_s)
 
 
 def strokes_at(family: Family, points: Array) -> tuple[WorkingStrokes[Array], Array]:
     """The strokes of points of the unit box, shape (n, 7), at a law speed of 1 rad/s, and the returns' skewness."""
     *parts, chi, brake, skewness = (BOX[:, 0] + points * (BOX[:, 1] - BOX[:, 0])).T
     rho = parts[-1]
-    theta = np.cumprod([parts[0] * family.lobes.driving_period_rad, *parts[1:]], axis=0)[::-1]
+    theta = np.cumprod([parts[0] * family.task.cycle_rad, *parts[1:]], axis=0)[::-1]
     cosine, sine, both = np.cos(chi), np.sin(chi), 1.0 + rho
     rising = [rho * cosine, rho * sine - both * cosine, cosine - both * sine, sine]
     approach = np.stack(rising) / np.arange(1.0, 5.0)[:, None]
-    return shaped_strokes(theta, approach / approach.sum(axis=0), brake, family.linkage.stroke_mm), skewness
+    return shaped_strokes(theta, approach / approach.sum(axis=0), brake, family.task.linkage.stroke_mm), skewness
 
 
 def request_at(family: Family, point: Array) -> StrokeRequest:
     """The stroke of one point of the unit box as the solver of strokes takes it, v2 left to be found."""
     strokes, _ = strokes_at(family, point[None])
     one = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
-    omega = family.speed_rad_s
+    omega = family.task.speed_rad_s
     return StrokeRequest(
         theta1_rad=one["theta1_rad"],
         theta2_rad=one["theta2_rad"],
@@ -284,25 +339,53 @@ def _descended(family: Family, least: Peak, cap: float, start: Array) -> Array:
 def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyOptimum | None:
     """The law of a point, moved until its exact peak keeps to the cap; None where it does not."""
     tightened = cap
+
+    def over(optimum: FamilyOptimum) -> float:
+        return optimum.peak(_capped(least)) / cap
+
     for _ in range(TIGHTENINGS):
-        try:
-            optimum = _made(family, point)
-        except NoSuchMechanism:
+        found = _made(family, point)
+        if not found:
             return None
-        over = optimum.peak(_capped(least)) / cap
-        if over <= 1.0 + WITHIN:
-            return optimum
-        tightened /= over
+        if kept := [one for one in found if over(one) <= 1.0 + WITHIN]:
+            return min(kept, key=lambda one: one.peak(least))
+        tightened /= min(map(over, found))
         point = _descended(family, least, tightened, point)
     return None
 
 
-def _made(family: Family, point: Array) -> FamilyOptimum:
-    """The law of a point of the unit box as a design file makes it, and its exact peaks."""
-    request = request_at(family, point)
-    law = stroke_law(solved_stroke(request), family.linkage, family.lobes, inverse_basis=family.inverse)
-    machine = Machine(law.transmission, family.linkage, family.load, family.speed_rad_s)
-    return FamilyOptimum(request, family.inverse, law, kinematic_check(machine))
+def _made(family: Family, point: Array) -> list[FamilyOptimum]:
+    """The laws of a point of the unit box as a design file makes them, with their exact peaks; none where it cannot.
+
+    One has the return of least acceleration.  Where the return takes power, another has that of the point.
+    """
+    constants = [None, *([_constant_at(family, point)] if family.return_takes_power else [])]
+    made = []
+    for constant in constants:
+        try:
+            made.append(_law_of(family, request_at(family, point), constant))
+        except NoSuchMechanism:
+            continue
+    return made
+
+
+def _constant_at(family: Family, point: Array) -> float:
+    """The e of the return of a point: its polynomial's value at phi1 = 0."""
+    strokes, skewness = strokes_at(family, point[None])
+    asked = strokes, family.task.linkage, family.task.cycle_rad, skewness, RETURN_POINTS
+    return float(returns_with_skewness(*asked, inverse=family.inverse).at(-strokes.theta4_rad)[0])
+
+
+def _law_of(family: Family, request: StrokeRequest, constant: float | None) -> FamilyOptimum:
+    """One law; raises NoSuchMechanism where it cannot be made."""
+    task = family.task
+    stroke = solved_stroke(request)
+    law = stroke_law(stroke, task.linkage, task.lobes, constant=constant, inverse_basis=family.inverse)
+    machine = Machine(law.transmission, task.linkage, task.load, task.speed_rad_s)
+    check = kinematic_check(machine)
+    if task.masses is not None:
+        check = counting_masses(check, DrivingShaft(task.loaded(machine)))
+    return FamilyOptimum(request, family.inverse, constant, law, check)
 
 
 def _out_of_reach(family: Family, least: Peak, cap: float, seed: int, starts: int) -> NoSuchMechanism:

@@ -12,7 +12,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.limit import Bound, least_acceleration, least_acceleration_roughly, least_power
-from ncgear.optimum.makeable.demanded import demands_of, start_motion
+from ncgear.optimum.makeable.demanded import demands_of, knows_loads, start_motion
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Figures, Task, figures
 
@@ -71,9 +71,12 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
 def limit_points(task: Task, wishes: Wishes, most_w: float) -> list[tuple[float, float]]:
     """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
 
-    The caps begin a tenth over the least power at any acceleration; there are none where nothing resists.  The driving
-    curve is left free, so these limits are a little lower than that of a law's own power.
+    The caps begin a tenth over the least power at any acceleration; there are none where nothing resists, and where the
+    limit does not know the power (``knows_loads``).  The driving curve is left free, so these limits are a little lower
+    than that of a law's own power.
     """
+    if not knows_loads(task, wishes):
+        return []
     free = replace(demands_of(task, _free(wishes, Goal.ACCELERATION)), power_w=inf, acceleration_mm_s2=inf)
     least_w = WITHIN_REACH * least_power(task, free, proven=False).value
     if not 0.0 < least_w < most_w:
@@ -97,7 +100,7 @@ def family_point(task: Task, cap_w: float) -> FamilyPoint:
 
     found = []
     for inverse in (False, True):
-        family = Family(task.linkage, task.load, task.speed_rad_s, inverse, task.lobes)
+        family = Family(task, inverse)
         try:
             found.append(best_of_family(family, Peak.ACCELERATION, cap_w, seed=FAMILY_SEED, starts=FAMILY_STARTS))
         except NoSuchMechanism:
@@ -119,7 +122,10 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
         **{f"theta{number}_rad": getattr(asked, f"theta{number}_rad") for number in (1, 2, 3, 4)},
         "v1_mm_s": asked.v1_mm_s,
         "a1_mm_s2": asked.a1_mm_s2,
-        "return": {"basis": "inverse_ratio" if best.inverse else "ratio", "e": "least_acceleration"},
+        "return": {
+            "basis": "inverse_ratio" if best.inverse else "ratio",
+            "e": "least_acceleration" if best.constant is None else best.constant,
+        },
     }
 
 

@@ -18,7 +18,7 @@ from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.felt import felt, tooth_force_n
 from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.transmission import Lobes, Pair, Train
+from ncgear.ratio.transmission import Lobes, Pair, Train, Transmission
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,10 @@ class Task:
     def moving(self) -> Masses:
         """The masses that move; all zero where there are none."""
         return self.linkage.MASSES() if self.masses is None else self.masses
+
+    def loaded(self, machine: Machine, between: Transmission | None = None) -> RigidMachine:
+        """The machine of a law with all that the task gives; ``between`` is as in ``RigidMachine``."""
+        return RigidMachine(machine, self.moving, guide_friction=self.guide_friction, between=between)
 
     @property
     def cycle_rad(self) -> float:
@@ -240,7 +244,7 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
     if task.masses is None:
         return of_motion
     between = train.pairs[0].transmission if len(train.pairs) > 1 else None
-    rigid = RigidMachine(machine, task.masses, None, task.guide_friction, between)
+    rigid = task.loaded(machine, between)
     loads = asdict(felt(rigid, task.speed_fluctuation))
     sized = pairs if as_large_as is None else [_pair(task, one) for one in as_large_as.pairs]
     return replace(of_motion, **loads, tooth_force_n=_tooth_force_n(task, rigid, sized))

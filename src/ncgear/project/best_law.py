@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property, partial
@@ -14,18 +14,16 @@ from ncgear.design.keys.design import Design
 from ncgear.design.laws.spline_ratio import SecondStageRatios, SplineRatio
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import DesignError, NoSuchMechanism
-from ncgear.extras import require
+from ncgear.extras import installed, require
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
-from ncgear.project.law import law_of
+from ncgear.project.comparison import Comparison
 from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.wishes import inertia_as_given, inertia_with, task_of, wishes_of
-from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Train, single
+from ncgear.ratio.transmission import Train
 from ncgear.shown import Shown
 from ncgear.workers import finished
 
@@ -46,36 +44,69 @@ class Starts:
     apart: float
 
 
-class BestLaw(Shown):
+class BestLaw(Comparison, Shown):
     """A design's machine with the best law that its wishes allow.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
     no law keeps the limits.  The law is the best of those found from ``starts`` starts, of which the first is the
     motion of the certified limit; ``scheduler`` and ``processes`` say where the others are computed, as in
-    ``ncgear.workers``.
+    ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved while
+    the limit is raised towards the law.
     """
 
     def __init__(
-        self, design: Design, starts: int = 1, scheduler: str | None = None, processes: int | None = None
+        self,
+        design: Design,
+        starts: int = 1,
+        scheduler: str | None = None,
+        processes: int | None = None,
+        on_programme: Callable[[int, int], None] = lambda solved, most: None,
     ) -> None:
-        self.design = design
+        super().__init__(design)
         self._starts, self._where = starts, (scheduler, processes)
-
-    @cached_property
-    def wishes(self) -> Wishes:
-        """Goal and limits."""
-        return wishes_of(self.design)
+        self._on_programme = on_programme
 
     @cached_property
     def begun(self) -> Begun:
-        """The machine with its gears as given, its certified limit, and where the search for a law starts."""
+        """The machine with its gears as given, its certified limit, and where the search for a law starts.
+
+        Where no law keeps the limits with these gears, other laws have other gears: those of the law that comes nearest
+        are tried until they settle, and only then the limits are refused.
+        """
+        inertia = inertia_as_given(self.design)
+        for _ in range(MOST_ROUNDS):
+            try:
+                return self._begun_with(inertia)
+            except NoSuchMechanism as refused:
+                last, made = refused, self._inertia_of_nearest(inertia)
+            if made is None:
+                break
+            inertia = made
+        raise last
+
+    def _begun_with(self, inertia: TrainInertia) -> Begun:
         from ncgear.optimum.makeable.demanded import start_motion
 
-        inertia = inertia_as_given(self.design)
         task = task_of(self.design, inertia)
         bound = self._bound_of(task)
         with self._offering(task):
             return Begun(inertia, task, bound, start_motion(task, self.wishes, bound))
+
+    def _inertia_of_nearest(self, used: TrainInertia) -> TrainInertia | None:
+        """That of the gears of the law that comes nearest to keeping the limits.
+
+        None where it is the one used, and where there is no such law or its gears cannot be made.
+        """
+        if self.design.masses is None or not installed("casadi"):
+            return None
+        from ncgear.optimum.makeable.law import nearest_law
+
+        task = task_of(self.design, used)
+        try:
+            made = inertia_with(self.design, motion_keys(nearest_law(task, self.wishes)))
+        except DesignError:
+            return None
+        return made if _change(task, used, made) > SETTLED else None
 
     @property
     def task(self) -> Task:
@@ -102,7 +133,9 @@ class BestLaw(Shown):
         """The highest limit that is known beside the best law, in the unit of the goal; None where there is none."""
         from ncgear.optimum.makeable.demanded import raised_limit
 
-        return None if self.bound is None else raised_limit(self.task, self.wishes, self.bound, self.figures)
+        if self.bound is None:
+            return None
+        return raised_limit(self.task, self.wishes, self.bound, self.figures, self.law.motion, self._on_programme)
 
     @contextmanager
     def _offering(self, task: Task) -> Iterator[None]:
@@ -115,18 +148,6 @@ class BestLaw(Shown):
             raise with_what_was_found(self.design, task, self.wishes, refused) from refused
 
     @property
-    def not_kept(self) -> str:
-        """What the design's own law prescribes of the motion and no wish asks for, in words; empty where none is."""
-        from ncgear.project.law import keeps_even_speed
-
-        return "" if keeps_even_speed(self.design) else self.design.motion.prescribed
-
-    @property
-    def soft(self) -> bool:
-        """Whether soft wishes count in what is least: they bend the law, and the limit is that of hard ones alone."""
-        return any(not wish.hard for wish in self.wishes.motion)
-
-    @property
     def gap(self) -> float | None:
         """The share by which the law's goal lies over the limit; None without one, and where soft wishes count too."""
         bound = self.limit
@@ -137,7 +158,7 @@ class BestLaw(Shown):
         """The limits, in words, that restrict the law and that the bound does not know."""
         from ncgear.optimum.makeable.demanded import not_covered
 
-        return not_covered(self.wishes)
+        return not_covered(self.task, self.wishes)
 
     @property
     def law(self) -> MakeableLaw:
@@ -168,7 +189,7 @@ class BestLaw(Shown):
             if change <= SETTLED:
                 return Settled(law, task, rounds)
             with self._offering(task):
-                law = makeable_law(task, self.wishes, motion_of_law(law))
+                law = makeable_law(task, self.wishes, law.motion)
         raise NoSuchMechanism(
             f"the law and the inertia of its gears do not settle: after {MOST_ROUNDS} laws the gears still change by "
             f"{change:.2g} of all that turns with the crank; give masses.driven_gear_kg_mm2, or lighter gears",
@@ -208,18 +229,10 @@ class BestLaw(Shown):
         """Exact figures of the law."""
         return figures(self.task, self.train)
 
-    @cached_property
-    def uniform_figures(self) -> Figures:
-        """Exact figures of a uniform crank on the same machine, its round gears as far apart as the law's."""
-        return figures(self.task, single(uniform_law(self.task.lobes)), self.train)
-
-    @cached_property
-    def given_figures(self) -> Figures | None:
-        """Exact figures of the design's own law at the same speed; None where that law cannot be made."""
-        try:
-            return figures(self.task, law_of(self.design).train)
-        except DesignError:
-            return None
+    @property
+    def sizing(self) -> Train:
+        """The law found: the round gears of the uniform crank are as far apart as its own."""
+        return self.train
 
     @cached_property
     def limit_points(self) -> list[tuple[float, float]]:
@@ -267,13 +280,6 @@ def motion_keys(law: MakeableLaw) -> SplineRatio:
     """A law as the motion of a design file."""
     second = None if law.second is None else SecondStageRatios(ratio=tuple(law.second.tolist()))
     return SplineRatio(law="spline_ratio", ratio=tuple(law.ratio.tolist()), second_stage=second)
-
-
-def motion_of_law(law: MakeableLaw) -> Motion:
-    """The law as a motion that a search starts from."""
-    from ncgear.optimum.certified.limit import Motion
-
-    return Motion(law.driven_angle_rad, 1.0 / law.ratio)
 
 
 TURN_PLACES = 360

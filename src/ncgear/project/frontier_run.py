@@ -23,9 +23,10 @@ from ncgear.frozen import dataclass
 from ncgear.interrupts import uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.offers import Refused
-from ncgear.optimum.task import Figures, Task
+from ncgear.optimum.task import Figures
+from ncgear.project.comparison import GearsAsGiven
 from ncgear.project.offered import may_be_asked
-from ncgear.project.wishes import inertia_as_given, task_of, wishes_of
+from ncgear.project.wishes import refuse_guide_friction
 from ncgear.shown import Shown
 from ncgear.workers import finished
 
@@ -110,12 +111,13 @@ def frontier(
 
     ``scheduler`` and ``processes`` say where the points are computed, as in ``ncgear.workers``.
 
-    Raises WrongInput where nothing resists or the optimiser is not installed, NoSuchMechanism where no law keeps the
-    limits.
+    Raises WrongInput where nothing resists, where the guide rubs, or where the optimiser is not installed, and
+    NoSuchMechanism where no law keeps the limits.
     """
     require("casadi", "optimize", "ncgear frontier")
     if design.resistance is None:
         raise WrongInput("missing; without it there is no power to set against acceleration", key="resistance")
+    refuse_guide_friction(design, "the power that is capped")
     kept = FinishedPoints(folder / POINTS_FILE, design)
     found = kept.found()
     caps = found["caps", float(count)]["caps_w"] if ("caps", float(count)) in found else _caps(design, count, kept)
@@ -132,27 +134,20 @@ def frontier(
 
 def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
     """The caps of a frontier of ``count`` points, which are kept as well."""
-    caps = caps_w(_task(design), wishes_of(design), count)
+    machine = GearsAsGiven(design)
+    caps = caps_w(machine.task, machine.wishes, count)
     kept.add("caps", float(count), {"caps_w": caps})
     return caps
-
-
-def _task(design: Design) -> Task:
-    """The machine of all points, with its gears as given: laws that are compared turn the same masses."""
-    return task_of(design, inertia_as_given(design))
 
 
 def _point(design: Design, job: tuple[str, float]) -> dict[str, Any]:
     """One point, computed in its own process; where no law keeps the limits, the refusal."""
     kind, cap_w = job
-    task, wishes = _task(design), wishes_of(design)
-    if kind == "family" and task.masses is not None:
-        # The family's search knows the power of the resistance alone
-        return asdict(FamilyPoint(cap_w, None, None))
+    machine = GearsAsGiven(design)
     if kind == "family":
-        return asdict(family_point(task, cap_w))
+        return asdict(family_point(machine.task, cap_w))
     try:
-        return asdict(law_point(task, wishes, cap_w))
+        return asdict(law_point(machine.task, machine.wishes, cap_w))
     except Refused as refusal:
         return {"refused": refusal.among(lambda offers: may_be_asked(design, offers)).problem}
     except NoSuchMechanism as refusal:

@@ -110,7 +110,7 @@ def gear_inertia_of(drive: Geared) -> GearInertia:
         plans = drive.finished_plans
     except DesignError as refusal:
         curves = drive.pitch.driving, drive.pitch.driven
-        first, last = (_disc_kg_mm2(drive, *of) for of in zip(curves, densities, strict=True))
+        first, last = (disc_kg_mm2(drive, *of) for of in zip(curves, densities, strict=True))
         return GearInertia(first, last, refusal)
     first, last = (body_kg_mm2(*of) for of in zip(plans, densities, strict=True))
     return GearInertia(first, last)
@@ -123,7 +123,7 @@ DISC_POINTS = 721
 """Points of a pitch curve that stands for a gear: the polygon's moment is within 3e-5 of the curve's."""
 
 
-def _disc_kg_mm2(drive: Geared, curve: PitchCurve, density_kg_m3: float) -> float:
+def disc_kg_mm2(drive: Geared, curve: PitchCurve, density_kg_m3: float) -> float:
     """The disc within a pitch curve, or the ring about it, with its bore and hub."""
     from shapely import Polygon
 

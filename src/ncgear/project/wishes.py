@@ -11,7 +11,7 @@ from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.masses import Flywheel
 from ncgear.design.keys.optimize import Limits, Optimize
 from ncgear.design.laws.base import LawKeys
-from ncgear.design.laws.uniform_crank import UniformCrank
+from ncgear.design.laws.harmonic_ratio import HarmonicRatio, SecondStage
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.mechanisms.masses import Masses
@@ -61,16 +61,19 @@ def _masses_of(design: Design, gears: TrainInertia) -> Masses | None:
 
 
 def _refuse_guide_friction(design: Design) -> None:
-    """Refuse limits and goals of loads with friction in the guide, which the search for a law does not know."""
-    if design.drivetrain is None or not design.drivetrain.guide_friction:
-        return
+    """Refuse limits and goals of loads with friction in the guide."""
     asked = design.optimize or Optimize()
     limited = [name for name in ("peak_power_w", *task.LOAD_LIMITS) if getattr(asked.limits, name) is not None]
     prices = _prices(asked)
     if limited or prices.of_loads or prices.peak_power_w:
-        what = f"limits.{limited[0]}" if limited else "goal"
+        refuse_guide_friction(design, f"optimize.limits.{limited[0]}" if limited else "optimize.goal")
+
+
+def refuse_guide_friction(design: Design, changed: str) -> None:
+    """Refuse friction in the guide, which changes what a search limits and which the search for a law does not know."""
+    if design.drivetrain is not None and design.drivetrain.guide_friction:
         raise WrongInput(
-            f"given, but the search for a law does not know friction in the guide, which changes optimize.{what}; "
+            f"given, but the search for a law does not know friction in the guide, which changes {changed}; "
             "leave the friction out to search, and give it again to check, simulate and build",
             key="drivetrain.guide_friction",
         )
@@ -92,11 +95,18 @@ def inertia_with(design: Design, motion: LawKeys) -> TrainInertia:
 
 
 def inertia_as_given(design: Design) -> TrainInertia:
-    """The moments of inertia of a design's gears with its own law, or with round gears where that cannot be made."""
+    """The moments of inertia of a design's gears with its own law.
+
+    With round gears where that cannot be made, and where it is one of one pair and two are looked for.
+    """
+    shared = design.optimize is not None and design.optimize.limits.stages > 1
+    even = HarmonicRatio(law="harmonic_ratio", second_stage=SecondStage() if shared else None)
+    if shared and design.stages == 1:
+        return inertia_with(design, even)
     try:
         return inertia_with(design, design.motion)
     except DesignError:
-        return inertia_with(design, UniformCrank(law="uniform_crank"))
+        return inertia_with(design, even)
 
 
 def _size_of(design: Design, limits: Limits) -> task.GearSize | None:

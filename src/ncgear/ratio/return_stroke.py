@@ -310,12 +310,15 @@ SKEW = Polynomial([-1.0, 2.0])
 """2 tau - 1; times the bump it skews a return."""
 
 
-def return_with_constant(ends: ReturnEnds, constant: float) -> ReturnLaw:
+def return_with_constant(ends: ReturnEnds, constant: float, *, inverse: bool = False) -> ReturnLaw:
     """The published return: i12 polynomial whose value extrapolated to phi1 = 0 is ``constant`` (the paper's e).
 
-    Raises NoSuchMechanism when no such polynomial closes the cycle with a positive ratio.
+    With ``inverse`` it is the same of 1/i12.  Raises NoSuchMechanism when no such polynomial closes the cycle with a
+    positive ratio.
     """
-    base, direction = published_family(ends, constant)
+    base, direction = published_family(ends.inverted() if inverse else ends, constant)
+    if inverse:
+        return _closed_inverse(ends, base, direction)
     return _polished(_closed_ratio(ends, base, direction), direction)
 
 
@@ -347,17 +350,17 @@ def _inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
     They raise NoSuchMechanism where the polynomial is not positive.
     """
     base = ends.inverted().cubic
+    return lambda skewness: _closed_inverse(ends, base + skewness * SKEW * BUMP, BUMP)
 
-    def closed(skewness: float) -> ReturnLaw:
-        shape = base + skewness * SKEW * BUMP
-        missing = ends.driven_length_rad / ends.length_rad - _unit_integral(shape)
-        polynomial = shape + BUMP * (missing / _unit_integral(BUMP))
-        least, at = _lowest(polynomial)
-        if not least > 0.0:
-            raise _not_positive(ends.start_rad + at * ends.length_rad, ends)
-        return ReturnLaw(ends, polynomial, inverse=True)
 
-    return closed
+def _closed_inverse(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> ReturnLaw:
+    """1/i12 = base + c direction with c such that the return covers its driven angle; ``direction`` is positive."""
+    missing = ends.driven_length_rad / ends.length_rad - _unit_integral(base)
+    polynomial = base + direction * (missing / _unit_integral(direction))
+    least, at = _lowest(polynomial)
+    if not least > 0.0:
+        raise _not_positive(ends.start_rad + at * ends.length_rad, ends)
+    return ReturnLaw(ends, polynomial, inverse=True)
 
 
 def return_of_least_acceleration(ends: ReturnEnds, linkage: Mechanism, *, inverse: bool) -> ReturnLaw:

@@ -20,6 +20,7 @@ from ncgear.numerics.arrays import Array, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integration, shares
 from ncgear.numerics.zeros import zeros_between
+from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
 from ncgear.ratio.return_stroke import TOUCHING, hermite
 from ncgear.ratio.working_stroke import WorkingStrokes, polynomial_at
 
@@ -43,9 +44,31 @@ def working_motions(strokes: WorkingStrokes[Array], counts: tuple[int, int, int]
 
     The points of the braking run from the dead centre back to theta3.
     """
+    return working_motions_at(strokes, *_segment_angles(strokes, counts))
+
+
+def _segment_angles(strokes: WorkingStrokes[Array], counts: tuple[int, int, int]) -> tuple[Array, Array, Array]:
+    """Angles up to theta2, beyond theta2 and before theta4 at these points, shape (n, points) each."""
     theta2, theta3, theta4 = (angle[:, None] for angle in (strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad))
     approach, pressing, braking = (shares(count) for count in counts)
-    return working_motions_at(strokes, theta2 * approach, (theta3 - theta2) * pressing, (theta4 - theta3) * braking)
+    return theta2 * approach, (theta3 - theta2) * pressing, (theta4 - theta3) * braking
+
+
+def working_angles(
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], counts: tuple[int, int, int], order: int
+) -> tuple[Array, tuple[Array, ...]]:
+    """Driving angles, and the driven angle with its derivatives up to ``order``, at the points of ``working_motions``.
+
+    Each has the shape (n, points of all three); all are regular up to and including both dead centres.
+    """
+    approach, beyond, before = _segment_angles(strokes, counts)
+    angles = approach, strokes.theta2_rad[:, None] + beyond, strokes.theta4_rad[:, None] - before
+    parts = []
+    for law, phi1 in zip((approach_angle, pressing_angle, braking_angle), angles, strict=True):
+        each = phi1.shape[1]
+        driven = law(repeated(strokes, each), repeated(linkage, each), phi1.ravel(), order)
+        parts.append([driven.derivative(k).reshape(phi1.shape) for k in range(order + 1)])
+    return np.hstack(angles), tuple(np.hstack(derivatives) for derivatives in zip(*parts, strict=True))
 
 
 def working_motions_at(
@@ -91,6 +114,13 @@ class Returns:
         """The driving angle of each piece, shape (n, pieces)."""
         widths: Array = self.length_rad[:, None] * np.diff(points.edges)
         return widths
+
+    def at(self, beyond_rad: Array) -> Array:
+        """The polynomial's values at driving angles beyond the return's start, or before it, shape (n,)."""
+        tau = beyond_rad / self.length_rad
+        bump = tau**2 * (1.0 - tau) ** 2
+        value: Array = polynomial_at(self.cubic, tau) + (self.bump + self.skew * (2.0 * tau - 1.0)) * bump
+        return value
 
     def polynomial(self, points: Points, order: int) -> Jet:
         """Its value and derivatives by the driving angle up to ``order``, at most 2, at all points of each return."""
@@ -178,16 +208,21 @@ def _derivatives(local: Array, length_rad: Array, order: int) -> list[Array]:
 class ReturnSamples:
     """n returns at p pieces of m points each; arrays have shape (n, p, m).
 
-    ``slopes`` are dphi2/dphi1 and its derivatives by phi1, as many as were asked for; ``displacement`` of the
-    slider is in mm, ``velocity`` in mm/rad, ``acceleration`` in mm/rad^2.  ``end_driven_rad`` (shape (n,)) is where the
-    return really ends.
+    ``driven_rad`` is phi2, ``slopes`` are dphi2/dphi1 and its derivatives by phi1, as many as were asked for;
+    ``displacement`` of the slider is in mm, ``velocity`` in mm/rad, ``acceleration`` in mm/rad^2.
     """
 
+    driven_rad: Array
     slopes: tuple[Array, ...]
     displacement: Array
     velocity: Array
     acceleration: Array
-    end_driven_rad: Array
+
+    @property
+    def end_driven_rad(self) -> Array:
+        """Where the return really ends, shape (n,)."""
+        end: Array = self.driven_rad[:, -1, -1]
+        return end
 
 
 @dataclass(frozen=True)
@@ -345,7 +380,7 @@ def return_samples(
     motion = repeated(linkage, widths.shape[1] * points.count).displacement(moved)
     slopes = tuple(slope.derivative(k).reshape(shape) for k in range(order + 1))
     displacement, velocity, acceleration = (motion.derivative(k).reshape(shape) for k in range(3))
-    return ReturnSamples(slopes, displacement, velocity, acceleration, driven[:, -1, -1])
+    return ReturnSamples(driven, slopes, displacement, velocity, acceleration)
 
 
 def _cubic(strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], length: Array, *, inverse: bool) -> Array:

@@ -98,7 +98,8 @@ def kind_of(design: Design) -> Kind | None:
 def _law(design: Design) -> tuple[Hashable, ...] | None:
     motion = design.motion
     if isinstance(motion, ThreeSegmentStroke):
-        if motion.turns or motion.solve_for == "stroke" or motion.return_.e == "least_acceleration":
+        found, inverse = motion.return_.e == "least_acceleration", motion.return_.basis == "inverse_ratio"
+        if motion.turns or motion.solve_for == "stroke" or found or inverse:
             return None
         return STROKE, motion.solve_for, motion.a1_speed_rpm is None, motion.stroke_mm is None
     if isinstance(motion, HarmonicRatio) and motion.second_stage is None and (motion.cosine or motion.sine):

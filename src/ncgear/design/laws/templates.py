@@ -24,7 +24,7 @@ motion:                    # how the slider moves
   stroke_mm: 760           # left out: the stroke of the linkage
   return:                  # the return stroke
     basis: ratio           # ratio or inverse_ratio
-    e: least_acceleration  # a number (with basis ratio), or least_acceleration to have it found
+    e: least_acceleration  # a number, or least_acceleration to have it found
 """,
     LawName.RATIO_EXPRESSION: """\
 motion:                    # the law of the gears, as a formula of phi, the driving angle in rad

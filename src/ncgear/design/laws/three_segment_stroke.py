@@ -65,14 +65,9 @@ class ReturnOptions(Model):
     )
     e: Annotated[float | Literal["least_acceleration"], BeforeValidator(_number_or_word)] = Field(
         default="least_acceleration",
-        description="free coefficient of the return stroke: a number, or least_acceleration to have it found",
+        description="free coefficient of the return stroke, the value at phi1 = 0 of the polynomial that is its basis: "
+        "a number, or least_acceleration to have it found",
     )
-
-    @model_validator(mode="after")
-    def _number_needs_ratio(self) -> Self:
-        if self.basis == "inverse_ratio" and self.e != "least_acceleration":
-            raise fault("e", f"{self.e:g} is a number, which needs basis ratio; with inverse_ratio leave e out")
-        return self
 
 
 class ThreeSegmentStroke(LawKeys):
@@ -269,7 +264,7 @@ class ThreeSegmentStroke(LawKeys):
             f"v2_{output.speed.ending}": stroke.v2_mm_s,
             f"a1_{output.acceleration.ending}": stroke.a1_mm_s2,
             "return_basis": "inverse_ratio" if back.inverse else "ratio",
-            "return_constant_e": None if back.inverse else back.extrapolated_ratio,
+            "return_constant_e": back.extrapolated_ratio,
         }
         prescribed = PrescribedStroke(stroke.law_speed_rad_s, stroke.closing_error_mm, facts)
         return Law(linkage, single(law.transmission), prescribed)

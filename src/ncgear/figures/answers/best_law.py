@@ -8,9 +8,9 @@ from math import degrees
 from ncgear.design.keys.base import listed
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.best_law import (
-    FAMILY_WITHOUT_MASS,
     felt_keys,
     felt_text,
+    not_closed,
     other_mechanisms,
     points_of,
     starts_text,
@@ -22,6 +22,7 @@ from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
+from ncgear.project.comparison import Comparison
 from ncgear.project.frontier_run import Frontier
 
 GOALS = {Goal.WEIGHTED: "least weighted sum"}
@@ -80,23 +81,32 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
         rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
     if best.starts.count > 1:
         rows.append(Row("starts", (starts_text(best),)))
+    if (distance := not_closed(best)) is not None:
+        rows.append(Row("the limit", (distance,)))
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
     if best.task.masses is not None:
-        counted = f"{figure('driven_gear_kg_mm2', best.task.moving.driven_inertia_kg_mm2)} in the driven gear"
-        rows.append(Row("masses", (f"count in all figures, {counted}; the limit is a relaxation and may lie higher",)))
-    return rows
+        gear = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
+        rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}, and may lie higher",)))
+    return [*rows, *_without_masses(best)]
 
 
-def _lost(best: BestLaw) -> tuple[Fault, ...]:
+def _without_masses(best: Comparison) -> list[Row]:
+    """That masses are not counted, where the design gives none and has a power."""
+    if best.design.masses is not None or best.design.resistance is None:
+        return []
+    return [Row("masses", ("not counted in power: give them as masses",))]
+
+
+def _lost(beside: Comparison) -> tuple[Fault, ...]:
     """What of the motion as given is not kept."""
-    lost = best.not_kept
+    lost = beside.not_kept
     return (Fault(f"not kept of the design as given: {lost}"),) if lost else ()
 
 
-def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
+def frontier_answer(found: Frontier, beside: Comparison, then: str) -> Answer:
     """Some points from least power to least acceleration, and the mechanisms beside them."""
-    output = best.task.linkage.OUTPUT.acceleration
+    output = beside.task.linkage.OUTPUT.acceleration
     key = f"peak_acceleration_cycle_{output.ending}"
     points = points_of(found)
     count = min(len(points), POINTS)
@@ -104,21 +114,20 @@ def frontier_answer(found: Frontier, best: BestLaw, then: str) -> Answer:
     rows = []
     for point, family in told:
         law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
-        gap = "-" if best.soft else f"{fixed(100.0 * (law / limit - 1.0), 1)} %"
+        gap = "-" if beside.soft else f"{fixed(100.0 * (law / limit - 1.0), 1)} %"
         texts = figure(key, limit), figure(key, law), gap, figure(key, family.peak_acceleration_mm_s2)
         rows.append(Row(f"under {figure('power_cap_w', point.cap_w)}", texts))
     rows += [
         Row(one.name, (f"{figure('peak_power_w', one.peak_power_w)}, {figure(key, one.peak_acceleration_mm_s2)}",))
-        for one in other_mechanisms(best)
+        for one in other_mechanisms(beside)
     ]
-    if best.task.masses is not None:
-        rows.append(Row("family", (FAMILY_WITHOUT_MASS,)))
-    certified = "the limit counts hard wishes alone" if best.soft else "no law goes below the limit"
-    speed = best.design.operation.speed_rpm
+    rows += _without_masses(beside)
+    certified = "the limit counts hard wishes alone" if beside.soft else "no law goes below the limit"
+    speed = beside.design.operation.speed_rpm
     return Answer(
-        f"{best.design.name}: least {name_of(key)} under caps on the power, at {speed:g} r/min",
+        f"{beside.design.name}: least {name_of(key)} under caps on the power, at {speed:g} r/min",
         tuple(rows),
-        _lost(best),
+        _lost(beside),
         f"{len(points)} points in all; {certified} (certified)",
         heads=("limit", "best law", "above it", "published family"),
         then=then,

@@ -87,8 +87,11 @@ def _about(of: str, drive: Drive, verdict: Verdict) -> list[Row]:
     ]
 
 
-def sized_answer(found: Sequence[Sized], then: str = "") -> Answer:
-    """The smallest gears that hold, one row each, and the keys of the first."""
+def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str] = ()) -> Answer:
+    """The smallest gears that hold, one row each, and the keys of the first.
+
+    ``left_out`` are the keys of the file that hold what follows from its own gears.
+    """
     first = found[0]
     design, strength = first.drive.design, first.verdict.strength
     wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.verdict.weakest)
@@ -99,6 +102,7 @@ def sized_answer(found: Sequence[Sized], then: str = "") -> Answer:
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, changed(first.changes))),)),
+            *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
         (),
         f"Load: {LOADS[strength.load]}",

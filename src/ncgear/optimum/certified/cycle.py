@@ -6,14 +6,15 @@ for any motion, whatever it does between them, so a grid that is too coarse give
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import pi
+from collections.abc import Callable, Sequence
+from math import ceil, log2, pi
 
 import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
+from ncgear.optimum.certified.proof import DATA, UNIT
 from ncgear.optimum.loads import MachineLoads, machine_loads
 from ncgear.optimum.task import Task
 
@@ -27,7 +28,8 @@ SAME = 1e-9
 """Crank angle in rad by which the ends of a stretch may miss the places that were made for them."""
 
 GAUSS = 12
-"""Gauss-Legendre points in a cell for its length and the work of weights: exact to rounding, both being smooth."""
+"""Gauss-Legendre points in a part of a cell for its length and the work of weights: exact to rounding, both being
+smooth there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,7 @@ class Cycle:
     derivatives by it; ``force_n``, the larger of the loads on both sides of the place; ``inertia_kg_mm2``, J of
     all masses, zero without masses.  Of shape (n,), of the cells: ``step_rad``, ``length_mm`` along the slider's way,
     and ``work_n_mm`` against resistance and weights.  ``extended`` is the number of the extended dead centre.
+    ``error`` is the relative error that these numbers may have.
     """
 
     crank_angle_rad: Array
@@ -49,6 +52,7 @@ class Cycle:
     length_mm: Array
     work_n_mm: Array
     extended: int
+    error: float
 
     @property
     def count(self) -> int:
@@ -98,6 +102,7 @@ def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cyc
         _lengths(task, angles, step),
         work if loads is None else work + _work_of_weights(task, angles, step),
         extended,
+        max([DATA, *(UNIT / width**2 for _, width in linkage.corners)]),
     )
 
 
@@ -138,24 +143,44 @@ def _loads(task: Task, angles: Array) -> MachineLoads | None:
 
 def _work_of_weights(task: Task, angles: Array, step: Array) -> Array:
     """Work in N mm that lifts the masses in each cell, shape (n,): the integral of the torque at rest."""
-    assert task.masses is not None
-    if task.masses.gravity_m_s2 == (0.0, 0.0):
+    masses = task.masses
+    assert masses is not None
+    if masses.gravity_m_s2 == (0.0, 0.0):
         return np.zeros(angles.size)
-    inner, weight = _inner(angles, step)
-    at_rest = machine_loads(task.linkage, task.masses, inner.ravel(), np.zeros(inner.size)).torque_n_mm.static
-    work: Array = np.sum(at_rest.reshape(inner.shape) * weight, axis=1)
-    return work
+    return _over_cells(
+        task,
+        angles,
+        step,
+        lambda inner: machine_loads(task.linkage, masses, inner, np.zeros(inner.size)).torque_n_mm.static,
+    )
 
 
 def _lengths(task: Task, angles: Array, step: Array) -> Array:
     """Length of the slider's way in each cell, shape (n,): differences of the way would lose digits at dead centres."""
-    inner, weight = _inner(angles, step)
-    slope = task.linkage.displacement(Jet.variable(inner.ravel(), 1)).derivative(1)
-    lengths: Array = np.abs(np.sum(slope.reshape(inner.shape) * weight, axis=1))
-    return lengths
+    return np.abs(
+        _over_cells(task, angles, step, lambda inner: task.linkage.displacement(Jet.variable(inner, 1)).derivative(1))
+    )
 
 
-def _inner(angles: Array, step: Array) -> tuple[Array, Array]:
-    """Crank angles inside each cell and their weights in an integral over it, shape (n, GAUSS) each."""
+def _over_cells(task: Task, angles: Array, step: Array, integrand: Callable[[Array], Array]) -> Array:
+    """Integrals over the cells, shape (n,), of a function of crank angles that is smooth but for sharp corners."""
+    starts = np.union1d(angles, _cuts(task, float(np.max(step))))
+    width = np.diff(np.append(starts, 2.0 * pi))
     unit, weight = np.polynomial.legendre.leggauss(GAUSS)
-    return angles[:, None] + step[:, None] * (1.0 + unit) / 2.0, step[:, None] * weight / 2.0
+    inner = starts[:, None] + width[:, None] * (1.0 + unit) / 2.0
+    parts = integrand(inner.ravel()).reshape(inner.shape) @ weight * (width / 2.0)
+    integrals: Array = np.add.reduceat(parts, np.searchsorted(starts, angles))
+    return integrals
+
+
+def _cuts(task: Task, step_rad: float) -> Array:
+    """Crank angles that cut cells of such steps about corners that are narrower, shape (k,).
+
+    Each cut is twice as far from the corner as the one before it, so no part is wider than it is far from there.
+    """
+    cuts = [np.empty(0)]
+    for angle, width in task.linkage.corners:
+        if width < step_rad:
+            distances = width * 2.0 ** np.arange(ceil(log2(step_rad / width)) + 2)
+            cuts.append(angle + np.concatenate([-distances, [0.0], distances]))
+    return np.concatenate(cuts) % (2.0 * pi)

@@ -20,16 +20,9 @@ from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
-from ncgear.optimum.certified.ranges import (
-    Solved,
-    Trials,
-    Tried,
-    cells_that_matter,
-    motion_along,
-    stretches,
-    within_ranges,
-)
+from ncgear.optimum.certified.ranges import cells_that_matter, stretches
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
+from ncgear.optimum.certified.tree import Effort, Figures, Solved, Trials, Tried, bisected, motion_along
 from ncgear.optimum.task import Task
 
 PLACES_ROUGH = 960
@@ -61,11 +54,15 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and comes near the value."""
+    """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and comes near the value.
+
+    ``effort`` is what it took to raise the value towards a law; None where it was not.
+    """
 
     value: float
     places: int
     motion: Motion | None
+    effort: Effort | None = None
 
     def times(self, price: float) -> Bound:
         """The bound of a figure times a price."""
@@ -183,7 +180,7 @@ def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven
     value = without.value
     if proven and found.value > CLOSE * value:
         parts = stretches(problem.on, without.q, found.q)
-        value = within_ranges(trials, parts, without, found, problem.asked.ratio_max)
+        value = bisected(trials, parts, without.value, found, problem.asked)
     return Bound(value, problem.on.count, motion_of(problem.on, found.q))
 
 
@@ -196,7 +193,7 @@ def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Probl
     for factor in EASED:
         easier = problem.eased(factor)
         trials = _trials(easier, least_value, name)
-        found = trials.least(None)
+        found = trials.least(None, {}, inf)
         if found.value == inf:
             raise refusal(easier)
         if found.q is not None:
@@ -207,16 +204,13 @@ def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Probl
 def _trials(problem: Problem, least_value: LeastValue, name: str) -> Trials:
     """What the search for ranges asks of the programmes."""
 
-    def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
-        return extremes_of(problem.under(**{name: below}).programme(ranges), place)
+    def tried_in(curve: Ranges | Near | None, figures: Figures, below: float) -> Tried:
+        return least_value(problem, curve)
 
-    return Trials(problem.on, lambda curve: least_value(problem, curve), extremes)
+    def programme(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
+        return problem.under(**{name: below}).programme(ranges)
 
-
-def extremes_of(made: MotionProgramme, place: int) -> tuple[float, float]:
-    """The least and the greatest q at a place of all motions of a programme."""
-    q = made.q[place : place + 1]
-    return least(made.programme, q).value, -least(made.programme, -q).value
+    return Trials(problem.on, tried_in, programme, {})
 
 
 def q_of(q: Linear, variables: Array) -> Array:

@@ -151,7 +151,7 @@ class _Making:
         self.next = np.roll(np.arange(count), -1)
         self.before = np.roll(np.arange(count), 1)
         self.after_h, self.before_h = on.step_rad, on.step_rad[self.before]
-        self.programme = Programme()
+        self.programme = Programme(error=on.error)
         least, most = 1.0 / asked.ratio_max, 1.0 / asked.ratio_min
         self.lowest, self.highest = np.full(count, least**2), np.full(count, most**2)
         self.lowest_time, self.highest_time = np.full(count, asked.ratio_min), np.full(count, asked.ratio_max)

@@ -6,16 +6,13 @@ curve bounds q from above, the driving curve from below: with i = 1/s = i12 and 
 
     1 + s + s'' >= 0     and     y'' <= 2 i + 2 i^2
 
-Then the relations can be added with these ranges, and the next ranges are narrower.  The target is a limit if the
-programme's least value is no less, or if there is no q at all; otherwise that value is.  This is the tightening of
-bounds by optimization of global optimization (Belotti et al., "Branching and bounds tightening techniques for
-non-convex MINLP", Optim. Methods Softw. 24 (2009)); what holds between the checkpoints is ours.
+Then the relations can be added with these ranges, and the next ranges are narrower (``tree``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from itertools import chain, pairwise
+from collections.abc import Sequence
+from itertools import pairwise
 from math import cos, inf, sqrt
 
 import numpy as np
@@ -23,93 +20,13 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Near, Ranges
-
-
-@dataclass(frozen=True, eq=False)
-class Tried:
-    """A certain least value of a programme, and q at the places of a motion near it; None where none was found."""
-
-    value: float
-    q: Array | None
-
-
-@dataclass(frozen=True, eq=False)
-class Trials:
-    """What can be asked of the programmes of one cycle.
-
-    ``least`` gives the least value of the goal with ranges of q, or near a motion (see ``motion.motion_programme``);
-    ``extremes`` the least and the greatest q at a place of all motions whose goal is below a value.
-    """
-
-    on: Cycle
-    least: Callable[[Ranges | Near | None], Tried]
-    extremes: Callable[[Ranges | None, int, float], tuple[float, float]]
-
-
-@dataclass(frozen=True, eq=False)
-class Solved:
-    """A value, and q at the places of a motion near it."""
-
-    value: float
-    q: Array
-
-
-STEPS = 3
-"""Steps along the tangent: the motion found keeps the driving curve convex, and three steps find all of it but 1e-6."""
-
-ENOUGH = 0.001
-"""What the limit may lack of the motion's value: the law itself lacks about as much."""
-
-SHARES = (1.0, 0.9, 0.8, 0.6, 0.4)
-"""Shares of the way from the limit without the driving curve to this value: aimed at until one is met."""
+from ncgear.optimum.certified.demands import Ranges
 
 LOWER = 0.02
 """By how much ln q may lie lower between two checkpoints than the chord through them."""
 
-NARROW = 1.1
-"""A range of q this narrow leaves next to nothing of what the relations lack."""
-
-ROUNDS = 9
-"""Most rounds of narrower ranges for one target; one or two are the rule."""
-
-LEAST_GAIN = 0.1
-"""Share of the way to the target that a round must have gained, for another one to follow."""
-
 ROUNDING = 1e-9
 """Relative error that a range between checkpoints may have by rounding, with much to spare."""
-
-
-def motion_along(trials: Trials, found: Solved) -> Solved:
-    """The motion to which a few steps along the tangent of the driving curve's relation lead, from another one."""
-    for _ in range(STEPS):
-        step = trials.least(Near(found.q, np.log(np.roll(found.q, -1) / found.q) / trials.on.step_rad))
-        if step.q is None:
-            break
-        found = Solved(step.value, step.q)
-    return found
-
-
-def within_ranges(
-    trials: Trials, parts: Sequence[IndexArray], without: Solved, motion: Solved, ratio_max: float
-) -> float:
-    """A certain least value with ranges of q in parts of the turn, places in a row each.
-
-    From the answer without ranges, and from a motion that keeps the driving curve convex and times as they are.
-    """
-    on = trials.on
-    stretches = [Stretch(places, motion.q[places], ratio_max) for places in parts]
-    known = Known(np.full(on.count, 1.0 / ratio_max**2), np.full(on.count, inf))
-    proven = without.value
-    wanted = (1.0 - ENOUGH) * motion.value - without.value
-    for share in SHARES:
-        target = without.value + share * wanted
-        if target <= proven:
-            break
-        # What is known of motions below a target holds for a lower one
-        known, value = _aimed_at(trials, stretches, known, target, proven)
-        proven = max(proven, value)
-    return proven
 
 
 def halves(on: Cycle) -> list[IndexArray]:
@@ -123,32 +40,6 @@ def stretches(on: Cycle, without: Array, motion: Array) -> list[IndexArray]:
     return _rows(cells_that_matter(on, without, motion), on.count)
 
 
-def _aimed_at(
-    trials: Trials, stretches: Sequence[Stretch], known: Known, target: float, proven: float
-) -> tuple[Known, float]:
-    """What is known of the motions below a target after rounds of narrower ranges; the target, or what is certain."""
-    on, value = trials.on, proven
-    checkpoints = [_checkpoints(on, stretch) for stretch in stretches]
-    for _ in range(ROUNDS):
-        for place in chain.from_iterable(checkpoints):
-            if known.most[place] < NARROW * known.least[place]:
-                continue
-            ranges = _everywhere(on, known, stretches, checkpoints)
-            least, most = trials.extremes(ranges, place, target)
-            known = known.within(place, least, most)
-            if known.least[place] > known.most[place]:
-                # No motion at all is below the target
-                return known, target
-        ranges = _everywhere(on, known, stretches, checkpoints)
-        known = Known(np.maximum(known.least, ranges.least), np.minimum(known.most, ranges.most))
-        before, value = value, max(value, trials.least(ranges).value)
-        if value >= target:
-            return known, target
-        if value - before < LEAST_GAIN * (target - before):
-            break
-    return known, value
-
-
 @dataclass(frozen=True, eq=False)
 class Stretch:
     """Places in a row at which the driving curve matters, and q there of a motion; the greatest ratio."""
@@ -156,6 +47,16 @@ class Stretch:
     places: IndexArray
     motion: Array
     ratio_max: float
+
+    def checkpoints(self, on: Cycle) -> list[int]:
+        """Places of the stretch, first and last among them, between which ln q bends down by LOWER at most."""
+        places, ratio = self.places, 1.0 / np.sqrt(self.motion)
+        # A chord of length L is missed by R L^2/8
+        apart = np.sqrt(8.0 * LOWER / (2.0 * ratio + 2.0 * ratio**2))
+        gone = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]] / np.minimum(apart[:-1], apart[1:]))])
+        parts = max(1, round(float(gone[-1])))
+        numbers = np.searchsorted(gone, gone[-1] * np.arange(parts + 1) / parts - 1e-9)
+        return list(dict.fromkeys(places[np.minimum(numbers, places.size - 1)].tolist()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +72,15 @@ class Known:
         low[place] = max(low[place], least)
         high[place] = min(high[place], most)
         return Known(low, high)
+
+    def and_all(self, ranges: Ranges) -> Known:
+        """What is known together with ranges that hold as well."""
+        return Known(np.maximum(self.least, ranges.least), np.minimum(self.most, ranges.most))
+
+    @property
+    def empty(self) -> bool:
+        """Whether there is no q at all at some place."""
+        return bool(np.any(self.least > self.most))
 
 
 def cells_that_matter(on: Cycle, without: Array, motion: Array) -> IndexArray:
@@ -204,18 +114,7 @@ def _rows(cells: IndexArray, count: int) -> list[IndexArray]:
     return [(part[0] + np.arange((part[-1] - part[0]) % count + 2)) % count for part in parts]
 
 
-def _checkpoints(on: Cycle, stretch: Stretch) -> list[int]:
-    """Places of a stretch, first and last among them, between which ln q bends down by LOWER at most."""
-    places, ratio = stretch.places, 1.0 / np.sqrt(stretch.motion)
-    # A chord of length L is missed by R L^2/8
-    apart = np.sqrt(8.0 * LOWER / (2.0 * ratio + 2.0 * ratio**2))
-    gone = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]] / np.minimum(apart[:-1], apart[1:]))])
-    parts = max(1, round(float(gone[-1])))
-    numbers = np.searchsorted(gone, gone[-1] * np.arange(parts + 1) / parts - 1e-9)
-    return list(dict.fromkeys(places[np.minimum(numbers, places.size - 1)].tolist()))
-
-
-def _everywhere(on: Cycle, known: Known, stretches: Sequence[Stretch], checkpoints: Sequence[Sequence[int]]) -> Ranges:
+def everywhere(on: Cycle, known: Known, stretches: Sequence[Stretch], checkpoints: Sequence[Sequence[int]]) -> Ranges:
     """Ranges of q at all places and in all cells of the stretches, from those known and between checkpoints."""
     least, most = np.zeros(on.count), np.full(on.count, inf)
     least_in_cell, most_in_cell = np.zeros(on.count), np.full(on.count, inf)

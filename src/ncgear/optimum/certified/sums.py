@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import reduce
 from heapq import heappop, heappush
@@ -15,7 +16,7 @@ from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
 from ncgear.optimum.certified.limit import (
     BISECTED,
     Bound,
-    extremes_of,
+    Motion,
     least_acceleration,
     least_of,
     least_power,
@@ -27,7 +28,8 @@ from ncgear.optimum.certified.limit import (
 from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, motion_programme
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
-from ncgear.optimum.certified.ranges import Solved, Trials, Tried, halves, within_ranges
+from ncgear.optimum.certified.ranges import halves
+from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, proven
 from ncgear.optimum.task import Task
 
 PLACES_RAISED = 120
@@ -123,43 +125,45 @@ def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bo
     return Bound(sums[best], problem.on.count, ends[best].motion)
 
 
-def raised(task: Task, asked: Demands, prices: dict[str, float], law: float, places: int = PLACES_RAISED) -> float:
-    """A certain least sum of priced figures, by their names in ``Demands``, from the sum that a law has.
+def raised(
+    task: Task,
+    asked: Demands,
+    prices: Mapping[str, float],
+    law: Mapping[str, float],
+    motion: Motion,
+    budget: Budget,
+    places: int = PLACES_RAISED,
+) -> tuple[float, Effort]:
+    """A certain least sum of priced figures, by their names in ``Demands``, and what it took to prove it.
 
-    Ranges of q all around the turn, and of the figures, are narrowed: with masses, sums that are far above the limits
-    of single figures are shown to be out of reach.  Both pitch curves must be convex.  Raises NoSuchMechanism where
-    the demands themselves cannot be kept.
+    From the figures and the motion of a law.  Ranges of q all around the turn, and of the figures, are narrowed and
+    divided.  Both pitch curves must be convex.  Raises NoSuchMechanism where the demands themselves cannot be kept.
     """
     problem = problem_of(task, asked, places)
-    motion = least_acceleration(task, asked, places, proven=False).motion
-    assert motion is not None
-    known = dict.fromkeys(prices, 0.0)
+    whole = sum(price * law[name] for name, price in prices.items())
 
-    def programme(curve: Ranges | Near | None, below: float) -> tuple[MotionProgramme, Linear]:
-        others = sum(price * known[name] for name, price in prices.items())
-        priced = [Priced(name, known[name], (below - others) / price + known[name]) for name, price in prices.items()]
+    def programme(curve: Ranges | Near | None, figures: Figures, below: float) -> tuple[MotionProgramme, Linear]:
+        others = sum(price * figures[name][0] for name, price in prices.items())
+        priced = [
+            Priced(name, figures[name][0], min(figures[name][1], (below - others) / price + figures[name][0]))
+            for name, price in prices.items()
+        ]
         made = motion_programme(task, problem.on, asked, curve, priced=priced)
         total = reduce(add, (made.figures[name] * (price / below) for name, price in prices.items()))
         made.programme.positive(1.0 - total)
         return made, total
 
-    def least_value(curve: Ranges | Near | None) -> Tried:
-        for name in prices:
-            made, _ = programme(curve, law)
-            value = least(made.programme, made.figures[name]).value
-            if value == inf:
-                return Tried(inf, None)
-            known[name] = max(known[name], value)
-        made, total = programme(curve, law)
+    def least_value(curve: Ranges | Near | None, figures: Figures, below: float) -> Tried:
+        made, total = programme(curve, figures, below)
         # No figure is negative
-        return tried(made, total, lambda value: max(value, 0.0) * law)
+        return tried(made, total, lambda value: max(value, 0.0) * below)
 
-    def extremes(ranges: Ranges | None, place: int, below: float) -> tuple[float, float]:
-        return extremes_of(programme(ranges, below)[0], place)
+    def motions(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
+        return programme(ranges, figures, below)[0]
 
-    trials = Trials(problem.on, least_value, extremes)
-    without = least_value(None)
+    trials = Trials(problem.on, least_value, motions, prices)
+    without = least_value(None, dict.fromkeys(prices, (0.0, inf)), whole)
+    if not without.value < whole:
+        return whole, Effort(1, 1, problem.on.count, True)
     q = np.interp(problem.on.crank_angle_rad, motion.crank_angle_rad, motion.turning, period=2.0 * pi) ** 2
-    if not without.value < law:
-        return law
-    return within_ranges(trials, halves(problem.on), Solved(without.value, q), Solved(law, q), asked.ratio_max)
+    return proven(trials, halves(problem.on), without.value, Solved(whole, q), asked, budget, law)

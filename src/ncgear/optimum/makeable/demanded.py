@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import inf, log, pi
 
@@ -11,9 +11,9 @@ from ncgear.kinematics.wishes import CrankStretch, Dwell, EvenSpeed, SpeedWithin
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
-from ncgear.optimum.certified.motion import needs_times
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
+from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.motion_wishes import evenness_offer, speed_offer, time_offer
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer
@@ -25,6 +25,14 @@ OF_LOADS = {"braking_power_w": "braking_w", "rms_torque_n_m": "torque_n_mm", "fl
 
 DEMANDS = {"peak_acceleration_mm_s2": "acceleration_mm_s2", "peak_power_w": "power_w", **OF_LOADS}
 """All figures that the limit knows, and their names among its demands."""
+
+
+def knows_loads(task: Task, wishes: Wishes) -> bool:
+    """Whether the limit knows power and torque of the driving shaft.
+
+    It does not where a shaft between two pairs has inertia: its part depends on how the pairs share the ratio.
+    """
+    return wishes.two_stages is None or not task.moving.between_inertia_kg_mm2
 
 
 def demands_of(task: Task, wishes: Wishes) -> Demands:
@@ -42,7 +50,7 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         for requirement in wish.requirements(task.linkage, task.cycle_rad)
         for one in _demands(task, wish, requirement, limits.ratio_max)
     ]
-    one_pair = wishes.two_stages is None
+    one_pair, loads_known = wishes.two_stages is None, knows_loads(task, wishes)
     return Demands(
         ratio_min=max(limits.ratio_min, slowest),
         ratio_max=limits.ratio_max,
@@ -50,8 +58,11 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         rack_angle_rad=limits.rack_angle_rad,
         convex=wishes.convex and one_pair,
         acceleration_mm_s2=limits.peak_acceleration_mm_s2 or inf,
-        power_w=limits.peak_power_w or inf,
-        **{name: _of_load(task, figure, getattr(limits, figure)) for figure, name in OF_LOADS.items()},
+        power_w=(limits.peak_power_w if loads_known else None) or inf,
+        **{
+            name: _of_load(task, figure, getattr(limits, figure) if loads_known else None)
+            for figure, name in OF_LOADS.items()
+        },
         times=tuple(one for one in asked if isinstance(one, StretchTime)),
         even_speeds=tuple(one for one in asked if isinstance(one, SpeedSpread)),
         speeds=tuple(one for one in asked if isinstance(one, SpeedRange)),
@@ -116,7 +127,7 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
     Raises NoSuchMechanism where certainly no law keeps the limits.
     """
     asked, prices = demands_of(task, wishes), wishes.prices
-    priced = {name: price for name, price in vars(prices).items() if price}
+    priced = _known_prices(task, wishes)
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
         _refuse_together(task, asked)
         weights = Weights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
@@ -129,25 +140,42 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
     return replace(found[0], value=sum(bound.value for bound in found))
 
 
-def raised_limit(task: Task, wishes: Wishes, bound: Bound, law: Figures) -> Bound:
-    """The limit of a goal, raised towards the figures of a law where ranges of q all around the turn can do so.
+def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
+    """The prices of the figures that the limit knows."""
+    known = DEMANDS if knows_loads(task, wishes) else ("peak_acceleration_mm_s2",)
+    return {name: price for name, price in vars(wishes.prices).items() if price and name in known}
 
-    They can where both curves must be convex, and are worth it with masses and for sums of figures.
+
+CLOSE = 1.01
+"""A law this close to its limit is left there: laws of 180 knots lack up to a hundredth themselves."""
+
+MOST_PROGRAMMES = 2400
+"""Programmes that are solved at most to raise a limit towards a law: less than a minute on one processor."""
+
+
+def raised_limit(
+    task: Task,
+    wishes: Wishes,
+    bound: Bound,
+    law: Figures,
+    motion: Motion,
+    tell: Callable[[int, int], None] = lambda used, most: None,
+) -> Bound:
+    """The limit of a goal, raised towards the figures of a law, if it is not close to them, from the law's motion.
+
+    Ranges of q all around the turn can do so where both curves must be convex.  ``tell`` is called with the numbers of
+    programmes solved and at most to be solved.
     """
     asked = demands_of(task, wishes)
-    prices = {
-        demand: price / in_demand(task, demand)
-        for name, demand in DEMANDS.items()
-        if (price := getattr(wishes.prices, name))
-    }
-    if not asked.convex or not (needs_times(task, asked) or len(prices) > 1 or set(prices) & set(OF_LOADS.values())):
+    priced = _known_prices(task, wishes)
+    reached = sum(price * getattr(law, name) for name, price in priced.items())
+    if not asked.convex or not reached > CLOSE * bound.value:
         return bound
-    reached = sum(
-        price * getattr(law, name) for name, price in vars(wishes.prices).items() if price and name in DEMANDS
-    )
-    if not reached > bound.value:
-        return bound
-    return replace(bound, value=max(bound.value, raised(task, asked, prices, reached)))
+    units = {name: in_demand(task, DEMANDS[name]) for name in priced}
+    prices = {DEMANDS[name]: price / units[name] for name, price in priced.items()}
+    figures = {DEMANDS[name]: units[name] * getattr(law, name) for name in priced}
+    value, effort = raised(task, asked, prices, figures, motion, Budget(MOST_PROGRAMMES, tell))
+    return replace(bound, value=max(bound.value, value), effort=effort)
 
 
 def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound | None:
@@ -196,12 +224,14 @@ NOT_COVERED = {
 }
 
 
-def not_covered(wishes: Wishes) -> list[str]:
-    """The limits, in words, that restrict the law and that the certified limit does not know."""
+def not_covered(task: Task, wishes: Wishes) -> list[str]:
+    """What restricts the law, in words, and the certified limit does not know."""
     found = [said for name, said in NOT_COVERED.items() if getattr(wishes, name) is not None]
     limits = wishes.limits
     loads = {"bearing_force_n": "bearing force", "shaking_force_n": "shaking force", "tooth_force_n": "tooth force"}
     found += [said for name, said in loads.items() if getattr(limits, name) is not None]
     if wishes.two_stages is not None:
         found.append("curves and pressure angles of the two pairs")
+    if not knows_loads(task, wishes):
+        found.append("power and torque with the inertia of the shaft between")
     return found

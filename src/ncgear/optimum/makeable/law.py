@@ -79,6 +79,11 @@ class MakeableLaw:
         return spline_ratio_staged(self.driven_angle_rad, self.ratio, self.second).train
 
     @property
+    def motion(self) -> Motion:
+        """How the crank turns at the knots."""
+        return Motion(self.driven_angle_rad, 1.0 / self.ratio)
+
+    @property
     def goal(self) -> float:
         """What was to be least, in units of the levels."""
         return float(sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True)))
@@ -100,6 +105,16 @@ def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
     if instead := found_instead(task, wishes, CLEAR):
         raise _offered(NONE, [offer for eased in instead for offer in eased(0.0)])
     return _weighed(search, _kept_at_last(search, begun))
+
+
+def nearest_law(task: Task, wishes: Wishes) -> MakeableLaw:
+    """The law that comes nearest to keeping all limits, for wishes that no law keeps all of.
+
+    Raises NoSuchMechanism where none is found.
+    """
+    search = searched(task, wishes)
+    near = _nearest(search, search.begun(EVEN)).coefficients
+    return law_of(search, Kept(search.rounded(near), search.reached(near)))
 
 
 def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> MakeableLaw | None:
@@ -124,13 +139,18 @@ def _weighed(search: Search, law: MakeableLaw) -> MakeableLaw:
 
 def _kept_at_last(search: Search, start: Array) -> MakeableLaw:
     """The law found from the one that comes nearest to keeping all limits; raises NoSuchMechanism where none is."""
-    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
-    if near is None:
-        raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
+    near = _nearest(search, start)
     if near.excess > NO_EXCESS:
         raise _cannot_be(search, near)
     found = kept(search, near.coefficients)
     return _kept_between(search, near.coefficients) if found is None else law_of(search, found)
+
+
+def _nearest(search: Search, start: Array) -> Solution:
+    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
+    if near is None:
+        raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
+    return near
 
 
 def _kept_between(search: Search, near: Array) -> MakeableLaw:

@@ -85,7 +85,7 @@ def stroke_law(
     if constant is None:
         return_law = return_of_least_acceleration(ends, linkage, inverse=inverse_basis)
     else:
-        return_law = return_with_constant(ends, constant)
+        return_law = return_with_constant(ends, constant, inverse=inverse_basis)
     closing = Piece(ends.start_rad, ends.end_rad, return_law.driven_angle)
     return StrokeLaw(Transmission((*working, closing), lobes), stroke, return_law)
 

@@ -1,0 +1,26 @@
+"""Figures for programs: what every command with ``--json`` prints, in one form."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import typer
+
+
+def print_figures(*of_pairs: Mapping[str, Any], kept: Sequence[Path] = ()) -> None:
+    """Print figures as one JSON document to stdout, and to stderr the files of others that were ``kept``.
+
+    The figures are those of the JSON file that the command writes, to the digit.  Of two pairs in series that are told
+    one by one they stand below ``stages``.  Raises ArithmeticError, before anything is printed, where a figure is no
+    finite number.
+    """
+    from ncgear.figures.numbers import json_text
+
+    by_stage = {f"stage_{number}": figures for number, figures in enumerate(of_pairs, start=1)}
+    typer.echo(json_text(of_pairs[0] if len(of_pairs) == 1 else {"stages": by_stage}).rstrip())
+    if kept:
+        from ncgear.figures.terminal import kept_lines
+
+        typer.echo("\n".join(kept_lines(kept)), err=True)

@@ -1,0 +1,364 @@
+"""Branch and bound: no motion has less than a target where every part of the motions below it is shown to be empty.
+
+A part is a box: ranges of q at the checkpoints (``ranges``), and of the figures that a sum counts.  All of it lies in
+the ranges that the programmes of its motions leave, so the least and the greatest q at each checkpoint narrow the box,
+and so do the rows that narrower ranges allow.  A box in which nothing is allowed, or whose least value is not below the
+target, is done with; another is narrowed again as long as that pays, and then cut in two where it is widest.  Every
+bound of a box is proven by multipliers (``proof``), and each cut leaves every motion in one of both halves.
+
+If the boxes are not all done with after a share of the programmes that may be solved, the target is lowered: what is
+known of motions below a target holds of those below a lower one, and so the boxes that are left are taken on.  Where
+they are done with, and programmes are left, a target between is tried with them.  In the end no motion has less than
+the highest target that was met, or than the least value of any box that is left.
+
+This is spatial branch and bound (A. H. Land and A. G. Doig, Econometrica 28 (1960); H. S. Ryoo and N. V. Sahinidis,
+J. Glob. Optim. 8 (1996)) with the tightening of bounds by optimization and its filter (A. M. Gleixner et al., "Three
+enhancements for optimization-based bound tightening", J. Glob. Optim. 67 (2017)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from itertools import chain
+from math import ceil, inf, log, sqrt
+
+import numpy as np
+
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.optimum.certified.cycle import Cycle
+from ncgear.optimum.certified.demands import Demands, Near, Ranges
+from ncgear.optimum.certified.motion import MotionProgramme
+from ncgear.optimum.certified.proof import Linear, least
+from ncgear.optimum.certified.ranges import Known, Stretch, everywhere
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A certain least value of a programme, and q at the places of a motion near it; None where none was found."""
+
+    value: float
+    q: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A value, and q at the places of a motion near it."""
+
+    value: float
+    q: Array
+
+
+Figures = Mapping[str, tuple[float, float]]
+"""Ranges of the figures that a sum counts, by their names in ``Demands``."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """What can be asked of the programmes of one cycle.
+
+    ``least`` gives the least value of the goal with ranges of q, or near a motion (see ``motion.motion_programme``),
+    in ranges of figures; ``below`` the programme of all motions in them whose goal is below a value.  ``prices`` are
+    those of the figures.
+    """
+
+    on: Cycle
+    least: Callable[[Ranges | Near | None, Figures, float], Tried]
+    below: Callable[[Ranges | None, Figures, float], MotionProgramme]
+    prices: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What the proof of a limit took: programmes solved, and parts into which the motions were divided.
+
+    ``places`` are those of its grid; ``ended`` says whether the limit is as near to the law as they let it be.
+    """
+
+    programmes: int
+    parts: int
+    places: int
+    ended: bool
+
+
+class Budget:
+    """How many programmes may be solved, and how many were; ``tell`` is called with both numbers.
+
+    They are counted, and no time is taken, so that the same limit comes out on every computer.
+    """
+
+    def __init__(self, most: int, tell: Callable[[int, int], None] = lambda used, most: None) -> None:
+        self.most, self.used, self.parts = most, 0, 1
+        self._tell = tell
+
+    def spend(self, programmes: int) -> None:
+        """Count programmes that are to be solved."""
+        self.used += programmes
+        self._tell(min(self.used, self.most), self.most)
+
+
+STEPS = 3
+"""Steps along the tangent: the motion found keeps the driving curve convex, and three steps find all of it but 1e-6."""
+
+ENOUGH = 0.001
+"""What the limit may lack of the motion's value: the law itself lacks about as much."""
+
+WIDENED = 1.03
+"""Ranges about the law's own q, by this factor to each side, that tell what the grid itself lacks."""
+
+OVER_GRID = 0.3
+"""How much more than that a target lacks, as a share: nearer to it the boxes about the law do not end."""
+
+EASIER = 1.3
+"""Factor by which the next target is farther from the law, where the boxes left have come far."""
+
+FAR = 0.5
+"""Share of the way to a target that the least value of any box left has come to count as far; else the next target is
+halfway back to that value."""
+
+TOO_NEAR = 1e-3
+"""Share of a value by which the next target must be over it."""
+
+PHASE = 0.5
+"""Share of the programmes left that a target may take."""
+
+NARROW = 1.1
+"""A range of q this narrow leaves next to nothing of what the relations lack."""
+
+WORTH = 0.85
+"""A box is narrowed again while a round leaves less than this share of its widths."""
+
+WORTH_ALONE = 0.93
+"""The same where boxes are not divided."""
+
+OF_FIGURE = 4.0
+"""A figure of a sum is divided where its width, as a share of its greatest value, is over the widest of ln q by this
+factor: the time of a cell goes with the root of q, and the planes of both touch only at the ends."""
+
+LEAST_GAIN = 0.1
+"""Share of its width by which one side of a range must be able to move, for a programme to be solved for it."""
+
+
+def motion_along(trials: Trials, found: Solved) -> Solved:
+    """The motion to which a few steps along the tangent of the driving curve's relation lead, from another one."""
+    for _ in range(STEPS):
+        near = Near(found.q, np.log(np.roll(found.q, -1) / found.q) / trials.on.step_rad)
+        step = trials.least(near, {}, inf)
+        if step.q is None:
+            break
+        found = Solved(step.value, step.q)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """Motions in ranges of q and of figures; ``value`` is certain: none below the target has less."""
+
+    known: Known
+    figures: Figures
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """The stretches in which ranges of q are looked for, and what narrows and divides boxes of them."""
+
+    trials: Trials
+    stretches: Sequence[Stretch]
+    checkpoints: Sequence[Sequence[int]]
+    budget: Budget
+
+    def emptied(self, boxes: Sequence[Box], target: float, until: int) -> list[Box]:
+        """The boxes that are left of others when motions below a target are looked for in them."""
+        left, stuck = list(boxes), []
+        while left and self.budget.used < until:
+            box = self.narrowed(left.pop(), target)
+            if box is None:
+                continue
+            if not (halves := self.halves(box)):
+                # No wider than what the relations know: this target is out of reach
+                stuck.append(box)
+                break
+            self.budget.parts += 1
+            tried = [self.bounded(half, target) for half in halves]
+            # The one with the higher value comes first, so that few boxes are left beside the hardest
+            left += sorted((half for half in tried if half is not None), key=lambda half: half.value)
+        return [*left, *stuck]
+
+    def narrowed(self, box: Box, target: float, worth: float = WORTH) -> Box | None:
+        """A box narrowed in rounds to motions below a target; None where it holds none of them."""
+        while True:
+            before = self.width(box)
+            after = self.round(box, target)
+            if after is None:
+                return None
+            after = self.bounded(after, target)
+            if after is None or self.width(after) > worth * before:
+                return after
+            box = after
+
+    def round(self, box: Box, target: float) -> Box | None:
+        """A box with the range at each checkpoint, and of each figure, narrowed once; None where one is empty."""
+        seen = Seen(self.trials.on.count)
+        for name in box.figures if len(box.figures) > 1 else ():
+            made = self.trials.below(self.ranges(box), box.figures, target)
+            (low, high), of = box.figures[name], made.figures[name]
+            low, high = max(low, self.answer(made, of, seen)), min(high, -self.answer(made, -of, seen))
+            if low > high:
+                return None
+            box = replace(box, figures={**box.figures, name: (low, high)})
+        for place in chain.from_iterable(self.checkpoints):
+            low, high = box.known.least[place], box.known.most[place]
+            if high < NARROW * low or not (sides := seen.worth(place, low, high)):
+                continue
+            made = self.trials.below(self.ranges(box), box.figures, target)
+            for side in sides:
+                answer = self.answer(made, made.q[place : place + 1] * side, seen)
+                bounds = (answer, inf) if side > 0.0 else (0.0, -answer)
+                box = replace(box, known=box.known.within(place, *bounds))
+            if box.known.empty:
+                return None
+        return box
+
+    def answer(self, made: MotionProgramme, goal: Linear, seen: Seen) -> float:
+        """The certain least value of a goal in a programme; q of the motion near it is seen."""
+        self.budget.spend(1)
+        answer = least(made.programme, goal)
+        if answer.near is not None:
+            seen.add(answer.near[made.q.columns[0]])
+        return answer.value
+
+    def bounded(self, box: Box, target: float) -> Box | None:
+        """A box with all that follows between checkpoints, and its least value; None if that is not below a target."""
+        ranges = self.ranges(box)
+        known = box.known.and_all(ranges)
+        if known.empty:
+            return None
+        self.budget.spend(1)
+        value = max(self.trials.least(ranges, box.figures, target).value, box.value)
+        if value >= target:
+            return None
+        figures = box.figures
+        if len(figures) == 1:
+            # The goal is this figure
+            [(name, (low, high))] = figures.items()
+            figures = {name: (max(low, value / self.trials.prices[name]), high)}
+        return Box(known, figures, value)
+
+    def halves(self, box: Box) -> list[Box]:
+        """A box cut in two where ln q, or a figure of a sum, is widest; none where ln q is narrow everywhere."""
+        known = box.known
+        place = max(chain.from_iterable(self.checkpoints), key=lambda one: float(known.most[one] / known.least[one]))
+        low, high = float(known.least[place]), float(known.most[place])
+        if high < NARROW * low:
+            return []
+        if len(box.figures) > 1:
+            name = max(
+                box.figures, key=lambda one: self.trials.prices[one] * (box.figures[one][1] - box.figures[one][0])
+            )
+            least, most = box.figures[name]
+            if OF_FIGURE * (most - least) > most * log(high / low):
+                middle = (least + most) / 2.0
+                parts = (least, middle), (middle, most)
+                return [replace(box, figures={**box.figures, name: part}) for part in parts]
+        middle = sqrt(low * high)
+        return [replace(box, known=known.within(place, *part)) for part in ((0.0, middle), (middle, inf))]
+
+    def lacking(self, motion: Solved, figures: Mapping[str, float]) -> float:
+        """By how much the programme's least value near a motion is under the motion's own: the grid lacks it."""
+        known = Known(motion.q / WIDENED, motion.q * WIDENED)
+        about = {name: (value / WIDENED, value * WIDENED) for name, value in figures.items()}
+        self.budget.spend(1)
+        found = self.trials.least(self.ranges(Box(known, about, 0.0)), about, WIDENED * motion.value)
+        return max(motion.value - found.value, 0.0)
+
+    def width(self, box: Box) -> float:
+        """The sum of the widths of ln q at the checkpoints."""
+        places = list(chain.from_iterable(self.checkpoints))
+        return float(np.sum(np.log(box.known.most[places] / box.known.least[places])))
+
+    def ranges(self, box: Box) -> Ranges:
+        """Ranges of q everywhere in the stretches."""
+        return everywhere(self.trials.on, box.known, self.stretches, self.checkpoints)
+
+
+class Seen:
+    """The least and the greatest q at the places, shape (n,), of all motions that were found while a box is narrowed.
+
+    What was seen near an end of a range says that this end will hardly move.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.least, self.most = np.full(count, inf), np.zeros(count)
+
+    def add(self, q: Array) -> None:
+        """Take in the q of a motion at all places."""
+        self.least, self.most = np.minimum(self.least, q), np.maximum(self.most, q)
+
+    def worth(self, place: int, low: float, high: float) -> list[float]:
+        """The sides of a range that may move by enough: 1 for the lower one, -1 for the upper one."""
+        room = LEAST_GAIN * log(high / low)
+        sides = {1.0: log(max(self.least[place], low) / low), -1.0: log(high / max(min(self.most[place], high), low))}
+        return [side for side, gain in sides.items() if gain > room]
+
+
+def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands) -> float:
+    """A certain least value with ranges of q in parts of the turn, places in a row each, from one box.
+
+    ``without`` is what is certain without ranges, ``motion`` one that keeps all relations.  The target is halfway back
+    to what is certain, as often as the box is not empty.
+    """
+    tree, box = _whole(trials, parts, without, motion, asked, Budget(0))
+    target = (1.0 - ENOUGH) * motion.value
+    while target > box.value * (1.0 + TOO_NEAR):
+        narrowed = tree.narrowed(box, target, WORTH_ALONE)
+        if narrowed is None:
+            return target
+        box, target = narrowed, (narrowed.value + target) / 2.0
+    return box.value
+
+
+def proven(
+    trials: Trials,
+    parts: Sequence[IndexArray],
+    without: float,
+    motion: Solved,
+    asked: Demands,
+    budget: Budget,
+    figures: Mapping[str, float],
+) -> tuple[float, Effort]:
+    """A certain least value as ``bisected`` gives it, and what it took, from boxes that are divided.
+
+    ``figures`` are the priced ones of the motion.
+    """
+    tree, whole = _whole(trials, parts, without, motion, asked, budget)
+    # One box alone first: it may be narrow enough for the highest target
+    target = (1.0 - ENOUGH) * motion.value
+    boxes, failed = tree.emptied([whole], target, budget.used + 1), target
+    value = min((box.value for box in boxes), default=target)
+    target = nearest = min(target, motion.value - (1.0 + OVER_GRID) * tree.lacking(motion, figures))
+    while value < nearest and budget.used < budget.most and target > value * (1.0 + TOO_NEAR):
+        left = tree.emptied(boxes, target, budget.used + ceil(PHASE * (budget.most - budget.used)))
+        if not left:
+            # What is left of a higher target holds for all below it
+            value, target = target, (target + failed) / 2.0
+            continue
+        boxes, failed = left, target
+        lowest = min(box.value for box in boxes)
+        easier = motion.value - EASIER * (motion.value - target)
+        far = lowest - without > FAR * (target - without) and easier > value
+        value = max(value, lowest)
+        target = easier if far else (value + target) / 2.0
+    return value, Effort(budget.used, budget.parts, trials.on.count, value >= nearest)
+
+
+def _whole(
+    trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands, budget: Budget
+) -> tuple[Tree, Box]:
+    """The tree and the box of all motions in parts of the turn."""
+    on = trials.on
+    stretches = [Stretch(places, motion.q[places], asked.ratio_max) for places in parts]
+    known = Known(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
+    tree = Tree(trials, stretches, [stretch.checkpoints(on) for stretch in stretches], budget)
+    return tree, Box(known, dict.fromkeys(trials.prices, (0.0, inf)), without)
