@@ -22,8 +22,10 @@ from ncgear.extras import require
 from ncgear.frozen import dataclass
 from ncgear.interrupts import uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
+from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures
 from ncgear.project.comparison import GearsAsGiven
+from ncgear.project.offered import may_be_asked
 from ncgear.project.wishes import refuse_guide_friction
 from ncgear.shown import Shown
 from ncgear.workers import finished
@@ -146,6 +148,8 @@ def _point(design: Design, job: tuple[str, float]) -> dict[str, Any]:
         return asdict(family_point(machine.task, cap_w))
     try:
         return asdict(law_point(machine.task, machine.wishes, cap_w))
+    except Refused as refusal:
+        return {"refused": refusal.among(lambda offers: may_be_asked(design, offers)).problem}
     except NoSuchMechanism as refusal:
         return {"refused": refusal.problem}
 

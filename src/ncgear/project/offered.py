@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -17,8 +17,11 @@ from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
 from ncgear.project.wishes import wishes_of
 
-ROOMS = (0.005, 0.02, 0.08)
-"""Shares by which limits are eased more than a law needs that was found: the second where the first does not do."""
+if TYPE_CHECKING:
+    from ncgear.optimum.makeable.law import Eased
+
+ROOMS = (0.0, 0.005, 0.02, 0.08)
+"""Shares by which limits are eased more than a law of few knots needs: the next where the one before does not do."""
 
 
 def asking_for(design: Design, offers: Sequence[Offer]) -> Design:
@@ -67,37 +70,37 @@ def with_what_was_found(design: Design, task: Task, wishes: Wishes, refused: Ref
     refused = refused.among(lambda offers: may_be_asked(design, offers))
     if not installed("casadi"):
         return refused
-    each = _alone(design, task, wishes, refused)
-    if not any(map(_is_limit, each)):
-        if limits := eased_together(design, task, wishes, limits_alone=True):
-            return Refused(refused.said, [*limits, *each], refused.key, _limits, each=False, found=True)
-        if not each and (found := eased_together(design, task, wishes, limits_alone=False)):
-            return Refused(refused.said, found, refused.key, _all, each=False, found=True)
-    if refused.found or not each:
-        return refused
-    return Refused(refused.problem, each, refused.key, _each, each=True, found=True)
-
-
-def _alone(design: Design, task: Task, wishes: Wishes, refused: Refused) -> list[Offer]:
-    """Offers each of which alone is enough: a law was found."""
     from ncgear.optimum.makeable.law import found_instead
 
-    if refused.found:
-        return list(refused.offers) if refused.each else []
-    return [one for one in found_instead(task, wishes) if may_be_asked(design, [one])]
+    each = [one for eased in found_instead(task, wishes) for one in _done(design, task, eased)]
+    if not any(map(_is_limit, each)):
+        if limits := _together(design, task, wishes, limits_alone=True):
+            return Refused(refused.said, [*limits, *each], refused.key, _limits, each=False, found=True)
+        if not each and (found := _together(design, task, wishes, limits_alone=False)):
+            return Refused(refused.said, found, refused.key, _all, each=False, found=True)
+    if not each:
+        return refused
+    if refused.found and refused.each:
+        return Refused(refused.said, each, each[0].key, refused.told, each=True, found=True)
+    return Refused(refused.said if refused.found else refused.problem, each, refused.key, _each, each=True, found=True)
 
 
-def eased_together(design: Design, task: Task, wishes: Wishes, *, limits_alone: bool) -> list[Offer]:
-    """Limits, with values, that all together leave a law which keeps all wishes, found by a search with these values.
+def _together(design: Design, task: Task, wishes: Wishes, *, limits_alone: bool) -> list[Offer]:
+    """Limits, with values, that all together leave a law which keeps all wishes; wishes too unless ``limits_alone``.
 
-    Wishes give way too unless ``limits_alone``.  Empty where none were found.
+    Empty where none were found.
     """
-    from ncgear.optimum.makeable.law import found_together, keeps_all
+    from ncgear.optimum.makeable.law import found_together
 
     eased = found_together(task, wishes, limits_alone=limits_alone)
-    if eased is None:
-        return []
-    for room in ROOMS:
+    return [] if eased is None else _done(design, task, eased, ROOMS[1:])
+
+
+def _done(design: Design, task: Task, eased: Eased, rooms: Sequence[float] = ROOMS) -> list[Offer]:
+    """The offers, eased until a search with their values finds a law; empty where a file may not ask for them."""
+    from ncgear.optimum.makeable.law import keeps_all
+
+    for room in rooms:
         offers = eased(room)
         if not offers or not may_be_asked(design, offers):
             return []

@@ -103,7 +103,7 @@ def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
     if found is not None:
         return _weighed(search, law_of(search, found))
     if instead := found_instead(task, wishes, CLEAR):
-        raise _offered(NONE, instead)
+        raise _offered(NONE, [offer for eased in instead for offer in eased(0.0)])
     return _weighed(search, _kept_at_last(search, begun))
 
 
@@ -244,7 +244,11 @@ def _eased(search: Search, near: Solution) -> Iterator[tuple[str, Solution]]:
             yield wish, found
 
 
-def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[Offer]:
+Eased = Callable[[float], list[Offer]]
+"""Offers that are eased by the argument more than a law needs that was found, a share of their levels."""
+
+
+def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[Eased]:
     """Limits and wishes, each eased alone to a value with which a law was found that keeps all others everywhere.
 
     For wishes that no law keeps all of.  Laws of few knots are looked for, which take about a second: with more knots
@@ -257,14 +261,22 @@ def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[O
     return []
 
 
-def _found_instead(search: Search, over: float) -> Iterator[Offer]:
+def _found_instead(search: Search, over: float) -> Iterator[Eased]:
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, search.begun(EVEN))
     if near is None or near.excess <= over:
         return
     for wish, found in _eased(search, near):
         law = _kept_without(search, [wish], found) or _kept_without(search, [wish], found.coefficients)
-        if law is not None:
-            yield from _easing(search, wish, law.reached)
+        if law is not None and list(_easing(search, wish, law.reached)):
+            yield _eased_by(search, [wish], law.reached)
+
+
+def _eased_by(search: Search, wishes: Sequence[str], reached: Array) -> Eased:
+    def eased(room: float) -> list[Offer]:
+        levels = reached + room * np.maximum(np.abs(reached), 1.0)
+        return list(chain(*(_easing(search, wish, levels) for wish in wishes)))
+
+    return eased
 
 
 def _easings_together(search: Search, near: Solution) -> Iterator[Offer]:
@@ -302,11 +314,10 @@ def _freed_together(
     return freed, found
 
 
-def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Callable[[float], list[Offer]] | None:
+def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Eased | None:
     """Limits that, all eased together, leave a law that keeps all wishes and all other limits everywhere.
 
-    They are eased by the argument more than that law needs, a share of their levels, so that another search finds one
-    too.  Wishes give way as well unless ``limits_alone``.  None where no law was found.
+    Wishes give way as well unless ``limits_alone``.  None where no law was found.
     """
     for most in FEW_KNOTS:
         few = replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))
@@ -315,7 +326,7 @@ def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Callabl
     return None
 
 
-def _found_together(search: Search, limits_alone: bool) -> Callable[[float], list[Offer]] | None:
+def _found_together(search: Search, limits_alone: bool) -> Eased | None:
     near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, search.begun(EVEN))
     if near is None:
         return None
@@ -323,15 +334,7 @@ def _found_together(search: Search, limits_alone: bool) -> Callable[[float], lis
     if found is None:
         return None
     law = _kept_without(search, freed, found) or _kept_without(search, freed, found.coefficients)
-    if law is None:
-        return None
-    reached = law.reached
-
-    def eased(room: float) -> list[Offer]:
-        levels = reached + room * np.maximum(np.abs(reached), 1.0)
-        return list(chain(*(_easing(search, wish, levels) for wish in freed)))
-
-    return eased
+    return None if law is None else _eased_by(search, freed, law.reached)
 
 
 def keeps_all(task: Task, wishes: Wishes) -> bool:
