@@ -206,7 +206,9 @@ def _made(family: Family, point: Array) -> list[FamilyOptimum]:
 
     One has the return of least acceleration.  Where the return takes power, another has that of the point.
     """
-    constants = [None, *([constant_at(family, point)] if family.return_takes_power else [])]
+    constants: list[float | None] = [None]
+    if family.return_takes_power and isfinite(own := constant_at(family, point)):
+        constants.append(own)
     made = []
     for constant in constants:
         try:

@@ -176,7 +176,8 @@ def request_at(family: Family, point: Array) -> StrokeRequest:
 
 
 def constant_at(family: Family, point: Array) -> float:
-    """The e of the return of a point: its polynomial's value at phi1 = 0."""
+    """The e of the return of a point: its polynomial's value at phi1 = 0; not finite where there is none."""
     strokes, skewness = strokes_at(family, point[None])
     asked = strokes, family.task.linkage, family.task.cycle_rad, skewness, RETURN_POINTS
-    return float(returns_with_skewness(*asked, inverse=family.inverse).at(-strokes.theta4_rad)[0])
+    with np.errstate(all="ignore"):
+        return float(returns_with_skewness(*asked, inverse=family.inverse).at(-strokes.theta4_rad)[0])
