@@ -12,6 +12,8 @@ import pytest
 from matplotlib.axes import Axes
 from PIL import Image
 
+import ncgear.optimum.frontier as of_optimum
+import ncgear.optimum.makeable.law as of_makeable
 import ncgear.project.frontier_run as of_design
 from commands import ROOT, Run
 from disk import Disk, Fault, calls_of
@@ -21,10 +23,15 @@ from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.best_law import frontier_csv, frontier_figures, frontier_text, other_mechanisms
 from ncgear.files.frontier import frontier_files
-from ncgear.optimum.family import Family, Peak, best_of_family
+from ncgear.optimum.family import best_of_family
+from ncgear.optimum.family_samples import (
+    Family,
+    Peak,
+)
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
 from ncgear.optimum.task import Figures
 from ncgear.project.comparison import GearsAsGiven
+from ncgear.project.drive import Drive
 from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
 from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.wishes import task_of, wishes_of
@@ -92,6 +99,53 @@ def test_the_familys_motion_makes_the_law_it_says() -> None:
     assert found is not None
     assert found.peak_acceleration_mm_s2 == pytest.approx(best.peak(Peak.ACCELERATION), rel=1e-9)
     assert found.peak_power_w == pytest.approx(best.peak(Peak.POWER), rel=1e-9)
+
+
+def heavy(knots: int = 16) -> Design:
+    """The same baler with the masses of baler-holds, which has gears of its own."""
+    holds = loaded("baler-holds").design.masses
+    assert holds is not None
+    return design(knots).model_copy(update={"masses": holds})
+
+
+@pytest.mark.slow
+def test_the_family_of_a_machine_with_masses_is_what_check_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each law of the family, written into the design file, has the frontier's peaks; cheap starts, as above."""
+    monkeypatch.setattr(of_optimum, "FAMILY_STARTS", 2)
+    keys = heavy().model_dump(mode="json", by_alias=True, exclude_unset=True)
+    for cap in (20_000.0, 13_000.0, 9500.0):
+        point = FamilyPoint(**of_design._point(heavy(), ("family", cap)))
+        assert point.motion is not None
+        check = Drive(Design.model_validate({**keys, "motion": point.motion})).check
+        power, acceleration = check.peak_power_w.value, check.peak_acceleration_cycle.value
+        assert power <= cap * (1.0 + 1e-6)
+        assert (power, acceleration) == pytest.approx((point.peak_power_w, point.peak_acceleration_mm_s2), rel=1e-6)
+        # Negative control: the resistance alone takes another power
+        assert check.peak_power_resistance_w.value != pytest.approx(power, rel=1e-3)
+
+
+@pytest.mark.thorough
+def test_other_mechanisms_have_the_same_masses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are those of check, and no law is searched for to tell them."""
+    monkeypatch.setattr(of_makeable, "makeable_law", None)
+    rows = {one.name: one for one in other_mechanisms(GearsAsGiven(heavy()))}
+    drive = Drive(heavy())
+    for name, check in (("design as given", drive.check), ("uniform crank", drive.uniform_check)):
+        assert rows[name].peak_power_w == pytest.approx(check.peak_power_w.value, rel=1e-9)
+        assert rows[name].peak_acceleration_mm_s2 == pytest.approx(check.peak_acceleration_cycle.value, rel=1e-9)
+        # Negative control: the resistance alone takes another power
+        assert rows[name].peak_power_w != pytest.approx(check.peak_power_resistance_w.value, rel=1e-3)
+
+
+def test_friction_in_the_guide_is_refused(tmp_path: Path) -> None:
+    """The search for a law does not know it, and the power is capped."""
+    around = loaded("baler-drivetrain").design
+    assert around.drivetrain is not None
+    rubbing = around.drivetrain.model_copy(update={"guide_friction": 0.07})
+    with pytest.raises(WrongInput, match="does not know friction in the guide, which changes the power") as told:
+        frontier(around.model_copy(update={"drivetrain": rubbing}), 2, tmp_path, lambda done, total: None)
+    assert told.value.key == "drivetrain.guide_friction"
+    assert not (tmp_path / POINTS_FILE).exists()
 
 
 # --- what is kept ----------------------------------------------------------------------------------------------------

@@ -29,7 +29,11 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import shares
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import least_acceleration, least_power
-from ncgear.optimum.family import RETURN_POINTS, Family, sampled_laws
+from ncgear.optimum.family_samples import (
+    RETURN_POINTS,
+    Family,
+    sampled_laws,
+)
 from ncgear.optimum.task import Task
 from ncgear.project.drive import Drive
 from ncgear.ratio.sampled_strokes import BUMP_HEIGHT

@@ -96,7 +96,7 @@ def frontier(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
-    """Set power against acceleration: certified limit, beside laws, published family, mechanisms, all at one speed.
+    """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
 
     Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
     """
