@@ -29,11 +29,14 @@ from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, 
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import halves
-from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, proven
+from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, proven, whole_tree
 from ncgear.optimum.task import Task
 
-PLACES_RAISED = 120
-"""Places where ranges are looked for all around the turn."""
+PLACES_RAISED = (120, 240)
+"""Places where ranges are looked for all around the turn: more where few lack much of the law."""
+
+GRID_LACKS = 0.013
+"""Share of the law by which a grid may miss it."""
 
 TOLERANCE = 5e-3
 """Relative width to which the least sum is enclosed."""
@@ -132,15 +135,32 @@ def raised(
     law: Mapping[str, float],
     motion: Motion,
     budget: Budget,
-    places: int = PLACES_RAISED,
 ) -> tuple[float, Effort]:
     """A certain least sum of priced figures, by their names in ``Demands``, and what it took to prove it.
 
     From the figures and the motion of a law.  Ranges of q all around the turn, and of the figures, are narrowed and
     divided.  Both pitch curves must be convex.  Raises NoSuchMechanism where the demands themselves cannot be kept.
     """
-    problem = problem_of(task, asked, places)
     whole = sum(price * law[name] for name, price in prices.items())
+    for places in PLACES_RAISED:
+        problem = problem_of(task, asked, places)
+        trials = _trials(problem, prices)
+        without = trials.least(None, dict.fromkeys(prices, (0.0, inf)), whole).value
+        if not without < whole:
+            return whole, Effort(1, 1, problem.on.count, True)
+        angle = problem.on.crank_angle_rad
+        turning = np.interp(angle, motion.crank_angle_rad, motion.turning, period=2.0 * pi)
+        # A finer grid has as many programmes fewer as each takes longer
+        own = replace(budget, most=round(budget.most * PLACES_RAISED[0] / places))
+        tree, box = whole_tree(trials, halves(problem.on), without, Solved(whole, turning**2), asked, own)
+        lacking = tree.lacking(Solved(whole, turning**2), law)
+        if lacking <= GRID_LACKS * whole:
+            break
+    return proven(tree, box, whole, lacking)
+
+
+def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
+    """The programmes of motions by the sum of priced figures."""
 
     def programme(curve: Ranges | Near | None, figures: Figures, below: float) -> tuple[MotionProgramme, Linear]:
         others = sum(price * figures[name][0] for name, price in prices.items())
@@ -148,7 +168,7 @@ def raised(
             Priced(name, figures[name][0], min(figures[name][1], (below - others) / price + figures[name][0]))
             for name, price in prices.items()
         ]
-        made = motion_programme(task, problem.on, asked, curve, priced=priced)
+        made = motion_programme(problem.task, problem.on, problem.asked, curve, priced=priced)
         total = reduce(add, (made.figures[name] * (price / below) for name, price in prices.items()))
         made.programme.positive(1.0 - total)
         return made, total
@@ -161,9 +181,4 @@ def raised(
     def motions(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
         return programme(ranges, figures, below)[0]
 
-    trials = Trials(problem.on, least_value, motions, prices)
-    without = least_value(None, dict.fromkeys(prices, (0.0, inf)), whole)
-    if not without.value < whole:
-        return whole, Effort(1, 1, problem.on.count, True)
-    q = np.interp(problem.on.crank_angle_rad, motion.crank_angle_rad, motion.turning, period=2.0 * pi) ** 2
-    return proven(trials, halves(problem.on), without.value, Solved(whole, q), asked, budget, law)
+    return Trials(problem.on, least_value, motions, prices)

@@ -18,6 +18,7 @@ enhancements for optimization-based bound tightening", J. Glob. Optim. 67 (2017)
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -82,20 +83,22 @@ class Effort:
     ended: bool
 
 
+@dataclasses.dataclass
 class Budget:
     """How many programmes may be solved, and how many were; ``tell`` is called with both numbers.
 
     They are counted, and no time is taken, so that the same limit comes out on every computer.
     """
 
-    def __init__(self, most: int, tell: Callable[[int, int], None] = lambda used, most: None) -> None:
-        self.most, self.used, self.parts = most, 0, 1
-        self._tell = tell
+    most: int
+    tell: Callable[[int, int], None] = lambda used, most: None
+    used: int = 0
+    parts: int = 1
 
     def spend(self, programmes: int) -> None:
         """Count programmes that are to be solved."""
         self.used += programmes
-        self._tell(min(self.used, self.most), self.most)
+        self.tell(min(self.used, self.most), self.most)
 
 
 STEPS = 3
@@ -309,7 +312,7 @@ def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion
     ``without`` is what is certain without ranges, ``motion`` one that keeps all relations.  The target is halfway back
     to what is certain, as often as the box is not empty.
     """
-    tree, box = _whole(trials, parts, without, motion, asked, Budget(0))
+    tree, box = whole_tree(trials, parts, without, motion, asked, Budget(0))
     target = (1.0 - ENOUGH) * motion.value
     while target > box.value * (1.0 + TOO_NEAR):
         narrowed = tree.narrowed(box, target, WORTH_ALONE)
@@ -319,25 +322,17 @@ def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion
     return box.value
 
 
-def proven(
-    trials: Trials,
-    parts: Sequence[IndexArray],
-    without: float,
-    motion: Solved,
-    asked: Demands,
-    budget: Budget,
-    figures: Mapping[str, float],
-) -> tuple[float, Effort]:
-    """A certain least value as ``bisected`` gives it, and what it took, from boxes that are divided.
+def proven(tree: Tree, whole: Box, law: float, lacking: float) -> tuple[float, Effort]:
+    """A certain least value, from boxes into which the whole one is divided, and what it took.
 
-    ``figures`` are the priced ones of the motion.
+    ``law`` is a value that a law has, ``lacking`` what the grid misses of it.
     """
-    tree, whole = _whole(trials, parts, without, motion, asked, budget)
+    budget, without = tree.budget, whole.value
     # One box alone first: it may be narrow enough for the highest target
-    target = (1.0 - ENOUGH) * motion.value
+    target = (1.0 - ENOUGH) * law
     boxes, failed = tree.emptied([whole], target, budget.used + 1), target
     value = min((box.value for box in boxes), default=target)
-    target = nearest = min(target, motion.value - (1.0 + OVER_GRID) * tree.lacking(motion, figures))
+    target = nearest = min(target, law - (1.0 + OVER_GRID) * lacking)
     while value < nearest and budget.used < budget.most and target > value * (1.0 + TOO_NEAR):
         left = tree.emptied(boxes, target, budget.used + ceil(PHASE * (budget.most - budget.used)))
         if not left:
@@ -346,17 +341,17 @@ def proven(
             continue
         boxes, failed = left, target
         lowest = min(box.value for box in boxes)
-        easier = motion.value - EASIER * (motion.value - target)
+        easier = law - EASIER * (law - target)
         far = lowest - without > FAR * (target - without) and easier > value
         value = max(value, lowest)
         target = easier if far else (value + target) / 2.0
-    return value, Effort(budget.used, budget.parts, trials.on.count, value >= nearest)
+    return value, Effort(budget.used, budget.parts, tree.trials.on.count, value >= nearest)
 
 
-def _whole(
+def whole_tree(
     trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands, budget: Budget
 ) -> tuple[Tree, Box]:
-    """The tree and the box of all motions in parts of the turn."""
+    """The tree and the box of all motions, with ranges in parts of the turn; see ``bisected``."""
     on = trials.on
     stretches = [Stretch(places, motion.q[places], asked.ratio_max) for places in parts]
     known = Known(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
