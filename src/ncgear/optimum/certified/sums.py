@@ -146,7 +146,7 @@ def raised(
         problem = problem_of(task, asked, places)
         trials = _trials(problem, prices)
         without = trials.least(None, dict.fromkeys(prices, (0.0, inf)), whole).value
-        if not without < whole:
+        if without >= whole:
             return whole, Effort(1, 1, problem.on.count, True)
         angle = problem.on.crank_angle_rad
         turning = np.interp(angle, motion.crank_angle_rad, motion.turning, period=2.0 * pi)

@@ -139,6 +139,9 @@ OF_FIGURE = 4.0
 """A figure of a sum is divided where its width, as a share of its greatest value, is over the widest of ln q by this
 factor: the time of a cell goes with the root of q, and the planes of both touch only at the ends."""
 
+LEAST_FIGURE = 1e-3
+"""Share of the target under which nothing is told of a figure's greatest value: rows are scaled by it."""
+
 LEAST_GAIN = 0.1
 """Share of its width by which one side of a range must be able to move, for a programme to be solved for it."""
 
@@ -207,7 +210,8 @@ class Tree:
         for name in box.figures if len(box.figures) > 1 else ():
             made = self.trials.below(self.ranges(box), box.figures, target)
             (low, high), of = box.figures[name], made.figures[name]
-            low, high = max(low, self.answer(made, of, seen)), min(high, -self.answer(made, -of, seen))
+            low = max(low, self.answer(made, of, seen))
+            high = min(high, max(-self.answer(made, -of, seen), LEAST_FIGURE * target / self.trials.prices[name]))
             if low > high:
                 return None
             box = replace(box, figures={**box.figures, name: (low, high)})
@@ -271,7 +275,11 @@ class Tree:
     def lacking(self, motion: Solved, figures: Mapping[str, float]) -> float:
         """By how much the programme's least value near a motion is under the motion's own: the grid lacks it."""
         known = Known(motion.q / WIDENED, motion.q * WIDENED)
-        about = {name: (value / WIDENED, value * WIDENED) for name, value in figures.items()}
+        room = (WIDENED - 1.0) * motion.value
+        about = {
+            name: (value / WIDENED, value * WIDENED + room / self.trials.prices[name])
+            for name, value in figures.items()
+        }
         self.budget.spend(1)
         found = self.trials.least(self.ranges(Box(known, about, 0.0)), about, WIDENED * motion.value)
         return max(motion.value - found.value, 0.0)
