@@ -242,13 +242,13 @@ def not_closed(best: BestLaw) -> str | None:
 
 def _about_limit(best: BestLaw) -> list[str]:
     """How far the limit was closed, and what it does not know, so that the true one may be higher."""
-    said = []
-    if (distance := not_closed(best)) is not None:
+    said, distance = [], not_closed(best)
+    if distance is not None:
         said.append(f"  The limit is {distance}.")
     if best.not_covered:
         unknown = listed(best.not_covered, "nor")
         said.append(f"  The limit does not know {unknown}: the least of all laws may lie higher.")
-    if best.task.masses is not None:
+    if distance is not None and best.task.masses is not None:
         said.append("  With masses the limit is a relaxation: part of the distance may be its own.")
     return said
 
