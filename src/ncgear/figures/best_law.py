@@ -227,9 +227,9 @@ def starts_text(best: BestLaw) -> str:
 
 
 def not_closed(best: BestLaw) -> str | None:
-    """Why the limit is not nearer to the law; None where it is near."""
+    """Why the limit is not nearer to the law; None where it is near, or where only the law could come nearer."""
     bound = best.limit
-    if bound is None or best.goal <= CLOSE * bound.value:
+    if bound is None or min(best.goal, bound.reach) <= CLOSE * bound.value:
         return None
     if bound.effort is None:
         return "not closed further: that needs pitch curves that must be convex"
