@@ -145,7 +145,7 @@ def q_of(law: KeptLaw, angle_rad: Array) -> Array:
 
 
 def grids(law: KeptLaw) -> list[Cycle]:
-    return [cycle(law.task, places, law.demands().places_rad) for places in PLACES_RAISED]
+    return [cycle(law.task, places, law.demands().places_rad) for places in (PLACES_RAISED, 2 * PLACES_RAISED)]
 
 
 def inside(box: Box, at: dict[int, Array]) -> bool:

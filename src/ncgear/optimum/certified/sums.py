@@ -32,11 +32,14 @@ from ncgear.optimum.certified.ranges import halves
 from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, proven, whole_tree
 from ncgear.optimum.task import Task
 
-PLACES_RAISED = (120, 240)
-"""Places where ranges are looked for all around the turn: more where few lack much of the law."""
+PLACES_RAISED = 120
+"""Places where ranges are looked for all around the turn; twice as many where these let the limit come no nearer."""
 
-GRID_LACKS = 0.013
-"""Share of the law by which a grid may miss it."""
+CLOSE_ENOUGH = 0.99
+"""Share of the law from which more places are of no use."""
+
+EARLY = 1.0 / 3.0
+"""Share of the programmes that the first grid may have used for the finer one to have enough of them."""
 
 TOLERANCE = 5e-3
 """Relative width to which the least sum is enclosed."""
@@ -142,21 +145,36 @@ def raised(
     divided.  Both pitch curves must be convex.  Raises NoSuchMechanism where the demands themselves cannot be kept.
     """
     whole = sum(price * law[name] for name, price in prices.items())
-    for places in PLACES_RAISED:
-        problem = problem_of(task, asked, places)
-        trials = _trials(problem, prices)
-        without = trials.least(None, dict.fromkeys(prices, (0.0, inf)), whole).value
-        if without >= whole:
-            return whole, Effort(1, 1, problem.on.count, True)
-        angle = problem.on.crank_angle_rad
-        turning = np.interp(angle, motion.crank_angle_rad, motion.turning, period=2.0 * pi)
-        # A finer grid has as many programmes fewer as each takes longer
-        own = replace(budget, most=round(budget.most * PLACES_RAISED[0] / places))
-        tree, box = whole_tree(trials, halves(problem.on), without, Solved(whole, turning**2), asked, own)
-        lacking = tree.lacking(Solved(whole, turning**2), law)
-        if lacking <= GRID_LACKS * whole:
-            break
-    return proven(tree, box, whole, lacking)
+    value, effort = _raised_on(PLACES_RAISED, task, asked, prices, law, motion, budget)
+    if not effort.ended or value >= CLOSE_ENOUGH * whole or budget.used > EARLY * budget.most:
+        return value, effort
+    # A programme of twice the places takes twice as long
+    more = Budget((budget.most - budget.used) // 2, budget.tell)
+    finer, last = _raised_on(2 * PLACES_RAISED, task, asked, prices, law, motion, more)
+    solved = effort.programmes + last.programmes
+    return max(value, finer), replace(last if finer > value else effort, programmes=solved)
+
+
+def _raised_on(
+    places: int,
+    task: Task,
+    asked: Demands,
+    prices: Mapping[str, float],
+    law: Mapping[str, float],
+    motion: Motion,
+    budget: Budget,
+) -> tuple[float, Effort]:
+    """The same on a grid of so many places."""
+    problem = problem_of(task, asked, places)
+    trials, whole = _trials(problem, prices), sum(price * law[name] for name, price in prices.items())
+    without = trials.least(None, dict.fromkeys(prices, (0.0, inf)), whole).value
+    if without >= whole:
+        return whole, Effort(1, 1, problem.on.count, True)
+    angle = problem.on.crank_angle_rad
+    turning = np.interp(angle, motion.crank_angle_rad, motion.turning, period=2.0 * pi)
+    of_law = Solved(whole, turning**2)
+    tree, box = whole_tree(trials, halves(problem.on), without, of_law, asked, budget)
+    return proven(tree, box, whole, tree.lacking(of_law, law))
 
 
 def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
