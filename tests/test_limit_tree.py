@@ -154,7 +154,7 @@ def inside(box: Box, at: dict[int, Array]) -> bool:
     return bool(np.all((box.known.least <= q * EXACT) & (q <= box.known.most * EXACT)))
 
 
-@pytest.mark.tiers(slow=["pump-both-ways"], rest="long")
+@pytest.mark.tiers(slow=["designs/pump-both-ways"], rest="long")
 @pytest.mark.parametrize(
     ("name", "prices"),
     [
@@ -168,7 +168,7 @@ def test_a_law_below_the_target_stays_in_one_of_the_boxes(
     name: str, prices: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of whatever is done to boxes, nothing may leave out a motion that is there."""
-    law, watched = kept(f"designs/{name}"), Watched([])
+    law, watched = kept(name), Watched([])
     watched.of(monkeypatch)
     share, _ = about(law, prices, 1.1, 400)
     assert share <= EXACT
