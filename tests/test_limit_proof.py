@@ -535,6 +535,16 @@ def test_wrong_multipliers_prove_less_and_never_more(seed: int) -> None:
     assert of.bound(cost, np.zeros(multipliers.size)) <= 0.0
 
 
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_numbers_that_are_not_finite_prove_nothing(wrong: float) -> None:
+    of, cost, multipliers, value, _ = solved()
+    bounds = of.bounds.copy()
+    assert of.bound(cost, multipliers) == value
+    bounds[7] = wrong
+    with np.errstate(invalid="ignore"):
+        assert replace(of, bounds=bounds).bound(cost, multipliers) == -np.inf
+
+
 def test_rows_let_out_cost_and_rows_drawn_in_prove_too_much() -> None:
     """Negative control: with the power's ranges at half, the same multipliers prove more than the true least value."""
     of, cost, multipliers, _, primal = solved()

@@ -14,13 +14,14 @@ import pytest
 from commands import Run, loaded_by, on_text, python
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.best_law import starts_text
+from ncgear.figures.best_law import not_closed, starts_text
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.certified.demands import Demands
-from ncgear.optimum.certified.limit import least_acceleration
+from ncgear.optimum.certified.limit import Bound, least_acceleration
 from ncgear.optimum.certified.proof import Answer
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum
+from ncgear.optimum.certified.tree import Effort
 from ncgear.optimum.makeable import law as makeable
 from ncgear.optimum.makeable.demanded import start_motion
 from ncgear.optimum.makeable.law import MakeableLaw
@@ -140,6 +141,33 @@ def test_the_best_law_of_all_starts_is_kept(
     assert found.law.goal == best
     assert found.starts.without_law == goals.count(None)
     assert starts_text(found).startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("bound", "said"),
+    [
+        (Bound(99.5, 120, None), None),
+        (Bound(80.0, 120, None, reach=80.5), None),
+        (Bound(80.0, 120, None), "not closed further: that needs pitch curves that must be convex"),
+        (
+            Bound(90.0, 120, None, effort=Effort(2412, 7, 120, False)),
+            "not closed further: 2412 programmes in 7 parts of all motions were not enough",
+        ),
+        (
+            Bound(98.0, 240, None, effort=Effort(90, 1, 120, True)),
+            "as near as 120 places of the crank let it be, proven by 90 programmes in 1 part of all motions",
+        ),
+    ],
+)
+def test_how_near_the_limit_was_brought_to_the_law_is_said(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, bound: Bound, said: str | None
+) -> None:
+    """Beside a law of 100, with bounds that are made up."""
+    path = tmp_path / "d.yaml"
+    path.write_text(HEAD, encoding="utf-8")
+    monkeypatch.setattr(BestLaw, "limit", bound)
+    monkeypatch.setattr(BestLaw, "goal", 100.0)
+    assert not_closed(BestLaw(load(path).design)) == said
 
 
 @pytest.mark.slow

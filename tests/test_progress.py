@@ -51,6 +51,19 @@ def test_the_bar_counts_the_steps_that_are_done(monkeypatch: pytest.MonkeyPatch)
     assert seen == [("teeth", 0, 3), ("contact", 1, 3), ("solids", 2, 3)]
 
 
+def test_a_step_says_how_far_it_has_come(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    original = progress._bar
+    monkeypatch.setattr(progress, "_bar", lambda *arguments: made.append(original(*arguments)) or made[-1])
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    with progress.steps_shown(2) as on_step:
+        on_step("law")
+        on_step("limit")
+        on_step.within("7 of at most 9 programmes")
+        task = made[0].tasks[0]
+        assert (task.description, task.completed, task.total) == ("limit, 7 of at most 9 programmes", 1, 2)
+
+
 def test_short_work_says_nothing_where_stderr_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     with progress.counted("designs") as on_done, progress.steps_shown(1) as on_step:
         on_done(1, 2)

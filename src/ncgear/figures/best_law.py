@@ -229,9 +229,9 @@ def starts_text(best: BestLaw) -> str:
 
 
 def not_closed(best: BestLaw) -> str | None:
-    """Why the limit is not nearer to the law; None where it is near."""
+    """Why the limit is not nearer to the law; None where it is near, or where only the law could come nearer."""
     bound = best.limit
-    if bound is None or best.goal <= CLOSE * bound.value:
+    if bound is None or min(best.goal, bound.reach) <= CLOSE * bound.value:
         return None
     if bound.effort is None:
         return "not closed further: that needs pitch curves that must be convex"
@@ -244,8 +244,8 @@ def not_closed(best: BestLaw) -> str | None:
 
 def _about_limit(best: BestLaw) -> list[str]:
     """How far the limit was closed, and what it does not know, so that the true one may be higher."""
-    said = []
-    if (distance := not_closed(best)) is not None:
+    said, distance = [], not_closed(best)
+    if distance is not None:
         said.append(f"  The limit is {distance}.")
     if best.not_covered:
         unknown = listed(best.not_covered, "nor")
@@ -253,6 +253,7 @@ def _about_limit(best: BestLaw) -> list[str]:
     if best.task.masses is not None:
         counted = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
         said.append(f"  It holds with a driven gear of {counted}, as it comes out with this law.")
+    if distance is not None and best.task.masses is not None:
         said.append("  With masses the limit is a relaxation: part of the distance may be its own.")
     return said
 

@@ -81,13 +81,15 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
         rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
     if best.starts.count > 1:
         rows.append(Row("starts", (starts_text(best),)))
-    if (distance := not_closed(best)) is not None:
+    distance = not_closed(best)
+    if distance is not None:
         rows.append(Row("the limit", (distance,)))
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
     if best.task.masses is not None:
         gear = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
-        rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}, and may lie higher",)))
+        relaxed = "" if distance is None else ", and may lie higher"
+        rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}{relaxed}",)))
     return [*rows, *_without_masses(best)]
 
 

@@ -17,7 +17,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle, cycle
 from ncgear.optimum.certified.demands import Demands, Near, Ranges
-from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme
+from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme, needs_times
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import cells_that_matter, stretches
@@ -56,17 +56,19 @@ class Motion:
 class Bound:
     """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and comes near the value.
 
-    ``effort`` is what it took to raise the value towards a law; None where it was not.
+    ``reach`` is about what a motion has that keeps all relations: no proof raises the value beyond it; infinite where
+    it is not known.  ``effort`` is what it took to raise the value towards a law; None where it was not.
     """
 
     value: float
     places: int
     motion: Motion | None
+    reach: float = inf
     effort: Effort | None = None
 
     def times(self, price: float) -> Bound:
         """The bound of a figure times a price."""
-        return replace(self, value=price * self.value)
+        return replace(self, value=price * self.value, reach=price * self.reach)
 
 
 def problem_of(task: Task, asked: Demands, places: int | None = None) -> Problem:
@@ -181,7 +183,9 @@ def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven
     if proven and found.value > CLOSE * value:
         parts = stretches(problem.on, without.q, found.q)
         value = bisected(trials, parts, without.value, found, problem.asked)
-    return Bound(value, problem.on.count, motion_of(problem.on, found.q))
+    # The motion knows no upper bounds of times, and where no motion was found along the curve it knows nothing of that
+    known = found is not without and not needs_times(problem.task, problem.asked)
+    return Bound(value, problem.on.count, motion_of(problem.on, found.q), found.value if known else inf)
 
 
 def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Problem, Trials, Solved]:

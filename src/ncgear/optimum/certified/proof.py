@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import fsum, inf
+from math import fsum, inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -222,7 +222,10 @@ class Proof:
     error: float = DATA
 
     def bound(self, cost: Array, multipliers: Array) -> float:
-        """A value certainly at or below the least of cost'v over all allowed v, from any multipliers, shape (rows,)."""
+        """A value certainly at or below the least of cost'v over all allowed v, from any multipliers, shape (rows,).
+
+        Minus infinity where numbers are not finite: they prove nothing.
+        """
         z = self.in_cone(multipliers)
         rows = -self.bounds - self.let_out
         residual = cost + self.matrix.T @ z
@@ -234,6 +237,8 @@ class Proof:
             [(residual + sign * off) * end for sign in (-1.0, 1.0) for end in (self.low, self.high)]
         )
         terms = [*(rows * z).tolist(), *least.tolist()]
+        if not all(map(isfinite, terms)):
+            return -inf
         return fsum(terms) - 4.0 * UNIT * fsum(map(abs, terms))
 
     def in_cone(self, multipliers: Array) -> Array:

@@ -29,11 +29,17 @@ from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, 
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import halves
-from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, proven
+from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, proven, whole_tree
 from ncgear.optimum.task import Task
 
 PLACES_RAISED = 120
-"""Places where ranges are looked for all around the turn."""
+"""Places where ranges are looked for all around the turn; twice as many where these let the limit come no nearer."""
+
+CLOSE_ENOUGH = 0.99
+"""Share of the law from which more places are of no use."""
+
+EARLY = 1.0 / 3.0
+"""Share of the programmes that the first grid may have used for the finer one to have enough of them."""
 
 TOLERANCE = 5e-3
 """Relative width to which the least sum is enclosed."""
@@ -132,15 +138,47 @@ def raised(
     law: Mapping[str, float],
     motion: Motion,
     budget: Budget,
-    places: int = PLACES_RAISED,
 ) -> tuple[float, Effort]:
     """A certain least sum of priced figures, by their names in ``Demands``, and what it took to prove it.
 
     From the figures and the motion of a law.  Ranges of q all around the turn, and of the figures, are narrowed and
     divided.  Both pitch curves must be convex.  Raises NoSuchMechanism where the demands themselves cannot be kept.
     """
-    problem = problem_of(task, asked, places)
     whole = sum(price * law[name] for name, price in prices.items())
+    value, effort = _raised_on(PLACES_RAISED, task, asked, prices, law, motion, budget)
+    if not effort.ended or value >= CLOSE_ENOUGH * whole or budget.used > EARLY * budget.most:
+        return value, effort
+    # A programme of twice the places takes twice as long
+    more = Budget((budget.most - budget.used) // 2, budget.tell)
+    finer, last = _raised_on(2 * PLACES_RAISED, task, asked, prices, law, motion, more)
+    solved = effort.programmes + last.programmes
+    return max(value, finer), replace(last if finer > value else effort, programmes=solved)
+
+
+def _raised_on(
+    places: int,
+    task: Task,
+    asked: Demands,
+    prices: Mapping[str, float],
+    law: Mapping[str, float],
+    motion: Motion,
+    budget: Budget,
+) -> tuple[float, Effort]:
+    """The same on a grid of so many places."""
+    problem = problem_of(task, asked, places)
+    trials, whole = _trials(problem, prices), sum(price * law[name] for name, price in prices.items())
+    without = trials.least(None, dict.fromkeys(prices, (0.0, inf)), whole).value
+    if without >= whole:
+        return whole, Effort(1, 1, problem.on.count, True)
+    angle = problem.on.crank_angle_rad
+    turning = np.interp(angle, motion.crank_angle_rad, motion.turning, period=2.0 * pi)
+    of_law = Solved(whole, turning**2)
+    tree, box = whole_tree(trials, halves(problem.on), without, of_law, asked, budget)
+    return proven(tree, box, whole, tree.lacking(of_law, law))
+
+
+def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
+    """The programmes of motions by the sum of priced figures."""
 
     def programme(curve: Ranges | Near | None, figures: Figures, below: float) -> tuple[MotionProgramme, Linear]:
         others = sum(price * figures[name][0] for name, price in prices.items())
@@ -148,7 +186,7 @@ def raised(
             Priced(name, figures[name][0], min(figures[name][1], (below - others) / price + figures[name][0]))
             for name, price in prices.items()
         ]
-        made = motion_programme(task, problem.on, asked, curve, priced=priced)
+        made = motion_programme(problem.task, problem.on, problem.asked, curve, priced=priced)
         total = reduce(add, (made.figures[name] * (price / below) for name, price in prices.items()))
         made.programme.positive(1.0 - total)
         return made, total
@@ -161,9 +199,4 @@ def raised(
     def motions(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
         return programme(ranges, figures, below)[0]
 
-    trials = Trials(problem.on, least_value, motions, prices)
-    without = least_value(None, dict.fromkeys(prices, (0.0, inf)), whole)
-    if not without.value < whole:
-        return whole, Effort(1, 1, problem.on.count, True)
-    q = np.interp(problem.on.crank_angle_rad, motion.crank_angle_rad, motion.turning, period=2.0 * pi) ** 2
-    return proven(trials, halves(problem.on), without.value, Solved(whole, q), asked, budget, law)
+    return Trials(problem.on, least_value, motions, prices)

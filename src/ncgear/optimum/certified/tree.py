@@ -18,6 +18,7 @@ enhancements for optimization-based bound tightening", J. Glob. Optim. 67 (2017)
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -82,20 +83,22 @@ class Effort:
     ended: bool
 
 
+@dataclasses.dataclass
 class Budget:
     """How many programmes may be solved, and how many were; ``tell`` is called with both numbers.
 
     They are counted, and no time is taken, so that the same limit comes out on every computer.
     """
 
-    def __init__(self, most: int, tell: Callable[[int, int], None] = lambda used, most: None) -> None:
-        self.most, self.used, self.parts = most, 0, 1
-        self._tell = tell
+    most: int
+    tell: Callable[[int, int], None] = lambda used, most: None
+    used: int = 0
+    parts: int = 1
 
     def spend(self, programmes: int) -> None:
         """Count programmes that are to be solved."""
         self.used += programmes
-        self._tell(min(self.used, self.most), self.most)
+        self.tell(min(self.used, self.most), self.most)
 
 
 STEPS = 3
@@ -135,6 +138,9 @@ WORTH_ALONE = 0.93
 OF_FIGURE = 4.0
 """A figure of a sum is divided where its width, as a share of its greatest value, is over the widest of ln q by this
 factor: the time of a cell goes with the root of q, and the planes of both touch only at the ends."""
+
+LEAST_FIGURE = 1e-3
+"""Share of the target under which nothing is told of a figure's greatest value: rows are scaled by it."""
 
 LEAST_GAIN = 0.1
 """Share of its width by which one side of a range must be able to move, for a programme to be solved for it."""
@@ -204,7 +210,8 @@ class Tree:
         for name in box.figures if len(box.figures) > 1 else ():
             made = self.trials.below(self.ranges(box), box.figures, target)
             (low, high), of = box.figures[name], made.figures[name]
-            low, high = max(low, self.answer(made, of, seen)), min(high, -self.answer(made, -of, seen))
+            low = max(low, self.answer(made, of, seen))
+            high = min(high, max(-self.answer(made, -of, seen), LEAST_FIGURE * target / self.trials.prices[name]))
             if low > high:
                 return None
             box = replace(box, figures={**box.figures, name: (low, high)})
@@ -268,7 +275,11 @@ class Tree:
     def lacking(self, motion: Solved, figures: Mapping[str, float]) -> float:
         """By how much the programme's least value near a motion is under the motion's own: the grid lacks it."""
         known = Known(motion.q / WIDENED, motion.q * WIDENED)
-        about = {name: (value / WIDENED, value * WIDENED) for name, value in figures.items()}
+        room = (WIDENED - 1.0) * motion.value
+        about = {
+            name: (value / WIDENED, value * WIDENED + room / self.trials.prices[name])
+            for name, value in figures.items()
+        }
         self.budget.spend(1)
         found = self.trials.least(self.ranges(Box(known, about, 0.0)), about, WIDENED * motion.value)
         return max(motion.value - found.value, 0.0)
@@ -309,7 +320,7 @@ def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion
     ``without`` is what is certain without ranges, ``motion`` one that keeps all relations.  The target is halfway back
     to what is certain, as often as the box is not empty.
     """
-    tree, box = _whole(trials, parts, without, motion, asked, Budget(0))
+    tree, box = whole_tree(trials, parts, without, motion, asked, Budget(0))
     target = (1.0 - ENOUGH) * motion.value
     while target > box.value * (1.0 + TOO_NEAR):
         narrowed = tree.narrowed(box, target, WORTH_ALONE)
@@ -319,25 +330,17 @@ def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion
     return box.value
 
 
-def proven(
-    trials: Trials,
-    parts: Sequence[IndexArray],
-    without: float,
-    motion: Solved,
-    asked: Demands,
-    budget: Budget,
-    figures: Mapping[str, float],
-) -> tuple[float, Effort]:
-    """A certain least value as ``bisected`` gives it, and what it took, from boxes that are divided.
+def proven(tree: Tree, whole: Box, law: float, lacking: float) -> tuple[float, Effort]:
+    """A certain least value, from boxes into which the whole one is divided, and what it took.
 
-    ``figures`` are the priced ones of the motion.
+    ``law`` is a value that a law has, ``lacking`` what the grid misses of it.
     """
-    tree, whole = _whole(trials, parts, without, motion, asked, budget)
+    budget, without = tree.budget, whole.value
     # One box alone first: it may be narrow enough for the highest target
-    target = (1.0 - ENOUGH) * motion.value
+    target = (1.0 - ENOUGH) * law
     boxes, failed = tree.emptied([whole], target, budget.used + 1), target
     value = min((box.value for box in boxes), default=target)
-    target = nearest = min(target, motion.value - (1.0 + OVER_GRID) * tree.lacking(motion, figures))
+    target = nearest = min(target, law - (1.0 + OVER_GRID) * lacking)
     while value < nearest and budget.used < budget.most and target > value * (1.0 + TOO_NEAR):
         left = tree.emptied(boxes, target, budget.used + ceil(PHASE * (budget.most - budget.used)))
         if not left:
@@ -346,17 +349,17 @@ def proven(
             continue
         boxes, failed = left, target
         lowest = min(box.value for box in boxes)
-        easier = motion.value - EASIER * (motion.value - target)
+        easier = law - EASIER * (law - target)
         far = lowest - without > FAR * (target - without) and easier > value
         value = max(value, lowest)
         target = easier if far else (value + target) / 2.0
-    return value, Effort(budget.used, budget.parts, trials.on.count, value >= nearest)
+    return value, Effort(budget.used, budget.parts, tree.trials.on.count, value >= nearest)
 
 
-def _whole(
+def whole_tree(
     trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands, budget: Budget
 ) -> tuple[Tree, Box]:
-    """The tree and the box of all motions in parts of the turn."""
+    """The tree and the box of all motions, with ranges in parts of the turn; see ``bisected``."""
     on = trials.on
     stretches = [Stretch(places, motion.q[places], asked.ratio_max) for places in parts]
     known = Known(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))

@@ -136,8 +136,10 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
     if not found:
         _refuse_together(task, asked)
         return None
+    if len(found) == 1:
+        return found[0]
     # No law has less of any figure than alone, and so none has a lower sum
-    return replace(found[0], value=sum(bound.value for bound in found))
+    return replace(found[0], value=sum(bound.value for bound in found), reach=inf)
 
 
 def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
@@ -163,13 +165,14 @@ def raised_limit(
 ) -> Bound:
     """The limit of a goal, raised towards the figures of a law, if it is not close to them, from the law's motion.
 
-    Ranges of q all around the turn can do so where both curves must be convex.  ``tell`` is called with the numbers of
+    Where it is close to what a motion of the places has, the law is what could come nearer, with more knots.  Ranges of
+    q all around the turn can raise it where both curves must be convex.  ``tell`` is called with the numbers of
     programmes solved and at most to be solved.
     """
     asked = demands_of(task, wishes)
     priced = _known_prices(task, wishes)
     reached = sum(price * getattr(law, name) for name, price in priced.items())
-    if not asked.convex or not reached > CLOSE * bound.value:
+    if not asked.convex or not min(reached, bound.reach) > CLOSE * bound.value:
         return bound
     units = {name: in_demand(task, DEMANDS[name]) for name in priced}
     prices = {DEMANDS[name]: price / units[name] for name, price in priced.items()}
