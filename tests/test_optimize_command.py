@@ -151,11 +151,11 @@ def test_the_best_law_of_all_starts_is_kept(
         (Bound(80.0, 120, None), "not closed further: that needs pitch curves that must be convex"),
         (
             Bound(90.0, 120, None, effort=Effort(2412, 7, 120, False)),
-            "not closed further: 2412 programmes in 7 parts of all motions were not enough",
+            "not closed further by 2412 programmes in 7 parts",
         ),
         (
             Bound(98.0, 240, None, effort=Effort(90, 1, 120, True)),
-            "as near as 120 places of the crank let it be, proven by 90 programmes in 1 part of all motions",
+            "as near as 120 places of the crank allow, by 90 programmes in 1 part",
         ),
     ],
 )

@@ -236,10 +236,10 @@ def not_closed(best: BestLaw) -> str | None:
     if bound.effort is None:
         return "not closed further: that needs pitch curves that must be convex"
     effort = bound.effort
-    proof = f"{effort.programmes} programmes in {effort.parts} part{'s' if effort.parts > 1 else ''} of all motions"
+    proof = f"{effort.programmes} programmes in {effort.parts} part{'s' if effort.parts > 1 else ''}"
     if effort.ended:
-        return f"as near as {effort.places} places of the crank let it be, proven by {proof}"
-    return f"not closed further: {proof} were not enough"
+        return f"as near as {effort.places} places of the crank allow, by {proof}"
+    return f"not closed further by {proof}"
 
 
 def _about_limit(best: BestLaw) -> list[str]:
