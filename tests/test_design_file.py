@@ -47,8 +47,8 @@ def test_baler_template_holds_what_it_says(tmp_path: Path) -> None:
     assert isinstance(motion, ThreeSegmentStroke)
     angles = (motion.theta1, motion.theta2, motion.theta3, motion.theta4)
     assert angles == pytest.approx((0.4 * pi, 0.7 * pi, pi, 1.3 * pi), rel=1e-15)
-    assert (motion.v1_mm_s, motion.v2_mm_s, motion.a1_mm_s2, motion.a1_speed_rpm) == (1600, 1100, -1500, 20)
-    assert (motion.law_speed_rpm, motion.stroke_mm) == (None, 760)
+    assert (motion.v1_mm_s, motion.v2_mm_s, motion.a1_mm_s2, motion.a1_speed_rpm) == (None, 416.6, -1500, None)
+    assert (motion.law_speed_rpm, motion.stroke_mm) == (20, 760)
     assert (motion.return_.basis, motion.return_.e) == ("ratio", "least_acceleration")
     assert design.resistance is not None
     assert design.resistance.polynomial_n == (-131.2779, 3.447, 1.846e-2, -1.575e-4, 2.498e-7)
@@ -118,8 +118,8 @@ def test_angle_in_any_unit(tmp_path: Path, spelling: str) -> None:
 
 
 def test_crank_may_be_left_out_when_the_stroke_is_solved_for(tmp_path: Path) -> None:
-    text = template("baler").replace("solve_for: law_speed ", "solve_for: stroke ").replace("crank_mm: 380", "# gone")
-    text = text.replace("# law_speed_rpm: ", "law_speed_rpm: 50 ").replace("stroke_mm: 760", "# gone")
+    text = template("baler").replace("solve_for: v1 ", "solve_for: stroke ").replace("crank_mm: 380", "# gone")
+    text = text.replace("# v1_mm_s: ", "v1_mm_s: 606 ").replace("stroke_mm: 760", "# gone")
     assert loaded(tmp_path, text).design.linkage.crank_mm is None
 
 
@@ -131,8 +131,8 @@ def test_theta2_and_theta3_may_coincide(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("solved", "key"), [(name, keys[0]) for name, keys in SOLVED_KEYS.items()])
 def test_each_quantity_can_be_solved_for(tmp_path: Path, solved: str, key: str) -> None:
-    text = template("baler").replace("solve_for: law_speed ", f"solve_for: {solved} ")
-    text = text.replace("# law_speed_rpm: ", "law_speed_rpm: 50 ") if key != "law_speed_rpm" else text
+    text = template("baler").replace("solve_for: v1 ", f"solve_for: {solved} ")
+    text = text.replace("# v1_mm_s: ", "v1_mm_s: 606 ") if key != "v1_mm_s" else text
     motion = loaded(tmp_path, text.replace(f"  {key}:", f"  # {key}:")).design.motion
     assert isinstance(motion, ThreeSegmentStroke)
     assert [name for name in (keys[0] for keys in SOLVED_KEYS.values()) if getattr(motion, name) is None] == [key]

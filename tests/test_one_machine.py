@@ -26,7 +26,7 @@ from ncgear.figures.sources import KG_M2, SOURCES, LoadedMachine
 from ncgear.figures.summary.check_summary import check_summary, uniform_key
 from ncgear.optimum.task import Task, figures
 from ncgear.project.drive import Drive, loads
-from ncgear.project.moving_masses import TrainInertia, disc_kg_mm2, inertia_of_train
+from ncgear.project.moving_masses import disc_kg_mm2
 from ncgear.project.service import densities_kg_m3
 from ncgear.project.wishes import task_of
 from ncgear.ratio.laws.uniform import uniform_law
@@ -92,7 +92,7 @@ def told_by_sweep(drive: Drive) -> Iterator[Told]:
 
 def told_by_optimize(drive: Drive) -> Iterator[Told]:
     """Of the design's own law, as the command tells ``design as given``, on the machine with its own gears."""
-    task = task_of(drive.design, inertia_of_train(drive) if drive.design.masses else TrainInertia())
+    task = task_of(drive.design, drive.train_inertia)
     for uniform in (False, True):
         own = drive.law.train
         found = figures(task, single(uniform_law(task.lobes)), own) if uniform else figures(task, own)
@@ -175,7 +175,7 @@ def test_a_command_that_leaves_one_inertia_out_is_found(
     """Negative control: optimize with another machine than the rest."""
     right = task_of
 
-    def other(design: Design, gears: TrainInertia) -> Task:
+    def other(design: Design, gears: Any) -> Task:
         task = right(design, gears)
         assert task.masses is not None
         return replace(task, masses=replace(task.masses, **changed))
@@ -236,7 +236,7 @@ def test_a_disc_stands_for_a_gear_within_what_is_said(name: str) -> None:
     """
     drive = machine_of(name, 1.0)
     radii = np.hypot(*drive.pitch.driven.drawn(200).position.T)
-    disc = disc_kg_mm2(drive, drive.pitch.driven, _density(drive))
+    disc = disc_kg_mm2(drive.gears, drive.pitch.driven, drive.pitch.size.module_mm, _density(drive))
     share = disc / drive.gear_inertia.driven_kg_mm2 - 1.0
     assert abs(share) < 2.0 * drive.pitch.size.module_mm / radii.min()
 

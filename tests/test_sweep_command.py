@@ -24,12 +24,23 @@ SPEEDS = "motion.v1_mm_s=1500:1700:3"
 DRAWN = files.sweep_files
 
 
+PUBLISHED = (
+    template("press")
+    .replace("solve_for: v1 ", "solve_for: law_speed ")
+    .replace("# v1_mm_s: ", "v1_mm_s: 1600 ")
+    .replace("v2_mm_s: 416.6", "v2_mm_s: 1100")
+    .replace("# a1_speed_rpm: 20", "a1_speed_rpm: 20")
+    .replace("law_speed_rpm: 20 ", "# law_speed_rpm: ")
+)
+"""The published law, whose speeds are those of a sweep."""
+
+
 @pytest.fixture
 def run(run: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Sweep over d.yaml, which holds the text; words that begin with a dash are options.  Nothing is drawn."""
     monkeypatch.setattr(files, "sweep_files", lambda *_: {})
 
-    def run_once(*words: str, text: str = template("press")) -> Outcome:
+    def run_once(*words: str, text: str = PUBLISHED) -> Outcome:
         options = [part for word in words for part in ([word] if word.startswith("-") else ["--vary", word])]
         return on_text(run, "sweep", "--verbose", "--processes=1")(text, *options)
 
@@ -75,7 +86,7 @@ def test_the_best_are_named_first(run: Run) -> None:
 @pytest.mark.slow
 def test_of_designs_that_need_the_same_power_the_gentlest_is_named_first(run: Run) -> None:
     """The peak is that of the working stroke, which no choice of the return changes."""
-    _, out, _ = run("motion.return.e=0.5:-0.5:5", text=template("press").replace("e: least_acceleration", "e: 0"))
+    _, out, _ = run("motion.return.e=0.5:-0.5:5", text=PUBLISHED.replace("e: least_acceleration", "e: 0"))
     assert len({f"{row['check.peak_power_w']:.7g}" for row in table()}) == 1
     gentlest = min(table(), key=lambda row: float(row["check.peak_acceleration_cycle_mm_s2"]))
     first = out.split("Best by least peak power\n")[1].splitlines()[1].split()
@@ -195,7 +206,7 @@ def test_a_sweep_needs_a_key(run: Run) -> None:
 
 
 def test_a_wrong_file_is_refused_with_its_place(run: Run) -> None:
-    status, _, err = run(SPEEDS, text=template("press").replace("rod_mm", "rod_m"))
+    status, _, err = run(SPEEDS, text=PUBLISHED.replace("rod_mm", "rod_m"))
     assert status == 2
     assert err.startswith("d.yaml:10:3: linkage.rod_m: unknown key; did you mean rod_mm?")
 

@@ -13,7 +13,7 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.mechanisms.masses import Masses
 from ncgear.project.drive import Drive
-from ncgear.project.moving_masses import inertia_of_train
+from ncgear.project.moving_masses import train_inertia
 
 KG_M2 = 1e-6
 """One kg mm2 in kg m2."""
@@ -91,7 +91,7 @@ SOURCES: Mapping[str, Source] = {
     "peak_acceleration_cycle": Source(kinematic_check, lambda one: one.check.peak_acceleration_cycle.value),
     "peak_mesh_force_n": Source(load_peaks, lambda one: one.mesh_n),
     "peak_crank_bearing_force_n": Source(load_peaks, lambda one: one.rigid.peaks.crank_bearing_n.value),
-    "driven_gear_kg_mm2": Source(inertia_of_train, lambda one: one.masses.driven_inertia_kg_mm2),
+    "driven_gear_kg_mm2": Source(train_inertia, lambda one: one.masses.driven_inertia_kg_mm2),
 }
 """By key without the unit of the output, where that is mm/s or rad/s.
 

@@ -21,7 +21,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
 from ncgear.project.law import require_whole_turns, size_of
 from ncgear.project.moving import Moving
-from ncgear.project.moving_masses import GearInertia, gear_inertia_of, inertia_of_train, masses_of
+from ncgear.project.moving_masses import GearInertia, TrainInertia, disc_kg_mm2, masses_of, train_inertia
 from ncgear.project.tooth_form import (
     backlash_of,
     helix_of,
@@ -198,7 +198,31 @@ class Geared(Moving):
     @computed
     def gear_inertia(self) -> GearInertia:
         """The moments of inertia of this pair's gears, from their bodies."""
-        return gear_inertia_of(self)
+        from ncgear.project.service import densities_kg_m3
+        from ncgear.solids.plan.body import body_kg_mm2
+
+        given, pitch = self.design.masses, self.pitch
+        densities = densities_kg_m3(None if given is None else given.density_kg_m3, self.gears)
+        try:
+            plans = self.finished_plans
+        except DesignError as refusal:
+            curves, module = (pitch.driving, pitch.driven), pitch.size.module_mm
+            first, last = (
+                disc_kg_mm2(self.gears, curve, module, density)
+                for curve, density in zip(curves, densities, strict=True)
+            )
+            return GearInertia(first, last, refusal)
+        first, last = (body_kg_mm2(*of) for of in zip(plans, densities, strict=True))
+        return GearInertia(first, last)
+
+    @computed
+    def train_inertia(self) -> TrainInertia:
+        """The moments of inertia of the gears of the whole machine; none where the design gives no masses."""
+        given, whole = self.design.masses, self.whole
+        if given is None:
+            return TrainInertia()
+        bodies = None if self.design.gears is None else lambda place: whole.by_stage[place].gear_inertia
+        return train_inertia(given, self.design.stages, bodies)
 
     @computed
     def masses(self) -> Masses:
@@ -212,7 +236,7 @@ class Geared(Moving):
             needed = listed(entry_of(self.design.linkage).needed_masses, "and")
             raise WrongInput(f"missing; forces need {needed}", key="masses")
         whole = self.whole
-        return whole.masses if whole is not self else masses_of(given, self.linkage, inertia_of_train(self))
+        return whole.masses if whole is not self else masses_of(given, self.linkage, self.train_inertia)
 
     @property
     def masses_left_out(self) -> str | None:

@@ -9,11 +9,13 @@ or 0.4 module over the radius (tests/test_one_machine.py).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.masses import DrivenShaftMasses, Gravity, ShaftMasses
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
@@ -22,7 +24,6 @@ from ncgear.mechanisms.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from ncgear.pitch.curve import PitchCurve
-    from ncgear.project.geared import Geared
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,41 +80,24 @@ def stated_inertia(given: ShaftMasses | DrivenShaftMasses) -> TrainInertia:
     )
 
 
-def inertia_of_train(drive: Geared) -> TrainInertia:
-    """The moments of inertia of a design's gears, as given or of their bodies; makes bodies only where one is left out.
+def train_inertia(
+    given: ShaftMasses | DrivenShaftMasses, stages: int, bodies: Callable[[int], GearInertia] | None
+) -> TrainInertia:
+    """The moments of inertia of a design's gears, as given or of their bodies.
 
-    Raises as the pitch curves of the drive do.
+    ``bodies`` makes those of the first pair (0) or the last one (-1), only where one is left out; None without gears.
     """
-    given, two = drive.design.masses, drive.design.stages > 1
-    assert given is not None
     driving, between, driven = given.driving_gear_kg_mm2, given.shaft_between_kg_mm2, given.driven_gear_kg_mm2
-    known = driving is not None and driven is not None and (between is not None or not two)
-    if known or drive.design.gears is None:
+    known = driving is not None and driven is not None and (between is not None or stages == 1)
+    if known or bodies is None:
         return stated_inertia(given)
-    first, last = (drive.by_stage[place].gear_inertia for place in (0, -1))
+    first, last = bodies(0), bodies(-1)
     of_between = first.driven_kg_mm2 + last.driving_kg_mm2 if between is None else between
     return TrainInertia(
         first.driving_kg_mm2 if driving is None else driving,
-        of_between if two else 0.0,
+        of_between if stages > 1 else 0.0,
         last.driven_kg_mm2 if driven is None else driven,
     )
-
-
-def gear_inertia_of(drive: Geared) -> GearInertia:
-    """The moments of inertia of the gears of one pair; raises as its pitch curves do."""
-    from ncgear.project.service import densities_kg_m3
-    from ncgear.solids.plan.body import body_kg_mm2
-
-    given = drive.design.masses
-    densities = densities_kg_m3(None if given is None else given.density_kg_m3, drive.gears)
-    try:
-        plans = drive.finished_plans
-    except DesignError as refusal:
-        curves = drive.pitch.driving, drive.pitch.driven
-        first, last = (disc_kg_mm2(drive, *of) for of in zip(curves, densities, strict=True))
-        return GearInertia(first, last, refusal)
-    first, last = (body_kg_mm2(*of) for of in zip(plans, densities, strict=True))
-    return GearInertia(first, last)
 
 
 KG_MM3 = 1e-9
@@ -123,23 +107,23 @@ DISC_POINTS = 721
 """Points of a pitch curve that stands for a gear: the polygon's moment is within 3e-5 of the curve's."""
 
 
-def disc_kg_mm2(drive: Geared, curve: PitchCurve, density_kg_m3: float) -> float:
-    """The disc within a pitch curve, or the ring about it, with its bore and hub."""
+def disc_kg_mm2(gears: Gears, curve: PitchCurve, module_mm: float, density_kg_m3: float) -> float:
+    """Moment of inertia of the disc within a pitch curve, or of the ring about it, with its bore and hub."""
     from shapely import Polygon
 
     from ncgear.pitch.shape import Gear
     from ncgear.project.gear_solids import rim_mm_of
     from ncgear.solids.plan.areas import area_moments
 
-    gears, points = drive.gears, curve.drawn(DISC_POINTS).position
+    points = curve.drawn(DISC_POINTS).position
     body = gears.driving if curve.gear is Gear.DRIVING else gears.driven
     width, within = gears.face_width_mm, area_moments(Polygon(points)).polar_mm4
     if curve.is_ring:
-        whole = _circle_mm4(float(np.linalg.norm(points, axis=1).max()) + rim_mm_of(gears, drive.pitch.size.module_mm))
+        whole = _circle_mm4(float(np.linalg.norm(points, axis=1).max()) + rim_mm_of(gears, module_mm))
         return KG_MM3 * density_kg_m3 * width * (whole - within)
-    bore = 0.0 if body.bore_mm is None else _circle_mm4(body.bore_mm / 2.0)
+    bore = 0.0 if body.bore_mm is None else min(_circle_mm4(body.bore_mm / 2.0), within)
     hub = (_circle_mm4(body.hub.diameter_mm / 2.0) - bore) * body.hub.height_mm if body.hub else 0.0
-    return KG_MM3 * density_kg_m3 * (width * (within - bore) + hub)
+    return KG_MM3 * density_kg_m3 * (width * (within - bore) + max(hub, 0.0))
 
 
 def _circle_mm4(radius_mm: float) -> float:

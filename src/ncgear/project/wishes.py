@@ -20,7 +20,7 @@ from ncgear.optimum import task
 from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
 from ncgear.project.law import kept_size, load_of, lobes_of, require_whole_turns
 from ncgear.project.motion_wishes import motion_wishes_of
-from ncgear.project.moving_masses import TrainInertia, inertia_of_train, masses_of
+from ncgear.project.moving_masses import TrainInertia, masses_of
 from ncgear.project.tooth_form import rack_of
 
 RACK_ANGLE_DEG = 20.0
@@ -91,7 +91,7 @@ def inertia_with(design: Design, motion: LawKeys) -> TrainInertia:
         return TrainInertia()
     if gears is not None:
         gears = gears.model_copy(update=dict(zip(SIZES, kept_size(design), strict=True)))
-    return inertia_of_train(Drive(design.model_copy(update={"motion": motion, "gears": gears})))
+    return Drive(design.model_copy(update={"motion": motion, "gears": gears})).train_inertia
 
 
 def inertia_as_given(design: Design) -> TrainInertia:
