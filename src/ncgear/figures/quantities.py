@@ -41,6 +41,7 @@ NAMES = {
     "rms torque": "r.m.s. torque",
     "rms torque of rated": "r.m.s. torque of rated",
     "time without contact": "time without contact of any flanks",
+    "driven_gear_kg_mm2": "moment of inertia of the driven gear",
     "backlash_mm": "least normal backlash",
     "backlash_max_mm": "greatest normal backlash",
     "play_rad": "play of the driven gear",

@@ -23,6 +23,7 @@ from ncgear.dynamics.touching import parted_s, pushing_parted_s
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns
 from ncgear.figures.summary.check_summary import uniform_key
+from ncgear.kinematics.check import KinematicCheck, power_figures
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
@@ -80,8 +81,8 @@ def rigid_figures(drive: Drive) -> dict[str, Any]:
     return {
         **_about(drive, Level.RIGID),
         "masses": _masses(drive),
-        "this_design": _loads(drive.rigid, drive.check.peak_power_resistance_w, wanted),
-        uniform_key(drive): _loads(drive.uniform_rigid, drive.uniform_check.peak_power_resistance_w, wanted),
+        "this_design": _loads(drive.rigid, drive.check, wanted),
+        uniform_key(drive): _loads(drive.uniform_rigid, drive.uniform_check, wanted),
     }
 
 
@@ -107,20 +108,15 @@ def _masses(drive: Drive) -> dict[str, Any]:
     return {**found, **gravity} if gravity["gravity_m_s2"] else found
 
 
-def _loads(rigid: Rigid, alone: Extremum, coefficient: float) -> dict[str, Any]:
-    peaks, shaft, swing = rigid.peaks, rigid.driving, rigid.fluctuation
-    least, most = shaft.torque_range_n_mm
+def _loads(rigid: Rigid, check: KinematicCheck, coefficient: float) -> dict[str, Any]:
+    peaks, swing = rigid.peaks, rigid.fluctuation
+    least, most = rigid.driving.torque_range_n_mm
     linkage = rigid.machine.machine.linkage
     return {
         **_peak("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
         **_peak("least_driving_torque", "n_m", least, N_M_PER_N_MM),
         "mean_driving_torque_n_m": N_M_PER_N_MM * swing.mean_torque_n_mm,
-        "mean_power_w": shaft.mean_power_w,
-        **_peak("peak_power", "w", shaft.peak_power_w),
-        **_peak("peak_power_resistance", "w", alone),
-        **_peak("braking_power", "w", shaft.braking_power_w),
-        "rms_torque_n_m": shaft.rms_torque_n_m,
-        "energy_swing_j": shaft.energy_swing_j,
+        **power_figures(check),
         "flank_changes_deg": [degrees(angle) for angle in swing.flank_changes_rad],
         "speed_fluctuation": coefficient,
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),

@@ -151,6 +151,24 @@ def _cycle_work_n_mm(machine: Machine) -> float:
     return float(load.work_n_mm(np.array([_end_mm(machine)]), stroke_mm, returning=False)[0])
 
 
+def power_figures(check: KinematicCheck) -> dict[str, float]:
+    """The figures of power of the driving shaft, by keys that end in their units.
+
+    Where masses are counted, the resistance alone stands beside them.
+    """
+    told = {"peak_power_w": check.peak_power_w.value, "peak_power_at_rad": check.peak_power_w.at}
+    if (found := check.with_masses) is not None:
+        told |= {
+            "peak_power_resistance_w": found.peak_power_resistance_w.value,
+            "peak_power_resistance_at_rad": found.peak_power_resistance_w.at,
+            "braking_power_w": found.braking_power_w.value,
+            "braking_power_at_rad": found.braking_power_w.at,
+            "rms_torque_n_m": found.rms_torque_n_m,
+            "energy_swing_j": found.energy_swing_j,
+        }
+    return {**told, "mean_power_w": check.mean_power_w}
+
+
 def at_speed(check: KinematicCheck, speed_rpm: float) -> KinematicCheck:
     """The check of the same machine, without masses, at another driving speed: power grows as speed, and so on."""
     factor = speed_rpm / check.speed_rpm

@@ -17,7 +17,7 @@ from ncgear.design.keys.gears import SIZES
 from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
-from ncgear.kinematics.check import KinematicCheck
+from ncgear.kinematics.check import power_figures
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
@@ -111,9 +111,7 @@ def single_figures(design: Design) -> dict[str, float]:
         **{f"closure.{key}": value for key, value in drive.told_stroke_residual.items()},
         "ratio.min": low.value,
         "ratio.max": high.value,
-        "check.peak_power_w": check.peak_power_w.value,
-        **_with_masses(check),
-        "check.mean_power_w": check.mean_power_w,
+        **{f"check.{key}": value for key, value in power_figures(check).items() if not key.endswith("_at_rad")},
         f"check.peak_speed_{speed}": check.peak_speed.value,
         f"check.peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
         f"check.peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
@@ -121,16 +119,13 @@ def single_figures(design: Design) -> dict[str, float]:
     }
 
 
-WITH_MASSES = ("check.peak_power_resistance_w", "check.braking_power_w", "check.rms_torque_n_m")
+WITH_MASSES = (
+    "check.peak_power_resistance_w",
+    "check.braking_power_w",
+    "check.rms_torque_n_m",
+    "check.energy_swing_j",
+)
 """Keys of the figures that only designs with masses have."""
-
-
-def _with_masses(check: KinematicCheck) -> dict[str, float]:
-    found = check.with_masses
-    if found is None:
-        return {}
-    values = found.peak_power_resistance_w.value, found.braking_power_w.value, found.rms_torque_n_m
-    return dict(zip(WITH_MASSES, values, strict=True))
 
 
 PITCH = (

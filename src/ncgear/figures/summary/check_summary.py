@@ -9,7 +9,7 @@ from ncgear.design.keys.machine import Published
 from ncgear.figures.advice.collected import check_advice, rough_advice
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.figures.wished import motion_summary, wish_rows
-from ncgear.kinematics.check import KinematicCheck, WithMasses
+from ncgear.kinematics.check import KinematicCheck, power_figures
 from ncgear.mechanisms.mechanism import Output
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
@@ -138,29 +138,12 @@ def peaks(check: KinematicCheck, *, returns: bool) -> dict[str, Any]:
         "peak_acceleration_working_at_rad": check.peak_acceleration_working.at,
     }
     return {
-        "peak_power_w": check.peak_power_w.value,
-        "peak_power_at_rad": check.peak_power_w.at,
-        **_with_masses(check.with_masses),
-        "mean_power_w": check.mean_power_w,
+        **power_figures(check),
         f"peak_speed_{speed}": check.peak_speed.value,
         "peak_speed_at_rad": check.peak_speed.at,
         **(working if returns else {}),
         f"peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
         "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle.at,
-    }
-
-
-def _with_masses(found: WithMasses | None) -> dict[str, float]:
-    """What is told of power where masses are counted; the resistance alone stands beside it."""
-    if found is None:
-        return {}
-    return {
-        "peak_power_resistance_w": found.peak_power_resistance_w.value,
-        "peak_power_resistance_at_rad": found.peak_power_resistance_w.at,
-        "braking_power_w": found.braking_power_w.value,
-        "braking_power_at_rad": found.braking_power_w.at,
-        "rms_torque_n_m": found.rms_torque_n_m,
-        "energy_swing_j": found.energy_swing_j,
     }
 
 
