@@ -24,7 +24,7 @@ def check(
     verbose: Verbose = False,
     timing: Timing = False,
 ) -> None:
-    """Check a design: kinematics and power only, no teeth, no files."""
+    """Check a design: motion and power, no files; teeth only where masses leave out the inertia of the gears."""
     with opened(design_file) as loaded:
         from ncgear.figures.advice.collected import check_advice, rough_advice
         from ncgear.figures.answers.answer import answer_text

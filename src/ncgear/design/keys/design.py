@@ -57,7 +57,7 @@ class Design(Model, Shown):
     )
     masses: Masses | None = Field(
         default=None,
-        description="what moves, as masses: ncgear simulate needs it, ncgear optimize counts all of it",
+        description="what moves, as masses: all power counts them, ncgear simulate needs them; left out: none",
     )
     simulation: Simulation = Field(
         default_factory=Simulation,
