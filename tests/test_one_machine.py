@@ -19,11 +19,13 @@ import pytest
 from drives import DESIGNS, loaded
 from ncgear.design.keys.design import Design
 from ncgear.design.machines import MachineName, machine_template
+from ncgear.design.space import Listed, Space
 from ncgear.errors import DesignError
 from ncgear.figures.csv_text import law_csv
 from ncgear.figures.simulated import rigid_figures
 from ncgear.figures.sources import KG_M2, SOURCES, LoadedMachine
 from ncgear.figures.summary.check_summary import check_summary, uniform_key
+from ncgear.files.sweep_run import Order, screening_of
 from ncgear.optimum.task import Task, figures
 from ncgear.project.drive import Drive, loads
 from ncgear.project.moving_masses import disc_kg_mm2
@@ -31,6 +33,7 @@ from ncgear.project.service import densities_kg_m3
 from ncgear.project.wishes import task_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import single
+from ncgear.screening.designs import screened_part
 from ncgear.screening.rows import single_figures
 
 Told = tuple[str, str, bool, float]
@@ -244,3 +247,17 @@ def test_a_disc_stands_for_a_gear_within_what_is_said(name: str) -> None:
 def _density(drive: Drive) -> float:
     assert drive.design.masses is not None
     return densities_kg_m3(drive.design.masses.density_kg_m3, drive.gears)[1]
+
+
+@pytest.mark.judges("screening")
+@pytest.mark.parametrize(("name", "key"), [("scotch-yoke-pump", "operation.speed_rpm"), ("pusher", "gears.teeth")])
+def test_a_sweep_without_pitch_curves_has_the_same_machine(name: str, key: str) -> None:
+    """The stage check leaves gears out only where motion and power do not depend on them."""
+    given = loaded(name)
+    value = 60.0 if key == "gears.teeth" else given.design.operation.speed_rpm
+    screening = screening_of(given.design, given.data, Order(Space((Listed(key, (value,)),)), "check"))
+    found = screened_part(screening, 0, np.array([[value]]))
+    assert found.made.all()
+    assert found.figures["check.peak_power_w"] == pytest.approx(
+        machine_of(name, 1.0).check.peak_power_w.value, rel=1e-9
+    )

@@ -25,6 +25,8 @@ from ncgear.extras import require
 from ncgear.files.parts import Parts, alone_in, table_bytes
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.project.law import lobes_of
+from ncgear.ratio.transmission import Lobes
 from ncgear.screening.batch import kind_of
 from ncgear.screening.deeper import deepened, deeper_names, require_stage
 from ncgear.screening.designs import Counted, Designs, Screening, joined, screened_part
@@ -64,12 +66,19 @@ class Order:
 
 
 def screening_of(design: Design, data: dict[str, Any], order: Order) -> Screening:
-    """What the first two stages screen; a stage ``check`` leaves the gears out."""
+    """What the first two stages screen; a stage ``check`` leaves out gears that motion and power do not depend on."""
     check_only = order.stage == "check"
-    screened = {key: value for key, value in data.items() if not (check_only and key == "gears")}
+    needless = check_only and not _gears_count(design, order.space)
+    screened = {key: value for key, value in data.items() if not (needless and key == "gears")}
     names = tuple(name for name in figure_names(design) if not (check_only and name.startswith("pitch.")))
     rows = rows_of_part(order.space.count, ROWS if kind_of(design) is not None else ROWS_ALONE)
     return Screening(screened, order.space, names, rows)
+
+
+def _gears_count(design: Design, space: Space) -> bool:
+    """Whether motion and power depend on the gears: by their lobes, by their own inertia, or because they vary."""
+    varied = any(key.startswith("gears.") for key in space.keys)
+    return varied or design.masses is not None or lobes_of(design) != Lobes()
 
 
 def rows_of_part(count: int, fewest: int) -> int:
