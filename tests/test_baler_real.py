@@ -11,7 +11,7 @@ import pytest
 
 from documented.installing import ROOT
 from drives import loaded
-from ncgear.dynamics.rigid import RigidMachine
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.arrays import Array

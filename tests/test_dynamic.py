@@ -25,6 +25,7 @@ from loaded import (
     uneven_meshing,
 )
 from ncgear.dynamics.history import even_times_s, history
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
 from ncgear.dynamics.meshing import force_on_driven, tangent
 from ncgear.dynamics.motion_in_time import (
@@ -38,7 +39,6 @@ from ncgear.dynamics.motion_in_time import (
     started,
 )
 from ncgear.dynamics.quasi_static import loaded_contact
-from ncgear.dynamics.rigid import RigidMachine
 from ncgear.dynamics.touching import meetings_s, parted_s, pressed_rad, pushing_parted_s
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from drives import drive, drive_of_text, loaded
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.rigid import RigidMachine, load_peaks
+from ncgear.dynamics.rigid import load_peaks
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from ncgear.dynamics.rigid import RigidMachine
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array

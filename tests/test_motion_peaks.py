@@ -13,6 +13,7 @@ from engaged import LAWS, MODULE
 from loaded import LINKAGE, MASSES, SPEED, STIFFNESS, even_load, frictionless, mechanism, meshing, slider_load
 from ncgear.dynamics.crank_load import crank_load
 from ncgear.dynamics.history import even_times_s, history
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.motion_in_time import (
     Course,
@@ -26,7 +27,6 @@ from ncgear.dynamics.motion_in_time import (
 )
 from ncgear.dynamics.peaks import motion_peaks
 from ncgear.dynamics.quasi_static import loaded_contact
-from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.forces import CrankPace

@@ -212,7 +212,7 @@ def test_masses_that_are_not_counted_are_told_once() -> None:
 
 def test_each_figure_has_one_source_of_a_name() -> None:
     names = {key: source.name for key, source in SOURCES.items()}
-    assert names["peak_power_w"] == "dynamics.rigid.DrivingShaft.peak_power_w"
+    assert names["peak_power_w"] == "dynamics.driving_shaft.DrivingShaft.peak_power_w"
     assert all("<lambda>" not in name and name.count(".") >= 2 for name in names.values())
 
 

@@ -14,17 +14,10 @@ from mpmath import mp
 from scipy.optimize import brentq
 
 from ncgear.dynamics.crank_load import reduced_inertia
+from ncgear.dynamics.driving_shaft import DrivingShaft, Fluctuation, fluctuation
+from ncgear.dynamics.loaded_machine import Loads, RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.rigid import (
-    DrivingShaft,
-    Fluctuation,
-    Loads,
-    Rigid,
-    RigidMachine,
-    fluctuation,
-    load_peaks,
-    rigid_level,
-)
+from ncgear.dynamics.rigid import Rigid, load_peaks, rigid_level
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider

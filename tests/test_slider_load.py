@@ -17,7 +17,8 @@ from scipy.integrate import quad
 
 from ncgear.design.reading.design_file import load
 from ncgear.dynamics.crank_load import crank_load
-from ncgear.dynamics.rigid import DrivingShaft, RigidMachine, fluctuation
+from ncgear.dynamics.driving_shaft import DrivingShaft, fluctuation
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.errors import WrongInput
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine

@@ -157,7 +157,7 @@ wishes:                              # the simple law lingers for 14.7 deg: ncge
 optimize:
   goal: least_acceleration
   limits:
-    peak_power_w: 50                 # hardly more than a plain crank's
+    peak_power_w: 50                 # of the driving shaft, all masses counted
     ratio_min: 0.4
     ratio_max: 2.5
     pressure_angle_deg: 55
@@ -207,7 +207,7 @@ wishes: {}                 # none: what counts is the motor, and how hard the ma
 optimize:
   goal: least_acceleration
   limits:
-    peak_power_w: 4500               # half of a plain crank's
+    peak_power_w: 4500               # of the driving shaft, all masses counted
     ratio_min: 0.4
     ratio_max: 2.5
     pressure_angle_deg: 60

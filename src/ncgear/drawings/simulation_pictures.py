@@ -11,7 +11,7 @@ from ncgear.drawings.charts.chart import Chart
 from ncgear.drawings.charts.drawer import LOAD_LOOK, SIMULATION_COLUMN, TIME_LOOK, Look, column_png
 from ncgear.drawings.pictures import titled
 from ncgear.dynamics.history import History
-from ncgear.dynamics.rigid import Loads
+from ncgear.dynamics.loaded_machine import Loads
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 

@@ -12,7 +12,8 @@ from math import pi
 
 import numpy as np
 
-from ncgear.dynamics.rigid import Rigid, RigidMachine
+from ncgear.dynamics.loaded_machine import RigidMachine
+from ncgear.dynamics.rigid import Rigid
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import stretches
 from ncgear.numerics.arrays import Array, ComplexArray

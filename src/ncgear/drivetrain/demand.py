@@ -23,7 +23,7 @@ import numpy as np
 from ncgear.drivetrain.cycle import Cycle, with_tooth_friction
 from ncgear.drivetrain.losses import Losses
 from ncgear.dynamics.crank_load import reduced_inertia
-from ncgear.dynamics.rigid import Fluctuation
+from ncgear.dynamics.driving_shaft import Fluctuation
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import fitted

@@ -26,7 +26,7 @@ from ncgear.contact.designed.as_designed import AsDesigned, PairTouch, touch_at
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
 from ncgear.drivetrain.cycle import Cycle
-from ncgear.dynamics.rigid import IDLE
+from ncgear.dynamics.loaded_machine import IDLE
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.quadrature import gauss_points

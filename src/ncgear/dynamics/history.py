@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import force_on_driven
 from ncgear.dynamics.motion_in_time import Course
-from ncgear.dynamics.rigid import RigidMachine
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import CrankPace, JointForces
 from ncgear.numerics.arrays import Array

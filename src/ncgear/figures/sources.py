@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ncgear.dynamics.rigid import DrivingShaft, Fluctuation, Rigid, load_peaks
+from ncgear.dynamics.driving_shaft import DrivingShaft, Fluctuation
+from ncgear.dynamics.rigid import Rigid, load_peaks
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.mechanisms.masses import Masses
@@ -70,7 +71,7 @@ class Source:
 
     @property
     def name(self) -> str:
-        """The function's name with its module, as in ``dynamics.rigid.DrivingShaft.peak_power_w``."""
+        """The function's name with its module, as in ``dynamics.driving_shaft.DrivingShaft.peak_power_w``."""
         made: Any = self.function.fget if isinstance(self.function, property) else self.function
         return f"{made.__module__.removeprefix('ncgear.')}.{made.__qualname__}"
 

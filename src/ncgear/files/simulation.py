@@ -112,4 +112,13 @@ def _dynamic(drive: Drive) -> Simulated:
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
     apart_rad = np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1)
     table = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage)
-    return Simulated(table, dynamic_figures(drive, peaks), dynamic_pictures(drive, drawn, apart_rad))
+    figures = dynamic_figures(drive, peaks)
+    if drive.rigid.machine.guide_friction:
+        figures["warnings"] = [SMOOTH_GUIDE]
+    return Simulated(table, figures, dynamic_pictures(drive, drawn, apart_rad))
+
+
+SMOOTH_GUIDE = (
+    "the motion in time leaves out friction in the guide, which takes more torque and presses harder on joints and "
+    "teeth; ncgear simulate --level rigid counts it"
+)

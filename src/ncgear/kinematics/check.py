@@ -72,7 +72,7 @@ class KinematicCheck(Shown):
 def kinematic_check(machine: Machine) -> KinematicCheck:
     """Exact peaks of a machine: stationary points of the closed forms, and both sides of every joint.
 
-    Its power is that of the resistance alone: masses are counted by ``ncgear.dynamics.rigid``.
+    Its power is that of the resistance alone: masses are counted by ``ncgear.dynamics.driving_shaft``.
     """
     omega = machine.speed_rad_s
     cycle = stretches(machine)

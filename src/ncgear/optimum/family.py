@@ -1,12 +1,12 @@
 """The best law of the published three-segment family: least peak acceleration under a power cap, or conversely.
 
 Seven numbers describe a law (``family_samples``).  Sobol points of their box are looked at all at once.  From each of
-the best that lie apart, sequential quadratic programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local optimum,
-with all samples of acceleration and power as constraints and the peak as a variable of its own; then it does so from
-random neighbours of the best.  The result is made into a law as a design file would make it and judged by its exact
-peaks, with masses those of the one loaded machine (``ncgear.dynamics.rigid``), from which the samples of the power come
-as well; where exact peaks exceed the cap between samples, the cap is tightened by as much.  The same seed gives the
-same law.  A local method proves no optimum: that is what the certified limits are for.
+the best that lie apart, sequential quadratic programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local
+optimum, with all samples of acceleration and power as constraints and the peak as a variable of its own; then it does
+so from random neighbours of the best.  The result is made into a law as a design file would make it and judged by its
+exact peaks, with masses those of the one loaded machine (``ncgear.dynamics.loaded_machine``), from which the samples
+of the power come as well; where exact peaks exceed the cap between samples, the cap is tightened by as much.  The
+same seed gives the same law.  A local method proves no optimum: that is what the certified limits are for.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from ncgear.dynamics.rigid import DrivingShaft, counting_masses
+from ncgear.dynamics.driving_shaft import DrivingShaft, counting_masses
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, kinematic_check

@@ -9,8 +9,8 @@ and the skewness of the return.  The approach's velocity, a quartic with v' = 0 
 factors of its derivative, v' ~ (1 - t)(rho - t)(cos chi + sin chi t), t = phi1/theta2, rho = theta1/theta2, which stays
 regular where theta1 comes near theta2 and v1 near v2.  ``brake`` is -a1 (theta4 - theta3)/v2.
 
-With masses the power comes from the one loaded machine (``ncgear.dynamics.rigid``): what a crank's motion asks of the
-driving shaft depends on the law only by the driven angle and its two derivatives, which are sampled.
+With masses the power comes from the one loaded machine (``ncgear.dynamics.loaded_machine``): what a crank's motion
+asks of the driving shaft depends on the law only by the driven angle and its two derivatives, which are sampled.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from math import inf, pi
 
 import numpy as np
 
-from ncgear.dynamics.rigid import RigidMachine
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array

@@ -1,7 +1,8 @@
 """What a law makes a machine with all its masses feel: the figures of forces, torque and power that a law is judged by.
 
-All are taken from the rigid level (``ncgear.dynamics.rigid``) at constant driving speed, so peaks are exact.  Motor
-power is the driving shaft's torque times its speed: positive where the motor drives, negative where it brakes.
+All are taken from the loaded machine (``ncgear.dynamics.loaded_machine``) at constant driving speed, so peaks are
+exact.  Motor power is the driving shaft's torque times its speed: positive where the motor drives, negative where it
+brakes.
 """
 
 from __future__ import annotations
@@ -9,7 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 from math import inf
 
-from ncgear.dynamics.rigid import IDLE, DrivingShaft, Loads, RigidMachine, broken_cycle, largest_over, range_over
+from ncgear.dynamics.driving_shaft import DrivingShaft
+from ncgear.dynamics.loaded_machine import IDLE, Loads, RigidMachine, broken_cycle, largest_over, range_over
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.plane import Vector

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, field, replace
 from math import degrees, inf, pi, tan
 
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.rigid import RigidMachine
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import kinematic_check

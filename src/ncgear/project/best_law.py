@@ -251,7 +251,7 @@ class BestLaw(Comparison, Shown):
         return self.wishes.prices.of(self.figures)
 
 
-SETTLED = 1e-5
+SETTLED = 1e-7
 """Share of all that turns with the crank by which the gears of a law may differ from those that it was found with: the
 figures and the limit are told for the gears that come out, and a law is so much nearer to its optimum still."""
 

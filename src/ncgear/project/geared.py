@@ -34,7 +34,9 @@ from ncgear.project.tooth_form import (
 from ncgear.teeth.form import BasicRack
 
 if TYPE_CHECKING:
-    from ncgear.dynamics.rigid import DrivingShaft, Rigid, RigidMachine
+    from ncgear.dynamics.driving_shaft import DrivingShaft
+    from ncgear.dynamics.loaded_machine import RigidMachine
+    from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
     from ncgear.pitch.pumped import Pumped
     from ncgear.solids.helical.helix import Helix
@@ -255,14 +257,15 @@ class Geared(Moving):
 
     def loaded_machine(self, machine: Machine) -> RigidMachine:
         """A machine of this design with all that the file gives; its gears do not lie anywhere."""
-        from ncgear.dynamics.rigid import RigidMachine
+        from ncgear.dynamics.loaded_machine import RigidMachine
 
         around, pairs = self.design.drivetrain, self.law.train.pairs
         return RigidMachine(
             machine,
             self.masses,
             guide_friction=around.guide_friction if around else 0.0,
-            between=pairs[0].transmission if len(pairs) > 1 else None,
+            # The uniform crank's shaft between turns evenly, and asks for nothing
+            between=pairs[0].transmission if len(pairs) > 1 and machine.transmission is self.transmission else None,
         )
 
     @computed
@@ -276,7 +279,7 @@ class Geared(Moving):
         return self._driving(self.uniform_machine)
 
     def _driving(self, machine: Machine) -> DrivingShaft:
-        from ncgear.dynamics.rigid import DrivingShaft
+        from ncgear.dynamics.driving_shaft import DrivingShaft
 
         loaded = self.loaded_machine(machine)
         with self.stopwatch("forces"):
@@ -301,7 +304,7 @@ class Geared(Moving):
         """A check with the masses that the design gives, of the machine that turns such a driving shaft."""
         if self.masses_left_out is not None:
             return massless
-        from ncgear.dynamics.rigid import counting_masses
+        from ncgear.dynamics.driving_shaft import counting_masses
 
         shaft = driving()
         with self.stopwatch("forces"):

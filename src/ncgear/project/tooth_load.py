@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
-from ncgear.dynamics.rigid import RigidMachine, refuse_locked_at
+from ncgear.dynamics.rigid import refuse_locked_at
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles

@@ -222,7 +222,7 @@ def _of_radius(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if not turns > 2.0 * pi:
         largest = driven_teeth * gears.module_mm / 2.0
         raise WrongInput(
-            f"{limits.least_radius_mm:g} mm is what a circular driven gear has at most: under {largest:g} mm is right",
+            f"{limits.least_radius_mm:g} mm given, and a circular driven gear has {largest:g} mm: under that is right",
             key="optimize.limits.least_radius_mm",
         )
     yield _Curvature(turns, CurvatureWish.LEAST_RADIUS, limits.least_radius_mm)
@@ -247,7 +247,7 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     turns = min(undercut)
     if not turns > 2.0 * pi:
         raise WrongInput(
-            f"{gears.teeth} teeth are undercut even on a circle; more teeth are needed",
+            f"{gears.teeth} teeth are undercut even on a circle; over {gears.teeth * 2.0 * pi / turns:.4g} are right",
             key="optimize.limits.free_of_undercut",
         )
     yield _Curvature(turns, CurvatureWish.UNDERCUT, float(gears.teeth))

@@ -10,7 +10,7 @@ import numpy as np
 from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.dynamics.history import History
-from ncgear.dynamics.rigid import Loads
+from ncgear.dynamics.loaded_machine import Loads
 from ncgear.figures.numbers import MICRORAD
 from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array

@@ -60,7 +60,8 @@ def _limit(best: BestLaw) -> str:
     if best.soft:
         return f"{law}, bent by soft wishes; the limit of hard wishes and limits alone is {limit} (certified)"
     over = "beside " if best.gap is None else f"{fixed(100.0 * best.gap, 1)} % above "
-    return f"{law}, {over}the limit of {limit}, which no law goes below (certified)"
+    holds = ": no law of such gears has less" if best.task.masses else ", which no law goes below"
+    return f"{law}, {over}the limit of {limit}{holds} (certified)"
 
 
 def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:

@@ -11,7 +11,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from ncgear.dynamics.rigid import KG_MM2
+from ncgear.dynamics.driving_shaft import KG_MM2
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import N_M_PER_N_MM

@@ -1,0 +1,192 @@
+"""The loaded machine: the forces and the driving torque that a motion at constant driving speed needs.
+
+The law gives the crank's angle with its derivatives, the mechanism the forces in its joints, the pitch curves the force
+between the teeth (inverse dynamics); all are closed forms, so peaks are located exactly: at stationary points, and on
+both sides of every joint of the law.
+
+Where the guide rubs, the slider bears mu |N| against its motion besides its load.  N follows from all that the slider
+bears along its line, and is affine in it: with N_0 of a guide without friction and N_1 of a resistance of 1 N,
+|N| = |N_0| / (1 - mu N_1 sign(N_0)) on the way out, with a plus on the way back.  Where that is not positive the slider
+jams in its guide, and the machine is refused.
+
+Of two pairs in series, the shaft between them turns unevenly as well and takes its part of the torque.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from math import sqrt
+from operator import attrgetter
+
+import numpy as np
+
+from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
+from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
+from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
+from ncgear.mechanisms.forces import CrankPace, EvenPace, JointForces
+from ncgear.mechanisms.masses import Masses
+from ncgear.numerics.arrays import Array, Mask, distinct
+from ncgear.numerics.chebyshev import fitted
+from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Vector
+from ncgear.numerics.units import N_PER_KG_MM_S2
+from ncgear.numerics.zeros import all_zeros
+from ncgear.ratio.transmission import Transmission
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """What a motion needs, as jets by the driving angle; forces in N, torques in N mm.
+
+    ``driving_torque`` is asked of the driving shaft, ``driven_torque`` of the driven gear.  ``joints`` are the forces
+    between the bodies of the mechanism, by its names for them and on the body nearer to the slider; ``crank_bearing``
+    acts on the crank shaft, ``guide`` on the slider across its line, the mesh force on the driven gear.  The driving
+    shaft's bearings exert the same force as the mesh.  Without gears (``mesh`` None) the crank's bearing holds the
+    mechanism alone.
+    """
+
+    driving_torque: Jet
+    driven_torque: Jet
+    joints: Mapping[str, Vector]
+    crank_bearing: Vector
+    guide: Jet
+    mesh: MeshForce | None
+
+    @property
+    def mesh_force(self) -> MeshForce:
+        """The mesh force of a machine that has gears."""
+        assert self.mesh is not None
+        return self.mesh
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMachine:
+    """A machine at constant driving speed with all that its design gives: the one loaded machine of every command.
+
+    ``place`` is how its gears lie, None without gears.  ``guide_friction`` is the coefficient of friction between the
+    slider and its guide.  ``between`` is the angle of the shaft between two pairs of gears over the driving angle, None
+    of a single pair.  Raises NoSuchMechanism, once loads are asked for, where the slider jams in its guide.
+    """
+
+    machine: Machine
+    masses: Masses
+    place: MeshPlace | None = None
+    guide_friction: float = 0.0
+    between: Transmission | None = None
+
+    def loads(self, phi1: Array, driven_angle: Jet, resistance_n: Jet, returning: Mask) -> Loads:
+        """The loads at driving angles, shape (n,), for a crank angle that is a jet by them.
+
+        Loads and resistance have two orders less than the angle; ``returning`` (shape (n,)) says which stroke it is.
+        """
+        pace = EvenPace(self.machine.speed_rad_s)
+        joints = self._joints(driven_angle, pace, resistance_n, returning)
+        slope, torque = driven_angle.differentiated(), joints.torque_n_mm
+        mesh = None if self.place is None else mesh_force(self.place, slope, torque)
+        return Loads(
+            driving_torque=slope.truncated(torque.order) * torque + self._of_shaft_between(phi1, pace, torque.order),
+            driven_torque=torque,
+            joints=joints.joints,
+            crank_bearing=joints.crank_axis if mesh is None else joints.crank_axis - mesh.force,
+            guide=joints.guide_n,
+            mesh=mesh,
+        )
+
+    def at(self, phi1: Array) -> Loads:
+        """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law."""
+        driven = self.machine.transmission.driven_angle(phi1, 2)
+        returning = ~self.machine.working(driven.value)
+        return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning)
+
+    def joints(self, crank_angle_rad: Array, pace: CrankPace) -> JointForces:
+        """Forces in the joints for any motion of the crank, at crank angles in rad, shape (n,), by a smooth guide."""
+        angle = Jet.variable(crank_angle_rad, 2)
+        resistance = self._resistance_n(angle.truncated(0), ~self.machine.working(crank_angle_rad))
+        return self.machine.linkage.joint_forces(angle, self.masses, pace, resistance.value)
+
+    def on(self, stretch: Stretch, phi1: Array) -> Loads:
+        """The loads with their slopes at driving angles on a stretch, shape (n,); one-sided at its ends."""
+        driven, returning = stretch.driven_angle(phi1, 3), np.full(phi1.shape, not stretch.working)
+        return self.loads(phi1, driven, self._resistance_n(driven.truncated(1), returning), returning)
+
+    def breaks(self, stretch: Stretch) -> Array:
+        """Driving angles of a stretch, ends included, between which loads are smooth and the resistance is monotone."""
+        corners = self.machine.load.corners_mm(self.machine.linkage.stroke_mm, not stretch.working)
+        passed = angles_at(stretch, corners)
+        breaks = distinct([stretch.start_rad, *stretch.knots_rad, *passed, stretch.end_rad])
+        if not self.guide_friction:
+            return breaks
+        # Friction has a kink where the slider passes from one side of its guide to the other
+        smooth = replace(self, guide_friction=0.0)
+        guide = fitted(lambda phi1: smooth.on(stretch, phi1).guide.value, breaks)
+        return distinct([*breaks, *all_zeros(guide)])
+
+    def _joints(self, driven_angle: Jet, pace: EvenPace, resistance_n: Jet, returning: Mask) -> JointForces:
+        """The forces in the joints, with what the guide's friction adds to the resistance."""
+        linkage = self.machine.linkage
+        smooth = linkage.joint_forces(driven_angle, self.masses, pace, resistance_n)
+        if not self.guide_friction:
+            return smooth
+        one = linkage.joint_forces(driven_angle, linkage.MASSES(), pace, resistance_n * 0.0 + 1.0).guide_n
+        side, way = np.where(smooth.guide_n.value < 0.0, -1.0, 1.0), np.where(returning, -1.0, 1.0)
+        left = 1.0 - one * (self.guide_friction * way * side)
+        if np.any(left.value <= 0.0):
+            raise NoSuchMechanism(
+                f"the slider jams in its guide at a coefficient of friction of {self.guide_friction:g}: the guide "
+                f"presses on it with {np.abs(one.value).max():.3g} times what it bears along its line; a longer rod, "
+                "or less friction, is right",
+                key="drivetrain.guide_friction",
+            )
+        rubbing = smooth.guide_n * (self.guide_friction * way * side) / left
+        return linkage.joint_forces(driven_angle, self.masses, pace, resistance_n + rubbing)
+
+    def _of_shaft_between(self, phi1: Array, pace: EvenPace, order: int) -> Jet | float:
+        """What the shaft between two pairs asks of the driving shaft to turn unevenly, in N mm."""
+        if self.between is None or not self.masses.between_inertia_kg_mm2:
+            return 0.0
+        angle = self.between.driven_angle(phi1, order + 2)
+        inertia = N_PER_KG_MM_S2 * self.masses.between_inertia_kg_mm2
+        return angle.differentiated().truncated(order) * pace.second(angle) * inertia
+
+    def _resistance_n(self, driven_angle: Jet, returning: Mask) -> Jet:
+        """The load of the slider along -x, with derivatives."""
+        return self.machine.load.backwards_jet_n(self.machine.linkage.displacement(driven_angle), returning)
+
+
+IDLE = 1e-9
+"""Share of the largest torque below which flanks carry nothing: far above rounding errors, far below any real load."""
+
+Broken = tuple[Stretch, Array]
+"""A stretch with the driving angles between which its loads are smooth."""
+
+
+def broken_cycle(rigid: RigidMachine) -> list[Broken]:
+    """The stretches of one cycle."""
+    return [(stretch, rigid.breaks(stretch)) for stretch in stretches(rigid.machine)]
+
+
+def largest_over(rigid: RigidMachine, cycle: Sequence[Broken], vector: Callable[[Loads], Vector]) -> Extremum:
+    """Largest length of a vector over the stretches, with the driving angle in rad."""
+    highest = range_over(rigid, cycle, lambda loads: vector(loads).dot(vector(loads)))[1]
+    return Extremum(sqrt(highest.value), highest.at)
+
+
+def range_over(
+    rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loads], Jet]
+) -> tuple[Extremum, Extremum]:
+    """Smallest and largest value over the stretches, with their driving angles in rad."""
+    ranges = [
+        extremes(partial(along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
+        for stretch, breaks in cycle
+    ]
+    value = attrgetter("value")
+    return min((low for low, _ in ranges), key=value), max((high for _, high in ranges), key=value)
+
+
+def along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet], phi1: Array) -> Jet:
+    """A quantity of the loads, with its slope, at driving angles in rad on a stretch, shape (n,)."""
+    return quantity(rigid.on(stretch, phi1))
