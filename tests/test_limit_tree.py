@@ -185,7 +185,7 @@ def test_a_law_below_the_target_stays_in_one_of_the_boxes(
 @pytest.mark.slow
 def test_ranges_that_leave_a_half_out_prove_too_much(monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative control: where cuts leave only the half without the law, the judge above finds the limit wrong."""
-    law = kept("designs/pump-both-ways")
+    law = kept("designs/rocker-drive")
     halves = Tree.halves
     at = {on.count: q_of(law, on.crank_angle_rad) for on in grids(law)}
 

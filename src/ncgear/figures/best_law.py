@@ -20,6 +20,7 @@ from ncgear import __version__
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
+from ncgear.design.laws.made import found_values
 from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.rewritten import LINE_WIDTH
 from ncgear.figures.csv_text import rows_text
@@ -83,11 +84,8 @@ def optimized_design(text: str, best: BestLaw) -> str:
     yaml.width = LINE_WIDTH
     document = yaml.load(text)
     document["name"] = optimized_name(best.design)
-    law, second = best.law, best.law.second
-    motion: dict[str, Any] = {"law": "spline_ratio", "ratio": _row(law.ratio)}
-    if second is not None:
-        motion["second_stage"] = CommentedMap({"ratio": _row(second)})
-    document["motion"] = CommentedMap(motion)
+    ratio, second = best.law.ratio.tolist(), best.law.second
+    document["motion"] = _block(found_values(ratio, None if second is None else second.tolist()))
     if best.design.motion.gives_center_distance and best.design.gears is not None:
         for name, value in zip(SIZES, kept_size(best.design), strict=True):
             document["gears"].pop(name, None)
@@ -157,6 +155,12 @@ def _bring_points(document: CommentedMap, design: Design) -> None:
         table = None if given is None else given.table
         if table is not None and table.file is not None:
             keys["table"] = CommentedMap({key: _row(getattr(table, key) or ()) for key in table.COLUMNS})
+
+
+def _block(values: dict[str, Any]) -> CommentedMap:
+    """Plain values as a block of a file, lists each in a row."""
+    made = {key: _row(value) if isinstance(value, list) else value for key, value in values.items()}
+    return CommentedMap({key: _block(value) if isinstance(value, dict) else value for key, value in made.items()})
 
 
 def _row(values: Array | Sequence[float]) -> CommentedSeq:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.laws.spline_ratio import SecondStageRatios, SplineRatio
+from ncgear.design.laws.base import LawKeys
+from ncgear.design.laws.made import found_motion
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.extras import installed, require
@@ -276,10 +277,9 @@ class Settled(NamedTuple):
     rounds: int
 
 
-def motion_keys(law: MakeableLaw) -> SplineRatio:
-    """A law as the motion of a design file."""
-    second = None if law.second is None else SecondStageRatios(ratio=tuple(law.second.tolist()))
-    return SplineRatio(law="spline_ratio", ratio=tuple(law.ratio.tolist()), second_stage=second)
+def motion_keys(law: MakeableLaw) -> LawKeys:
+    """A law as the motion of a design."""
+    return found_motion(law.ratio.tolist(), None if law.second is None else law.second.tolist())
 
 
 TURN_PLACES = 360

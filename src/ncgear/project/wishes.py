@@ -11,7 +11,7 @@ from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.masses import Flywheel
 from ncgear.design.keys.optimize import Limits, Optimize
 from ncgear.design.laws.base import LawKeys
-from ncgear.design.laws.harmonic_ratio import HarmonicRatio, SecondStage
+from ncgear.design.laws.made import even_motion
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.mechanisms.masses import Masses
@@ -99,9 +99,9 @@ def inertia_as_given(design: Design) -> TrainInertia:
 
     With round gears where that cannot be made, and where it is one of one pair and two are looked for.
     """
-    shared = design.optimize is not None and design.optimize.limits.stages > 1
-    even = HarmonicRatio(law="harmonic_ratio", second_stage=SecondStage() if shared else None)
-    if shared and design.stages == 1:
+    pairs = design.optimize.limits.stages if design.optimize else 1
+    even = even_motion(pairs)
+    if pairs > design.stages:
         return inertia_with(design, even)
     try:
         return inertia_with(design, design.motion)

@@ -131,6 +131,8 @@ def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bo
     return Bound(sums[best], problem.on.count, ends[best].motion)
 
 
+# Numbers beyond all size prove nothing, and are no fault
+@np.errstate(over="ignore", invalid="ignore")
 def raised(
     task: Task,
     asked: Demands,
