@@ -222,7 +222,7 @@ def _of_radius(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if not turns > 2.0 * pi:
         largest = driven_teeth * gears.module_mm / 2.0
         raise WrongInput(
-            f"{limits.least_radius_mm:g} mm given, and a circular driven gear has {largest:g} mm: under that is right",
+            f"{limits.least_radius_mm:g} mm given; under {largest:g} mm is right, which a circular driven gear has",
             key="optimize.limits.least_radius_mm",
         )
     yield _Curvature(turns, CurvatureWish.LEAST_RADIUS, limits.least_radius_mm)
