@@ -23,9 +23,10 @@ from ncgear.design.space import Listed, Space
 from ncgear.errors import DesignError
 from ncgear.figures.csv_text import law_csv
 from ncgear.figures.simulated import rigid_figures
-from ncgear.figures.sources import KG_M2, SOURCES, LoadedMachine
+from ncgear.figures.sources import SOURCES, LoadedMachine
 from ncgear.figures.summary.check_summary import check_summary, uniform_key
 from ncgear.files.sweep_run import Order, screening_of
+from ncgear.numerics.units import KG_M2
 from ncgear.optimum.task import Task, figures
 from ncgear.project.drive import Drive, loads
 from ncgear.project.moving_masses import disc_kg_mm2

@@ -30,7 +30,7 @@ from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.units import label_and_unit
+from ncgear.numerics.units import KG_M2, label_and_unit
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
@@ -284,9 +284,6 @@ def _table(best: BestLaw) -> list[str]:
 
     return [*lines, "", "What the machine feels", *aligned([["", *heads], *loads], left=1), even]
 
-
-KG_M2 = 1e-6
-"""One kg mm2 in kg m2."""
 
 FELT = {
     "braking_power_w": ("braking_power_w", 1.0),

@@ -12,11 +12,8 @@ from ncgear.drivetrain.pto import Excursion
 from ncgear.drivetrain.speed import SpeedCourse
 from ncgear.figures.numbers import five_digits, fixed, to_digits
 from ncgear.numerics.extrema import Extremum
-from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
+from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drivetrain import DrivetrainResult, MotorResult, PowerTakeOffResult, ShaftResult
-
-KG_M2 = 1e-6
-"""One kg mm2 in kg m2."""
 
 W = 1e-3
 """One N mm/s in W; likewise one N mm in J."""

@@ -29,12 +29,9 @@ from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.plane import Vector
-from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
+from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 from ncgear.strength.stiffness import SOFTER, STIFFER
-
-KG_M2 = 1e-6
-"""One kg mm2 in kg m2."""
 
 
 def rigid_table(drive: Drive, own: Loads, uniform: Loads) -> dict[str, Array]:

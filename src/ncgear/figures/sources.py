@@ -13,11 +13,9 @@ from ncgear.dynamics.rigid import Rigid, load_peaks
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.mechanisms.masses import Masses
+from ncgear.numerics.units import KG_M2
 from ncgear.project.drive import Drive
 from ncgear.project.moving_masses import train_inertia
-
-KG_M2 = 1e-6
-"""One kg mm2 in kg m2."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,9 @@ N_PER_KG_MM_S2 = 1e-3
 N_M_PER_N_MM = 1e-3
 """One N mm in N m."""
 
+KG_M2 = 1e-6
+"""One kg mm2 in kg m2."""
+
 CM3_PER_MM3 = 1e-3
 """One mm3 in cm3."""
 

@@ -166,11 +166,6 @@ class BestLaw(Comparison, Shown):
         """The best makeable law; raises WrongInput where the optimiser is not installed."""
         return self._settled.law
 
-    @property
-    def rounds(self) -> int:
-        """Laws found one after the other until the inertia of the gears was that of those that come out."""
-        return self._settled.rounds
-
     @cached_property
     def _settled(self) -> Settled:
         """The law whose gears have the inertia that it was found with, to SETTLED of all that turns with the crank."""
@@ -180,15 +175,15 @@ class BestLaw(Comparison, Shown):
         begun, design = self.begun, self.design
         law, task, inertia = min(self._laws, key=lambda law: law.goal), begun.task, begun.inertia
         if design.masses is None:
-            return Settled(law, task, 1)
-        for rounds in range(1, MOST_ROUNDS + 1):
+            return Settled(law, task)
+        for _ in range(MOST_ROUNDS):
             made = inertia_with(design, motion_keys(law))
             change = _change(task, inertia, made)
             if not change:
-                return Settled(law, task, rounds)
+                return Settled(law, task)
             inertia, task = made, task_of(design, made)
             if change <= SETTLED:
-                return Settled(law, task, rounds)
+                return Settled(law, task)
             with self._offering(task):
                 law = makeable_law(task, self.wishes, law.motion)
         raise NoSuchMechanism(
@@ -270,11 +265,10 @@ class Begun(NamedTuple):
 
 
 class Settled(NamedTuple):
-    """A law, the machine with the gears that it makes, and how many laws it took."""
+    """A law, and the machine with the gears that it makes."""
 
     law: MakeableLaw
     task: Task
-    rounds: int
 
 
 def motion_keys(law: MakeableLaw) -> LawKeys:
