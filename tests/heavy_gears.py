@@ -28,7 +28,7 @@ KEPT = (
 """Laws of one pair that are tried on other machines."""
 
 
-def heavy(seed: int, stages: int = 1) -> str:
+def heavy(seed: int, stages: int = 1, convex: bool = True) -> str:
     """A design file: what moves the gears takes from a tenth of the load's power to several times of it."""
     random = np.random.default_rng([35, seed])
     crank = float(random.uniform(15.0, 60.0))
@@ -47,6 +47,7 @@ def heavy(seed: int, stages: int = 1) -> str:
     # Nearly even laws must brake; others need not, and so there is no limit to judge
     widest = float(random.choice([1.25, 1.5, 2.5])) if goal != "least_braking_power" else 1.03
     limits = f"stages: {stages}, ratio_min: {1.0 / widest!r}, ratio_max: {widest}, pressure_angle_deg: 55"
+    limits += "" if convex else ", convex: false"
     if goal == "least_acceleration":
         # Less than most laws take: the load on an even crank, and a share of what moves the slider
         turning = rpm * pi / 30.0

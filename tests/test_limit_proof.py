@@ -243,23 +243,30 @@ def with_mass(task: Task, law: Turning) -> Felt:
     )
 
 
-def broken_with_mass(seed: int, named: dict[str, float], tighter: float = 1.0) -> float:
-    """By how much a law breaks the worst row of a programme whose figures, by name over the law's, are priced."""
-    law = convex_law(seed)
+def broken_with_mass(seed: int, named: dict[str, float], tighter: float = 1.0, steeper: float = 0.0) -> float:
+    """By how much a law breaks the worst row of a programme whose figures, by name over the law's, are priced.
+
+    Of a convex law, or of one that need not be where it may be steeper by a factor than it is.
+    """
+    law = Turning(seed, 0.6) if steeper else convex_law(seed)
     task = replace(AT_SIXTY, linkage=LINKAGES[seed % 4], load=PRESS, masses=RodMasses(slider_kg=SLIDER_KG))
     felt = with_mass(task, law)
     on = cycle(task, (60, 97, 180)[seed % 3])
     exact = {name: tighter * getattr(felt, name) for name in named}
     priced = [Priced(name, 0.6 * exact[name], share * exact[name]) for name, share in named.items()]
     asked = replace(exact_demands(task, law), power_w=inf)
+    if steeper:
+        asked = replace(asked, convex=False, steepness=steeper * asked.steepness, acceleration_mm_s2=inf)
     made = motion_programme(task, on, asked, true_ranges(on, law), priced=priced)
     s, time = law.s(on.crank_angle_rad), law.mean_times(on)
     values = filled(made.programme, [(made.q, s**2), (made.turning, s), (made.time, time)])
-    values[made.acceleration.columns[0]] = asked.acceleration_mm_s2 / made.acceleration_unit_mm_s2
+    if not steeper:
+        values[made.acceleration.columns[0]] = asked.acceleration_mm_s2 / made.acceleration_unit_mm_s2
     for one in priced:
         values[made.figures[one.name].columns[0]] = exact[one.name] / one.most
-    between, logarithm, *rest = (block for block in variables_left(made.programme, values) if block.size == on.count)
-    values[between], values[logarithm] = np.roll(s, 1) * np.roll(s, -1), 2.0 * np.log(s)
+    rest = [block for block in variables_left(made.programme, values) if block.size == on.count]
+    if not steeper:
+        values[rest.pop(0)], values[rest.pop(0)] = np.roll(s, 1) * np.roll(s, -1), 2.0 * np.log(s)
     ends = np.append(on.crank_angle_rad, 2.0 * pi)
     given, most = np.diff(np.interp(ends, felt.angle_rad, felt.energy_n_mm)), {one.name: one.most for one in priced}
     if "torque_n_mm" in named:
@@ -285,6 +292,14 @@ SAMPLED = 1e-6
 def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> None:
     """All four figures are priced, with ranges wider than the law's own."""
     assert broken_with_mass(seed, FIGURES) < SAMPLED
+
+
+@pytest.mark.tiers(thorough=["0", "1", "2"], rest="slow")
+@pytest.mark.parametrize("seed", range(24))
+def test_a_dented_law_with_mass_keeps_what_its_own_figures_and_tangent_demand(seed: int) -> None:
+    assert broken_with_mass(seed, FIGURES, steeper=1.0) < SAMPLED
+    # Negative control: a tangent that the law does not keep
+    assert broken_with_mass(seed, FIGURES, steeper=0.8) > 10.0 * SAMPLED
 
 
 @pytest.mark.tiers(slow=["torque_n_mm"], rest="long")
@@ -338,13 +353,14 @@ def test_a_dented_law_breaks_the_relation_of_its_curve() -> None:
     assert seen == {"driven", "driving"}
 
 
-def outside_between_checkpoints(law: Turning, apart_rad: float) -> tuple[float, float]:
+def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float = inf) -> tuple[float, float]:
     """By how much ln q of a law is beyond the ranges that its own values at checkpoints leave: below, above."""
     on = cycle(AT_SIXTY, 360)
     q = law.s(on.crank_angle_rad) ** 2
     numbers = np.arange(0, on.count, round(apart_rad / on.step_rad[0]))
-    stretch = Stretch(np.arange(on.count), q, 1.01 / float(np.sqrt(q.min())))
-    known = Known(np.full(on.count, stretch.ratio_max**-2), np.full(on.count, inf))
+    asked = Demands(0.01, 1.01 / float(np.sqrt(q.min())), steepness, convex=steepness == inf)
+    stretch = Stretch(np.arange(on.count), q, asked)
+    known = Known(np.full(on.count, asked.ratio_max**-2), np.full(on.count, inf))
     for place in numbers.tolist():
         known = known.within(place, float(q[place]), float(q[place]))
     ranges = everywhere(on, known, [stretch], [numbers.tolist()])
@@ -368,6 +384,16 @@ def test_between_checkpoints_a_wavy_law_leaves_the_ranges() -> None:
     law.order, law.cosine, law.sine = np.array([14]), np.array([0.03]), np.array([0.0])
     below, above = outside_between_checkpoints(law, 0.1)
     assert min(below, above) > 1e-4
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_between_checkpoints_a_law_stays_as_near_as_its_tangent_lets_it(seed: int) -> None:
+    law = Turning(seed, 0.6)
+    own = exact_demands(AT_SIXTY, law).steepness
+    for apart in (0.05, 0.1, 0.3):
+        assert max(outside_between_checkpoints(law, apart, own)) < 1e-9
+    # Negative control: a tangent that the law does not keep
+    assert min(outside_between_checkpoints(law, 0.3, 0.5 * own)) > 1e-4
 
 
 # --- numbers of the rows ---------------------------------------------------------------------------------------------

@@ -46,11 +46,12 @@ def best(text: str) -> BestLaw:
     return BestLaw(drive_of_text(text).design)
 
 
-@pytest.mark.tiers(slow=["0", "2", "3"], rest="long")
+@pytest.mark.tiers(slow=["convex-0", "convex-2", "convex-3", "dented-1", "dented-7"], rest="long")
 @pytest.mark.parametrize("seed", range(15))
-def test_no_law_of_heavy_gears_is_below_the_limit(seed: int) -> None:
+@pytest.mark.parametrize("convex", [True, False], ids=["convex", "dented"])
+def test_no_law_of_heavy_gears_is_below_the_limit(seed: int, convex: bool) -> None:
     """The law found, the even one, kept ones and random ones, all with the gears that the limit holds for."""
-    found = best(heavy(seed))
+    found = best(heavy(seed, convex=convex))
     limit, price = found.limit, found.wishes.prices.of
     assert limit is not None
     assert found.bound is not None

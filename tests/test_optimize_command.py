@@ -148,7 +148,10 @@ def test_the_best_law_of_all_starts_is_kept(
     [
         (Bound(99.5, 120, None), None),
         (Bound(80.0, 120, None, reach=80.5), None),
-        (Bound(80.0, 120, None), "not closed further: that needs pitch curves that must be convex"),
+        (
+            Bound(80.0, 120, None),
+            "not closed further: that needs one pair with convex pitch curves or a limit of the pressure angle",
+        ),
         (
             Bound(90.0, 120, None, effort=Effort(2412, 7, 120, False)),
             "not closed further by 2412 programmes in 7 parts",

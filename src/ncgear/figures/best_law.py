@@ -238,7 +238,7 @@ def not_closed(best: BestLaw) -> str | None:
     if bound is None or min(best.goal, bound.reach) <= CLOSE * bound.value:
         return None
     if bound.effort is None:
-        return "not closed further: that needs pitch curves that must be convex"
+        return "not closed further: that needs one pair with convex pitch curves or a limit of the pressure angle"
     effort = bound.effort
     proof = f"{effort.programmes} programmes in {effort.parts} part{'s' if effort.parts > 1 else ''}"
     if effort.ended:

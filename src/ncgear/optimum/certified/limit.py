@@ -171,7 +171,9 @@ def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven
     """The least value of a goal, a demand by its name, with the driving curve convex where both curves must be."""
     problem, trials, without = _solved(problem, least_value, name)
     if not problem.asked.convex:
-        return Bound(without.value, problem.on.count, motion_of(problem.on, without.q))
+        # Where a longer time eases nothing, the motion keeps all relations
+        reach = inf if needs_times(problem.task, problem.asked) else without.value
+        return Bound(without.value, problem.on.count, motion_of(problem.on, without.q), reach)
     found = motion_along(trials, without)
     if found.value > CLOSE * without.value:
         extra = _finer(problem.on, cells_that_matter(problem.on, without.q, found.q))

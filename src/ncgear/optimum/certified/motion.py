@@ -30,7 +30,7 @@ from math import inf, isinf, log
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import IndexArray
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle
 from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
 from ncgear.optimum.certified.driving_curve import along, curved
@@ -93,7 +93,8 @@ def motion_programme(
     made.limit_power(powers_w)
     made.limit_curves()
     if isinstance(curve, Ranges):
-        made.limit_driving_curve(curve)
+        if asked.convex:
+            made.limit_driving_curve(curve)
         if closed and needs_times(task, asked):
             made.limit_times(curve)
     if isinstance(curve, Near):
@@ -311,18 +312,36 @@ class _Making:
         self.programme.positive((self.q - lowest) * (1.0 / (self.before_h * self.after_h)))
 
     def limit_times(self, known: Ranges) -> None:
-        """Upper bounds of the mean of 1/s in cells of a convex driving curve: ln q bends up by 2 i + 2 i^2 at most.
+        """Upper bounds of the mean of 1/s in cells: the mean of a bound for each end, which lies below its chord in q.
 
-        1/s lies below its chord in q over the range at each end, and between the ends below the mean of both, but for
-        the bend.
+        A convex driving curve lets ln q bend up by 2 i + 2 i^2 at most, so 1/s lies below the mean of both ends but for
+        the bend.  Else the tangent lets 1 + s fall by exp(-t d) at most over d rad from an end; on half a cell of h rad
+        1/s has the mean -ln(1 - f/s) 2/(t h) then, with f = exp(t h/2) - 1.
         """
         cells = np.nonzero((known.least_in_cell > 0.0) & np.isfinite(known.most_in_cell))[0]
-        slow, fast = np.sqrt(self.lowest), np.sqrt(np.maximum(self.highest, self.lowest))
-        chord = 1.0 / slow - (self.q - self.lowest) * (1.0 / (slow * fast * (slow + fast)))
-        ratio = 1.0 / np.sqrt(known.least_in_cell[cells])
-        bent = np.exp((2.0 * ratio + 2.0 * ratio**2) * self.after_h[cells] ** 2 / 16.0)
-        most = (chord[cells] + chord[self.next[cells]]) * (bent / 2.0)
-        self.programme.positive(most - self.time[cells])
+        if self.asked.convex:
+            ratio = 1.0 / np.sqrt(known.least_in_cell[cells])
+            bent = np.exp((2.0 * ratio + 2.0 * ratio**2) * self.after_h[cells] ** 2 / 16.0)
+
+            def mean(s: Array) -> Array:
+                return bent / s
+        else:
+            half = self.asked.steepness * self.after_h / 2.0
+            slowest = np.sqrt(np.minimum(self.lowest, self.lowest[self.next]))
+            cells = cells[np.expm1(half[cells]) < slowest[cells]]
+            half = half[cells]
+
+            def mean(s: Array) -> Array:
+                longest: Array = -np.log1p(-np.expm1(half) / s) / half * (1.0 + ROUNDING)
+                return longest
+
+        for_ends = []
+        for end in (cells, self.next[cells]):
+            low, high = self.lowest[end], np.maximum(self.highest[end], self.lowest[end])
+            longest, width = mean(np.sqrt(low)), high - low
+            fall = np.where(width > ROUNDING * high, longest - mean(np.sqrt(high)), 0.0)
+            for_ends.append((self.q[end] - low) * (-fall / np.maximum(width, ROUNDING * high)) + longest)
+        self.programme.positive((for_ends[0] + for_ends[1]) * 0.5 - self.time[cells])
         # The times fill the cycle
         self.programme.positive(self.angle - 1.0)
 

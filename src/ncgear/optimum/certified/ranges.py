@@ -6,6 +6,9 @@ curve bounds q from above, the driving curve from below: with i = 1/s = i12 and 
 
     1 + s + s'' >= 0     and     y'' <= 2 i + 2 i^2
 
+Where curves need not be convex, the pressure angle bounds q both ways: |s'| <= t (1 + s), so 1 + s changes by a factor
+of exp(t d) at most over d rad of the crank.
+
 Then the relations can be added with these ranges, and the next ranges are narrower (``tree``).
 """
 
@@ -20,10 +23,13 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Ranges
+from ncgear.optimum.certified.demands import Demands, Ranges
 
 LOWER = 0.02
 """By how much ln q may lie lower between two checkpoints than the chord through them."""
+
+LEANING = 0.6
+"""By how much ln q may lie beside that chord where only the pressure angle bounds it."""
 
 ROUNDING = 1e-9
 """Relative error that a range between checkpoints may have by rounding, with much to spare."""
@@ -42,17 +48,21 @@ def stretches(on: Cycle, without: Array, motion: Array) -> list[IndexArray]:
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Places in a row at which the driving curve matters, and q there of a motion; the greatest ratio."""
+    """Places in a row in which ranges are looked for, and q there of a motion that keeps demands."""
 
     places: IndexArray
     motion: Array
-    ratio_max: float
+    asked: Demands
 
     def checkpoints(self, on: Cycle) -> list[int]:
-        """Places of the stretch, first and last among them, between which ln q bends down by LOWER at most."""
+        """Places of the stretch, first and last among them, between which ln q hardly leaves the chord."""
         places, ratio = self.places, 1.0 / np.sqrt(self.motion)
-        # A chord of length L is missed by R L^2/8
-        apart = np.sqrt(8.0 * LOWER / (2.0 * ratio + 2.0 * ratio**2))
+        if self.asked.convex:
+            # A chord of length L is missed by R L^2/8
+            apart = np.sqrt(8.0 * LOWER / (2.0 * ratio + 2.0 * ratio**2))
+        else:
+            # At its middle by t (1 + s)/s L
+            apart = LEANING / (self.asked.steepness * (1.0 + ratio))
         gone = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]] / np.minimum(apart[:-1], apart[1:]))])
         parts = max(1, round(float(gone[-1])))
         numbers = np.searchsorted(gone, gone[-1] * np.arange(parts + 1) / parts - 1e-9)
@@ -123,12 +133,30 @@ def everywhere(on: Cycle, known: Known, stretches: Sequence[Stretch], checkpoint
         for first, last in pairwise(numbers):
             places = stretch.places[first : last + 1]
             from_first = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]])])
-            low, low_in_cell = _between_lower(known.least[places], from_first, stretch.ratio_max)
-            high, high_in_cell = _between_upper(known.most[places], from_first)
+            if stretch.asked.convex:
+                low, low_in_cell = _between_lower(known.least[places], from_first, stretch.asked.ratio_max)
+                high, high_in_cell = _between_upper(known.most[places], from_first)
+            else:
+                low, low_in_cell = _leaning(known.least[places], from_first, -stretch.asked.steepness)
+                high, high_in_cell = _leaning(known.most[places], from_first, stretch.asked.steepness)
             least[places], most[places] = low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)
             least_in_cell[places[:-1]] = low_in_cell * (1.0 - ROUNDING)
             most_in_cell[places[:-1]] = high_in_cell * (1.0 + ROUNDING)
     return Ranges(least, most, least_in_cell, most_in_cell)
+
+
+def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, Array]:
+    """Greatest q at places from those known, and in the cells, where 1 + s changes by exp(t d) at most over d rad.
+
+    With a negative steepness, the least q.
+    """
+    sign = 1.0 if steepness > 0.0 else -1.0
+    far, height = abs(steepness) * angle_rad, sign * np.log1p(np.sqrt(known))
+    onward = np.minimum.accumulate(height - far) + far
+    at = np.minimum(onward, np.minimum.accumulate((height + far)[::-1])[::-1] - far)
+    in_cell = (at[:-1] + at[1:] + np.diff(far)) / 2.0
+    q, q_in_cell = (np.maximum(np.expm1(sign * one), 0.0) ** 2 for one in (at, in_cell))
+    return q, q_in_cell
 
 
 def _between_upper(known: Array, angle_rad: Array) -> tuple[Array, Array]:

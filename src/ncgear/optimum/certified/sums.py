@@ -144,7 +144,8 @@ def raised(
     """A certain least sum of priced figures, by their names in ``Demands``, and what it took to prove it.
 
     From the figures and the motion of a law.  Ranges of q all around the turn, and of the figures, are narrowed and
-    divided.  Both pitch curves must be convex.  Raises NoSuchMechanism where the demands themselves cannot be kept.
+    divided.  Both pitch curves must be convex, or their tangent limited.  Raises NoSuchMechanism where the demands
+    themselves cannot be kept.
     """
     whole = sum(price * law[name] for name, price in prices.items())
     value, effort = _raised_on(PLACES_RAISED, task, asked, prices, law, motion, budget)

@@ -353,7 +353,7 @@ def proven(tree: Tree, whole: Box, law: float, lacking: float) -> tuple[float, E
         far = lowest - without > FAR * (target - without) and easier > value
         value = max(value, lowest)
         target = easier if far else (value + target) / 2.0
-    return value, Effort(budget.used, budget.parts, tree.trials.on.count, value >= nearest)
+    return value, Effort(budget.used, budget.parts, tree.trials.on.count, budget.used < budget.most)
 
 
 def whole_tree(
@@ -361,7 +361,7 @@ def whole_tree(
 ) -> tuple[Tree, Box]:
     """The tree and the box of all motions, with ranges in parts of the turn; see ``bisected``."""
     on = trials.on
-    stretches = [Stretch(places, motion.q[places], asked.ratio_max) for places in parts]
+    stretches = [Stretch(places, motion.q[places], asked) for places in parts]
     known = Known(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
     tree = Tree(trials, stretches, [stretch.checkpoints(on) for stretch in stretches], budget)
     return tree, Box(known, dict.fromkeys(trials.prices, (0.0, inf)), without)

@@ -166,13 +166,14 @@ def raised_limit(
     """The limit of a goal, raised towards the figures of a law, if it is not close to them, from the law's motion.
 
     Where it is close to what a motion of the places has, the law is what could come nearer, with more knots.  Ranges of
-    q all around the turn can raise it where both curves must be convex.  ``tell`` is called with the numbers of
-    programmes solved and at most to be solved.
+    q all around the turn can raise it where both curves must be convex or the pressure angle is limited.  ``tell`` is
+    called with the numbers of programmes solved and at most to be solved.
     """
     asked = demands_of(task, wishes)
     priced = _known_prices(task, wishes)
     reached = sum(price * getattr(law, name) for name, price in priced.items())
-    if not asked.convex or not min(reached, bound.reach) > CLOSE * bound.value:
+    bounded = asked.convex or asked.steepness < inf
+    if not bounded or not min(reached, bound.reach) > CLOSE * bound.value:
         return bound
     units = {name: in_demand(task, DEMANDS[name]) for name in priced}
     prices = {DEMANDS[name]: price / units[name] for name, price in priced.items()}
