@@ -125,6 +125,13 @@ class Advice:
         return f"{said}. To change it: {'; or '.join(map(str, self.remedies))}" if self.remedies else said
 
 
+@dataclass(frozen=True)
+class NotJudged:
+    """A condition that was not judged, and why not, in words that follow "because"."""
+
+    why: str
+
+
 def _written(value: Setting) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
