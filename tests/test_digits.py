@@ -19,7 +19,7 @@ import pytest
 import ncgear
 import reports
 from drives import drive
-from ncgear.figures.advice.collected import build_advice
+from ncgear.figures.advice.verdict import Known, judged
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
@@ -98,7 +98,7 @@ both = pytest.mark.parametrize("name", NAMES)
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
     """Sizes of gears have the decimals of a drawing, all other figures five digits."""
-    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], build_advice(drive(name))))
+    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], judged(drive(name), Known.TEETH)))
     assert noise(text) == []
     lines = text.splitlines()
     sizes = [line for line in lines if line.startswith(tuple(f"  {name_of(key)}  " for key in SIZES))]

@@ -7,7 +7,7 @@ from math import cos, degrees, floor, radians
 
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
-from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
+from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import drawn, fixed, to_digits
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
@@ -161,14 +161,12 @@ def ring(drive: Drive) -> Advice | None:
     )
 
 
-def crank_pin(drive: Drive) -> list[Advice]:
+def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
     """A crank pin that comes near to the driving shaft, or to the hub or shaft that carries it.
 
     The crank is carried by the last driven shaft.  Where the design does not say how thick its pin is, it is taken to
     be as thick as that shaft or, where that has no bore, as the driving one.
     """
-    if drive.stage not in (None, drive.design.stages) or not drive.linkage.RETURNS:
-        return []
     gears, crank, fit = drive.gears, drive.linkage.crank_mm, drive.design.fit
     thick = (gears.driven.crank_pin and gears.driven.crank_pin.diameter_mm) or gears.driven.bore_mm
     pin = (thick or gears.driving.bore_mm or 0.0) / 2.0
@@ -176,19 +174,27 @@ def crank_pin(drive: Drive) -> list[Advice]:
     bodies = {Gear.DRIVING: gears.driving, Gear.DRIVEN: gears.driven}
     judged = [gear for gear in Gear if gear is Gear.DRIVEN or fit is None or fit.driving_shaft == "through"]
     near = [(gear, *about_axis(bodies[gear])) for gear in judged]
+    unknown = [gear for gear, _, radius in near if radius is None]
     return [
-        Advice(
-            Kind.CRANK_PIN,
-            (Where(gear.value),),
-            f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, about "
-            f"which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
-            f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the gears",
-            (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
-            brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
-        )
-        for gear, part, radius in near
-        if radius is not None and passing[gear] < radius + pin
+        *(
+            Advice(
+                Kind.CRANK_PIN,
+                (Where(gear.value),),
+                f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, "
+                f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
+                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
+                "gears",
+                (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
+                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
+            )
+            for gear, part, radius in near
+            if radius is not None and passing[gear] < radius + pin
+        ),
+        *([NO_BORE] if unknown else []),
     ]
+
+
+NO_BORE = NotJudged("a gear has no bore_mm, and so no shaft of known size")
 
 
 NO_MEETING = {
@@ -198,21 +204,28 @@ NO_MEETING = {
 }
 
 
-def rods(drive: Drive) -> list[Advice]:
-    """Rods that meet what stands in their plane; judged only where the design says what, by its section ``fit``."""
+def rods(drive: Drive) -> list[Advice | NotJudged]:
+    """Rods that meet what stands in their plane, however thin they are where the file gives no width of them.
+
+    The driving shaft stands there unless the section ``fit`` says that it ends below.
+    """
     fit = drive.design.fit
-    if fit is None:
-        return []
-    found = []
+    found: list[Advice | NotJudged] = []
     for one in drive.passings:
-        ends = fit.driving_shaft == "ends" and one.standing.name.startswith("driving")
+        ends = fit is not None and fit.driving_shaft == "ends" and one.standing.name.startswith("driving")
         room, half, radius = one.room_mm, one.half_mm or 0.0, one.standing.radius_mm
-        if one.part == CRANK_PIN or ends or room is None or radius is None or room >= 2.0 * half:
+        if one.part == CRANK_PIN or ends:
+            continue
+        if room is None or radius is None:
+            found.append(NO_BORE)
+            continue
+        if room >= 2.0 * half:
             continue
         at, wide = degrees(one.phi1_rad), f"{drawn(2.0 * half, 'mm')} mm wide" if half else "however thin it is"
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
         lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
         taken = drawn(radius, "mm")
+        shaft = one.standing.name.startswith("driving")
         found.append(
             Advice(
                 Kind.ROD,
@@ -220,7 +233,12 @@ def rods(drive: Drive) -> list[Advice]:
                 f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
                 f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {to_digits(at, 4)} deg, and {taken} mm of it are taken",
                 f"a {one.part}, {wide}, cannot pass there",
-                (Remedy(f"{lower}let the {one.standing.name} end below the {one.part}"),),
+                (
+                    Remedy(
+                        f"{lower}let the {one.standing.name} end below the {one.part}",
+                        changed({"fit.driving_shaft": "ends"}) if shaft else (),
+                    ),
+                ),
                 brief=f"the {one.part} meets the {one.standing.name} at phi1 = {to_digits(at, 4)} deg",
             )
         )
@@ -230,7 +248,7 @@ def rods(drive: Drive) -> list[Advice]:
 def pin_beside_hub(drive: Drive) -> Advice | None:
     """A remark about a crank pin in a gear with a hub on the same face: what the pin moves must run above the hub."""
     driven = drive.gears.driven
-    if driven.crank_pin is None or driven.hub is None or not drive.turns_crank:
+    if driven.crank_pin is None or driven.hub is None:
         return None
     height = drawn(driven.hub.height_mm, "mm")
     return Advice(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from ncgear.dynamics.level import Level
-from ncgear.figures.answers.answer import Answer, Fault, Row, difference, row
+from ncgear.figures.advice.verdict import Verdict
+from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, row
 from ncgear.figures.answers.machine import THIS, head_of
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -60,10 +61,8 @@ MOVED = (
 """What is told of the motion in time, besides the output and the bearings."""
 
 
-def simulated_answer(
-    drive: Drive, level: Level, figures: Mapping[str, Any], faults: Sequence[Fault], file: str
-) -> Answer:
-    """What a simulation of a design ``file`` found; ``figures`` are all of it, ``faults`` what does not hold."""
+def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], verdict: Verdict, file: str) -> Answer:
+    """What a simulation of a design ``file`` found; ``figures`` are all of it."""
     heads: tuple[str, ...] = ()
     match level:
         case Level.RIGID:
@@ -85,9 +84,11 @@ def simulated_answer(
     return Answer(
         head_of(drive),
         tuple(rows),
-        tuple(faults),
+        faults_of(verdict),
         LEVELS[level],
         heads=heads,
+        good=verdict.good,
+        not_judged=verdict.not_judged,
         then=AFTER[level].format(file=file) if drive.design.gears is not None else "",
     )
 

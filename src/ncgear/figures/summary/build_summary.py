@@ -5,7 +5,7 @@ The sections are those of a check, and pitch curves, teeth, contact and bodies o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from math import degrees, isfinite, pi, radians
 from typing import TYPE_CHECKING, Any
@@ -19,8 +19,7 @@ from ncgear.contact.pair import PairContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
 from ncgear.errors import DesignError
-from ncgear.figures.advice.collected import check_advice
-from ncgear.figures.advice.values import Advice
+from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.passed import passed_summary
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
@@ -47,15 +46,10 @@ Smooth joints differ by rounding, 1e-8 at most; others differ by 1e-3 and more.
 """
 
 
-def build_summary(drive: Drive, contact: PairContact, advices: Sequence[Advice]) -> dict[str, Any]:
-    """The summary of the check, and pitch curves, teeth, contact and bodies; files and timings are left empty.
-
-    ``advices`` are those of ``build_advice``.
-    """
-    summary = check_summary(drive)
-    comparison, _ = summary.pop("comparison"), summary.pop("warnings")
-    # Not those of the check: with teeth their strength is known better than roughly.
-    advices = (*check_advice(drive), *advices)
+def build_summary(drive: Drive, contact: PairContact, verdict: Verdict) -> dict[str, Any]:
+    """The summary of the check, and pitch curves, teeth, contact and bodies; files and timings are left empty."""
+    summary = check_summary(drive, verdict)
+    last = {key: summary.pop(key) for key in ("comparison", "warnings", "remarks", "verdict")}
     return {
         **summary,
         "pitch": pitch_summary(drive),
@@ -70,9 +64,7 @@ def build_summary(drive: Drive, contact: PairContact, advices: Sequence[Advice])
         "bodies": bodies_summary(drive),
         **passed_summary(drive),
         "files": {},
-        "comparison": comparison,
-        "warnings": [advice.line for advice in advices if advice.matters],
-        "remarks": [advice.line for advice in advices if not advice.matters],
+        **last,
         "timing_s": {},
     }
 
