@@ -66,7 +66,7 @@ class Answer:
     about: str = ""
     notes: tuple[str, ...] = ()
     heads: tuple[str, ...] = ()
-    good: str = "No warnings."
+    good: str = ""
     wrong: str = ""
     not_judged: str = ""
     then: str = ""

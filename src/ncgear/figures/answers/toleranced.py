@@ -60,7 +60,7 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         about="" if tolerated.assumed else f"Tolerances: {limits}",
         notes=(f"{ASSUMED}{limits}",) if tolerated.assumed else (),
         heads=HEADS,
-        good=f"No warnings: {_turning(tolerated)} of the assemblies turn, and none knocks.",
+        good=f"{_turning(tolerated).capitalize()} of the assemblies turn, and none knocks.",
         then="tolerance.json has every figure, assemblies.csv every assembly",
     )
 
