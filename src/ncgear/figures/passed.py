@@ -7,6 +7,7 @@ from typing import Any
 
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.project.drive import Drive
+from ncgear.project.passing import CRANK_PIN
 
 
 def passed_summary(drive: Drive) -> dict[str, Any]:
@@ -36,6 +37,8 @@ def passed_rows(drive: Drive) -> tuple[Entry, ...]:
         rows.append(Entry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))
         if room is not None:
             rows.append(Entry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
+        if one.meets and one.part != CRANK_PIN and one.standing.name.startswith("driving"):
+            rows.append(Entry(f"{one.standing.name} beside the {one.part}", pair=f"must end below the {one.part}"))
         if one.clearance_mm is not None:
             rows.append(Entry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
     return tuple(rows)

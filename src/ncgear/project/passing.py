@@ -60,6 +60,11 @@ class Passing:
         return None if self.standing.radius_mm is None else 2.0 * (self.distance_mm - self.standing.radius_mm)
 
     @property
+    def meets(self) -> bool | None:
+        """Whether the part, however thin where no width is given, meets what stands; None where that is not known."""
+        return None if self.room_mm is None else self.room_mm < 2.0 * (self.half_mm or 0.0)
+
+    @property
     def clearance_mm(self) -> float | None:
         """The room between both, negative where they meet; None where one of them is not known."""
         if self.half_mm is None or self.standing.radius_mm is None:

@@ -219,7 +219,7 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
         if room is None or radius is None:
             found.append(NO_BORE)
             continue
-        if room >= 2.0 * half:
+        if not one.meets:
             continue
         at, wide = degrees(one.phi1_rad), f"{drawn(2.0 * half, 'mm')} mm wide" if half else "however thin it is"
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
