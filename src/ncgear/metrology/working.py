@@ -46,8 +46,9 @@ class WorkingFlanks:
         return self.flanks.curve.is_ring
 
     def thicker(self, allowance_mm: float) -> WorkingFlanks:
-        """The same teeth, thicker by an allowance along the pitch curve, half on each side; thinner if negative."""
-        crossing = self.flanks.crossing_mm + self.flanks.side * allowance_mm / 2.0
+        """The same teeth with idle flanks that stand out by an allowance along the pitch curve; back if negative."""
+        idle = np.where(self.flanks.idle, self.flanks.side, 0.0)
+        crossing = self.flanks.crossing_mm + idle * allowance_mm
         return replace(self, flanks=replace(self.flanks, crossing_mm=crossing))
 
     def parallel(self, flank: IndexArray, height_mm: Array, distance_mm: Array) -> tuple[Array, Array]:
