@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ncgear.project.drivetrain import DrivetrainResult
     from ncgear.project.measured import MeasuredGear
     from ncgear.project.passing import Passing
+    from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.strength.answer import Strength
@@ -124,6 +125,26 @@ class Drive(Geared):
         designed, tolerance = self.designed_contact, self.design.output.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
+
+    @computed
+    def thickness_band(self) -> tuple[AtThickness, ...]:
+        """The pair with the thinnest teeth that the file allows, with those of its outlines, and with the thickest.
+
+        Empty where the file gives no limits of the thickness; raises where the thickest teeth overlap.
+        """
+        from ncgear.project.thickness import thickness_band
+
+        _ = self.contact_extremes
+        with self.stopwatch("contact"):
+            return thickness_band(self)
+
+    @property
+    def play_range_rad(self) -> tuple[float, float]:
+        """Least and greatest play of the driven gear; both are the same where teeth have no deviation of thickness."""
+        if self.play.thicker_mm == 0.0:
+            return self.play.driven_rad, self.play.driven_rad
+        found = self.contact_extremes.backlash_rad
+        return found.low.value, found.high.value
 
     @computed
     def passings(self) -> tuple[Passing, ...]:

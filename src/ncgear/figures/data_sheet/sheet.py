@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
+from ncgear.figures.data_sheet.accuracy import tolerances
 from ncgear.figures.data_sheet.bodies import bodies
 from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.data_sheet.entry import Entry
@@ -19,6 +20,7 @@ from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.passed import passed_rows
 from ncgear.figures.quantities import OF_GEAR, figure, name_of
 from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
+from ncgear.figures.thickness import TITLE, band_table
 from ncgear.frozen import dataclass
 from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
@@ -74,6 +76,7 @@ def data_sheet(pair: Drive) -> DataSheet:
     }
     groups = (Group(title, rows_or_why(of)) for title, of in rows.items())
     tables: dict[str, Callable[[], tuple[Table, ...]]] = {
+        TITLE: lambda: band_table(pair),
         "Cut by": lambda: tuple(map(cut_table, cut_gears(pair))),
         "Teeth of their own shift": lambda: shifted_teeth(pair),
         "Pitch curves": lambda: (pitch_table(pair),),
@@ -231,10 +234,21 @@ def rack_data(drive: Drive) -> tuple[Entry, ...]:
         _shifts(drive),
         Entry(name_of("backlash_mm"), "mm", pair=drive.play.least_normal_mm.value),
         Entry(name_of("backlash_max_mm"), "mm", pair=drive.play.largest_normal_mm.value),
-        Entry(name_of("play_rad"), "deg", pair=degrees(drive.play.driven_rad)),
+        *_play(drive),
         *_helix(drive),
         Entry("cutter", pair=_cutter(drive)),
     )
+
+
+def _play(drive: Drive) -> list[Entry]:
+    """The play of the driven gear: one angle, or the least and the greatest."""
+    least, greatest = map(degrees, drive.play_range_rad)
+    if drive.play.thicker_mm == 0.0:
+        return [Entry(name_of("play_rad"), "deg", pair=least)]
+    return [
+        Entry(f"{word} {name_of('play_rad')}", "deg", pair=value)
+        for word, value in (("least", least), ("greatest", greatest))
+    ]
 
 
 def _angles(drive: Drive) -> list[Entry]:
@@ -335,21 +349,6 @@ def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: 
         return shown(numbers)
     found = loss(gear)
     return f"{shown(numbers)}, by up to {micrometres(found.amount_mm)} (tooth {found.tooth})"
-
-
-def tolerances(drive: Drive) -> tuple[Entry, ...]:
-    """The tolerances; empty where the design gives none."""
-    given = drive.gears.tolerances
-    if given is None:
-        return ()
-    rows = (
-        Entry("standard", pair=given.standard or None),
-        Entry("accuracy grade", pair=given.grade or None),
-        Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
-        Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
-        Entry("note", pair=given.note or None),
-    )
-    return tuple(row for row in rows if row.of_pair)
 
 
 def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tuple[Entry, ...]:

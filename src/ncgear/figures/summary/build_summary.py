@@ -24,6 +24,7 @@ from ncgear.figures.advice.values import Advice
 from ncgear.figures.passed import passed_summary
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
+from ncgear.figures.thickness import play_figures, thickness_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import CM3_PER_MM3
@@ -65,6 +66,7 @@ def build_summary(drive: Drive, contact: PairContact, advices: Sequence[Advice])
             **_under_load(drive),
             **_overlap(drive, contact),
         },
+        **({"thickness": thickness_summary(drive)} if drive.thickness_band else {}),
         **_strength(drive),
         **_pumped(drive),
         "bodies": bodies_summary(drive),
@@ -188,9 +190,7 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
         "driven": size.driven_teeth,
         "module_mm": size.module_mm,
         **({"pitches_in_range": toothed.covered_mm / drive.rack.pitch_mm} if toothed else {}),
-        "backlash_mm": drive.play.least_normal_mm.value,
-        "backlash_max_mm": drive.play.largest_normal_mm.value,
-        "play_rad": drive.play.driven_rad,
+        **play_figures(drive.play, *drive.play_range_rad),
         **_helix(drive),
         "undercut_driving": teeth.driving.undercut,
         "undercut_driven": teeth.driven.undercut,

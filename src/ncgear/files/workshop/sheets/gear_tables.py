@@ -8,12 +8,13 @@ from math import radians
 
 import numpy as np
 
+from ncgear.figures.data_sheet.accuracy import tolerances
 from ncgear.figures.data_sheet.bodies import bodies
 from ncgear.figures.data_sheet.entry import Entry
-from ncgear.figures.data_sheet.measured_tables import one_pin_table, span_table, two_pin_table
-from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes, tolerances
+from ncgear.figures.data_sheet.measured_tables import allowed_texts, one_pin_table, span_table, two_pin_table
+from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes
 from ncgear.figures.numbers import drawn
-from ncgear.figures.tables import Table, Value, cell_text
+from ncgear.figures.tables import Table, cell_text
 from ncgear.files.workshop.drawing import Circle, Cross
 from ncgear.files.workshop.gear_drawing import bore_shape
 from ncgear.files.workshop.sheets.board import Board
@@ -163,12 +164,12 @@ def _measurements(measured: MeasuredGear, tool: str, width_mm: float, height_mm:
     if two or one:
         size = f"\u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
         over_two = f"{'Between' if measured.working.is_ring else 'Over'} two {tool} {size}"
-        two_rows = [(f"{row[0]}, {row[1]}", *_numbers(row[2:])) for row in two]
-        one_rows = [(f"{row[0]}", *_numbers(row[3:])) for row in one]
+        two_rows = [(f"{row[0]}, {row[1]}", *allowed_texts(row[2:])) for row in two]
+        one_rows = [(f"{row[0]}", *allowed_texts(row[3:])) for row in one]
         of_one = f"Axis to {tool[:-1]} {size}", "space after tooth", one_rows
         found.append((over_two, "spaces after teeth", two_rows) if two else of_one)
     if spans:
-        rows = [(f"{row[0]} to {row[1]}", *_numbers((row[4], *row[6:]))) for row in spans]
+        rows = [(f"{row[0]} to {row[1]}", *allowed_texts((row[4], *row[6:]))) for row in spans]
         found.append(("Span, back to front", "teeth", rows))
     lines, made = int(height_mm // ROW_MM), list[PaperTable]()
     for place, (title, head, rows) in enumerate(found):
@@ -185,11 +186,6 @@ def _measurements(measured: MeasuredGear, tool: str, width_mm: float, height_mm:
 
 def _alone(table: Callable[[MeasuredGear], Table], measured: MeasuredGear) -> tuple[Table, ...]:
     return (table(measured),)
-
-
-def _numbers(values: Sequence[Value]) -> list[str]:
-    """A length, or where its limits follow it, these alone; empty where they could not be computed."""
-    return [cell_text(value, "mm") for value in (values[1:] or values)]
 
 
 AGAINST_KEYWAY_RAD = radians(80.0)

@@ -10,7 +10,7 @@ import shapely
 
 from ncgear.drawings.scene.geared_pairs import Mounting, mountings
 from ncgear.figures.assembly import outline_radius_mm
-from ncgear.figures.data_sheet.measured_tables import two_pin_table
+from ncgear.figures.data_sheet.measured_tables import allowed_texts, two_pin_table
 from ncgear.figures.data_sheet.sheet import rows_found
 from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import Circle, Cross, Layer
@@ -177,26 +177,26 @@ def _is_nearest(trees: Sequence[shapely.STRtree], row: int, places: Array) -> Ma
 
 
 def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
-    """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits."""
-    rows = rows_found(lambda: (two_pin_table(measured),))
-    if not rows:
-        return
+    """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits.
+
+    The dimension is what the table of the measurements says: its limits, where it has some.
+    """
+    rows = [row for row in rows_found(lambda: (two_pin_table(measured),)) if None not in row]
     pins, radius = measured.pins, measured.pins.diameter_mm / 2.0
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
-    pairs = [(places[row[0]], places[row[1]]) for row in rows]
-    pairs = [(one, other) if one[1] < other[1] else (other, one) for one, other in pairs]
+    pairs = [(*sorted((places[row[0]], places[row[1]]), key=lambda place: float(place[1])), row[2:]) for row in rows]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / np.hypot(*(pair[1] - pair[0])))
     ring = measured.working.is_ring
     outline = view.on_paper(measured.toothed.outline_mm)
-    for low, high in pairs:
+    for low, high, sizes_mm in pairs:
         way = (high - low) / np.hypot(*(high - low))
         ends = view.on_paper(
             np.array(
                 [low - radius * way, high + radius * way] if not ring else [low + radius * way, high - radius * way]
             )
         )
-        over_mm = float(np.hypot(*(ends[1] - ends[0]))) / view.scale
-        words = f"{drawn(over_mm, 'mm')} {'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
+        size = " to ".join(allowed_texts(sizes_mm))
+        words = f"{size} {'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
         reach = (outline - ends[0]) @ np.array([-way[1], way[0]])
         offsets = [float(edge + np.sign(edge) * more) for more in (6.0, 10.0) for edge in (reach.max(), reach.min())]
         offsets = [0.0] if ring else offsets

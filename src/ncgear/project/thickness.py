@@ -1,0 +1,55 @@
+"""A pair over the band of tooth thickness that its file allows: play and contact at both ends and in the middle.
+
+All that is written or said of the teeth beside this is of the middle: outlines, strength, simulation, the gears that
+measured ones are held against, and the assemblies of ``tolerance``, whose own deviations come on top.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ncgear.contact.designed.as_designed import AsDesigned, as_designed
+from ncgear.contact.designed.extremes import ContactExtremes
+from ncgear.contact.pair import refuse_overlap, sound_extremes
+from ncgear.contact.placement import placed
+from ncgear.frozen import dataclass
+from ncgear.project.tooth_form import thickness_limits_mm
+from ncgear.teeth.backlash import Play, play_of
+from ncgear.teeth.gear import toothed_pair
+
+if TYPE_CHECKING:
+    from ncgear.project.drive import Drive
+
+
+@dataclass(frozen=True, eq=False)
+class AtThickness:
+    """A pair whose teeth all deviate by ``deviation_mm`` along the pitch curve: its play and its contact."""
+
+    deviation_mm: float
+    play: Play
+    contact: AsDesigned
+    extremes: ContactExtremes
+
+
+def thickness_band(drive: Drive) -> tuple[AtThickness, ...]:
+    """The pair with the thinnest teeth, with those of its outlines, and with the thickest; empty without limits.
+
+    Raises NoSuchMechanism where the thickest teeth run into each other.
+    """
+    limits = thickness_limits_mm(drive.gears)
+    if limits is None:
+        return ()
+    middle = AtThickness(sum(limits) / 2.0, drive.play, drive.designed_contact, drive.contact_extremes)
+    thinnest, thickest = (_at(drive, limit) for limit in limits)
+    return thinnest, middle, thickest
+
+
+def _at(drive: Drive, deviation_mm: float) -> AtThickness:
+    pitch, tolerance_mm = drive.pitch, drive.design.output.chord_tolerance_mm
+    backlash = replace(drive.tooth_form.backlash, thickness_mm=(deviation_mm, deviation_mm))
+    teeth = toothed_pair(pitch, replace(drive.tooth_form, backlash=backlash), tolerance_mm)
+    contact = as_designed(teeth, placed(pitch))
+    refuse_overlap(contact, tolerance_mm)
+    extremes = sound_extremes(pitch, teeth, contact, drive.pair_speed_rad_s, tolerance_mm)
+    return AtThickness(deviation_mm, play_of(pitch, drive.rack, backlash), contact, extremes)
