@@ -86,8 +86,8 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
         raise _too_much(asked, allowed / thinner)
     if thinner - lower >= allowed:
         raise WrongInput(
-            f"{lower:g} mm and the backlash take more than {MOST_THINNED:.0%} of the thickness off some teeth at the pitch "
-            f"curve; over {thinner - allowed:.3g} mm is right",
+            f"{lower:g} mm and the backlash take more than {MOST_THINNED:.0%} of the thickness off some teeth at the "
+            f"pitch curve; over {thinner - allowed:.3g} mm is right",
             key="gears.tolerances.tooth_thickness_lower_mm",
         )
     room_mm = least.value * angle / (2.0 * cosine)

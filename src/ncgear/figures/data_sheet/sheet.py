@@ -22,7 +22,6 @@ from ncgear.figures.quantities import OF_GEAR, figure, name_of
 from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
 from ncgear.figures.thickness import TITLE, band_table
 from ncgear.frozen import dataclass
-from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
@@ -30,6 +29,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.measured import MeasuredGear, cut_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
+from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
 from ncgear.teeth.shifts import thickness_mm
 from ncgear.teeth.tips import Limit
 
@@ -165,11 +165,14 @@ def _of_both(label: str, driving: float, driven: float) -> Entry:
 
 
 def _radii(drive: Drive) -> list[Entry]:
-    gears = drive.teeth.driving, drive.teeth.driven
+    gears, over_all, housing = (drive.teeth.driving, drive.teeth.driven), drive.outer_radii_mm, drive.housing_radii_mm
+    section = ", in the section at z = 0" if drive.helix else ""
     return [
         *_ends("pitch radius", *(drive.pitch.radius_range_mm(gear) for gear in Gear)),
-        *_ends("radius of tips", *(_range(tip_radii_mm(gear)) for gear in gears)),
-        *_ends("radius of roots", *(_range(root_radii_mm(gear)) for gear in gears)),
+        *_ends(f"radius of tips{section}", *(_range(tip_radii_mm(gear)) for gear in gears)),
+        *_ends(f"radius of roots{section}", *(_range(root_radii_mm(gear)) for gear in gears)),
+        _of_both("greatest radius over all", over_all[Gear.DRIVING], over_all[Gear.DRIVEN]),
+        *([_of_both("bore of the housing", *(2.0 * radius for radius in housing.values()))] if housing else []),
     ]
 
 

@@ -118,6 +118,9 @@ def _pumped(drive: Drive) -> dict[str, Any]:
             "largest_flow_l_min": per_minute * 2.0 * pi * found.most.value,
             "largest_flow_at_rad": found.most.at,
             "pulsation_percent": 100.0 * found.pulsation,
+            **{
+                f"housing_bore_{gear.value}_mm": 2.0 * radius for gear, radius in (drive.housing_radii_mm or {}).items()
+            },
         }
     }
 

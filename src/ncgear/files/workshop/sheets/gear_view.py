@@ -111,7 +111,7 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     for words, own_rad in _directions(drive, gear):
         _point_along(board, plan, view, words, own_rad)
     number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, "tooth")
-    _point_at_tip(board, plan, view)
+    _point_at_tip(board, plan, view, drive.outer_radii_mm[gear])
     if drive.helix is None:
         # Helical gears are measured in another section than the drawn one.
         _draw_pins(board, measured, view)
@@ -246,21 +246,17 @@ def point_at_circle(board: Board, view: View, holes: Sequence[Circle], words: st
                     return
 
 
-def _point_at_tip(board: Board, plan: BodyPlan, view: View) -> None:
+def _point_at_tip(board: Board, plan: BodyPlan, view: View, radius_mm: float) -> None:
     """The greatest radius, or of a ring its outer one, as a dimension that points at it from outside."""
     outer = shapely.get_coordinates(plan.disc.exterior)
+    tips = [outer[int(np.argmax(np.hypot(*outer.T)))]]
     if plan.is_ring:
-        radius = float(np.hypot(*outer.T).max())
-        tips = [radius * np.array([cos(turn), sin(turn)]) for turn in np.radians(np.arange(40.0, 400.0, 15.0))]
-    else:
-        far = np.hypot(*outer.T)
-        tips = [outer[int(np.argmax(far))]]
-        radius = float(far.max())
+        tips = [radius_mm * np.array([cos(turn), sin(turn)]) for turn in np.radians(np.arange(40.0, 400.0, 15.0))]
     center = view.on_paper(np.zeros(2))
     for tip in tips:
         angle = float(np.arctan2(tip[1], tip[0]))
         target = view.on_paper(tip)
-        found = board.pointed(target, angle, f"R{drawn(radius, 'mm')} over all")
+        found = board.pointed(target, angle, f"R{drawn(radius_mm, 'mm')} over all")
         if found is not None:
             board.add(Dimension(Measured.RADIUS, np.array([center, target]), target, *found, view.scale))
             return
