@@ -13,6 +13,7 @@ from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
 POSITIONS = 3

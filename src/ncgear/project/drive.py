@@ -134,9 +134,9 @@ class Drive(Geared):
         """
         from ncgear.project.thickness import thickness_band
 
-        _ = self.contact_extremes
+        contact, extremes = self.designed_contact, self.contact_extremes
         with self.stopwatch("contact"):
-            return thickness_band(self)
+            return thickness_band(self, contact, extremes)
 
     @property
     def play_range_rad(self) -> tuple[float, float]:

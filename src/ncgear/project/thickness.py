@@ -7,19 +7,16 @@ measured ones are held against, and the assemblies of ``tolerance``, whose own d
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ncgear.contact.designed.as_designed import AsDesigned, as_designed
 from ncgear.contact.designed.extremes import ContactExtremes
 from ncgear.contact.pair import refuse_overlap, sound_extremes
 from ncgear.contact.placement import placed
 from ncgear.frozen import dataclass
+from ncgear.project.geared import Geared
 from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.teeth.backlash import Play, play_of
 from ncgear.teeth.gear import toothed_pair
-
-if TYPE_CHECKING:
-    from ncgear.project.drive import Drive
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,24 +29,24 @@ class AtThickness:
     extremes: ContactExtremes
 
 
-def thickness_band(drive: Drive) -> tuple[AtThickness, ...]:
+def thickness_band(pair: Geared, contact: AsDesigned, extremes: ContactExtremes) -> tuple[AtThickness, ...]:
     """The pair with the thinnest teeth, with those of its outlines, and with the thickest; empty without limits.
 
-    Raises NoSuchMechanism where the thickest teeth run into each other.
+    ``contact`` and ``extremes`` are those of its outlines.  Raises NoSuchMechanism where the thickest teeth run into each other.
     """
-    limits = thickness_limits_mm(drive.gears)
+    limits = thickness_limits_mm(pair.gears)
     if limits is None:
         return ()
-    middle = AtThickness(sum(limits) / 2.0, drive.play, drive.designed_contact, drive.contact_extremes)
-    thinnest, thickest = (_at(drive, limit) for limit in limits)
+    middle = AtThickness(sum(limits) / 2.0, pair.play, contact, extremes)
+    thinnest, thickest = (_at(pair, limit) for limit in limits)
     return thinnest, middle, thickest
 
 
-def _at(drive: Drive, deviation_mm: float) -> AtThickness:
-    pitch, tolerance_mm = drive.pitch, drive.design.output.chord_tolerance_mm
-    backlash = replace(drive.tooth_form.backlash, thickness_mm=(deviation_mm, deviation_mm))
-    teeth = toothed_pair(pitch, replace(drive.tooth_form, backlash=backlash), tolerance_mm)
+def _at(pair: Geared, deviation_mm: float) -> AtThickness:
+    pitch, form, tolerance_mm = pair.pitch, pair.tooth_form, pair.design.output.chord_tolerance_mm
+    backlash = replace(form.backlash, thickness_mm=(deviation_mm, deviation_mm))
+    teeth = toothed_pair(pitch, replace(form, backlash=backlash), tolerance_mm)
     contact = as_designed(teeth, placed(pitch))
     refuse_overlap(contact, tolerance_mm)
-    extremes = sound_extremes(pitch, teeth, contact, drive.pair_speed_rad_s, tolerance_mm)
-    return AtThickness(deviation_mm, play_of(pitch, drive.rack, backlash), contact, extremes)
+    extremes = sound_extremes(pitch, teeth, contact, pair.pair_speed_rad_s, tolerance_mm)
+    return AtThickness(deviation_mm, play_of(pitch, pair.rack, backlash), contact, extremes)

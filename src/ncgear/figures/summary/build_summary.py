@@ -105,8 +105,8 @@ L_PER_MM3 = 1e-3 * CM3_PER_MM3
 
 def _pumped(drive: Drive) -> dict[str, Any]:
     """What the gears displace in their housing; nothing where the design has none."""
-    found = drive.pumped
-    if found is None:
+    found, radii = drive.pumped, drive.housing_radii_mm
+    if found is None or radii is None:
         return {}
     per_minute = L_PER_MM3 * drive.design.operation.speed_rpm
     return {
@@ -118,9 +118,7 @@ def _pumped(drive: Drive) -> dict[str, Any]:
             "largest_flow_l_min": per_minute * 2.0 * pi * found.most.value,
             "largest_flow_at_rad": found.most.at,
             "pulsation_percent": 100.0 * found.pulsation,
-            **{
-                f"housing_bore_{gear.value}_mm": 2.0 * radius for gear, radius in (drive.housing_radii_mm or {}).items()
-            },
+            **{f"housing_bore_{gear.value}_mm": 2.0 * radius for gear, radius in radii.items()},
         }
     }
 
