@@ -99,7 +99,7 @@ def backlash_of(gears: Gears) -> Backlash:
 def thickness_limits_mm(gears: Gears) -> tuple[float, float] | None:
     """Lower and upper deviation of the tooth thickness along the pitch curve; None where they are not given."""
     given = gears.tolerances
-    if given is None or given.tooth_thickness_lower_mm is None or given.tooth_thickness_upper_mm is None:
+    if given.tooth_thickness_lower_mm is None or given.tooth_thickness_upper_mm is None:
         return None
     return given.tooth_thickness_lower_mm, given.tooth_thickness_upper_mm
 

@@ -71,7 +71,7 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Teeth": partial(tooth_data, pair),
         "Bodies": partial(bodies, pair),
         "Beside the gears": partial(passed_rows, pair),
-        "Tolerances, as given": partial(tolerances, pair),
+        "Tolerances": partial(tolerances, pair),
         "Measurements of the teeth": lambda: measurements(pair, pair.measured),
     }
     groups = (Group(title, rows_or_why(of)) for title, of in rows.items())

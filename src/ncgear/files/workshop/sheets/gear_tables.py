@@ -8,7 +8,7 @@ from math import radians
 
 import numpy as np
 
-from ncgear.figures.data_sheet.accuracy import tolerances
+from ncgear.figures.data_sheet.accuracy import bore_text, tolerances
 from ncgear.figures.data_sheet.bodies import bodies
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.measured_tables import allowed_texts, one_pin_table, span_table, two_pin_table
@@ -51,8 +51,6 @@ DETAIL_MM, GAP_MM = 42.0, 2.0
 """Height of the view of the bore, and what is left free between tables."""
 
 SHORTER = {
-    "least normal backlash": "normal backlash, least",
-    "greatest normal backlash": "normal backlash, greatest",
     "pressure angle of the rack": "pressure angle",
     "pressure angle of the rack, flanks that push": "pressure angle, pushing flanks",
     "pressure angle of the rack, idle flanks": "pressure angle, idle flanks",
@@ -60,13 +58,15 @@ SHORTER = {
     "helix angle at the pitch curve": "helix angle",
     "kerf that drawings allow for, half on each side of the lines": "kerf in files for cutting",
     "clearance for the process": "clearance in files for printing",
-    "upper deviation of tooth thickness": "tooth thickness, upper deviation",
-    "lower deviation of tooth thickness": "tooth thickness, lower deviation",
+    "roughness Ra of flanks; elsewhere": "roughness Ra, flanks; elsewhere",
     "centre of index hole, x and y": "index hole, x and y",
 }
 """Labels that are shorter on paper."""
 
-LEFT_OUT = {"play of the driven gear, the same at every position", "bore", "diameter of index hole", "tip relief"}
+LEFT_OUT = {
+    *("bore", "diameter of index hole", "tip relief", "fit of the bore", "fit of the index hole"),
+    *("deviation of the centre distance", "sizes without a tolerance"),
+}
 """Rows of the data sheet that the sheet has elsewhere or does not need."""
 
 NOTHING = ("helix angle", "0")
@@ -86,7 +86,7 @@ def gear_tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, pitch_radi
         items += table.drawn(left, box.high)
         box = Box(box.left, box.low, box.right, box.high - table.height_mm())
     if plan.bore:
-        items += _bore_view(plan.bore, Box(left, box.low, box.right, box.high))
+        items += _bore_view(drive, plan.bore, Box(left, box.low, box.right, box.high))
     return items
 
 
@@ -118,14 +118,16 @@ def _row(entry: Entry, gear: Gear) -> tuple[str, str] | None:
 
 
 def _least_and_greatest(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """The rows, with the least and the greatest of a size in one row."""
+    """The rows, with the least and the greatest of a size in one row, and so its lower and upper deviation."""
     found: list[tuple[str, str]] = []
     for label, value in rows:
-        name = label.removeprefix("greatest ")
-        if found and name != label and found[-1][0] == f"least {name}":
-            found[-1] = (name, f"{found[-1][1].removesuffix(' mm')} to {value}")
-        else:
+        pairs = ((label.removeprefix(high), low) for low, high in (("least ", "greatest "), ("lower ", "upper ")))
+        name = next((name for name, low in pairs if name != label and found and found[-1][0] == low + name), None)
+        if name is None:
             found.append((label, value))
+            continue
+        least, unit = found[-1][1], value.rpartition(" ")[2]
+        found[-1] = (name, value if least == value else f"{least.removesuffix(f' {unit}')} to {value}")
     return found
 
 
@@ -192,7 +194,7 @@ AGAINST_KEYWAY_RAD = radians(80.0)
 """Direction in which the diameter of a bore is written."""
 
 
-def _bore_view(bore: Bore, box: Box) -> list[Item]:
+def _bore_view(drive: Drive, bore: Bore, box: Box) -> list[Item]:
     """The bore with its keyway in a scale of its own, with its dimensions."""
     room = min(box.width - 30.0, box.height - 20.0)
     size = bore.diameter_mm / 2.0 + bore.reach_mm
@@ -214,6 +216,6 @@ def _bore_view(bore: Bore, box: Box) -> list[Item]:
         across[1, 1] = across[0, 1]
         apart = scale * radius + 5.0
         board.add(length(across, -apart, drawn(radius + reach, "mm"), scale))
-    words = f"\u00d8{drawn(bore.diameter_mm, 'mm')}"
+    words = f"\u00d8{drawn(bore.diameter_mm, 'mm')} {bore_text(drive, bore.diameter_mm)}"
     point_at_circle(board, view, [Circle(0.0, 0.0, radius)], words, AGAINST_KEYWAY_RAD)
     return board.items

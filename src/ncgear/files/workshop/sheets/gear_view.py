@@ -10,6 +10,7 @@ import shapely
 
 from ncgear.drawings.scene.geared_pairs import Mounting, mountings
 from ncgear.figures.assembly import outline_radius_mm
+from ncgear.figures.data_sheet.accuracy import index_hole_text
 from ncgear.figures.data_sheet.measured_tables import allowed_texts, two_pin_table
 from ncgear.figures.data_sheet.sheet import rows_found
 from ncgear.figures.numbers import drawn
@@ -115,7 +116,7 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     if drive.helix is None:
         # Helical gears are measured in another section than the drawn one.
         _draw_pins(board, measured, view)
-    _point_at_holes(board, plan, view)
+    _point_at_holes(board, drive, plan, view)
     sense = 1.0 if gear is Gear.DRIVING else drive.pitch.mesh.sense
     draw_turning(board, view, sense, free_radius_mm(plan, view))
 
@@ -208,7 +209,7 @@ def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
             return
 
 
-def _point_at_holes(board: Board, plan: BodyPlan, view: View) -> None:
+def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: View) -> None:
     """A leader with the diameter to every kind of round holes."""
     for layer, shapes in body_shapes(plan).items():
         if layer in (Layer.RIM, Layer.HUB, Layer.BORE):
@@ -221,7 +222,8 @@ def _point_at_holes(board: Board, plan: BodyPlan, view: View) -> None:
             count = f"{len(holes)} \u00d7 " if len(holes) > 1 else ""
             # Lightening holes need no name.
             name = "" if layer is Layer.LIGHTENING_HOLES else f" {layer.content.partition(';')[0]}"
-            words = f"{count}\u00d8{drawn(size_mm, 'mm')}{name}"
+            fit = f" {index_hole_text(drive, size_mm)}" if layer is Layer.INDEX_HOLE else ""
+            words = f"{count}\u00d8{drawn(size_mm, 'mm')}{fit}{name}"
             point_at_circle(board, view, holes, words)
 
 

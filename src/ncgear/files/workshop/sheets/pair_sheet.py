@@ -18,6 +18,7 @@ import shapely
 from ncgear.drawings.scene.bodies import chamber_of
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import supports_mm
+from ncgear.figures.data_sheet.accuracy import distance_text, general_text
 from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import Cross
 from ncgear.files.workshop.sheets.board import Board
@@ -112,7 +113,9 @@ def pair_sheet(drive: Drive) -> Sheet:
         items += _mechanism(drive, bodies, layout.mechanism)
     items += _parts(drive, list(bodies)).drawn(layout.parts.left, layout.parts.high)
     name = title_of(drive)
-    titles = Titles("Assembly", name, "see list of parts", f"{SEEN[mounting.hand]}, pose of phi1 = 0", scale)
+    titles = Titles(
+        "Assembly", name, "see list of parts", f"{SEEN[mounting.hand]}, pose of phi1 = 0", scale, general_text(drive)
+    )
     x, y = origin.tolist()
     return Sheet(f"{name}: assembly", layout.size_mm, scale, (x, y), (*framed(layout.size_mm, titles), *items))
 
@@ -172,7 +175,8 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     offsets = [edge + np.sign(edge) * more for more in (7.0, 11.0, 15.0) for edge in (reach.min(), reach.max())]
     offsets += [sense * more for more in np.arange(6.0, float(reach.max()), 2.0) for sense in (-1.0, 1.0)]
     scale = views[Gear.DRIVING].scale
-    board.put_dimension(length(axes, float(apart), drawn(distance, "mm"), scale) for apart in offsets)
+    words = f"{drawn(distance, 'mm')} {distance_text(drive) or ''}".strip()
+    board.put_dimension(length(axes, float(apart), words, scale) for apart in offsets)
     for gear, view in views.items():
         number_teeth(board, drive.teeth.of(gear), view, gear.value, fifths=True)
         sense = mounting.sense(gear)
