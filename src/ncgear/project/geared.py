@@ -148,10 +148,12 @@ class Geared(Moving):
         from ncgear.teeth.reach import farthest_mm
 
         teeth = self.teeth
+        radii = {gear: farthest_mm(teeth.of(gear)) for gear in Gear}
         if self.helix is not None:
             solids = self.solids
-            return {gear: float(np.hypot(*solids.of(gear).mesh.vertices.T[:2]).max()) for gear in Gear}
-        radii = {gear: farthest_mm(teeth.of(gear)) for gear in Gear}
+            return {
+                gear: max(radii[gear], float(np.hypot(*solids.of(gear).mesh.vertices.T[:2]).max())) for gear in Gear
+            }
         if self.pitch.driven.is_ring:
             rim_mm = rim_mm_of(self.gears, self.pitch.size.module_mm)
             radii[Gear.DRIVEN] = outer_radius_mm(teeth.driven.outline_mm, rim_mm)

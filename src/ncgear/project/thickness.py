@@ -32,7 +32,7 @@ class AtThickness:
 def thickness_band(pair: Geared, contact: AsDesigned, extremes: ContactExtremes) -> tuple[AtThickness, ...]:
     """The pair with the thinnest teeth, with those of its outlines, and with the thickest; empty without limits.
 
-    ``contact`` and ``extremes`` are those of its outlines.  Raises NoSuchMechanism where the thickest teeth run into each other.
+    ``contact`` and ``extremes`` are those of its outlines.  Raises NoSuchMechanism where the thickest teeth overlap.
     """
     limits = thickness_limits_mm(pair.gears)
     if limits is None:

@@ -58,8 +58,13 @@ SHORTER = {
     "helix angle at the pitch curve": "helix angle",
     "kerf that drawings allow for, half on each side of the lines": "kerf in files for cutting",
     "clearance for the process": "clearance in files for printing",
-    "roughness Ra of flanks; elsewhere": "roughness Ra, flanks; elsewhere",
+    "roughness Ra of flanks; elsewhere": "roughness Ra, flanks; others",
     "centre of index hole, x and y": "index hole, x and y",
+    **{
+        f"{end} radius of {place}, in the section at z = 0": f"{end} radius of {place}, z = 0"
+        for end in ("least", "greatest")
+        for place in ("tips", "roots")
+    },
 }
 """Labels that are shorter on paper."""
 
@@ -94,7 +99,7 @@ def _data(drive: Drive, gear: Gear, height_mm: float) -> PaperTable:
     """The rows of the data sheet that belong to the gear, as many as there is room for."""
     groups = [rows_or_why(partial(rows, drive)) for rows in (sizes, rack_data, tolerances, bodies)]
     found = [row for group in groups for entry in group if (row := _row(entry, gear))]
-    rows = _least_and_greatest(found)
+    rows = _coefficients(_least_and_greatest(found))
     if drive.helix is not None:
         rows.append(("measured in the section z", f"{drawn(drive.helix.rise_mm / 2.0, 'mm')} mm"))
     while len(rows) > 1:
@@ -129,6 +134,18 @@ def _least_and_greatest(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]
         least, unit = found[-1][1], value.rpartition(" ")[2]
         found[-1] = (name, value if least == value else f"{least.removesuffix(f' {unit}')} to {value}")
     return found
+
+
+COEFFICIENT = " coefficient"
+
+
+def _coefficients(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The rows, with all coefficients in one."""
+    chosen = [(label.removesuffix(COEFFICIENT), value) for label, value in rows if label.endswith(COEFFICIENT)]
+    names, values = (", ".join(texts) for texts in zip(*chosen, strict=True))
+    found = [row for row in rows if not row[0].endswith(COEFFICIENT)]
+    first = next(place for place, (label, _) in enumerate(rows) if label.endswith(COEFFICIENT))
+    return [*found[:first], (f"{names}, in modules", values), *found[first:]]
 
 
 def _pitch(drive: Drive, gear: Gear, pitch_radii: Table, height_mm: float) -> PaperTable:

@@ -21,6 +21,7 @@ from ncgear.files.workshop.sheets.body import (
     Section,
     View,
     drawn_body,
+    drawn_holes,
     drawn_shape,
     section_of,
     tooth_places,
@@ -107,6 +108,7 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     """The gear from above, its numbers first, then what there is room for beside them."""
     gear, module = measured.gear, drive.pitch.size.module_mm
     board.add(*drawn_body(drive, gear, plan, view, "outline"))
+    board.keep_clear(drawn_holes(plan, view))
     board.add(*drawn_shape(Cross(0.0, 0.0, _cross_mm(plan, module)), view, Pen.CHAIN))
     _mark_plane(board, plan, view)
     for words, own_rad in _directions(drive, gear):
@@ -185,19 +187,19 @@ def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
     rows = [row for row in rows_found(lambda: (two_pin_table(measured),)) if None not in row]
     pins, radius = measured.pins, measured.pins.diameter_mm / 2.0
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
-    pairs = [(*sorted((places[row[0]], places[row[1]]), key=lambda place: float(place[1])), row[2:]) for row in rows]
+    pairs = [(*sorted((places[row[0]], places[row[1]]), key=lambda place: float(place[1])), row) for row in rows]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / np.hypot(*(pair[1] - pair[0])))
     ring = measured.working.is_ring
     outline = view.on_paper(measured.toothed.outline_mm)
-    for low, high, sizes_mm in pairs:
+    for low, high, row in pairs:
         way = (high - low) / np.hypot(*(high - low))
         ends = view.on_paper(
             np.array(
                 [low - radius * way, high + radius * way] if not ring else [low + radius * way, high - radius * way]
             )
         )
-        size = " to ".join(allowed_texts(sizes_mm))
-        words = f"{size} {'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
+        size, pin = " to ".join(allowed_texts(row[2:])), drawn(2.0 * radius, "mm")
+        words = f"{size} {'between' if ring else 'over'} 2 pins \u00d8{pin} ({row[0]}, {row[1]})"
         reach = (outline - ends[0]) @ np.array([-way[1], way[0]])
         offsets = [float(edge + np.sign(edge) * more) for more in (6.0, 10.0) for edge in (reach.max(), reach.min())]
         offsets = [0.0] if ring else offsets

@@ -22,7 +22,7 @@ from ncgear.figures.data_sheet.accuracy import distance_text, general_text
 from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import Cross
 from ncgear.files.workshop.sheets.board import Board
-from ncgear.files.workshop.sheets.body import View, drawn_body, drawn_shape, finished
+from ncgear.files.workshop.sheets.body import View, drawn_body, drawn_holes, drawn_shape, finished
 from ncgear.files.workshop.sheets.frame import (
     TITLE_HEIGHT_MM,
     TITLE_WIDTH_MM,
@@ -156,6 +156,7 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     board, mounting = Board(box.bounds), mounting_of(drive)
     for gear, view in views.items():
         board.add(*drawn_body(drive, gear, plans[gear], view, f"{gear.value}-outline"))
+        board.keep_clear(drawn_holes(plans[gear], view))
         mark = Cross(0.0, 0.0, 2.0 * drive.pitch.size.module_mm)
         board.add(*drawn_shape(mark, view, Pen.CHAIN))
     axes = np.array([views[gear].origin for gear in Gear])
