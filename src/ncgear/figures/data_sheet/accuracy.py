@@ -44,11 +44,6 @@ def bore_text(drive: Drive, diameter_mm: float) -> str:
     return hole_text(drive.gears.tolerances.bore_fit, diameter_mm)
 
 
-def index_hole_text(drive: Drive, diameter_mm: float) -> str:
-    """The fit of an index hole."""
-    return hole_text(drive.gears.tolerances.index_hole_fit, diameter_mm)
-
-
 def general_text(drive: Drive) -> str:
     """The class of sizes without a tolerance of their own."""
     return f"ISO 2768-{drive.gears.tolerances.general}"

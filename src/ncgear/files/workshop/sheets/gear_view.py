@@ -10,7 +10,6 @@ import shapely
 
 from ncgear.drawings.scene.geared_pairs import Mounting, mountings
 from ncgear.figures.assembly import outline_radius_mm
-from ncgear.figures.data_sheet.accuracy import index_hole_text
 from ncgear.figures.data_sheet.measured_tables import allowed_texts, two_pin_table
 from ncgear.figures.data_sheet.sheet import rows_found
 from ncgear.figures.numbers import drawn
@@ -224,7 +223,7 @@ def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: View) -> N
             count = f"{len(holes)} \u00d7 " if len(holes) > 1 else ""
             # Lightening holes need no name.
             name = "" if layer is Layer.LIGHTENING_HOLES else f" {layer.content.partition(';')[0]}"
-            fit = f" {index_hole_text(drive, size_mm)}" if layer is Layer.INDEX_HOLE else ""
+            fit = f" {drive.gears.tolerances.index_hole_fit}" if layer is Layer.INDEX_HOLE else ""
             words = f"{count}\u00d8{drawn(size_mm, 'mm')}{fit}{name}"
             point_at_circle(board, view, holes, words)
 
