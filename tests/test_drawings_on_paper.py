@@ -26,10 +26,11 @@ from drives import drive, drive_of_text
 from ncgear.drawings.plots.coloured_teeth import tooth_rows
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
+from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.files import drawing_files
 from ncgear.files.workshop.sheets.pair_sheets import sheets_of
 from ncgear.files.workshop.sheets.pdf import pdf_bytes
-from ncgear.files.workshop.sheets.sheet import Sheet, Text, text_width_mm
+from ncgear.files.workshop.sheets.sheet import Ring, Sheet, Text, text_width_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.measured import measured_gears
@@ -336,6 +337,37 @@ def test_holes_of_any_kind_have_their_diameter() -> None:
         (10.0, 19.0, 8.0), abs=2e-6
     )
     assert drive("printed-pump").solids.driving.plan.bore.diameter_mm == pytest.approx(8.1)  # type: ignore[union-attr]
+
+
+HOLED = """\
+name: holed
+operation: {speed_rpm: 60}
+motion: {law: ellipse, eccentricity: 0.2}
+gears:
+  teeth: 34
+  module_mm: 1
+  face_width_mm: 4
+  driving: {bore_mm: 4, lightening_holes: {count: 5, least_wall_mm: 0.6}}
+  driven: {bore_mm: 9}
+"""
+
+
+def numbers_in_holes() -> list[str]:
+    """The names of tooth numbers that lie in a circle of the sheets of gears with large holes."""
+    found = []
+    for sheet in sheets_of(drive_of_text(HOLED)).values():
+        holes = [Polygon(item.points) for item in sheet.items if isinstance(item, Ring)]
+        texts = [item for item in sheet.items if isinstance(item, Text) and item.name]
+        found += [text.name for text in texts if any(hole.intersects(Polygon(text.corners)) for hole in holes)]
+    return found
+
+
+@pytest.mark.slow
+def test_no_number_of_a_tooth_lies_in_a_hole(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert numbers_in_holes() == []
+    # The negative control: a hole whose inside is not kept clear has room for a text.
+    monkeypatch.setattr(Board, "keep_clear", lambda board, holes: None)
+    assert len(numbers_in_holes()) > 5
 
 
 # --- PDF -------------------------------------------------------------------------------------------------------------
