@@ -347,8 +347,10 @@ def _as_written(written: AsWritten, designed: AsDesigned) -> dict[str, Any]:
         **_greatest("from_design_max", "rad", astray, designed.placement),
         **_range("backlash", "rad", written.backlash_rad, designed.placement),
         **_penetration(written.overlap_mm, designed.placement),
-        "clearance_driving_tips_mm": written.driving_tips_mm,
-        "clearance_driven_tips_mm": written.driven_tips_mm,
+        **{
+            f"clearance_{gear}_tips_mm": clearance if isfinite(clearance) else None
+            for gear, clearance in (("driving", written.driving_tips_mm), ("driven", written.driven_tips_mm))
+        },
     }
 
 
