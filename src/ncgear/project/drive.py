@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -267,23 +268,24 @@ class Drive(Geared):
     @computed
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
-        return self.loaded_with(1.0)
+        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
+        with self.stopwatch("loaded contact"):
+            return self._loaded_at(phi1)
 
     @computed
     def loaded_peaks(self) -> LoadedPeaks:
         """The peaks of the teeth under the torque of the rigid level, over the angles of ``motion``."""
+        return self.loaded_peaks_with(1.0)
+
+    def loaded_peaks_with(self, stiffness_factor: float) -> LoadedPeaks:
+        """As ``loaded_peaks``, the teeth stiffer by a factor."""
         from ncgear.dynamics.quasi_static import loaded_peaks
         from ncgear.project.forces import loaded_places_rad
 
         places, loaded = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine), self.loaded_contact
-        with self.stopwatch("peaks of loaded contact"):
-            return loaded_peaks(self._loaded_at, places, int(loaded.pairs.max()))
-
-    def loaded_with(self, stiffness_factor: float) -> LoadedContact:
-        """As ``loaded_contact``, the teeth stiffer by a factor."""
-        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
-        with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
-            return self._loaded_at(phi1, stiffness_factor)
+        at = partial(self._loaded_at, stiffness_factor=stiffness_factor)
+        with self.stopwatch("peaks of loaded contact" if stiffness_factor == 1.0 else "band of stiffness"):
+            return loaded_peaks(at, places, int(loaded.pairs.max()))
 
     @computed
     def course(self) -> Course:

@@ -393,13 +393,13 @@ def bodies_summary(drive: Drive) -> dict[str, Any]:
     A negative clearance is half a kerf: what is written is larger than the gears, and does not go together uncut.
     """
     clearance, solids = drive.gears.process_clearance_mm, drive.solids
-    lever_mm = drive.designed_contact.pushing.first.lever_mm
+    lever_mm = drive.contact_extremes.least_lever_mm.value
     return {
         "process_clearance_mm": clearance,
         **(
             {"kerf_mm": -2.0 * clearance}
             if clearance < 0.0
-            else {"lag_max_without_process_rad": float((2.0 * clearance / lever_mm).max())}
+            else {"lag_max_without_process_rad": 2.0 * clearance / lever_mm}
         ),
         "first_layer_chamfer_mm": drive.gears.first_layer_chamfer_mm,
         "driving": _body(solids.driving),
