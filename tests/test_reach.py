@@ -20,7 +20,7 @@ from ncgear.teeth.reach import farthest_mm, root_radii_mm, tip_radii_mm
 Array = np.ndarray
 
 CHORD_MM = 2e-4
-NAMES = ["oval-flow-meter", "pump-1-2", "spiral-pair", "internal-1-2", "log-generator", "traced-egg"]
+NAMES = ["oval-flow-meter", "ellipse", "pump-1-2", "spiral-pair", "internal-1-2", "log-generator", "traced-egg"]
 
 
 @cache
