@@ -118,7 +118,7 @@ def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: In
     following = np.append(after[2::2], after[0] + mate.flanks.curve.length_mm)
     ahead = ((after[1::2] + following) / 2.0)[space] - crossing.mean(axis=1)[tooth]
     first, last = gear.sides.tip_mm.reshape(-1, 2)[tooth].T
-    begin, end = (values[space] - ahead for values in mate.sides.roots.lands())
+    begin, end = (mate.sides.roots.feet()[0][space] - ahead[:, None]).T
     low, high = np.maximum(first, begin), np.minimum(last, end)
     over = np.flatnonzero(high > low)
     at = low[over, None] + (high - low)[over, None] * SHARES
