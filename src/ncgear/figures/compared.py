@@ -37,8 +37,8 @@ def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
             "transmission_error_exact_rad": exact.transmission_error_rad,
             "jams": [{"driving_tooth": one, "driven_tooth": other} for one, other in pair.jams],
             "needed_backlash_mm": pair.needed_backlash_mm,
-            "driving_tip_clearance_mm": measured.driving_tips_mm,
-            "driven_tip_clearance_mm": measured.driven_tips_mm,
+            "driving_tip_clearance_mm": _or_none(measured.driving_tips_mm),
+            "driven_tip_clearance_mm": _or_none(measured.driven_tips_mm),
         },
     }
 

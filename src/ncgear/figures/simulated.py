@@ -196,12 +196,12 @@ def _stiffness(drive: Drive) -> dict[str, float]:
 
 def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:
     """The peaks of the loaded teeth if all pairs were as many times as stiff."""
-    loaded = drive.loaded_with(factor)
+    peaks = drive.loaded_peaks_with(factor)
     return {
         "stiffness_factor": factor,
-        "peak_tooth_force_n": float(loaded.tooth_force_n.max()),
-        "peak_depth_mm": float(loaded.forces.depth_mm.max()),
-        "transmission_error_rad": loaded.transmission_error_rad,
+        "peak_tooth_force_n": peaks.tooth_force_n.value,
+        "peak_depth_mm": peaks.depth_mm.value,
+        "transmission_error_rad": peaks.transmission_error_rad,
     }
 
 

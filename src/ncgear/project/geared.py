@@ -127,13 +127,37 @@ class Geared(Moving):
         """What the gears displace in their housing; None where the design has none."""
         from ncgear.pitch.pumped import pumped
 
-        given, teeth = self.gears.housing, self.teeth
-        if given is None:
+        radii = self.housing_radii_mm
+        if radii is None:
             return None
-        greatest = (float(np.linalg.norm(teeth.of(gear).outline_mm, axis=1).max()) for gear in Gear)
-        first, second = (radius + given.clearance_mm for radius in greatest)
+        first, second = radii[Gear.DRIVING], radii[Gear.DRIVEN]
         transmission, distance = self.pair.transmission, self.pitch.center_distance_mm
         return pumped(transmission, distance, (first, second), self.gears.face_width_mm)
+
+    @property
+    def housing_radii_mm(self) -> dict[Gear, float] | None:
+        """Radii of the housing's bores about both axes; None where the design has no housing."""
+        given = self.gears.housing
+        return None if given is None else {gear: far + given.clearance_mm for gear, far in self.outer_radii_mm.items()}
+
+    @computed
+    def outer_radii_mm(self) -> dict[Gear, float]:
+        """How far each gear reaches from its axis: its teeth, in a ring the rim; helical ones in all their sections."""
+        from ncgear.project.gear_solids import rim_mm_of
+        from ncgear.solids.plan.plan import outer_radius_mm
+        from ncgear.teeth.reach import farthest_mm
+
+        teeth = self.teeth
+        radii = {gear: farthest_mm(teeth.of(gear)) for gear in Gear}
+        if self.helix is not None:
+            solids = self.solids
+            return {
+                gear: max(radii[gear], float(np.hypot(*solids.of(gear).mesh.vertices.T[:2]).max())) for gear in Gear
+            }
+        if self.pitch.driven.is_ring:
+            rim_mm = rim_mm_of(self.gears, self.pitch.size.module_mm)
+            radii[Gear.DRIVEN] = outer_radius_mm(teeth.driven.outline_mm, rim_mm)
+        return radii
 
     @computed
     def section_contact_ratio(self) -> float:

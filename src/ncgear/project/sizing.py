@@ -20,12 +20,9 @@ from pydantic import ValidationError
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
-from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive
-from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.strengthening import MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Verdict, sized, verdict_of
-from ncgear.solids.plan.plan import outer_radius_mm
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
 
@@ -106,7 +103,7 @@ class Sized:
     @property
     def diameter_mm(self) -> float:
         """Largest diameter of either gear about its axis."""
-        return 2.0 * max(outer_radii_mm(self.drive).values())
+        return 2.0 * max(self.drive.outer_radii_mm.values())
 
 
 def require_material(name: str, key: str) -> None:
@@ -130,15 +127,6 @@ def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
         return design
     gears = changed_gears(design.gears, {"gears.material": asked["gears.material"]})
     return design.model_copy(update={"gears": gears})
-
-
-def outer_radii_mm(drive: Drive) -> dict[Gear, float]:
-    """How far each gear reaches from its axis, a ring with its rim."""
-    radii = {gear: float(np.hypot(*drive.teeth.of(gear).outline_mm.T).max()) for gear in Gear}
-    if drive.pitch.driven.is_ring:
-        rim = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
-        radii[Gear.DRIVEN] = outer_radius_mm(drive.teeth.driven.outline_mm, rim)
-    return radii
 
 
 def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:

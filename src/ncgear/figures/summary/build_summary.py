@@ -23,6 +23,7 @@ from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.passed import passed_summary
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
+from ncgear.figures.thickness import play_figures, thickness_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import CM3_PER_MM3
@@ -59,6 +60,7 @@ def build_summary(drive: Drive, contact: PairContact, verdict: Verdict) -> dict[
             **_under_load(drive),
             **_overlap(drive, contact),
         },
+        **({"thickness": thickness_summary(drive)} if drive.thickness_band else {}),
         **_strength(drive),
         **_pumped(drive),
         "bodies": bodies_summary(drive),
@@ -95,8 +97,8 @@ L_PER_MM3 = 1e-3 * CM3_PER_MM3
 
 def _pumped(drive: Drive) -> dict[str, Any]:
     """What the gears displace in their housing; nothing where the design has none."""
-    found = drive.pumped
-    if found is None:
+    found, radii = drive.pumped, drive.housing_radii_mm
+    if found is None or radii is None:
         return {}
     per_minute = L_PER_MM3 * drive.design.operation.speed_rpm
     return {
@@ -108,6 +110,7 @@ def _pumped(drive: Drive) -> dict[str, Any]:
             "largest_flow_l_min": per_minute * 2.0 * pi * found.most.value,
             "largest_flow_at_rad": found.most.at,
             "pulsation_percent": 100.0 * found.pulsation,
+            **{f"housing_bore_{gear.value}_mm": 2.0 * radius for gear, radius in radii.items()},
         }
     }
 
@@ -180,9 +183,7 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
         "driven": size.driven_teeth,
         "module_mm": size.module_mm,
         **({"pitches_in_range": toothed.covered_mm / drive.rack.pitch_mm} if toothed else {}),
-        "backlash_mm": drive.play.least_normal_mm.value,
-        "backlash_max_mm": drive.play.largest_normal_mm.value,
-        "play_rad": drive.play.driven_rad,
+        **play_figures(drive.play, *drive.play_range_rad),
         **_helix(drive),
         "undercut_driving": teeth.driving.undercut,
         "undercut_driven": teeth.driven.undercut,
@@ -338,8 +339,10 @@ def _as_written(written: AsWritten, designed: AsDesigned) -> dict[str, Any]:
         **_greatest("from_design_max", "rad", astray, designed.placement),
         **_range("backlash", "rad", written.backlash_rad, designed.placement),
         **_penetration(written.overlap_mm, designed.placement),
-        "clearance_driving_tips_mm": written.driving_tips_mm,
-        "clearance_driven_tips_mm": written.driven_tips_mm,
+        **{
+            f"clearance_{gear}_tips_mm": clearance if isfinite(clearance) else None
+            for gear, clearance in (("driving", written.driving_tips_mm), ("driven", written.driven_tips_mm))
+        },
     }
 
 
@@ -382,13 +385,13 @@ def bodies_summary(drive: Drive) -> dict[str, Any]:
     A negative clearance is half a kerf: what is written is larger than the gears, and does not go together uncut.
     """
     clearance, solids = drive.gears.process_clearance_mm, drive.solids
-    lever_mm = drive.designed_contact.pushing.first.lever_mm
+    lever_mm = drive.contact_extremes.least_lever_mm.value
     return {
         "process_clearance_mm": clearance,
         **(
             {"kerf_mm": -2.0 * clearance}
             if clearance < 0.0
-            else {"lag_max_without_process_rad": float((2.0 * clearance / lever_mm).max())}
+            else {"lag_max_without_process_rad": 2.0 * clearance / lever_mm}
         ),
         "first_layer_chamfer_mm": drive.gears.first_layer_chamfer_mm,
         "driving": _body(solids.driving),

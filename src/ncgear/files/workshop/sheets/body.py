@@ -80,6 +80,16 @@ def drawn_body(drive: Drive, gear: Gear, plan: BodyPlan, view: View, name: str =
     yield Line(view.on_paper(curve), Pen.CHAIN, closed=True)
 
 
+HOLES = Layer.BORE, Layer.CRANK_PIN, Layer.INDEX_HOLE, Layer.END_STOP, Layer.LIGHTENING_HOLES
+
+
+def drawn_holes(plan: BodyPlan, view: View) -> Iterator[Line | Ring]:
+    """The edges of all that goes through a body."""
+    shapes = body_shapes(plan)
+    for shape in (shape for layer in HOLES for shape in shapes[layer]):
+        yield from drawn_shape(shape, view, Pen.VISIBLE)
+
+
 def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[Line | Ring]:
     """The lines of a shape."""
     match shape:
