@@ -15,6 +15,8 @@ from drives import drive, drive_of_text
 from ncgear.figures.advice.law_advice import NO_BORE
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind
 from ncgear.figures.advice.verdict import CONDITIONS, Judged, Known, State, Verdict, judged, together
+from ncgear.files.workshop.sheets.pair_sheet import pair_sheet
+from ncgear.files.workshop.sheets.sheet import Text
 
 pytestmark = pytest.mark.judges("figures")
 
@@ -208,6 +210,21 @@ def test_a_rod_that_runs_through_the_shaft_is_told_without_any_fit() -> None:
     unknown = verdict_of(Known.MOTION, gears={**beside, "driving": {}})
     assert states(unknown)[Kind.ROD] is State.NOT_JUDGED
     assert NO_BORE.why in unknown.not_judged
+
+
+@pytest.mark.thorough
+def test_the_sheet_of_the_assembly_says_where_the_shaft_ends() -> None:
+    """Whether the file says so or not: the workshop needs it either way."""
+    note = "The driving shaft must end below the rod."
+
+    def texts(axis_deg: float, **fit: str) -> list[str]:
+        gears = {**PLAIN["gears"], "driving_axis_deg": axis_deg}
+        sheet = pair_sheet(drive_of_text(text_of(gears=gears, fit=fit or None)))
+        return [item.words for item in sheet.items if isinstance(item, Text)]
+
+    assert note in texts(0.0)
+    assert note in texts(0.0, driving_shaft="ends")
+    assert note not in texts(180.0)
 
 
 # --- what changes nothing --------------------------------------------------------------------------------------------

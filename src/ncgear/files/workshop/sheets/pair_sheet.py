@@ -20,6 +20,7 @@ from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import supports_mm
 from ncgear.figures.data_sheet.accuracy import distance_text, general_text
 from ncgear.figures.numbers import drawn
+from ncgear.figures.passed import shafts_below
 from ncgear.files.workshop.drawing import Cross
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import View, drawn_body, drawn_holes, drawn_shape, finished
@@ -272,6 +273,9 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         f"Mechanism at phi1 = 0, {scale_text(scale)}; lengths: {sizes}; {linkage.CRANK} at {crank} deg, turns clockwise"
     )
     board.add(Text(fitted(words, box.width - 4.0), (box.left + 2.0, box.high - 4.5)))
+    for number, (part, shaft) in enumerate(shafts_below(drive), 1):
+        note = f"The {shaft} must end below the {part}."
+        board.add(Text(note, (box.left + 2.0, box.high - 4.5 - number * (LETTER_MM + 1.0))))
     for name, rings in bodies.items():
         for ring in rings:
             board.add(Line(view.on_paper(ring), Pen.THIN, closed=True, name=name))
