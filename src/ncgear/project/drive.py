@@ -77,8 +77,8 @@ class Drive(Geared):
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
             refuse_cut_arcs(contact)
-            refuse_overlap(contact, self.design.output.chord_tolerance_mm)
-            refuse_clashing_bodies(contact, teeth, self.design.output.chord_tolerance_mm)
+            refuse_overlap(contact, self.chord_tolerance_mm)
+            refuse_clashing_bodies(contact, teeth, self.chord_tolerance_mm)
             return contact
 
     @computed
@@ -121,7 +121,7 @@ class Drive(Geared):
         """Extremes of the contact of the exact teeth, between its positions as well; raises where teeth overlap."""
         from ncgear.contact.pair import sound_extremes
 
-        designed, tolerance = self.designed_contact, self.design.output.chord_tolerance_mm
+        designed, tolerance = self.designed_contact, self.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
 
@@ -151,7 +151,7 @@ class Drive(Geared):
         designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
         with located(self.places), self.stopwatch("written contact"):
             contact = pair_contact(pitch, teeth, designed, written)
-            refuse_bad_outlines(contact, self.design.output.chord_tolerance_mm)
+            refuse_bad_outlines(contact, self.chord_tolerance_mm)
             return contact
 
     @computed

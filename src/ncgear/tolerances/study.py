@@ -156,7 +156,7 @@ def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]
 
     sources, follower = lot.sources, lot.follower
     count = found.count // (len(sources) + 2)
-    turned = {name: follower.radius_mm for name in INDEXED[:2]} | {"motion_error": follower.slope}
+    turned = dict.fromkeys(INDEXED[:2], follower.radius_mm) | {"motion_error": follower.slope}
     indices = {}
     for name in INDEXED:
         values = getattr(found, name).reshape(len(sources) + 2, 1, count)

@@ -153,6 +153,6 @@ def _title(drive: Drive) -> str:
 
 
 def _scale(drive: Drive) -> str:
-    tolerance = drive.design.output.chord_tolerance_mm
+    tolerance = drive.chord_tolerance_mm
     arcs = f"arcs of the teeth no farther than {CURVES_SHARE * tolerance:g} mm and " if drive.tooth_arcs else ""
     return f"1:1 in mm; {arcs}chords no farther than {tolerance:g} mm from the exact curve, round holes exact"
