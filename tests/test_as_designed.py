@@ -16,7 +16,7 @@ from drives import drive
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed, contacts_within
 from ncgear.contact.designed.curves import side_paths
-from ncgear.contact.designed.flanks import TOUCHING_MM
+from ncgear.contact.designed.flanks import TOUCHING_IN_PITCHES
 from ncgear.contact.pair import refuse_overlap
 from ncgear.contact.placement import REACH_IN_PITCHES, Placement, meetings, placed, placed_at, single_meetings
 from ncgear.errors import NoSuchMechanism
@@ -368,7 +368,9 @@ def test_no_corner_that_touches_first_is_left_out(name: str, teeth: int, relief:
         np.maximum.at(lead, every.position, every.lead_rad)
         assert side.first.lead_rad == pytest.approx(lead, abs=1e-12)
         behind = (lead[every.position] - every.lead_rad) * every.lever_mm
-        few, many = (np.sum(behind <= share * TOUCHING_MM) for share in (0.999999, 1.000001))
+        few, many = (
+            np.sum(behind <= share * TOUCHING_IN_PITCHES * contact.placement.pitch_mm) for share in (0.999999, 1.000001)
+        )
         assert few <= side.touching.position.size <= many
 
 

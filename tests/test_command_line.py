@@ -247,10 +247,10 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "need each other",
     ),
     "tolerance": (
-        changed(STROKE, "chord_tolerance_mm: 0.005", "chord_tolerance_mm: 0"),
+        changed(PLAIN, "speed_rpm: 1}", "speed_rpm: 1}\nmotion: {law: uniform_crank}\noutput: {chord_tolerance_mm: 0}"),
         "chord_tolerance_mm",
         "output.chord_tolerance_mm",
-        "a number of 1e-05 or over",
+        "a number over 0",
     ),
     "table falls": (changed(TABLE, "[0, 30, 60", "[0, 60, 59"), "59,", "motion.phi1_deg.2", "59 follows 60"),
     "table over a turn": (changed(TABLE, "330]", "361]"), "361]", "motion.phi1_deg.11", "361 is outside the cycle"),

@@ -52,7 +52,7 @@ ALIKE = 1.02
 A gear that repeats itself fits as often as it has lobes, and its noise must not choose among them.
 """
 
-ROUNDING_MM = 1e-9
+ROUNDING_IN_MODULES = 3e-10
 """What rounding leaves of the distances of exact points."""
 
 STEP_TOLERANCE = 1e-11
@@ -111,7 +111,8 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
     )
     fits = [fit for fit in tried if fit is not None]
     least = min((fit.rms_mm for fit in fits), default=0.0)
-    alike = [fit for fit in fits if fit.rms_mm <= ALIKE * least + ROUNDING_MM]
+    rounding_mm = ROUNDING_IN_MODULES * outline.gear.flanks.rack.module_mm
+    alike = [fit for fit in fits if fit.rms_mm <= ALIKE * least + rounding_mm]
     nearest = min(alike, key=lambda fit: abs(fit.pose.angle_rad), default=None)
     if nearest is not None and rigid:
         nearest = _by_teeth(outline, some, probe_mm, nearest)
