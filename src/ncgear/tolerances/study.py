@@ -157,7 +157,7 @@ def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]
     sources, follower = lot.sources, lot.follower
     count = found.count // (len(sources) + 2)
     turned = dict.fromkeys(INDEXED[:2], follower.radius_mm) | {"motion_error": follower.slope}
-    indices = {}
+    indices: dict[str, tuple[Index, ...]] = {}
     for name in INDEXED:
         values = getattr(found, name).reshape(len(sources) + 2, 1, count)
         if np.ptp(values) <= JAMMED_RAD * float(np.abs(turned.get(name, values)).max()):

@@ -290,8 +290,8 @@ class Output(Model):
     chord_tolerance_mm: Length | None = Field(
         default=None,
         description="greatest distance in mm of a written outline's chords from the exact curve, "
-        f"{FINEST_IN_MODULES:g} to {COARSEST_IN_MODULES:g} modules; left out: {CHORD_MM:g} mm, and {CHORD_IN_MODULES:g} modules where that is "
-        "less",
+        f"{FINEST_IN_MODULES:g} to {COARSEST_IN_MODULES:g} modules; left out: {CHORD_MM:g} mm, and "
+        f"{CHORD_IN_MODULES:g} modules where that is less",
     )
 
     def chord_mm(self, module_mm: float) -> float:

@@ -48,7 +48,7 @@ BEYOND = 0.1
 """How far tools go on beyond what they cut, as a share of the face width, so that no two faces coincide."""
 
 SAME_MM = 1e-7
-"""Distance at which the kernel takes two points as one, whatever the size of what it is given (Precision::Confusion)."""
+"""Distance at which the kernel takes two points as one, whatever the size of what it is given (its confusion)."""
 
 SEWN_MM = 10.0 * SAME_MM
 """Distance at which edges are sewn: both have the same poles, and the kernel's own points stray by 1e-7 mm."""
