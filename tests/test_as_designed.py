@@ -508,7 +508,7 @@ def test_tip_relief_is_a_transmission_error_of_its_own_depth() -> None:
 
 @pytest.mark.parametrize(("amount_mm", "start"), [(0.03, 0.3), (0.004, 0.5)])
 def test_contact_ratio_does_not_count_flanks_that_a_relief_holds_apart(amount_mm: float, start: float) -> None:
-    """Circular gears: a pair touches from where it lags by no more than a micrometre behind the one before it."""
+    """Circular gears: a pair touches from where it lags by no more than what counts as touching behind the one before it."""
     relief = TipRelief(amount_mm, start * MODULE, MODULE)
     contact, pitch = designed("uniform", 25, relief=relief), pi * MODULE
 
@@ -516,7 +516,9 @@ def test_contact_ratio_does_not_count_flanks_that_a_relief_holds_apart(amount_mm
         high = abs(rolled_mm) * sin(ALPHA) * cos(ALPHA)
         return amount_mm * (max(high - relief.start_mm, 0.0) / (MODULE - relief.start_mm)) ** 2
 
-    half = brentq(lambda rolled: lag_mm(rolled) - lag_mm(pitch - rolled) - 1e-3, 0.5 * pitch, pitch)
+    half = brentq(
+        lambda rolled: lag_mm(rolled) - lag_mm(pitch - rolled) - TOUCHING_IN_PITCHES * pitch, 0.5 * pitch, pitch
+    )
     for side in both(contact):
         assert side.pairs.arcs == pytest.approx(2.0 * half / pitch, abs=0.02)
         assert side.simultaneous.mean() == pytest.approx(2.0 * half / pitch, abs=0.06)

@@ -77,7 +77,12 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "unknown key; known are crank_mm, rod_mm, offset_mm and kind",
     ),
     "unknown key of a law": (changed(STROKE, "v2_mm_s", "v2_m_s"), "v2_m_s", "motion.v2_m_s", "did you mean v2_mm_s?"),
-    "unknown top key": (changed(STROKE, "output:", "outputs:"), "outputs:", "outputs", "did you mean output?"),
+    "unknown top key": (
+        STROKE + "\noutputs: {chord_tolerance_mm: 0.004}\n",
+        "outputs:",
+        "outputs",
+        "did you mean output?",
+    ),
     "python name of a key": (changed(STROKE, "  return:", "  return_:"), "return_:", "motion.return_", "mean return?"),
     "missing key": (changed(STROKE, ROD, "# gone"), "linkage:", "linkage.rod_mm", "missing; give it (length of the"),
     "missing top key": (
