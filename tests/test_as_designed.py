@@ -508,7 +508,7 @@ def test_tip_relief_is_a_transmission_error_of_its_own_depth() -> None:
 
 @pytest.mark.parametrize(("amount_mm", "start"), [(0.03, 0.3), (0.004, 0.5)])
 def test_contact_ratio_does_not_count_flanks_that_a_relief_holds_apart(amount_mm: float, start: float) -> None:
-    """Circular gears: a pair touches from where it lags by no more than what counts as touching behind the one before it."""
+    """Circular gears: a pair touches from where it lags no more behind the one before it than counts as touching."""
     relief = TipRelief(amount_mm, start * MODULE, MODULE)
     contact, pitch = designed("uniform", 25, relief=relief), pi * MODULE
 

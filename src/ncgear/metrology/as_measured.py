@@ -3,8 +3,8 @@
 Where a point was measured the outline goes through it.  Between the points of a flank its deviation along the normal is
 interpolated along the outline, and up to the flank's ends it stays that of the nearest point.  Between flanks, at tip
 and root, the outline moves evenly from the one flank's deviation to the other's, unless points were measured there.
-Of a tip land only the middle third counts: a flank that stands back takes the land's ends with it.  Flanks without
-points are as exact.
+Of a tip land only the middle third counts: a flank that stands back takes the land's ends with it.  Points that stand
+alone are left out.  Flanks without points are as exact.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
     """
     feet = fit.feet
     beside_edge = (outline.part[feet.row] == TIP_LAND_CURVE) & (np.abs(feet.share - 0.5) > 1.0 / 6.0)
-    sound = feet.kept(~is_astray(outline, feet) & ~feet.at_end & ~beside_edge)
+    sound = feet.kept(~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge)
     place, moved = sound.place_mm, sound.distance_mm * sound.outwards
     end_place, end_moved = _flank_ends(outline, sound.row, sound.place_mm, sound.distance_mm)
     places, shifts = _in_order(
