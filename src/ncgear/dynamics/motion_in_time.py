@@ -318,7 +318,7 @@ def _joined(machine: ToothedMachine, legs: list[Any]) -> Course:
 def _checked(found: Course) -> Course:
     """The course itself, if its energy balances and its teeth are no deeper in each other than the tables follow."""
     meshing, states = found.machine.meshing, found.at(found.fine_s)
-    meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
+    meshing.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:
         raise _unbalanced(found)
     return found
