@@ -131,6 +131,10 @@ class ToothForces:
     loss_n_mm_s: Array
 
 
+TOO_WEAK = "gears.face_width_mm"
+"""The key of teeth whose own stiffness is too small for their load."""
+
+
 @dataclass(frozen=True, eq=False)
 class Meshing:
     """A law, the pairs of teeth that keep it, and how they bear load.
@@ -158,7 +162,7 @@ class Meshing:
             f"at phi1 = {in_words(angle)} the load presses the driven gear {pressed:.3g} rad into the driving one, "
             "deeper than their teeth can be followed into each other; "
             f"{'a greater stiffness or less load is needed' if self.stiffness_key else cure}",
-            key=self.stiffness_key or "gears.face_width_mm",
+            key=self.stiffness_key or TOO_WEAK,
         )
 
     def stiffened(self, factor: float) -> Meshing:
