@@ -196,7 +196,7 @@ def _begun(drive: Drive) -> Sized:
 
 @dataclass(eq=False)
 class _Search:
-    """What is known so far: all gears that were computed, first those it began with, and the numbers of teeth refused."""
+    """What is known so far: all gears that were computed, first those it began with, and what teeth were refused."""
 
     drive: Drive
     space: Space

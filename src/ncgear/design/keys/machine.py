@@ -193,7 +193,9 @@ class TurningLoad(Load):
         default=None, description="coefficients of the torque in N m, in rising powers of the output's angle in rad"
     )
     table: TorqueTable | None = Field(
-        default=None, description="the torque point by point; it keeps its end values beyond the table's ends"
+        default=None,
+        description="the torque point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it "
+        "keeps its end values beyond the table's ends",
     )
     expression_n_m: Expression | None = Field(
         default=None,
@@ -219,7 +221,9 @@ class StrokeForce(Load):
         default=None, description="coefficients of the force in N, in rising powers of the displacement in mm"
     )
     table: ResistanceTable | None = Field(
-        default=None, description="the force point by point; it keeps its end values beyond the table's ends"
+        default=None,
+        description="the force point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it "
+        "keeps its end values beyond the table's ends",
     )
     expression_n: Expression | None = Field(
         default=None,
