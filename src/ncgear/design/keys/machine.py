@@ -194,8 +194,8 @@ class TurningLoad(Load):
     )
     table: TorqueTable | None = Field(
         default=None,
-        description="the torque point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it "
-        "keeps its end values beyond the table's ends",
+        description="the torque point by point, joined by monotone cubics (PCHIP), which never overshoot the points; "
+        "it keeps its end values beyond the table's ends",
     )
     expression_n_m: Expression | None = Field(
         default=None,

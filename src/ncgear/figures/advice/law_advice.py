@@ -265,8 +265,8 @@ def concave(drive: Drive, gear: Gear) -> Advice | None:
 def stretches_in_words(stretches_deg: Sequence[tuple[float, float]], period_deg: float) -> str:
     """Stretches of the driving angle within a period in whole degrees, or in as many digits as tell their ends apart.
 
-    One that goes on over the end of the period is one: 350..20.  What is too narrow for six decimals is left out, unless
-    nothing else is there.
+    One that goes on over the end of the period is one: 350..20.  What is too narrow for six decimals is left out,
+    unless nothing else is there.
     """
     told = [one for one in stretches_deg if fixed(one[0], MOST_DECIMALS) != fixed(one[1], MOST_DECIMALS)]
     told = told or list(stretches_deg)
