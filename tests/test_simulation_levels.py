@@ -254,10 +254,10 @@ def test_a_band_that_cannot_be_followed_says_so(run: Run) -> None:
     """At the edge of what teeth can be pressed into each other, teeth of 0.7 times the stiffness are beyond it."""
     load = HEAD.replace("[400]", "[40000]")
     status = 3
-    for stiffness in (30e3, 40e3, 52e3, 68e3, 88e3):
+    stiffness = 6e4
+    while status == 3 and stiffness < 3e6:
+        stiffness *= 1.35
         status, out, _ = run(f"{load}simulation: {{stiffness_n_mm: {stiffness:g}}}\n", "quasi_static")
-        if status == 0:
-            break
     assert status == 0
     softer = simulated("here")["band_of_stiffness"]["softer"]
     assert "not_followed" in softer

@@ -295,9 +295,8 @@ def test_the_dynamic_factors_of_the_page_are_those_of_the_designs(monkeypatch: p
 @pytest.mark.thorough
 def test_teeth_too_weak_to_be_rated_are_refused_by_their_own_key(run: Run) -> None:
     """The simulation has no part in it: the file has no such section."""
-    weak = HEAD.replace("face_width_mm: 16", "face_width_mm: 0.02")
-    assert weak != HEAD
-    status, _, err = on_text(run, "strength")(weak)
+    weak = f"{HEAD}gears: {{teeth: 21, module_mm: 0.4, face_width_mm: 0.5}}\nresistance: {{polynomial_n: [30000]}}\n"
+    status, _, err = run(weak)
     assert status == 3
     assert ": gears.face_width_mm: " in err
     assert "simulation" not in err
