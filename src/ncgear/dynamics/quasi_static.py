@@ -36,7 +36,8 @@ where all torques are next to nothing."""
 
 
 TOUCHING_MM = 1e-10
-"""Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears."""
+"""Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears.  It is a
+length, since no teeth are so small: an atom is a thousand times as wide."""
 
 
 @dataclass(frozen=True, eq=False)
