@@ -225,7 +225,7 @@ def test_a_load_too_heavy_for_the_teeth_is_refused(run: Run) -> None:
         HEAD + "simulation: {stiffness_n_mm: 100, friction: {static: 0, dynamic: 0}}\n", "quasi_static"
     )
     assert status == 3
-    assert "simulation: " in err
+    assert ": simulation.stiffness_n_mm: " in err
     assert "deeper than their teeth can be followed" in err
 
 
