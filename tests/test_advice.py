@@ -18,7 +18,7 @@ from ncgear.design.laws.registry import LawName
 from ncgear.design.machines import MachineName
 from ncgear.design.reading.design_file import parsed
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.law_advice import NO_BORE, crank_pin
+from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, stretches_in_words
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
 from ncgear.figures.advice.verdict import Known, judged
 from ncgear.project.best_law import BestLaw
@@ -432,3 +432,18 @@ def test_a_gentler_law_is_not_advised_where_it_would_miss_a_wish_that_is_kept() 
         wished = drive_of(merged(data, {"wishes": {"time_ratio": {"at_least": least}}}))
         (advice,) = (one for one in judged(wished, Known.MOTION).advices if one.kind is Kind.RATIO_RANGE)
         assert len([one for one in advice.remedies if "swing" in one.text]) == count
+
+
+@pytest.mark.parametrize(
+    ("stretches", "said"),
+    [
+        ([(71.2, 110.4)], "71..110"),
+        ([(0.0, 12.6), (100.0, 140.2), (351.0, 360.0)], "100..140, 351..13"),
+        ([(359.72, 360.0)], "359.7..360.0"),
+        ([(20.0, 45.0), (359.9999999999, 360.0)], "20..45"),
+        ([(0.0, 0.004), (30.0, 80.0)], "0.000..0.004, 30..80"),
+    ],
+)
+def test_stretches_are_told_by_ends_that_differ(stretches: list[tuple[float, float]], said: str) -> None:
+    """Where one goes on over the end of the period it is one; slivers of rounding are none."""
+    assert stretches_in_words(stretches, 360.0) == said

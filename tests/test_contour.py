@@ -22,8 +22,8 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.teeth import contour as splines
 from ncgear.teeth.contour import (
     DEGREE,
-    SAME_MM,
-    SHORTEST_MM,
+    SAME_IN_MODULES,
+    SHORTEST_IN_MODULES,
     SPANS,
     Arc,
     Contour,
@@ -222,13 +222,16 @@ def quarter(off: float = 0.0) -> Array:
 
 
 def test_points_on_a_line_or_a_circle_make_one() -> None:
-    straight, round_ = line_or_arc(np.linspace([0.0, 1.0], [2.0, 5.0], 9), SAME_MM), line_or_arc(quarter(), SAME_MM)
+    straight, round_ = (
+        line_or_arc(np.linspace([0.0, 1.0], [2.0, 5.0], 9), SAME_IN_MODULES),
+        line_or_arc(quarter(), SAME_IN_MODULES),
+    )
     assert straight is not None
     assert isinstance(straight[0], Line)
     assert round_ is not None
     assert isinstance(round_[0], Arc)
     for off, found in ((0.5, True), (2.0, False)):
-        assert (line_or_arc(quarter(off * SAME_MM), SAME_MM) is not None) is found
+        assert (line_or_arc(quarter(off * SAME_IN_MODULES), SAME_IN_MODULES) is not None) is found
 
 
 def test_a_slot_as_a_polygon_becomes_its_lines_and_arcs() -> None:
@@ -248,7 +251,7 @@ def test_a_slot_as_a_polygon_becomes_its_lines_and_arcs() -> None:
 def test_a_gap_between_curves_is_a_fault() -> None:
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     closed: list[Curve] = [Line(a, b) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
-    assert len(_joined(closed)) == 3
-    moved = Line(corners[0], corners[1] + [0.0, 3.0 * SHORTEST_MM])
+    assert len(_joined(closed, 1.0)) == 3
+    moved = Line(corners[0], corners[1] + [0.0, 3.0 * SHORTEST_IN_MODULES])
     with pytest.raises(RuntimeError, match="mm apart where they should meet"):
-        _joined([moved, *closed[1:]])
+        _joined([moved, *closed[1:]], 1.0)

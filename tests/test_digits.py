@@ -190,7 +190,7 @@ def test_no_text_rounds_a_figure_past_the_check_that_it_is_finite() -> None:
         lambda value: told("peak_power_w", value),
         lambda value: told("residual_rad", value),
         lambda value: told("concave_driven_rad", [[0.0, value]]),
-        lambda value: written(np.array([1.0, value])),
+        lambda value: written(np.array([1.0, value]), 6),
     ],
 )
 def test_no_way_of_rounding_tells_what_is_no_number(way: Callable[[float], object], wrong: float) -> None:

@@ -164,6 +164,6 @@ _MACHINE = """\
 #       peak_speed_mm_s: 2100
 #       compression_speed_mm_s: 820
 
-output:
-  chord_tolerance_mm: 0.005   # greatest distance of an outline's chords from the exact curve
+# output:
+#   chord_tolerance_mm: 0.005   # greatest distance of an outline's chords from the exact curve
 """

@@ -295,6 +295,11 @@ def _leg(
         "max_step": way_rad / max(abs(float(state[3])), machine.drive.speed_rad_s),
     }
     leg = solve_ivp(machine.change, span_s, state, method, dense_output=True, events=events, **limits)
+    if leg.status < 0 and machine.meshing.stiffness_key:
+        raise NoSuchMechanism(
+            "the motion of teeth so stiff cannot be followed in time; a smaller stiffness is right",
+            key=machine.meshing.stiffness_key,
+        )
     if leg.status < 0:
         raise ArithmeticError(f"the motion could not be integrated: {leg.message}")
     return leg
@@ -318,7 +323,7 @@ def _joined(machine: ToothedMachine, legs: list[Any]) -> Course:
 def _checked(found: Course) -> Course:
     """The course itself, if its energy balances and its teeth are no deeper in each other than the tables follow."""
     meshing, states = found.machine.meshing, found.at(found.fine_s)
-    meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
+    meshing.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:
         raise _unbalanced(found)
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from math import isfinite
+from math import floor, isfinite, log10
 from typing import Any
 
 
@@ -38,15 +38,33 @@ A nanometre of a metre is 1e-9 rad; the inertia of a small part is a few 1e-9 kg
 """
 
 
+NOTHING_MM = 1e-9
+"""A length of which nothing is drawn: far below the smallest teeth, and above the rounding errors of a metre."""
+
+
 def rounded(value: float, decimals: int) -> float:
     """The value to so many decimals; a zero has no sign.  ArithmeticError for no finite number."""
     return round(float(finite(value, "a figure")), decimals) + 0.0
 
 
 def drawn(value: float, unit: str) -> str:
-    """A size as a drawing gives it: to the decimals that its unit has there, without needless zeros."""
+    """A size as a drawing gives it: to the decimals that its unit has there, without needless zeros.
+
+    Lengths of less than a tenth of a millimetre have four digits.
+    """
     decimals = DRAWN_DECIMALS.get(unit, NOISE)
+    if unit == "mm" and abs(value) > NOTHING_MM:
+        decimals = max(decimals, 3 - floor(log10(abs(value))))
     return _plain(f"{rounded(value, decimals):.{decimals}f}")
+
+
+SIZE_DIGITS = 8
+"""Digits of lengths in files, of the largest of them: a micrometre of a kilometre, a nanometre of a metre."""
+
+
+def to_size(value_mm: float, largest_mm: float) -> float:
+    """A length as a file has it: to so many digits as the largest length in it has; rounding errors are 0."""
+    return rounded(value_mm, SIZE_DIGITS - 1 - floor(log10(largest_mm)))
 
 
 def fixed(value: float, decimals: int) -> str:

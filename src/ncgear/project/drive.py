@@ -79,8 +79,8 @@ class Drive(Geared):
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
             refuse_cut_arcs(contact)
-            refuse_overlap(contact, self.design.output.chord_tolerance_mm)
-            refuse_clashing_bodies(contact, teeth, self.design.output.chord_tolerance_mm)
+            refuse_overlap(contact, self.chord_tolerance_mm)
+            refuse_clashing_bodies(contact, teeth, self.chord_tolerance_mm)
             return contact
 
     @computed
@@ -123,7 +123,7 @@ class Drive(Geared):
         """Extremes of the contact of the exact teeth, between its positions as well; raises where teeth overlap."""
         from ncgear.contact.pair import sound_extremes
 
-        designed, tolerance = self.designed_contact, self.design.output.chord_tolerance_mm
+        designed, tolerance = self.designed_contact, self.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
 
@@ -173,7 +173,7 @@ class Drive(Geared):
         designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
         with located(self.places), self.stopwatch("written contact"):
             contact = pair_contact(pitch, teeth, designed, written)
-            refuse_bad_outlines(contact, self.design.output.chord_tolerance_mm)
+            refuse_bad_outlines(contact, self.chord_tolerance_mm)
             return contact
 
     @computed
@@ -268,9 +268,7 @@ class Drive(Geared):
     @computed
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
-        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
-        with self.stopwatch("loaded contact"):
-            return self._loaded_at(phi1)
+        return self._loaded_with(1.0)
 
     @computed
     def loaded_peaks(self) -> LoadedPeaks:
@@ -282,10 +280,21 @@ class Drive(Geared):
         from ncgear.dynamics.quasi_static import loaded_peaks
         from ncgear.project.forces import loaded_places_rad
 
-        places, loaded = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine), self.loaded_contact
+        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
+        loaded = self.loaded_contact if stiffness_factor == 1.0 else self._loaded_with(stiffness_factor)
         at = partial(self._loaded_at, stiffness_factor=stiffness_factor)
         with self.stopwatch("peaks of loaded contact" if stiffness_factor == 1.0 else "band of stiffness"):
             return loaded_peaks(at, places, int(loaded.pairs.max()))
+
+    def _loaded_with(self, stiffness_factor: float) -> LoadedContact:
+        """As ``loaded_contact``, the teeth stiffer by a factor."""
+        from ncgear.dynamics.quasi_static import require_no_wedge
+
+        phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
+        with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
+            found = self._loaded_at(phi1, stiffness_factor)
+            require_no_wedge(self.meshing, found, self.rigid.machine.at(phi1).driven_torque.value)
+            return found
 
     @computed
     def course(self) -> Course:

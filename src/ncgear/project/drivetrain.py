@@ -97,7 +97,7 @@ def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) 
     rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
     demand = Demand(cycle, losses, rotor_kg_mm2)
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
-    missing = needed - rigid.machine.masses.driving_inertia_kg_mm2 - rotor_kg_mm2
+    missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - rotor_kg_mm2
     diameter = given.flywheel_diameter_mm
     return DrivetrainResult(
         wanted=wanted,

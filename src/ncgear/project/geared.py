@@ -72,6 +72,11 @@ class Geared(Moving):
             return sized_pair(transmission, *size, Mesh(gears.mesh), reach_in_pitches(gears))
 
     @property
+    def chord_tolerance_mm(self) -> float:
+        """How far chords of outlines may be from the exact curves; raises WrongInput where that is no gear any more."""
+        return self.design.output.chord_mm(self.pitch.size.module_mm)
+
+    @property
     def turns_crank(self) -> bool:
         """Whether its driven shaft turns a crank with a pin: not that of the first of two pairs in series."""
         return self.stage in (None, self.design.stages) and entry_of(self.design.linkage).has_crank_pin
@@ -120,7 +125,7 @@ class Geared(Moving):
 
         pitch, form = self.pitch, self.tooth_form
         with self.stopwatch("teeth"):
-            return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
+            return toothed_pair(pitch, form, self.chord_tolerance_mm)
 
     @computed
     def pumped(self) -> Pumped | None:
@@ -165,7 +170,7 @@ class Geared(Moving):
         from ncgear.solids.helical.sections import Sections, least_section_contact
 
         assert self.helix is not None
-        pitch, form, tolerance = self.pitch, self.tooth_form, self.design.output.chord_tolerance_mm
+        pitch, form, tolerance = self.pitch, self.tooth_form, self.chord_tolerance_mm
         return least_section_contact(Sections(pitch, form, self.helix, tolerance))
 
     @computed
@@ -173,7 +178,7 @@ class Geared(Moving):
         """Both gears as closed meshes."""
         from ncgear.project.gear_solids import crank_pin_hole, helical_solids, straight_solids
 
-        gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
+        gears, pitch, tolerance = self.gears, self.pitch, self.chord_tolerance_mm
         crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
         if self.helix is not None:
             form = self.tooth_form
@@ -188,7 +193,7 @@ class Geared(Moving):
         """The bodies of both gears as they come out, whatever the process wants of the files."""
         from ncgear.project.gear_solids import crank_pin_hole, finished, finished_plans, helical_solids
 
-        gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
+        gears, pitch, tolerance = self.gears, self.pitch, self.chord_tolerance_mm
         crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
         if self.helix is None:
             teeth = self.teeth
@@ -212,7 +217,7 @@ class Geared(Moving):
 
         if self.helix is not None or self.gears.process_clearance_mm != 0.0:
             return None
-        tolerance = CURVES_SHARE * self.design.output.chord_tolerance_mm
+        tolerance = CURVES_SHARE * self.chord_tolerance_mm
         return {gear: arc_outline(self.teeth.of(gear), tolerance) for gear in Gear}
 
     if TYPE_CHECKING:

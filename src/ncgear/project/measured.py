@@ -100,7 +100,7 @@ def cut_gears(drive: Geared) -> tuple[CutGear, CutGear]:
     helix = "" if drive.helix is None else "herringbone" if drive.helix.herringbone else "helical"
 
     def of(gear: Gear) -> CutGear:
-        largest = round_tool(drive.teeth.of(gear), drive.design.output.chord_tolerance_mm)
+        largest = round_tool(drive.teeth.of(gear), drive.chord_tolerance_mm)
         return CutGear(gear, largest, tuple(cut_by(drive.pitch, drive.teeth, gear, largest, helix=helix)))
 
     return of(Gear.DRIVING), of(Gear.DRIVEN)
@@ -115,11 +115,11 @@ def measured_section(drive: Geared) -> ToothedPair:
     if drive.helix is None:
         return drive.teeth
     advance = drive.helix.advance_mm(drive.helix.rise_mm / 2.0)
-    return toothed_pair(drive.pitch, drive.tooth_form, drive.design.output.chord_tolerance_mm, advance_mm=advance)
+    return toothed_pair(drive.pitch, drive.tooth_form, drive.chord_tolerance_mm, advance_mm=advance)
 
 
 def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
-    tolerance = drive.design.output.chord_tolerance_mm
+    tolerance = drive.chord_tolerance_mm
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
     limits = thickness_limits_mm(drive.gears)
     return MeasuredGear(gear, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits)

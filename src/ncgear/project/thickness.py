@@ -43,7 +43,7 @@ def thickness_band(pair: Geared, contact: AsDesigned, extremes: ContactExtremes)
 
 
 def _at(pair: Geared, deviation_mm: float) -> AtThickness:
-    pitch, form, tolerance_mm = pair.pitch, pair.tooth_form, pair.design.output.chord_tolerance_mm
+    pitch, form, tolerance_mm = pair.pitch, pair.tooth_form, pair.chord_tolerance_mm
     backlash = replace(form.backlash, thickness_mm=(deviation_mm, deviation_mm))
     teeth = toothed_pair(pitch, replace(form, backlash=backlash), tolerance_mm)
     contact = as_designed(teeth, placed(pitch))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import cos, degrees, floor, radians
+from collections.abc import Callable, Sequence
+from math import cos, degrees, floor, isclose, radians
 
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
@@ -267,7 +267,7 @@ def concave(drive: Drive, gear: Gear) -> Advice | None:
     if radius is None:
         return None
     stretches = tuple((degrees(a), degrees(b)) for a, b in drive.pitch.concave_ranges(gear))
-    named = ", ".join(f"{fixed(a, 0)}..{fixed(b, 0)}" for a, b in stretches)
+    named = stretches_in_words(stretches, degrees(drive.pitch.transmission.lobes.driving_period_rad))
     return Advice(
         Kind.CONCAVE,
         (Where(gear.value, angles_deg=stretches),),
@@ -278,6 +278,29 @@ def concave(drive: Drive, gear: Gear) -> Advice | None:
         _convex(drive, gear),
         brief=f"the {gear.value} gear is concave and no hob cuts it: wire, mill, print or shape it",
     )
+
+
+def stretches_in_words(stretches_deg: Sequence[tuple[float, float]], period_deg: float) -> str:
+    """Stretches of the driving angle within a period in whole degrees, or in as many digits as tell their ends apart.
+
+    One that goes on over the end of the period is one: 350..20.  What is too narrow for six decimals is left out,
+    unless nothing else is there.
+    """
+    told = [one for one in stretches_deg if fixed(one[0], MOST_DECIMALS) != fixed(one[1], MOST_DECIMALS)]
+    told = told or list(stretches_deg)
+    if len(told) > 1 and told[0][0] == 0.0 and isclose(told[-1][1], period_deg):
+        told = [*told[1:-1], (told[-1][0], told[0][1])]
+    return ", ".join(map(_stretch, told))
+
+
+MOST_DECIMALS = 6
+"""Decimals of degrees in words: far below what any gear shows."""
+
+
+def _stretch(ends_deg: tuple[float, float]) -> str:
+    decimals = (count for count in range(MOST_DECIMALS) if len({fixed(end, count) for end in ends_deg}) > 1)
+    count = next(decimals, MOST_DECIMALS)
+    return "..".join(fixed(end, count) for end in ends_deg)
 
 
 def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:

@@ -74,13 +74,14 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             loaded, band = figures["loaded_contact"], figures["band_of_stiffness"]
             shares = [one["stiffness_factor"] for one in (band["softer"], band["stiffer"])]
             heads = "as computed", *(f"stiffness x {share:g}" for share in shares)
-            rows = [row(key, loaded[key], band["softer"][key], band["stiffer"][key]) for key in IN_BAND]
-            rows += [row(key, loaded[key]) for key in LOADED]
+            rows = [row(key, loaded[key], *(one.get(key) for one in band.values())) for key in IN_BAND]
+            rows += [row(key, loaded[key]) for key in LOADED] + _not_followed(band)
         case Level.DYNAMIC:
             sections = drive.linkage.OUTPUT.name.replace(" ", "_"), "bearings"
             told = [_told(figures[section]) for section in sections]
             rows = [one for part in told for one in part]
             rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
+            faults = [*faults, *_not_followed(figures["band_of_stiffness"])]
     return Answer(
         head_of(drive),
         tuple(rows),
@@ -91,6 +92,15 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
         not_judged=verdict.not_judged,
         then=AFTER[level].format(file=file) if drive.design.gears is not None else "",
     )
+
+
+def _not_followed(band: Mapping[str, Any]) -> list[Row]:
+    """What is said of a band of stiffness that could not be computed to one side."""
+    return [
+        Row("band", (f"with {one['stiffness_factor']:g} times their stiffness the teeth cannot be followed",))
+        for one in band.values()
+        if "not_followed" in one
+    ]
 
 
 def _compared(own: Mapping[str, Any], other: Mapping[str, Any]) -> list[Row]:

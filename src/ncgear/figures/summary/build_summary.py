@@ -210,7 +210,7 @@ def _free_of_undercut(drive: Drive) -> dict[str, Any]:
 
 
 DECIMALS = 9
-"""Decimals of shifts that are told: a millionth of a micrometre is rounding."""
+"""Decimals of shifts that are told, in modules: what comes after is rounding."""
 
 
 def _flank_angles(drive: Drive) -> dict[str, Any]:
@@ -226,7 +226,7 @@ def _shifts(drive: Drive) -> dict[str, Any]:
         if not drive.teeth.driving.flanks.has_own_shifts:
             result[f"profile_shift_{name}_mm"] = flanks.rack.shift_mm
             continue
-        shift = np.round(flanks.full_tip_mm[::2] - rack.addendum_mm, DECIMALS)
+        shift = rack.module_mm * np.round((flanks.full_tip_mm[::2] - rack.addendum_mm) / rack.module_mm, DECIMALS)
         result[f"profile_shift_{name}_mm"] = shift.tolist()
         result[f"tooth_thickness_{name}_mm"] = thickness_mm(rack.module_mm, shift, rack.angles_rad).tolist()
     return result

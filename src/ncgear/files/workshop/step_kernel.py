@@ -64,13 +64,13 @@ def solids_of_drive(drive: Drive) -> dict[Gear, ExactSolid]:
     drive.require_sound_teeth()
     if drive.helix is None:
         return {gear: _straight(drive, gear) for gear in Gear}
-    sections = Sections(drive.pitch, drive.tooth_form, drive.helix, drive.design.output.chord_tolerance_mm)
+    sections = Sections(drive.pitch, drive.tooth_form, drive.helix, drive.chord_tolerance_mm)
     return {gear: _helical(drive, sections, drive.helix, gear) for gear in Gear}
 
 
 def _straight(drive: Drive, gear: Gear) -> ExactSolid:
     own = drive.teeth.of(gear)
-    contour = contour_of(own, CURVES_SHARE * drive.design.output.chord_tolerance_mm)
+    contour = contour_of(own, CURVES_SHARE * drive.chord_tolerance_mm)
     plan = drive.solids.of(gear).plan
     if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
         return ExactSolid(gear_shape(contour, plan), contour.deviation_mm)
@@ -79,7 +79,7 @@ def _straight(drive: Drive, gear: Gear) -> ExactSolid:
 
 
 def _helical(drive: Drive, sections: Sections, helix: Helix, gear: Gear) -> ExactSolid:
-    patches = patches_of(sections, gear, CURVES_SHARE * drive.design.output.chord_tolerance_mm)
+    patches = patches_of(sections, gear, CURVES_SHARE * drive.chord_tolerance_mm)
     shape = helical_gear_shape(patches, drive.solids.of(gear).plan, herringbone=helix.herringbone)
     return ExactSolid(shape, patches.deviation_mm)
 

@@ -29,7 +29,7 @@ GAUSS_POINTS = 8
 """Points of the quadrature between the heights of two corners of the hole's polygon."""
 
 LEVEL_DIGITS = 9
-"""Corners of the hole's polygon whose heights in mm agree to this many decimals are at one height."""
+"""Corners of the hole's polygon whose heights, as shares of the greatest, agree to so many decimals are at one."""
 
 
 def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
@@ -92,7 +92,8 @@ def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
     """Ends of the line across a convex ring (n, 2) at each Gauss point of its height, with the point's weight."""
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     start, end = ring, np.roll(ring, -1, axis=0)
-    for low, high in pairwise(distinct(np.round(ring[:, 1], LEVEL_DIGITS))):
+    top = float(np.abs(ring[:, 1]).max())
+    for low, high in pairwise(top * distinct(np.round(ring[:, 1] / top, LEVEL_DIGITS))):
         half = (high - low) / 2.0
         for height, weight in zip(low + half * (1.0 + nodes), half * weights, strict=True):
             crossing = (start[:, 1] > height) != (end[:, 1] > height)

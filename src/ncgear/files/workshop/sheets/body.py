@@ -23,7 +23,8 @@ from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedGear
 
 STRAY_MM = 0.004
-"""How far lines of a drawing may be from those of the outline's table, which itself keeps the chord tolerance."""
+"""How far lines of a drawing may be from those of the outline's table, which itself keeps the chord tolerance: in mm of
+paper where the gear is enlarged."""
 
 ARC_STEP_RAD = np.radians(3.0)
 """Largest angle between points of an arc that is drawn in chords: 0.003 mm off on a radius of 10 mm."""
@@ -94,7 +95,7 @@ def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[
     """The lines of a shape."""
     match shape:
         case Polyline():
-            ring = shapely.simplify(shapely.LinearRing(flattened(shape)), STRAY_MM)
+            ring = shapely.simplify(shapely.LinearRing(flattened(shape)), STRAY_MM / max(view.scale, 1.0))
             yield Line(view.on_paper(shapely.get_coordinates(ring)[:-1]), pen, closed=True, name=name)
         case Circle():
             x, y = view.on_paper(np.array([shape.x_mm, shape.y_mm])).tolist()
