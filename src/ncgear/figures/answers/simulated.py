@@ -81,7 +81,7 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             told = [_told(figures[section]) for section in sections]
             rows = [one for part in told for one in part]
             rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
-            faults = [*faults, *_not_followed(figures["band_of_stiffness"])]
+            rows += _not_followed(figures["band_of_stiffness"])
     return Answer(
         head_of(drive),
         tuple(rows),
