@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import degrees
+from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.numbers import five_digits, fixed, to_digits
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
-from ncgear.project.drivetrain import MotorResult, PowerTakeOffResult, ShaftResult
+
+if TYPE_CHECKING:
+    from ncgear.project.drivetrain import MotorResult, PowerTakeOffResult, ShaftResult
 
 LEAST_SAFETY = 1.2
 """Safety that DIN 743 asks for at least, since its figures scatter."""

@@ -11,11 +11,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from textwrap import shorten, wrap
+from typing import TYPE_CHECKING
 
-from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.frozen import dataclass
+
+if TYPE_CHECKING:
+    from ncgear.figures.advice.verdict import Verdict
 
 LINES, COLUMNS = 24, 100
 """One screen: a terminal opens with 24 lines, and a hundred characters are what a line can have and still be read at a
