@@ -13,7 +13,7 @@ from math import degrees
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, searched_for
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
@@ -281,7 +281,8 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
 
     met = (tip > 0.0) & (excess(high, np.arange(which.size)) >= 0.0) & ~lost
     rows, height = np.nonzero(met)[0], np.full(which.size, np.nan)
-    height[rows] = zeros_between(lambda trial: excess(trial, rows), np.zeros(rows.size), high[rows])
+    with searched_for(lambda row: flank_name(flanks, int(which[rows[row]])), "gears.teeth"):
+        height[rows] = zeros_between(lambda trial: excess(trial, rows), np.zeros(rows.size), high[rows])
     height[lost] = np.nan
     sigma = _foot(flanks, which, height)[0]
     return height, sigma, np.isfinite(height) & np.isfinite(sigma)
@@ -369,7 +370,8 @@ def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
     thick = excess(low)
     if not np.all(thick > 0.0):
         raise no_tip(flanks, int(back[~(thick > 0.0)][0]))
-    return zeros_between(excess, low, high, (thick, excess(high)))
+    with searched_for(lambda row: flank_name(flanks, int(back[row])), "gears.teeth"):
+        return zeros_between(excess, low, high, (thick, excess(high)))
 
 
 def _land(flanks: Flanks, back: IndexArray) -> Array:

@@ -13,9 +13,11 @@ import numpy as np
 
 from ncgear.contact.designed.curves import SidePaths
 from ncgear.contact.placement import BACK, PUSHING, Meetings
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along, as_complex, square
+from ncgear.teeth.flank import flank_name
 
 
 @dataclass(frozen=True)
@@ -155,7 +157,7 @@ class _Lands:
 def _tip_lands(paths: SidePaths) -> _Lands:
     """The tips of all teeth; a pointed one has no width.
 
-    Raises ArithmeticError where the point of the pitch curve that a pointed tooth's tip stands over is not found.
+    Raises Unanswered where the point of the pitch curve that a pointed tooth's tip stands over is not found.
     """
     foot, unturned = paths.sides.tip_mm, paths.corner[:, 0] * np.exp(-1j * paths.flanks.turn_rad)
     for _ in range(FOOT_STEPS):
@@ -166,7 +168,8 @@ def _tip_lands(paths: SidePaths) -> _Lands:
         if np.all(np.abs(step) <= FOOT_IN_MODULES * paths.flanks.rack.module_mm):
             return _Lands(foot - paths.flanks.crossing_mm, np.repeat(foot[1::2] - foot[0::2], 2), height)
         foot = foot + step
-    raise ArithmeticError("the foot of a tooth's tip on the pitch curve was not found")
+    flank = int(np.argmax(np.abs(step)))
+    raise Unanswered(f"{flank_name(paths.flanks, flank)}: the foot of its tip on the pitch curve was not found")
 
 
 def _root_lands(paths: SidePaths) -> _Lands:
