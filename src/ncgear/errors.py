@@ -1,8 +1,9 @@
 """The ways in which a design can fail, each with its exit status, and how an error gets its place in a file.
 
 Code that finds a fault knows at most the key of the wrong value.  It raises ``WrongInput`` or ``NoSuchMechanism`` with
-that key, and ``Unanswered`` where numbers do not tell whether there is a fault.  Code that works on one group of keys runs inside ``below``, which completes the key.  Code that knows the
-file calls it inside ``located``, which adds file, line and column.  An error that already has a place keeps it.
+that key, and ``Unanswered`` where numbers do not tell.  Code that works on one group of keys runs inside ``below``,
+which completes the key.  Code that knows the file calls it inside ``located``, which adds file, line and column.  An
+error that already has a place keeps it.
 """
 
 from __future__ import annotations
