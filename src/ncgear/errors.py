@@ -44,14 +44,12 @@ class NoSuchMechanism(DesignError):
     exit_status = 3
 
 
-class Unanswered(DesignError):
+class Unanswered(NoSuchMechanism):
     """The file is right, but numbers do not tell whether its mechanism exists: a search of ncgear found no answer.
 
-    It refuses a design as ``NoSuchMechanism`` does, and a change of a design that ends so does not help.  ``rows`` are
-    the numbers of the searches that failed, of many at once; whoever knows what these stand for names it.
+    Whoever tries a change of a design, or another way to make it, goes on to the next as after any refusal.  ``rows``
+    are the numbers of the searches that failed, of many at once; whoever knows what these stand for names it.
     """
-
-    exit_status = 3
 
     def __init__(self, problem: str, *, key: str = "", location: str = "", rows: Sequence[int] = ()) -> None:
         super().__init__(problem, key=key, location=location)

@@ -18,7 +18,7 @@ from time import process_time
 from typing import assert_never
 
 from ncgear.design.keys.gears import MOST_TEETH
-from ncgear.errors import DesignError, NoSuchMechanism, Unanswered, WrongInput, located
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.jet import Jet
@@ -183,7 +183,7 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
             require_pushing_flanks(pair.pitch, pair.gears.rack)
     try:
         require_made(drive)
-    except (NoSuchMechanism, Unanswered) as error:
+    except NoSuchMechanism as error:
         return error
     except WrongInput as error:
         fitted = fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
