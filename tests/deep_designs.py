@@ -25,7 +25,7 @@ def _waves(rng: np.random.Generator) -> tuple[list[int], list[float], list[float
 
 
 def _motion(rng: np.random.Generator, driving: int, driven: int) -> Data:
-    """A law of as many lobes: mostly a sum of waves as ratio or as its logarithm, else an ellipse."""
+    """A law of as many lobes: mostly waves as ratio or as its logarithm, or an ellipse; shapes have one lobe."""
     kind = rng.integers(0, 8)
     if kind == 0:
         return {"law": "ellipse", "eccentricity": float(f"{rng.uniform(0.1, 0.75):.4f}")}
@@ -34,9 +34,26 @@ def _motion(rng: np.random.Generator, driving: int, driven: int) -> Data:
         corner = float(f"{rng.uniform(2.0, 25.0):.2f}")
         shape = {"sides": sides, "side_mm": 100.0, "corner_radius_mm": corner}
         return {"law": "pitch_curve", "rounded_polygon": shape, "solve_for": "scale"}
+    if kind == 2:
+        return {
+            "law": "pitch_curve",
+            "points": _traced(rng),
+            "solve_for": str(rng.choice(["scale", "center_distance"])),
+        }
     waves = " + ".join(f"{a}*sin({n * driving}*phi + {p})" for n, a, p in zip(*_waves(rng), strict=True))
     form = f"1 + {waves}" if kind < 6 else f"exp({waves})"
     return {"law": "ratio_expression", "ratio": f"{driven}/{driving}*({form})", "scale_to_close": True}
+
+
+def _traced(rng: np.random.Generator) -> Data:
+    """A wavy round outline as a picture gives it: points that are some tenths of a millimetre off."""
+    angle = np.linspace(0.0, 2.0 * pi, int(rng.integers(40, 160)), endpoint=False)
+    radius = 40.0 + rng.normal(0.0, float(rng.choice([0.01, 0.1])), angle.size)
+    for order, size, phase in zip(*_waves(rng), strict=True):
+        radius += 12.0 * size * np.sin(order * angle + phase)
+    points = np.round(radius * np.array([np.cos(angle), np.sin(angle)]), 2)
+    tolerance = float(rng.choice([0.02, 0.1, 0.3]))
+    return {"x_mm": points[0].tolist(), "y_mm": points[1].tolist(), "tolerance_mm": tolerance}
 
 
 def deep_design(number: int) -> Data:
