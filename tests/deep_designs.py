@@ -35,11 +35,7 @@ def _motion(rng: np.random.Generator, driving: int, driven: int) -> Data:
         shape = {"sides": sides, "side_mm": 100.0, "corner_radius_mm": corner}
         return {"law": "pitch_curve", "rounded_polygon": shape, "solve_for": "scale"}
     if kind == 2:
-        return {
-            "law": "pitch_curve",
-            "points": _traced(rng),
-            "solve_for": str(rng.choice(["scale", "center_distance"])),
-        }
+        return {"law": "pitch_curve", "points": _traced(rng), "solve_for": "scale"}
     waves = " + ".join(f"{a}*sin({n * driving}*phi + {p})" for n, a, p in zip(*_waves(rng), strict=True))
     form = f"1 + {waves}" if kind < 6 else f"exp({waves})"
     return {"law": "ratio_expression", "ratio": f"{driven}/{driving}*({form})", "scale_to_close": True}
