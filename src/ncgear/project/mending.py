@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from enum import StrEnum
 from functools import partial, reduce
 from itertools import product
-from math import ceil, gcd, radians
+from math import ceil, copysign, gcd, inf, radians
 from operator import or_
 from time import process_time
 from typing import assert_never
@@ -225,7 +225,10 @@ class _Trials:
     def __init__(self, drive: Drive, on_trial: OnTrial, total: int, seconds: float) -> None:
         self._drive, self._on_trial, self._total, self._seconds = drive, on_trial, total, seconds
         self._begun = process_time()
-        self._seconds_per_tooth = 0.0
+        pair = drive.by_stage[0]
+        spent = sum(pair.stopwatch.seconds.get(step, 0.0) for step in ("teeth", "contact"))
+        # Trials take about as long as they have teeth; those that are refused early take less.
+        self._per_tooth = spent / pair.pitch.size.driving_teeth
         self.failed: list[Way] = []
         self.is_whole = True
 
@@ -240,17 +243,18 @@ class _Trials:
 
     def fewest(self) -> Mend | None:
         """The least number of teeth that works: the number before it does not, unless time ends the search earlier."""
-        lobes, pair = self._drive.by_stage[0].transmission.lobes, self._drive.by_stage[0]
-        each, fitted = lobes.driving // gcd(lobes.driving, lobes.driven), _fitted(self._drive)
-        low = pair.pitch.size.driving_teeth
+        pair, fitted = self._drive.by_stage[0], _fitted(self._drive)
+        lobes, low = pair.transmission.lobes, pair.pitch.size.driving_teeth
+        each = lobes.driving // gcd(lobes.driving, lobes.driven)
         most = min(MOST_FINER * low, MOST_TEETH // each * each)
         high, found = most + each, None
         count = min(_up(max(_teeth_of_notches(pair), FINER_STEP * low), each), most)
         while low < count < high:
-            failed = len(self.failed)
+            if (affordable := self._affordable()) < count:
+                self.is_whole, count = False, int(affordable) // each * each
+                if count <= low:
+                    break
             mend = self.best((Way((Kind.FINER,), fitted | resized(pair, count)),))
-            if mend is None and len(self.failed) == failed:
-                break
             if mend is None:
                 low = count
             else:
@@ -258,15 +262,20 @@ class _Trials:
             count = min(_up(FINER_STEP * low, each), most) if found is None else _up((low + high - each) / 2.0, each)
         return found
 
+    def _affordable(self, share: float = 1.0) -> float:
+        """How many teeth a trial may have that ends within a share of the time."""
+        left = share * self._seconds - (process_time() - self._begun)
+        return left / self._per_tooth if self._per_tooth > 0.0 else copysign(inf, left)
+
     def _sound(self, way: Way, share: float) -> Mend | None:
         """The way where teeth are sound with it.  None where they are not, and where there is no time left to tell."""
         changed = changed_drive(self._drive, way.changes)
-        begun, teeth = process_time(), changed.gears.teeth or 0
-        if begun - self._begun + teeth * self._seconds_per_tooth > share * self._seconds:
+        teeth = changed.gears.teeth or self._drive.by_stage[0].pitch.size.driving_teeth
+        if not teeth <= self._affordable(share):
             self.is_whole = False
             return None
-        sound = _is_sound(changed)
-        self._seconds_per_tooth = (process_time() - begun) / max(teeth, 1)
+        begun, sound = process_time(), _is_sound(changed)
+        self._per_tooth = max(self._per_tooth, (process_time() - begun) / teeth)
         if not sound:
             self.failed.append(way)
         self._on_trial(min(len(self.failed), self._total), self._total)
