@@ -9,10 +9,11 @@ the attributes of a drive only raise.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from enum import StrEnum
 from functools import partial, reduce
 from itertools import product
-from math import ceil, copysign, gcd, inf, radians
+from math import ceil, gcd, radians
 from operator import or_
 from time import process_time
 from typing import assert_never
@@ -20,6 +21,7 @@ from typing import assert_never
 from ncgear.design.keys.gears import MOST_TEETH
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.frozen import dataclass
+from ncgear.interrupts import TimeIsOver, at_most
 from ncgear.numerics import jet
 from ncgear.numerics.jet import Jet
 from ncgear.pitch import shape
@@ -93,8 +95,9 @@ SHIFTED_MODULES = (0.3, -0.3)
 MOST_FINER = 10
 """Most teeth that are tried, divided by the design's: teeth a tenth as large are another pair of gears."""
 
-FINER_STEP = 1.5
-"""By how many times more teeth are tried until a number works, from an estimate on."""
+FINER_STEP, FINER_LEAP = 1.5, 3.0
+"""By how many times more teeth are tried until a number works, from an estimate on, and the most at once: the time
+may not do for a greater leap."""
 
 FINER_TOGETHER = (1.5, 3.0)
 """Numbers of teeth, divided by the design's, that are tried together with another change."""
@@ -225,20 +228,20 @@ class _Trials:
     def __init__(self, drive: Drive, on_trial: OnTrial, total: int, seconds: float) -> None:
         self._drive, self._on_trial, self._total, self._seconds = drive, on_trial, total, seconds
         self._begun = process_time()
-        pair = drive.by_stage[0]
-        spent = sum(pair.stopwatch.seconds.get(step, 0.0) for step in ("teeth", "contact"))
-        # Trials take about as long as they have teeth; those that are refused early take less.
-        self._per_tooth = spent / pair.pitch.size.driving_teeth
         self.failed: list[Way] = []
         self.is_whole = True
 
     def best(self, equals: tuple[Way, ...], share: float = 1.0) -> Mend | None:
-        """Of equal ways that work, that of most contact; within a share of the time."""
-        sound = [mend for way in equals if (mend := self._sound(way, share))]
-        for mend in sorted(sound, key=lambda one: -one.contact_ratio):
-            if _is_made(mend.drive):
-                return mend
-            self.failed.append(mend.way)
+        """Of equal ways that work, that of most contact; None where none does within a share of the time."""
+        try:
+            sound = [mend for way in equals if (mend := self._sound(way, share))]
+            for mend in sorted(sound, key=lambda one: -one.contact_ratio):
+                with self._in_time(share):
+                    require_made(mend.drive)
+                    return mend
+                self.failed.append(mend.way)
+        except TimeIsOver:
+            self.is_whole = False
         return None
 
     def fewest(self) -> Mend | None:
@@ -247,39 +250,40 @@ class _Trials:
         lobes, low = pair.transmission.lobes, pair.pitch.size.driving_teeth
         each = lobes.driving // gcd(lobes.driving, lobes.driven)
         most = min(MOST_FINER * low, MOST_TEETH // each * each)
-        high, found = most + each, None
-        count = min(_up(max(_teeth_of_notches(pair), FINER_STEP * low), each), most)
+        needed, high, found = _teeth_of_notches(pair), most + each, None
+
+        def more(teeth: int) -> int:
+            return min(_up(min(max(needed, FINER_STEP * teeth), FINER_LEAP * teeth), each), most)
+
+        count = more(low)
         while low < count < high:
-            if (affordable := self._affordable()) < count:
-                self.is_whole, count = False, int(affordable) // each * each
-                if count <= low:
-                    break
-            mend = self.best((Way((Kind.FINER,), fitted | resized(pair, count)),))
-            if mend is None:
+            way = Way((Kind.FINER,), fitted | resized(pair, count))
+            mend = self.best((way,))
+            if mend is not None:
+                high, found = count, mend
+            elif way in self.failed:
                 low = count
             else:
-                high, found = count, mend
-            count = min(_up(FINER_STEP * low, each), most) if found is None else _up((low + high - each) / 2.0, each)
+                break
+            count = more(low) if found is None else _up((low + high - each) / 2.0, each)
         return found
 
-    def _affordable(self, share: float = 1.0) -> float:
-        """How many teeth a trial may have that ends within a share of the time."""
-        left = share * self._seconds - (process_time() - self._begun)
-        return left / self._per_tooth if self._per_tooth > 0.0 else copysign(inf, left)
-
     def _sound(self, way: Way, share: float) -> Mend | None:
-        """The way where teeth are sound with it.  None where they are not, and where there is no time left to tell."""
+        """The way where teeth are sound with it; raises TimeIsOver."""
         changed = changed_drive(self._drive, way.changes)
-        teeth = changed.gears.teeth or self._drive.by_stage[0].pitch.size.driving_teeth
-        if not teeth <= self._affordable(share):
-            self.is_whole = False
-            return None
-        begun, sound = process_time(), _is_sound(changed)
-        self._per_tooth = max(self._per_tooth, (process_time() - begun) / teeth)
-        if not sound:
-            self.failed.append(way)
+        with self._in_time(share):
+            for pair in changed.by_stage:
+                pair.require_sound_teeth()
+            return Mend(way, changed)
+        self.failed.append(way)
         self._on_trial(min(len(self.failed), self._total), self._total)
-        return Mend(way, changed) if sound else None
+        return None
+
+    @contextmanager
+    def _in_time(self, share: float) -> Iterator[None]:
+        """A context that ends where a design is refused; raises TimeIsOver when a share of the time is over."""
+        with suppress(DesignError), at_most(share * self._seconds - (process_time() - self._begun)):
+            yield
 
 
 def _up(count: float, each: int) -> int:
@@ -303,23 +307,6 @@ def _teeth_of_notches(drive: Drive) -> float:
     sharpest = min(pitch.transmission.extremes(partial(bend, gear=gear), 2)[0].value for gear in Gear)
     module_mm = 2.0 * pitch.center_distance_mm / (NOTCH_TEETH * sharpest**2)
     return pitch.size.driving_teeth * pitch.size.module_mm / module_mm if sharpest < 0.0 else 0.0
-
-
-def _is_sound(drive: Drive) -> bool:
-    try:
-        for pair in drive.by_stage:
-            pair.require_sound_teeth()
-    except DesignError:
-        return False
-    return True
-
-
-def _is_made(drive: Drive) -> bool:
-    try:
-        require_made(drive)
-    except DesignError:
-        return False
-    return True
 
 
 def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
