@@ -32,8 +32,9 @@ PROBES = 17
 fitted tips are held against the exact cusp."""
 
 FAR, FARTHEST = 3.0, 8.0
-"""Flanks are followed up to so many tip heights, and step by step up to the second number.  On a circle they lean so
-much that they reach the tip land within two; where the curvature changes on the way they may need more."""
+"""Flanks are followed up to so many tip heights; those of low tips step by step up to the second number, but no farther
+than those of full tips.  On a circle they lean so much that they reach the tip land within two; where the curvature
+changes on the way they may need more."""
 
 LOWEST = 0.05
 """Share of a pointed tip's height at which the search for the height of the least land begins."""
@@ -270,7 +271,8 @@ def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array
 def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
     """The first crossings on the way from the pitch curve up to the cusps, by steps and then in brackets."""
     tip, every = flanks.tip_height_mm[which], np.arange(which.size)
-    high, lost = regular_height(flanks, np.maximum(FARTHEST * tip, 0.0), which), np.zeros(which.size, dtype=bool)
+    far = np.clip(FAR * flanks.rack.tip_height_mm, FAR * tip, FARTHEST * tip)
+    high, lost = regular_height(flanks, np.maximum(far, 0.0), which), np.zeros(which.size, dtype=bool)
 
     def excess(height: Array, row: IndexArray) -> Array:
         distance = _foot(flanks, which[row], height)[1] - tip[row]
