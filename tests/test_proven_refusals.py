@@ -241,10 +241,9 @@ def test_a_search_ends_when_its_time_is_over_and_says_so(monkeypatch: pytest.Mon
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(2))
-def test_few_pitches_do_not_keep_an_open_curve_from_going_on(seed: int) -> None:
-    """The whole curve is a whole number of pitches long, by Gauss's rule on each piece."""
-    rng = np.random.default_rng([seed, 3])
+def test_few_pitches_do_not_keep_an_open_curve_from_going_on() -> None:
+    """Each whole curve is a whole number of pitches long, by Gauss's rule on each piece; one takes a great wave."""
+    rng = np.random.default_rng([6, 3])
     for _ in range(5):
         middle, order, teeth = rng.uniform(0.7, 1.7), rng.uniform(0.4, 2.5), int(rng.integers(7, 13))
         ratio = f"{middle:.4f} + {middle * rng.uniform(0.0, 0.3):.4f}*sin({order:.4f}*phi)"
