@@ -196,7 +196,7 @@ def test_what_was_mended_is_said_on_stderr(run: Run) -> None:
     status, out, err = run("build", "d.yaml", "--format", "svg", "--mend", "--json")
     assert status == 0
     assert err.startswith("Mended: these are not the gears of the file")
-    assert only_json(out)["teeth"]["driving"] == 14
+    assert only_json(out)["teeth"]["driving"] == 13
 
 
 STOPPING = """{

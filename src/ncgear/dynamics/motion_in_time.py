@@ -19,7 +19,7 @@ import numpy as np
 from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.dynamics.quasi_static import loaded_contact
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.periodic_table import PeriodicTable, quintics
@@ -264,7 +264,7 @@ def course(
     """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
 
     Raises NoSuchMechanism where the drive does not get round, teeth are pressed too deep into each other, or energy
-    does not balance, and ArithmeticError where the solver fails.
+    does not balance, and Unanswered where the solver fails.
     """
     target = float(state[0]) + 2.0 * pi * turns
     limit_s = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s
@@ -301,7 +301,7 @@ def _leg(
             key=machine.meshing.stiffness_key,
         )
     if leg.status < 0:
-        raise ArithmeticError(f"the motion could not be integrated: {leg.message}")
+        raise Unanswered(f"the motion could not be integrated: {leg.message}")
     return leg
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.extrema import Extremum
@@ -80,7 +80,7 @@ def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_
     """The teeth at driving angles in rad that bring torques in N mm to the driven shaft, shape (n,) each.
 
     The speed of the driving shaft tells how the flanks slide, and so which way they rub; 0 means no friction.  Where
-    the torque is 0 the gears stand on pushing flanks that just touch.  Raises ArithmeticError where no balance is
+    the torque is 0 the gears stand on pushing flanks that just touch.  Raises Unanswered where no balance is
     found, and NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
     """
     resting = replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=0.0))
@@ -176,7 +176,7 @@ def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s
     ahead = zeros_between(missing, *_bracket(missing, meshing, phi1_rad, torque_n_mm))
     balanced = np.abs(missing(ahead)) <= BALANCED * np.abs(torque_n_mm).max(initial=0.0)
     if not np.all(balanced | (np.sign(missing(ahead - ROUNDING_RAD)) * np.sign(missing(ahead + ROUNDING_RAD)) <= 0.0)):
-        raise ArithmeticError("the forces of the teeth do not balance the torque")
+        raise Unanswered("the forces of the teeth do not balance the torque")
     return ahead
 
 

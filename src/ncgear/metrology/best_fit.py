@@ -19,7 +19,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.metrology.alone import alone_mm
 from ncgear.metrology.exact_outline import FLANK_CURVE, ExactOutline, Feet
@@ -259,7 +259,7 @@ def _fitted(
             args=(points[counted],),
         )
         if not solved.success:
-            raise ArithmeticError(f"the best fit of measured points was not found: {solved.message}")
+            raise Unanswered(f"the best fit of measured points was not found: {solved.message}")
         values, before = solved.x, counted
         counted = on_flanks(outline, feet(values, points)) & (alone == 0.0)
         if np.array_equal(before, counted):

@@ -16,7 +16,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, Columns, ComplexArray
@@ -323,7 +323,7 @@ def _inverse(by_angle: PiecewiseChebyshev, speed: PiecewiseChebyshev) -> Callabl
             if np.max(np.abs(step)) <= 1e-14 * by_angle.breaks[-1]:
                 return phi1
         if np.max(np.abs(by_angle(phi1) - sigma)) > 1e-12 * by_angle.final:
-            raise ArithmeticError("the arc length of the pitch curve could not be inverted")
+            raise Unanswered("the arc length of the pitch curve could not be inverted")
         return phi1
 
     return angle

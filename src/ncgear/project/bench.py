@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -368,7 +369,7 @@ def _section_error_mm(exact: Array, mesh: TriangleMesh, height_mm: float) -> flo
 
     section = mesh.as_trimesh().section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
     if section is None:
-        raise ArithmeticError(f"a gear's mesh has no section at z = {height_mm:g} mm")
+        raise Unanswered(f"a gear's mesh has no section at z = {height_mm:g} mm")
     return min(farthest_mm(exact, np.asarray(line)[:-1, :2]) for line in section.discrete)
 
 

@@ -69,7 +69,8 @@ class Geared(Moving):
         gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
             size = size_of(gears, self.law)
-            return sized_pair(transmission, *size, Mesh(gears.mesh), reach_in_pitches(gears))
+            reach, by_law = reach_in_pitches(gears), self.law.center_distance_mm is not None
+            return sized_pair(transmission, *size, Mesh(gears.mesh), reach, by_law=by_law)
 
     @property
     def chord_tolerance_mm(self) -> float:

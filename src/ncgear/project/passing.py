@@ -18,6 +18,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 
 from ncgear.design.keys.bodies import GearBody
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
@@ -164,7 +165,7 @@ def least_distance(
     """The least distance in mm of a point from a moving line over a cycle, and the driving angle in rad of it.
 
     The distance changes between two samples by less than the way of the line's ends.  A step whose bound, which follows
-    from this, is above the least value found cannot hold the least distance.  Raises ArithmeticError for a distance
+    from this, is above the least value found cannot hold the least distance.  Raises Unanswered for a distance
     that is no finite number.
     """
     lobes, point = transmission.lobes, complex(*center_mm)
@@ -183,7 +184,7 @@ def least_distance(
         grid = steps if level == 0 else steps[:, :1] + np.diff(steps) * np.linspace(0.0, 1.0, PARTS + 1)
         distance, way = sampled(grid)
         if not np.isfinite(distance).all():
-            raise ArithmeticError("the distance of a rod from a shaft is no finite number")
+            raise Unanswered("the distance of a rod from a shaft is no finite number")
         lowest = (distance[:, :-1] + distance[:, 1:] - way) / 2.0
         held = lowest < distance.min()
         steps = np.stack([grid[:, :-1][held], grid[:, 1:][held]], axis=-1)

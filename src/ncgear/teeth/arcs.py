@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along, as_complex, as_points
@@ -89,7 +90,7 @@ def _followed(stretch: Stretch, tolerance: float, module: float) -> list[_Chain]
             found.append(_flat(stretch, rows[close], points[close], bulges[close], float(deviation[close].max())))
         rows = rows[~close]
     if rows.size:
-        raise RuntimeError(f"a curve of flank {stretch.owner[rows[0]] + 1} is not followed by {SPANS[-1]} biarcs")
+        raise Unanswered(f"a curve of tooth {stretch.owner[rows[0]] // 2 + 1} is not followed by {SPANS[-1]} biarcs")
     return found
 
 

@@ -15,6 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, as_complex, square
@@ -169,7 +170,7 @@ def _ending(curve: Curve, end: Array, module: float) -> Curve:
     """The curve with its end moved by a rounding error, or by as much as a curve that was left out."""
     gap = float(np.linalg.norm(curve.end - end))
     if not gap <= 2.0 * SHORTEST_IN_MODULES * module:
-        raise RuntimeError(f"two curves of an outline are {gap:.3g} mm apart where they should meet")
+        raise Unanswered(f"two curves of an outline are {gap:.3g} mm apart where they should meet")
     if isinstance(curve, Spline):
         return replace(curve, poles_mm=np.vstack([curve.poles_mm[:-1], end]))
     return replace(curve, end=end)
@@ -206,7 +207,7 @@ class Splines:
 def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> list[Splines]:
     """Splines for the chosen rows of a stretch, each closer to its curve than ``tolerance_mm``.
 
-    Raises RuntimeError, a fault of ncgear, for a curve that the most spans do not follow.
+    Raises Unanswered for a curve that the most spans do not follow.
     """
     found: list[Splines] = []
     for spans in SPANS:
@@ -218,7 +219,7 @@ def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> l
             found.append(Splines(rows[close], made.knots, made.poles_mm[close], made.deviation_mm[close]))
         rows = rows[~close]
     if rows.size:
-        raise RuntimeError(f"a curve of flank {stretch.owner[rows[0]] + 1} is not followed by {SPANS[-1]} spans")
+        raise Unanswered(f"a curve of tooth {stretch.owner[rows[0]] // 2 + 1} is not followed by {SPANS[-1]} spans")
     return found
 
 

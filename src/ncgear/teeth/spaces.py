@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered, searched_for
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points
@@ -122,7 +122,8 @@ def _fitted(flanks: Flanks, radii: Array, depth_of: ByRadius) -> Array:
         slope, steeper = (np.subtract(*values.reshape(2, -1)[::-1]) for values in (trial.depth_mm, rates[1]))
         return last + turn[number] - first - np.abs(slope), rate - np.sign(slope) * steeper
 
-    fitting = _largest_fitting(flats, radii[front], LEAST_FLAT * module, AGREEMENT * module)
+    with searched_for(lambda number: flank_name(flanks, int(front[number])), "gears.teeth"):
+        fitting = _largest_fitting(flats, radii[front], LEAST_FLAT * module, AGREEMENT * module)
     if np.isnan(fitting).any():
         raise _pointed(flanks, int(front[np.isnan(fitting)][0]))
     fitted = np.empty(flanks.count)
@@ -158,7 +159,10 @@ def _largest_fitting(flats: ByRadius, most_mm: Array, least_mm: float, within_mm
         return flat - least_mm, rate
 
     ends = np.zeros(tight.size), most_mm[tight]
-    radii[tight] = zeros_by_slope(excess, *ends, (sharp, most[tight]), within_mm)
+    try:
+        radii[tight] = zeros_by_slope(excess, *ends, (sharp, most[tight]), within_mm)
+    except Unanswered as error:
+        raise Unanswered(error.problem, rows=tight[list(error.rows)].tolist()) from error
     return radii
 
 

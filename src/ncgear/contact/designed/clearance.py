@@ -14,9 +14,11 @@ import numpy as np
 
 from ncgear.contact.designed.curves import SidePaths
 from ncgear.contact.placement import BACK, PUSHING, Meetings
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, as_complex, square
+from ncgear.teeth.flank import flank_name
 from ncgear.teeth.spaces import FOOT_IN_MODULES
 
 
@@ -167,12 +169,13 @@ class _Lands:
 def _tip_lands(paths: SidePaths) -> _Lands:
     """The tips of all teeth; a pointed one has no width.
 
-    Raises ArithmeticError where the point of the pitch curve that a pointed tooth's tip stands over is not found.
+    Raises Unanswered where the point of the pitch curve that a pointed tooth's tip stands over is not found.
     """
     flanks, unturned = paths.flanks, paths.corner[:, 0] * np.exp(-1j * paths.flanks.turn_rad)
     foot, height = flanks.curve.feet(unturned, paths.sides.tip_mm, FOOT_IN_MODULES * flanks.rack.module_mm)
     if np.isnan(foot).any():
-        raise ArithmeticError("the foot of a tooth's tip on the pitch curve was not found")
+        name = flank_name(flanks, int(np.argmax(np.isnan(foot))))
+        raise Unanswered(f"{name}: the foot of its tip on the pitch curve was not found")
     return _Lands.ending(foot - flanks.crossing_mm, foot.reshape(-1, 2), height.reshape(-1, 2), 0)
 
 

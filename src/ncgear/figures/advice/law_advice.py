@@ -8,7 +8,7 @@ from math import cos, degrees, floor, isclose, radians
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
-from ncgear.figures.numbers import drawn, fixed, to_digits
+from ncgear.figures.numbers import drawn, fixed, micrometres, to_digits
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
@@ -262,17 +262,25 @@ def pin_beside_hub(drive: Drive) -> Advice | None:
 
 
 def concave(drive: Drive, gear: Gear) -> Advice | None:
-    """A pitch curve that is dented."""
+    """A pitch curve that is dented; where a hob does no harm to its flanks, that is only a remark."""
+    # A check needs no module that makes teeth.
+    from ncgear.teeth.tool import HARMLESS, gouged_mm
+
     radius = drive.pitch.least_concave_radius_mm(gear)
     if radius is None:
         return None
     stretches = tuple((degrees(a), degrees(b)) for a, b in drive.pitch.concave_ranges(gear))
     named = stretches_in_words(stretches, degrees(drive.pitch.transmission.lobes.driving_period_rad))
+    where = (Where(gear.value, angles_deg=stretches),)
+    what = f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {to_digits(radius, 4)} mm)"
+    depth = gouged_mm(drive.pitch.of(gear), drive.rack)
+    if not drive.pitch.of(gear).is_ring and depth <= HARMLESS * drive.rack.module_mm:
+        harm = f"a hob cuts {micrometres(depth)} into the flanks there, which does not matter"
+        return Advice(Kind.CONCAVE, where, what, harm, matters=False, brief=f"the {gear.value} gear is hardly concave")
     return Advice(
         Kind.CONCAVE,
-        (Where(gear.value, angles_deg=stretches),),
-        f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {to_digits(radius, 4)} mm): no "
-        "hob can cut it",
+        where,
+        f"{what}: no hob can cut it",
         "wire, mill, print, or a shaper with a smaller cutter can; the mate's teeth stand close together there and "
         "their tips may have to be shortened",
         _convex(drive, gear),

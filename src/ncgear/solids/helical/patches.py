@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from ncgear.errors import WrongInput
+from ncgear.errors import Unanswered, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
@@ -133,7 +133,7 @@ def _sharing_edges(poles: Array, shortest_mm: float) -> Array:
     following = np.roll(poles[:, 0], -1, axis=0)
     gap = float(np.abs(poles[:, -1] - following).max())
     if not gap <= shortest_mm:
-        raise RuntimeError(f"two surfaces of a gear are {gap:.3g} mm apart where they should meet")
+        raise Unanswered(f"two surfaces of a gear are {gap:.3g} mm apart where they should meet")
     poles = poles.copy()
     poles[:, -1] = following
     return poles
