@@ -7,14 +7,16 @@ from collections.abc import Mapping
 from math import floor, isfinite, log10
 from typing import Any
 
+from ncgear.errors import Unanswered
+
 
 def finite(value: Any, name: str) -> Any:
-    """The value, the same; ArithmeticError, which names it, where it or a part of it is no finite number.
+    """The value, the same; Unanswered, which names it, where it or a part of it is no finite number.
 
     This is the check at the way out: everything that is told or written as text, table or JSON goes through it.
     """
     if isinstance(value, float) and not isfinite(value):
-        raise ArithmeticError(f"{name} is {value}, which is no figure of a machine")
+        raise Unanswered(f"{name} is {value}, which is no figure of a machine")
     if isinstance(value, Mapping):
         for key, part in value.items():
             finite(part, f"{name}.{key}" if name else str(key))
@@ -43,7 +45,7 @@ NOTHING_MM = 1e-9
 
 
 def rounded(value: float, decimals: int) -> float:
-    """The value to so many decimals; a zero has no sign.  ArithmeticError for no finite number."""
+    """The value to so many decimals; a zero has no sign.  Unanswered for no finite number."""
     return round(float(finite(value, "a figure")), decimals) + 0.0
 
 
@@ -53,7 +55,7 @@ def drawn(value: float, unit: str) -> str:
     Lengths of less than a tenth of a millimetre have four digits.
     """
     decimals = DRAWN_DECIMALS.get(unit, NOISE)
-    if unit == "mm" and abs(value) > NOTHING_MM:
+    if unit == "mm" and abs(finite(value, "a size")) > NOTHING_MM:
         decimals = max(decimals, 3 - floor(log10(abs(value))))
     return _plain(f"{rounded(value, decimals):.{decimals}f}")
 
@@ -68,14 +70,14 @@ def to_size(value_mm: float, largest_mm: float) -> float:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """A figure with so many decimals; a zero has no minus.  ArithmeticError for no finite number."""
+    """A figure with so many decimals; a zero has no minus.  Unanswered for no finite number."""
     return f"{rounded(value, decimals):.{decimals}f}"
 
 
 def to_digits(value: float, digits: int) -> str:
     """A figure to so many significant digits, or to whole numbers; rounding errors about zero are 0.
 
-    Raises ArithmeticError for no finite number.
+    Raises Unanswered for no finite number.
     """
     settled = rounded(value, NOISE)
     return f"{settled:.0f}" if abs(settled) >= 10.0**digits else f"{settled:.{digits}g}"
@@ -114,7 +116,7 @@ def shown(value: Any, unit: str = "") -> str:
 def five_digits(value: float) -> str:
     """A number, however small, with five significant digits, but never fewer than the digits before the point.
 
-    This is for errors of a computation, which may be as small as rounding; ArithmeticError for no finite number.
+    This is for errors of a computation, which may be as small as rounding; Unanswered for no finite number.
     """
     finite(value, "a figure")
     return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
@@ -149,5 +151,5 @@ def _runs(numbers: list[int]) -> list[str]:
 
 
 def json_text(content: Any) -> str:
-    """Content as indented JSON with a final line break; raises ArithmeticError as ``finite`` does."""
+    """Content as indented JSON with a final line break; raises Unanswered as ``finite`` does."""
     return json.dumps(finite(content, ""), indent=2, allow_nan=False) + "\n"

@@ -13,6 +13,7 @@ import numpy as np
 from shapely import Polygon
 
 from ncgear.contact.written.as_written import Outlines
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
 from ncgear.solids.mesh.pair import SolidPair
@@ -52,7 +53,7 @@ turned."""
 def stl_bytes(mesh: TriangleMesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
-    Raises RuntimeError, a fault of ncgear, when the bytes do not hold the same closed solid.
+    Raises Unanswered when the bytes do not hold the same closed solid.
     """
     packed = np.zeros(len(mesh.faces), dtype=STL_TRIANGLE)
     packed["normal"], packed["corners"] = mesh.normals, mesh.triangles
@@ -77,13 +78,13 @@ def mesh_of_stl(data: bytes) -> TriangleMesh:
 def read_back(data: bytes, original: TriangleMesh) -> TriangleMesh:
     """The solid in an STL file, its vertices merged.
 
-    Raises RuntimeError unless it is closed and has the volume and the bounds of ``original`` to single precision.
+    Raises Unanswered unless it is closed and has the volume and the bounds of ``original`` to single precision.
     """
     mesh = mesh_of_stl(data)
     require_sound(mesh, original.volume, VOLUME_TOLERANCE)
     allowed = BOUNDS_TOLERANCE * float(np.abs(original.bounds).max())
     if not np.allclose(mesh.bounds, original.bounds, rtol=0.0, atol=allowed):
-        raise RuntimeError(f"a written solid spans {mesh.bounds.tolist()} instead of {original.bounds.tolist()} mm")
+        raise Unanswered(f"a written solid spans {mesh.bounds.tolist()} instead of {original.bounds.tolist()} mm")
     return mesh
 
 

@@ -45,7 +45,7 @@ class ArcOutline:
 def arc_outline(gear: ToothedGear, tolerance_mm: float) -> ArcOutline:
     """A gear's outline as lines and arcs within ``tolerance_mm`` of the exact curves.
 
-    Raises RuntimeError, a fault of ncgear, for a curve that the most spans do not follow.
+    Raises Unanswered for a curve that the most spans do not follow.
     """
     module = gear.flanks.rack.module_mm
     found = [_followed(stretch, tolerance_mm, module) for stretch in exact_curves(gear.tips, gear.sides)]

@@ -96,7 +96,7 @@ def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float
     """A gear's outline as curves within ``tolerance_mm`` of the exact ones, in either sense.
 
     Flanks keep ``flank_tolerance_mm`` where it is given; ``deviation_mm`` then is that of the other curves as well.
-    Raises RuntimeError, a fault of ncgear, where a curve cannot be followed so, or does not begin where the last ends.
+    Raises Unanswered where a curve cannot be followed so, or does not begin where the last ends.
     """
     flanks, *others = exact_curves(gear.tips, gear.sides)
     module = gear.flanks.rack.module_mm

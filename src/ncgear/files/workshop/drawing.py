@@ -9,6 +9,7 @@ from math import ceil, log10
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import bow_middles
@@ -24,10 +25,10 @@ BULGE_DECIMALS = 9
 def written(values: Array | float, decimals: int) -> Array:
     """Numbers as DXF and SVG files have them: without rounding errors, and without a minus before a zero.
 
-    Raises ArithmeticError for what is no finite number.
+    Raises Unanswered for what is no finite number.
     """
     if not np.isfinite(values).all():
-        raise ArithmeticError("a drawing holds a coordinate that is no finite number")
+        raise Unanswered("a drawing holds a coordinate that is no finite number")
     return np.asarray(np.round(values, decimals) + 0.0)
 
 

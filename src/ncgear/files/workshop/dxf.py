@@ -16,6 +16,7 @@ from ezdxf.layouts import BlockLayout, Modelspace
 from ezdxf.lldxf.types import DXFTag
 from ezdxf.sections.classes import REQ_R2004
 
+from ncgear.errors import Unanswered
 from ncgear.files.workshop.drawing import (
     BULGE_DECIMALS,
     Circle,
@@ -66,7 +67,7 @@ def dxf_files(shown: PairDrawings) -> dict[str, bytes]:
 def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
     """One file with drawings, each by the prefix of its layers' names; the same drawings give the same bytes.
 
-    The notes are below the drawings, and among the properties of the file.  Raises RuntimeError, a fault of ncgear, for
+    The notes are below the drawings, and among the properties of the file.  Raises Unanswered for
     a file in which the library's audit finds a fault.
     """
     with without_clock():
@@ -77,7 +78,7 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
             _draw(document, drawing, prefix, decimals)
         _write(document, notes, *box_around(drawings.values()), decimals)
         if document.audit().has_issues:
-            raise RuntimeError(f"the DXF file of {notes[0]} has faults")
+            raise Unanswered(f"the DXF file of {notes[0]} has faults")
         # Otherwise the library lists the classes in the order of a set, which differs from process to process.
         for name in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
             document.classes.add_class(name)

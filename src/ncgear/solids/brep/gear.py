@@ -20,6 +20,7 @@ from OCP.TopAbs import TopAbs_SHELL
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Wire
 from shapely import LinearRing
 
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array
 from ncgear.solids.brep.shapes import (
     bore_wire,
@@ -57,7 +58,7 @@ SEWN_MM = 10.0 * SAME_MM
 def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
     """A gear from z = 0 up to its upper face or its hub's, as its plan says, but for chamfer and clearance.
 
-    Raises RuntimeError, a fault of ncgear, unless the kernel finds one valid solid.
+    Raises Unanswered unless the kernel finds one valid solid.
     """
     outer, holes = wire_of(contour.curves), _holes(plan)
     if plan.hub is not None or plan.web is not None:
@@ -87,7 +88,7 @@ def _holes(plan: BodyPlan) -> list[TopoDS_Wire]:
 
 def _sound(shape: TopoDS_Shape) -> TopoDS_Shape:
     if not BRepCheck_Analyzer(shape).IsValid():
-        raise RuntimeError("a gear's solid is not valid")
+        raise Unanswered("a gear's solid is not valid")
     return shape
 
 
@@ -141,7 +142,7 @@ def _screw_drill(plan: BodyPlan) -> list[TopoDS_Shape]:
 def _helical_shape(patches: Patches, *, herringbone: bool) -> TopoDS_Shape:
     """The toothed solid without anything cut into it, from z = 0 up.
 
-    Raises RuntimeError, a fault of ncgear, where the surfaces do not close.
+    Raises Unanswered where the surfaces do not close.
     """
     halves = [patches.poles_mm]
     if herringbone:
@@ -170,14 +171,14 @@ def _end(patches: Patches, poles: Array) -> TopoDS_Face:
 
 
 def _sewn(faces: list[TopoDS_Face]) -> TopoDS_Shape:
-    """The solid that the faces enclose; raises RuntimeError where they do not close."""
+    """The solid that the faces enclose; raises Unanswered where they do not close."""
     sewing = BRepBuilderAPI_Sewing(SEWN_MM)
     for face in faces:
         sewing.Add(face)
     sewing.Perform()
     shells = parts_of(sewing.SewedShape(), TopAbs_SHELL)
     if len(shells) != 1 or sewing.NbFreeEdges():
-        raise RuntimeError(f"the surfaces of helical teeth do not close: {sewing.NbFreeEdges()} free edges")
+        raise Unanswered(f"the surfaces of helical teeth do not close: {sewing.NbFreeEdges()} free edges")
     solid = BRepBuilderAPI_MakeSolid(TopoDS.Shell(shells[0])).Solid()
     BRepLib.OrientClosedSolid_s(solid)
     return solid

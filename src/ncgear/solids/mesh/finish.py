@@ -16,6 +16,7 @@ from shapely import Polygon
 from shapely.affinity import rotate
 from shapely.geometry.base import BaseGeometry
 
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, require_sound, slab_mesh
 from ncgear.solids.mesh.triangles import TriangleMesh, merged
@@ -35,7 +36,7 @@ LEVEL_DIGITS = 9
 def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
     """A toothed mesh of the plan's face width and through cuts with the plan's pockets, hub and set screw.
 
-    Raises RuntimeError if the mesh is not sound, a fault of ncgear.
+    Raises Unanswered if the mesh is not sound.
     """
     if plan.is_plate:
         return toothed
@@ -57,7 +58,7 @@ def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
 
 
 def drilled_hub(mesh: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
-    """The gear with the hole of its set screw; raises RuntimeError if the mesh is not sound, a fault of ncgear."""
+    """The gear with the hole of its set screw; raises Unanswered if the mesh is not sound."""
     hub = plan.hub
     if hub is None or hub.set_screw is None:
         return mesh
@@ -103,10 +104,10 @@ def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
 
 
 def _solid_of(mesh: TriangleMesh) -> manifold3d.Manifold:
-    """A mesh for booleans, in double precision; raises RuntimeError where it is no closed solid."""
+    """A mesh for booleans, in double precision; raises Unanswered where it is no closed solid."""
     solid = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices, mesh.faces.astype(np.uint64)))
     if solid.status() != manifold3d.Error.NoError:
-        raise RuntimeError(f"a gear's mesh is no solid: {solid.status()}")
+        raise Unanswered(f"a gear's mesh is no solid: {solid.status()}")
     return solid
 
 

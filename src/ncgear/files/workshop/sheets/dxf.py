@@ -17,6 +17,7 @@ from ezdxf.entities import Dimension as DimensionEntity
 from ezdxf.layouts import BlockLayout, Modelspace
 from ezdxf.sections.classes import REQ_R2004
 
+from ncgear.errors import Unanswered
 from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import DECIMALS, written
 from ncgear.files.workshop.dxf import VERSION, WHOLE_PATTERN, add_chain, without_clock
@@ -52,7 +53,7 @@ OWN_BLOCK = 32
 def dxf_bytes(sheet: Sheet) -> bytes:
     """The file; the same sheet gives the same bytes.
 
-    Raises RuntimeError, a fault of ncgear, for a file in which the library's audit finds a fault.
+    Raises Unanswered for a file in which the library's audit finds a fault.
     """
     with without_clock():
         document = ezdxf.new(VERSION, units=units.MM)
@@ -65,7 +66,7 @@ def dxf_bytes(sheet: Sheet) -> bytes:
                 _add(space, item, sheet)
         _show(document, sheet)
         if document.audit().has_issues:
-            raise RuntimeError(f"the DXF file of {sheet.title} has faults")
+            raise Unanswered(f"the DXF file of {sheet.title} has faults")
         # Otherwise the library lists the classes in the order of a set, which differs from process to process.
         for name in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
             document.classes.add_class(name)
