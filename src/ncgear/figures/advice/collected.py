@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ncgear.design.keys.design import Design
 from ncgear.figures.advice import law_advice, strength_advice, wish_advice
-from ncgear.figures.advice.values import Advice, Remedy
+from ncgear.figures.advice.values import Advice, NotJudged, Remedy
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
@@ -31,7 +31,7 @@ def rough_advice(drive: Drive) -> tuple[Advice, ...]:
 def build_advice(drive: Drive) -> tuple[Advice, ...]:
     """Advices about pitch curves, teeth and contact of one pair of gears; raises as the drive does."""
     # The modules that make teeth are slow to import, and a check does not need them.
-    from ncgear.figures.advice import teeth_advice
+    from ncgear.figures.advice import assembly_advice, teeth_advice
 
     of_curves = [
         law_advice.pressure_angle(drive),
@@ -43,8 +43,10 @@ def build_advice(drive: Drive) -> tuple[Advice, ...]:
     ]
     of_teeth = [teeth_advice.undercut(drive), teeth_advice.pointed(drive), *teeth_advice.shortened(drive)]
     of_contact = teeth_advice.contact_ratio(drive), teeth_advice.idle_flanks(drive)
+    jams = assembly_advice.jams(drive)
+    of_assembly = () if isinstance(jams, NotJudged) else (jams,)
     of_load = strength_advice.strength(drive), teeth_advice.thrust(drive)
-    return _given(drive, *of_curves, *of_teeth, *of_contact, *of_load)
+    return _given(drive, *of_curves, *of_teeth, *of_contact, *of_assembly, *of_load)
 
 
 def _given(drive: Drive, *advices: Advice | None) -> tuple[Advice, ...]:

@@ -19,6 +19,7 @@ class Kind(StrEnum):
     """
 
     STRENGTH = "strength"
+    JAMS = "jams"
     CONTACT_RATIO = "contact_ratio"
     PRESSURE_ANGLE = "pressure_angle"
     CRANK_PIN = "crank_pin"
