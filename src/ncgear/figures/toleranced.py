@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of

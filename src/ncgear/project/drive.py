@@ -126,6 +126,13 @@ class Drive(Geared):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
 
     @computed
+    def backlash_lost(self) -> tuple[Array, ...]:
+        """The backlash that each of some assemblies of every pair needs to turn, by ``ncgear.project.jamming``."""
+        from ncgear.project.jamming import backlash_lost
+
+        return backlash_lost(self)
+
+    @computed
     def passings(self) -> tuple[Passing, ...]:
         """How near crank pin and rods come to what stands beside the gears; none where the pair turns no crank."""
         from ncgear.project.passing import passings_of

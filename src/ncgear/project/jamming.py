@@ -41,22 +41,29 @@ def jamming_of(drive: Drive) -> Jamming:
     One key gives the backlash of two pairs in series, so that what is enough is enough for both.
     """
     tolerances, process = tolerances_of(drive)
-    pairs = drive.whole.by_stage
-    lost = [_lost(pair, tolerances, seed) for seed, pair in enumerate(pairs)]
+    lost = drive.whole.backlash_lost
     own = lost[(drive.stage or 1) - 1]
     key = backlash_key(drive.gears)
     given = float(getattr(drive.gears, key))
-    step = STEP_MM if key == "backlash_mm" else STEP_DEG
-    enough = rounded_up(needed(lost).enough(TURNING), step)
+    enough = rounded_up(needed(lost).enough(TURNING), STEP_MM if key == "backlash_mm" else STEP_DEG)
     return Jamming(
         share=needed([own]).jammed(given),
         key=f"gears.{key}",
         given=given,
         enough=enough,
-        fits=all(_leaves_teeth(pair, {key: enough}) for pair in pairs),
+        fits=all(_leaves_teeth(pair, {key: enough}) for pair in drive.whole.by_stage),
         tolerances=tolerances,
         process=process,
     )
+
+
+def backlash_lost(drive: Drive) -> tuple[Array, ...]:
+    """The backlash that each of some assemblies of every pair needs, in the unit of the design's key, shape (N,).
+
+    Raises as ``jamming_of``.
+    """
+    tolerances, _ = tolerances_of(drive)
+    return tuple(_lost(pair, tolerances, seed) for seed, pair in enumerate(drive.by_stage))
 
 
 def _leaves_teeth(pair: Drive, changes: dict[str, float]) -> bool:
@@ -69,7 +76,6 @@ def _leaves_teeth(pair: Drive, changes: dict[str, float]) -> bool:
 
 
 def _lost(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Array:
-    """The backlash that each of some assemblies of a pair needs, in the unit of the design's key, shape (N,)."""
     teeth = Teeth(
         pair.teeth,
         pair.designed_contact,

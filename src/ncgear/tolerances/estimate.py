@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from math import sqrt
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -65,7 +65,7 @@ def least_plays(teeth: Teeth, seed: int = SEED) -> tuple[Array, float]:
     layers = random.permuted(np.broadcast_to(np.arange(count), (COUNT, count)), axis=1)
     pair = (layers + random.random((COUNT, count))) / count
     # The three in a thousand beyond the limit are kept, which makes the spread greater by a hundredth.
-    flanks = random.standard_normal((2, teeth.limits.flanks, count), dtype=np.float32) / np.float32(SIGMAS)
+    flanks: Any = random.standard_normal((2, teeth.limits.flanks, count), dtype=np.float32) / np.float32(SIGMAS)
     play = -mesh.leads(_in_short(deviating(teeth.limits, pair, flanks))).sum(axis=0).max(axis=0)
     return play.astype(float), float(mesh.arm_mm[BACK].min())
 
@@ -120,7 +120,8 @@ Values = TypeVar("Values", Mesh, Deviations)
 def _in_short(values: Values) -> Values:
     """The same in numbers of seven digits, which are computed in half the time."""
     every = vars(values).items()
-    short = {name: one.astype(np.float32) for name, one in every if isinstance(one, np.ndarray) and one.dtype == float}
+    long = {name: one for name, one in every if isinstance(one, np.ndarray) and one.dtype == float}
+    short: dict[str, Any] = {name: one.astype(np.float32) for name, one in long.items()}
     return replace(values, **short)
 
 
