@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.stiffness import LinearTeeth
+    from ncgear.tolerances.estimate import Needed
 
 
 class Drive(Geared):
@@ -126,11 +127,11 @@ class Drive(Geared):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
 
     @computed
-    def backlash_lost(self) -> tuple[Array, ...]:
-        """The backlash that each of some assemblies of every pair needs to turn, by ``ncgear.project.jamming``."""
-        from ncgear.project.jamming import backlash_lost
+    def backlash_needed(self) -> tuple[Needed, ...]:
+        """What assemblies of every pair need of the backlash, as ``ncgear.project.jamming`` estimates it."""
+        from ncgear.project.jamming import backlash_needed
 
-        return backlash_lost(self)
+        return backlash_needed(self)
 
     @computed
     def passings(self) -> tuple[Passing, ...]:

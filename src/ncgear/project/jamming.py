@@ -5,13 +5,12 @@ from __future__ import annotations
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, rounded_up
 from ncgear.project.tooth_form import backlash_of
 from ncgear.project.usual_tolerances import Process, tolerances_of
 from ncgear.teeth.backlash import play_of
-from ncgear.tolerances.estimate import Teeth, least_plays, needed
+from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 
 STEP_MM, STEP_DEG = 0.005, 0.005
 """The backlash that is enough is rounded up to a multiple of this: nobody makes teeth to finer steps."""
@@ -41,29 +40,38 @@ def jamming_of(drive: Drive) -> Jamming:
     One key gives the backlash of two pairs in series, so that what is enough is enough for both.
     """
     tolerances, process = tolerances_of(drive)
-    lost = drive.whole.backlash_lost
-    own = lost[(drive.stage or 1) - 1]
+    of_pairs = drive.whole.backlash_needed
     key = backlash_key(drive.gears)
     given = float(getattr(drive.gears, key))
-    enough = rounded_up(needed(lost).enough(TURNING), STEP_MM if key == "backlash_mm" else STEP_DEG)
+    value = rounded_up(enough(of_pairs, TURNING), STEP_MM if key == "backlash_mm" else STEP_DEG)
     return Jamming(
-        share=needed([own]).jammed(given),
+        share=of_pairs[(drive.stage or 1) - 1].jammed(given),
         key=f"gears.{key}",
         given=given,
-        enough=enough,
-        fits=all(_leaves_teeth(pair, {key: enough}) for pair in drive.whole.by_stage),
+        enough=value,
+        fits=all(_leaves_teeth(pair, {key: value}) for pair in drive.whole.by_stage),
         tolerances=tolerances,
         process=process,
     )
 
 
-def backlash_lost(drive: Drive) -> tuple[Array, ...]:
-    """The backlash that each of some assemblies of every pair needs, in the unit of the design's key, shape (N,).
-
-    Raises as ``jamming_of``.
-    """
+def backlash_needed(drive: Drive) -> tuple[Needed, ...]:
+    """What assemblies of every pair need of the backlash, in the unit of its key; raises as ``jamming_of``."""
     tolerances, _ = tolerances_of(drive)
-    return tuple(_lost(pair, tolerances, seed) for seed, pair in enumerate(drive.by_stage))
+    return tuple(_needed(pair, tolerances, seed) for seed, pair in enumerate(drive.by_stage))
+
+
+def _needed(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Needed:
+    teeth = Teeth(
+        pair.teeth,
+        pair.designed_contact,
+        limits_of(pair, tolerances),
+        pair.gears.face_width_mm,
+        pair.overlap_ratio,
+        pair.gears.drives == "both_ways",
+    )
+    plays = plays_of(teeth, seed)
+    return needed(-left_of_backlash(pair, plays.least_rad, plays.least_arm_mm), plays.shared)
 
 
 def _leaves_teeth(pair: Drive, changes: dict[str, float]) -> bool:
@@ -73,15 +81,3 @@ def _leaves_teeth(pair: Drive, changes: dict[str, float]) -> bool:
     except WrongInput:
         return False
     return True
-
-
-def _lost(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Array:
-    teeth = Teeth(
-        pair.teeth,
-        pair.designed_contact,
-        limits_of(pair, tolerances),
-        pair.gears.face_width_mm,
-        pair.overlap_ratio,
-        pair.gears.drives == "both_ways",
-    )
-    return -left_of_backlash(pair, *least_plays(teeth, seed))

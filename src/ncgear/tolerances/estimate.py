@@ -2,15 +2,16 @@
 
 It is the linear mesh of ``ncgear.tolerances.mesh`` with few positions and few assemblies.  Its places of contact are
 those that touch as designed, at two positions a pitch; ``ncgear tolerance`` follows ten, and the places that nearly
-touch besides.  Few assemblies tell the mean and the spread of the backlash that each needs.  A gamma distribution with
-both and the skewness SKEWNESS then gives the share that a backlash is too small for, and the backlash that is enough.
+touch besides.  Few assemblies tell what the centre distance, the temperature and the wear make of the backlash that is
+needed, and the spread of what all else adds.  A gamma distribution with that spread then gives the share for which a
+backlash is too small, and the backlash that is enough.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import sqrt
+from math import prod, sqrt
 from typing import Any, TypeVar
 
 import numpy as np
@@ -21,7 +22,7 @@ from ncgear.contact.placement import BACK, Placement
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, counted_up
 from ncgear.teeth.gear import ToothedPair
-from ncgear.tolerances.drawn import COUNT, SIGMAS, Limits, deviating
+from ncgear.tolerances.drawn import COUNT, SIGMAS, Limits, deviating, rows_of
 from ncgear.tolerances.mesh import Deviations, Mesh, Places, places_of
 
 PER_PITCH = 2
@@ -31,14 +32,18 @@ LEAST_ASSEMBLIES, MOST_ASSEMBLIES, AT_ONCE = 128, 512, 160_000
 """Assemblies that are drawn at least and at most; in between so many that they and the places of contact make AT_ONCE:
 some three milliseconds."""
 
-SKEWNESS = 0.25
-"""Of the backlash that assemblies need: its greatest value of many teeth has a longer tail than a normal one.  Over
-eleven designs it is 0.09 to 0.43 (tests/test_jamming.py)."""
+SHAPE = 16.0
+"""Of the gamma distribution of what bores, tilts and teeth make of the backlash that assemblies need, whose skewness is
+2 / sqrt(SHAPE) = 0.5: the greatest value at many teeth has a longer tail than a normal one."""
+
+FARTHEST = 12.0
+"""Standard deviations above the mean beyond which a gamma distribution of that shape has nothing left to speak of."""
 
 NORMAL_95 = 1.645
 """Standard deviations of a normal distribution above its mean under which 95 % of it lies."""
 
-SEED = 1
+TINY = 1e-12
+"""Deviation in mm or degrees under which nothing deviates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +58,21 @@ class Teeth:
     both_ways: bool
 
 
-def least_plays(teeth: Teeth, seed: int = SEED) -> tuple[Array, float]:
-    """The least play of each of some assemblies in rad of the driven gear, shape (N,), and the least arm in mm.
+@dataclass(frozen=True, eq=False)
+class Plays:
+    """The least plays of N assemblies in rad of the driven gear, ``least_rad`` (shape (N,)).
 
-    The arm is that of the idle flanks' normal about the driven axis.
+    ``shared`` (shape (3, N)) are the numbers of theirs that all positions have alike: those of the centre distance, the
+    temperature and the wear.  ``least_arm_mm`` is the least arm of the idle flanks' normal about the driven axis.
     """
+
+    least_rad: Array
+    shared: Array
+    least_arm_mm: float
+
+
+def plays_of(teeth: Teeth, seed: int) -> Plays:
+    """The least plays of some assemblies."""
     mesh = _mesh_of(teeth)
     count = int(np.clip(AT_ONCE // mesh.lead.size, LEAST_ASSEMBLIES, MOST_ASSEMBLIES))
     random = np.random.default_rng(seed)
@@ -66,8 +81,10 @@ def least_plays(teeth: Teeth, seed: int = SEED) -> tuple[Array, float]:
     pair = (layers + random.random((COUNT, count))) / count
     # The three in a thousand beyond the limit are kept, which makes the spread greater by a hundredth.
     flanks: Any = random.standard_normal((2, teeth.limits.flanks, count), dtype=np.float32) / np.float32(SIGMAS)
-    play = -mesh.leads(_in_short(deviating(teeth.limits, pair, flanks))).sum(axis=0).max(axis=0)
-    return play.astype(float), float(mesh.arm_mm[BACK].min())
+    of = deviating(teeth.limits, pair, flanks)
+    play = -mesh.leads(_in_short(of)).sum(axis=0).max(axis=0)
+    shared = np.stack([of.rigid[0], pair[rows_of("temperature")][0], pair[rows_of("wear")][0]])
+    return Plays(play.astype(float), shared, float(mesh.arm_mm[BACK].min()))
 
 
 def _mesh_of(teeth: Teeth) -> Mesh:
@@ -147,38 +164,56 @@ def _overlapping(places: Places, placement: Placement, further: int) -> Places:
     return replace(places.kept(rows), place=places.place[here], rigid=places.rigid[here], tilt=places.tilt[here])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Needed:
-    """What assemblies need of a backlash, in its unit: the mean and the standard deviation of ``count`` of them."""
+    """What assemblies need of a backlash, in its unit.
 
-    mean: float
+    ``shared`` (shape (N,)) is what the centre distance, the temperature and the wear of each make of it on the average
+    over all else, and ``deviation`` the standard deviation of what all else adds.
+    """
+
+    shared: Array
     deviation: float
-    count: int
 
     def jammed(self, given: float) -> float:
         """The share of assemblies that need more than is given."""
         from scipy.special import gammaincc
 
-        if self.deviation == 0.0:
-            return float(self.mean > given)
-        shape = 4.0 / SKEWNESS**2
-        return float(gammaincc(shape, max(shape + sqrt(shape) * (given - self.mean) / self.deviation, 0.0)))
-
-    def enough(self, turning: float) -> float:
-        """The least backlash with which so great a share of the assemblies turns, with 95 % confidence.
-
-        The mean of n values has the variance 1/n of theirs, and the standard deviation 1/(2 n).
-        """
-        from scipy.special import gammainccinv
-
-        shape = 4.0 / SKEWNESS**2
-        above = (float(gammainccinv(shape, 1.0 - turning)) - shape) / sqrt(shape)
-        unsure = NORMAL_95 * sqrt((1.0 + above**2 / 2.0) / self.count)
-        return max(self.mean + (above + unsure) * self.deviation, 0.0)
+        left = given - self.shared
+        if self.deviation < TINY * (1.0 + abs(given)):
+            return float(np.mean(left < 0.0))
+        return float(np.mean(gammaincc(SHAPE, np.maximum(SHAPE + sqrt(SHAPE) * left / self.deviation, 0.0))))
 
 
-def needed(of_pairs: Sequence[Array]) -> Needed:
-    """What machines need whose pairs need so much, shape (N,) each: the pairs are drawn independently."""
-    count = min(values.size for values in of_pairs)
-    every = np.maximum.reduce([values[:count] for values in of_pairs])
-    return Needed(float(every.mean()), float(every.std()), count)
+def needed(backlash: Array, shared: Array) -> Needed:
+    """What assemblies need that were drawn: the backlash of each, shape (N,), and the numbers of ``Plays.shared``.
+
+    What these make of it is followed to first order, by least squares.
+    """
+    from scipy.linalg import lstsq
+
+    terms = np.vstack([np.ones(backlash.size), *(one / max(np.ptp(one), TINY) for one in shared)]).T
+    found = terms @ lstsq(terms, backlash, lapack_driver="gelsy")[0]
+    return Needed(found, float(np.std(backlash - found)))
+
+
+def enough(of_pairs: Sequence[Needed], turning: float) -> float:
+    """The least backlash with which so great a share of machines turns, whose pairs need so much, with 95 % confidence.
+
+    Pairs jam independently.  Of n assemblies the mean has the variance 1/n of theirs, and the standard deviation
+    1/(2 n); a value K standard deviations above the mean is as unsure as both.
+    """
+    from scipy.optimize import brentq
+
+    def lacking(given: float) -> float:
+        return turning - prod(1.0 - one.jammed(given) for one in of_pairs)
+
+    if lacking(0.0) <= 0.0:
+        return 0.0
+    widest = max(one.deviation for one in of_pairs)
+    most = max(0.0, *(float(one.shared.max()) for one in of_pairs)) + FARTHEST * widest
+    found = float(brentq(lacking, 0.0, most, xtol=1e-3 * widest + TINY))
+    spread = max(float(np.hypot(one.shared.std(), one.deviation)) for one in of_pairs)
+    above = max((found - float(one.shared.mean())) / spread for one in of_pairs) if spread else 0.0
+    count = min(one.shared.size for one in of_pairs)
+    return found + NORMAL_95 * spread * sqrt((1.0 + above**2 / 2.0) / count)
