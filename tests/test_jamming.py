@@ -19,7 +19,7 @@ from ncgear.figures.advice.assembly_advice import jams
 from ncgear.figures.advice.values import Advice, Kind, NotJudged
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-from ncgear.project.jamming import jamming_of
+from ncgear.project.jamming import STEP_MM, jamming_of
 from ncgear.project.tolerance import lot_of
 from ncgear.project.tolerance_limits import left_of_backlash, limits_of, rounded_up
 from ncgear.project.usual_tolerances import Process, process_of, tolerances_of
@@ -27,9 +27,9 @@ from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
 
 SAMPLES = 2048
-SHARE_OFF, BACKLASH_OFF = 0.06, 0.10
-"""How far the estimate may be off the drawn assemblies: a share, at every backlash, and a part of what is enough for
-99 in a hundred."""
+SHARE_OFF, BACKLASH_OFF = 0.07, 0.10
+"""How far the estimate may be off the drawn assemblies: in the share, at every backlash, and in the part of what is
+enough for 99 in a hundred, or by STEP_MM, to which it is rounded up anyway."""
 
 
 def toleranced(name: str, tolerances: AssemblyTolerances | None) -> Drive:
@@ -53,7 +53,7 @@ def off(of_pairs: tuple[Needed, ...], drawn: Array) -> tuple[float, float]:
     shares = [1.0 - np.prod([1.0 - one.jammed(given) for one in of_pairs]) for given in places]
     true = np.array([np.mean(drawn > given) for given in places])
     size = float(np.quantile(drawn, 0.99))
-    return float(np.abs(shares - true).max()), abs(enough(of_pairs, 0.99) / size - 1.0)
+    return float(np.abs(shares - true).max()), abs(enough(of_pairs, 0.99) - size) / max(size, STEP_MM / BACKLASH_OFF)
 
 
 def both(**own: float) -> dict[str, GearTolerances]:
