@@ -266,7 +266,10 @@ class Gears(Model):
         "that it jams is a remark",
     )
     backlash_deg: float | None = Field(
-        default=None, ge=0.0, le=90.0, description="play of the driven gear in degrees, instead of backlash_mm; 0 as there"
+        default=None,
+        ge=0.0,
+        le=90.0,
+        description="play of the driven gear in degrees, instead of backlash_mm; 0 as there",
     )
     backlash_share: float = Field(
         default=0.5,

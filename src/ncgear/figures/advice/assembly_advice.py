@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ncgear.errors import WrongInput
+from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.toleranced import limit_words
@@ -24,11 +24,11 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
     """Assemblies of a pair that jam, as estimated; None where no more than one in a hundred does.
 
     A remark where the file gives a backlash of 0: the exact pair is wanted then.  Not judged where no grade holds for
-    the gears.
+    the gears, and where another pair in series with these has no sound contact.
     """
     try:
         found = jamming_of(drive)
-    except WrongInput as error:
+    except DesignError as error:
         return NotJudged(error.problem)
     if found.share <= MOST_JAMMED:
         return None
