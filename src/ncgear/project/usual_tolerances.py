@@ -4,9 +4,9 @@ Sources, all for ordinary care and none for the best that a process can do:
 
 - hobbed or shaped: class 8 of ISO 1328-1, which these leave without finishing (classes 7 to 9 in gear handbooks, from
   secondary sources);
-- wire-cut: class 7.  Small brass gears came to DIN 5 in experiments (K. Gupta, N. K. Jain, Manufacturing of high quality
-  miniature gears by wire electric discharge machining, DAAAM International Scientific Book 2013, chapter 40); two
-  classes more are taken for work without such care.  Bore and teeth are cut in one set-up;
+- wire-cut: class 7.  Small brass gears came to DIN 5 in experiments (K. Gupta, N. K. Jain, Manufacturing of high
+  quality miniature gears by wire electric discharge machining, DAAAM International Scientific Book 2013, chapter 40);
+  two classes more are taken for work without such care.  Bore and teeth are cut in one set-up;
 - printed: service providers promise 0.2 mm either way for a whole part of calibrated machines that lay filament.  A
   quarter of it is taken for one flank against its neighbour, since the swelling is alike at all, and for the bore.  No
   gears were measured for this: it is a rough guess.
