@@ -244,7 +244,8 @@ def undercut_by(deeper_mm: float, undercut: str) -> Data:
     """24 teeth of 2 mm, cut by a sharp rack that goes so far below the cusp of their flanks, r sin^2(20 deg)."""
     dedendum = 12.0 * sin(radians(20.0)) ** 2 + deeper_mm / 2.0
     rack = {"dedendum": dedendum, "root_radius": 0}
-    return merged(SMALL, {"gears": {"teeth": 24, "undercut": undercut, "rack": rack, "cutter": {"kind": "rack"}}})
+    gears = {"teeth": 24, "undercut": undercut, "rack": rack, "cutter": {"kind": "rack"}, "backlash_mm": 0.07}
+    return merged(SMALL, {"gears": gears})
 
 
 @pytest.mark.thorough

@@ -55,7 +55,7 @@ def test_every_listed_install_is_documented() -> None:
 
 
 def test_what_follows_an_install_is_run() -> None:
-    assert left_to_run(f"{INSTALLS[0]}.venv/bin/ncgear build designs/baler.yaml") == "ncgear build designs/baler.yaml"
+    assert left_to_run(f"{INSTALLS[0]}.venv/bin/ncgear build designs/pusher.yaml") == "ncgear build designs/pusher.yaml"
 
 
 @pytest.mark.parametrize("command", ["pip install x", "npm install", "python3 -m venv .venv && rm -r x"])

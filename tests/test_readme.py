@@ -28,7 +28,7 @@ def shell_blocks() -> list[str]:
 def test_the_two_commands() -> None:
     build, test = shell_blocks()
     assert build.startswith("python3 -m venv .venv && ")
-    assert build.endswith(".venv/bin/ncgear build designs/baler.yaml")
+    assert build.endswith(".venv/bin/ncgear build designs/pusher.yaml")
     assert test in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
 
 

@@ -49,6 +49,7 @@ gears:
   teeth: 40
   module_mm: 2
   face_width_mm: 20
+  backlash_mm: 0.06
   index_holes: true
   material: 42CrMo4
   driving: {bore_mm: 15, keyway: {width_mm: 5, depth_mm: 2.3}}
@@ -99,6 +100,7 @@ gears:
   teeth: 48
   module_mm: 1.5
   face_width_mm: 12
+  backlash_mm: 0.06
   index_holes: true
   material: 42CrMo4
   driving: {bore_mm: 10}
@@ -136,6 +138,7 @@ gears:
   teeth: 50
   module_mm: 2
   face_width_mm: 20
+  backlash_mm: 0.06
   index_holes: true
   material: 42CrMo4
   driving: {bore_mm: 15, keyway: {width_mm: 5, depth_mm: 2.3}}
@@ -186,6 +189,7 @@ gears:
   teeth: 60
   module_mm: 8
   face_width_mm: 50
+  backlash_mm: 0.1
   index_holes: true
   material: 18CrNiMo7-6
   driving: {bore_mm: 80, keyway: {width_mm: 22, depth_mm: 5.4}}
@@ -228,7 +232,7 @@ gears:
   teeth: 36
   module_mm: 1.5
   face_width_mm: 8
-  backlash_mm: 0.15
+  backlash_mm: 0.16
   material: PLA-print              # rough figures: docs/materials.md
   index_holes: true
   first_layer_chamfer_mm: 0.4      # the first layers of a print spread

@@ -68,7 +68,7 @@ gears:                     # a check does without, a build needs it
     # dedendum: 1.25
     # root_radius: 0.38
   # helix: {angle_deg: 15, kind: helical, hand: right}   # or herringbone, left; left out: straight teeth
-  backlash_mm: 0           # normal backlash
+  backlash_mm: 0.07        # normal backlash: hobbed pairs of this size turn; 0: the exact pair, which jams
   index_holes: true        # a small hole in each gear; they face each other at phi1 = 0, so that teeth pair up right
   material: 42CrMo4        # both gears; or {driving: 16MnCr5, driven: POM}; docs/materials.md lists all
   # tolerances: {standard: ISO 1328-1, grade: "8", tooth_thickness_upper_mm: -0.05, tooth_thickness_lower_mm: -0.1}

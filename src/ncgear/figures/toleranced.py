@@ -8,13 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.numerics.arrays import Array
-from ncgear.project.tolerance import TURNING, Tolerated, ToleratedPair
+from ncgear.project.tolerance import Tolerated, ToleratedPair
+from ncgear.project.tolerance_limits import TURNING
+from ncgear.project.usual_tolerances import Process
 from ncgear.tolerances.assemblies import Assemblies, PairAssemblies
 from ncgear.tolerances.drawn import MADE_C, Source
 from ncgear.tolerances.iso1328 import rounded_um
@@ -129,12 +132,13 @@ def share_words(share: Share) -> str:
     return f"{value} % ({least} to {largest} % of all)"
 
 
-def limit_words(tolerated: Tolerated) -> list[str]:
+def limit_words(given: AssemblyTolerances) -> list[str]:
     """What deviates, by its largest value."""
-    limits, given = tolerated.pairs[0].lot.limits, tolerated.tolerances
-    driving, driven = given.driving, given.driven
+    driving, driven, warm = given.driving, given.driven, given.temperature
     words = [
-        f"centre distance \u00b1{limits.center_distance_mm:g} mm" if limits.center_distance_mm else "",
+        _both("pitch \u00b1{} mm", driving.single_pitch_mm or 0.0, driven.single_pitch_mm or 0.0),
+        _both("profile \u00b1{} mm", driving.profile_mm or 0.0, driven.profile_mm or 0.0),
+        f"centre distance \u00b1{given.center_distance_mm:g} mm" if given.center_distance_mm else "",
         _both("bores off by {} mm", driving.eccentricity_mm, driven.eccentricity_mm),
         _both("tilted by {} deg", driving.tilt_deg, driven.tilt_deg),
         _both("keyways \u00b1{} deg", driving.index_deg, driven.index_deg),
@@ -142,13 +146,17 @@ def limit_words(tolerated: Tolerated) -> list[str]:
         _both("profile within {} mm", driving.profile_mm or 0.0, driven.profile_mm or 0.0),
         _both("wear up to {} mm", driving.wear_mm, driven.wear_mm),
     ]
-    if given.temperature is not None:
-        low, high = limits.temperature_c
-        words.append(f"{low:g} to {high:g} \u00b0C" if high > low or low != MADE_C else "")
+    if warm is not None and (warm.largest_c > warm.least_c or warm.least_c != MADE_C):
+        words.append(f"{warm.least_c:g} to {warm.largest_c:g} \u00b0C")
     grades = {one.grade or given.grade for one in (driving, driven)} - {None}
     if grades:
         words.insert(0, f"grade {' and '.join(str(one) for one in sorted(g for g in grades if g))} of ISO 1328-1")
     return [word for word in words if word] or ["none"]
+
+
+def assumed_words(process: Process | None) -> str:
+    """What stands before tolerances that the file does not give; nothing before those that it gives."""
+    return "" if process is None else f"usual for {process} gears, "
 
 
 def _both(text: str, driving: float, driven: float) -> str:
@@ -163,7 +171,8 @@ def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
     pair = tolerated.pairs[0]
     return {
         "design": tolerated.drive.design.name,
-        "assumed": tolerated.assumed,
+        "assumed": tolerated.process is not None,
+        "process": tolerated.process,
         "tolerances": tolerated.tolerances.model_dump(exclude_none=True),
         **(_grades(pair) if single else {}),
         "assemblies": tolerated.assemblies.count,
@@ -293,7 +302,7 @@ def tolerance_text(tolerated: Tolerated, paths: Sequence[Path], kept: Sequence[P
         ]
     blocks = [
         f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies, seed {tolerated.seed}\n"
-        f"  {'assumed: ' if tolerated.assumed else ''}{', '.join(limit_words(tolerated))}\n" + "\n".join(grades)
+        f"  {assumed_words(tolerated.process)}{', '.join(limit_words(tolerated.tolerances))}\n" + "\n".join(grades)
     ]
     for title, told in tables:
         rows = [[name_of(key), *(figure(key, value) for value in values.values())] for key, values in told.items()]

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import ceil, cos, degrees, radians
+from math import ceil
 
 import numpy as np
 
 from ncgear.contact.placement import BACK, Placement, placed
-from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances
+from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.service import choices_of
+from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, nothing, rounded_up
+from ncgear.project.usual_tolerances import Process, tolerances_of
 from ncgear.solids.helical.sections import said_of_section
-from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
+from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.tolerances.assemblies import (
     TOGETHER,
     Assemblies,
@@ -27,7 +27,6 @@ from ncgear.tolerances.assemblies import (
     lot_of_pairs,
 )
 from ncgear.tolerances.drawn import Limits, reachable
-from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
 from ncgear.tolerances.mesh import Face, Mesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import LinearError, exact_of, linear_errors
 from ncgear.tolerances.study import (
@@ -51,17 +50,6 @@ from ncgear.tolerances.study import (
 PER_TOOTH = 10
 """Positions per tooth pitch: with twice as many, errors and plays of single assemblies differ by a few per cent of
 their size at most, since teeth take over from each other between positions (tests/test_tolerances.py)."""
-
-ASSUMED = AssemblyTolerances(
-    grade=8,
-    center_distance_mm=0.03,
-    driving=GearTolerances(eccentricity_mm=0.02, tilt_deg=0.02, index_deg=0.1),
-    driven=GearTolerances(eccentricity_mm=0.02, tilt_deg=0.02, index_deg=0.1),
-)
-"""What is taken where a design says nothing: gears that are hobbed, bored and keyed with ordinary care."""
-
-TURNING = 0.999
-"""Share of the assemblies that shall turn."""
 
 LEAST_WITHIN, MOST_WITHIN, SPARE = 0.03, 0.5, 1.5
 """Places of contact are followed to this depth at least and at most, in modules; and this many times as deep as flanks
@@ -123,14 +111,15 @@ class ToleratedPair:
 class Tolerated:
     """What the assemblies of a design within its tolerances do: the machine, and each of its pairs.
 
-    A machine jams or knocks where one of its pairs does.  ``needed`` is None where fewer assemblies are drawn than tell
+    A machine jams or knocks where one of its pairs does.  ``process`` is that whose usual tolerances are assumed; None
+    where the file gives some.  ``needed`` is None where fewer assemblies are drawn than tell
     it.  ``knock`` is None where the torque of no driven gear ever turns round; ``loaded`` tells whether any load is
     known: if not, every angle counts as one where it does.
     """
 
     drive: Drive
     tolerances: AssemblyTolerances
-    assumed: bool
+    process: Process | None
     seed: int
     assemblies: Assemblies
     nominal: Assemblies
@@ -159,8 +148,7 @@ def tolerated(
 
     Raises WrongInput where a grade does not hold for the gears, and as the drive does.
     """
-    design = drive.design
-    given = design.tolerances or ASSUMED
+    given, process = tolerances_of(drive)
     lot = lot_of(drive, given)
     tasks = drawn_evenly(samples, seed, len(lot.pairs))
     perfect = replace(lot, pairs=tuple(replace(pair, limits=nothing(pair.limits)) for pair in lot.pairs))
@@ -174,7 +162,7 @@ def tolerated(
     return Tolerated(
         drive=drive,
         tolerances=given,
-        assumed=design.tolerances is None,
+        process=process,
         seed=seed,
         assemblies=found,
         nominal=nominal,
@@ -279,73 +267,6 @@ def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[Mesh, Lim
     return reachable(mesh_of(face, placement_of(drive), within, both_ways=both), limits), limits
 
 
-def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
-    """The limits in mm and rad; raises WrongInput where a grade does not hold for the gears."""
-    # The grades of helical teeth go by the module across the flank.
-    module = drive.pitch.size.module_mm * cos(drive.helix.angle_rad if drive.helix else 0.0)
-    each = given.driving, given.driven
-    pitch, profile = [], []
-    for gear, own in zip(Gear, each, strict=True):
-        one, other = _of_teeth(drive.teeth.of(gear), own, given.grade, module, f"tolerances.{gear.name.lower()}")
-        pitch.append(one)
-        profile.append(other)
-    warm = given.temperature
-    range_c = (warm.least_c, warm.largest_c) if warm else (20.0, 20.0)
-    driving, driven = (one.entry.elastic.expansion_per_k for one in choices_of(drive.gears))
-    return Limits(
-        center_distance_mm=given.center_distance_mm,
-        eccentricity_mm=(given.driving.eccentricity_mm, given.driven.eccentricity_mm),
-        tilt_rad=(radians(given.driving.tilt_deg), radians(given.driven.tilt_deg)),
-        index_rad=(radians(given.driving.index_deg), radians(given.driven.index_deg)),
-        pitch_mm=np.concatenate(pitch),
-        profile_mm=np.concatenate(profile),
-        temperature_c=range_c,
-        warmer_k=warm.warmer_k if warm else 0.0,
-        expansions=(driving, driven, 1e-6 * given.housing_expansion_um_m_k),
-        wear_mm=(given.driving.wear_mm, given.driven.wear_mm),
-    )
-
-
-def nothing(limits: Limits) -> Limits:
-    """The limits of a pair that deviates by nothing."""
-    none = np.zeros(limits.flanks)
-    pair = 0.0, 0.0
-    return Limits(0.0, pair, pair, pair, none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), pair)
-
-
-def _of_teeth(
-    gear: ToothedGear, own: GearTolerances, grade: int | None, module_mm: float, key: str
-) -> tuple[Array, Array]:
-    """Single pitch and total profile deviation of each flank of a gear, from its grade or as given."""
-    grade = own.grade or grade
-    told = own.single_pitch_mm is not None and own.profile_mm is not None
-    pitch = profile = np.zeros(gear.flanks.count)
-    if grade is not None and not told:
-        _require_graded(gear, module_mm, key)
-        limits = flank_tolerances(grade, tooth_diameters_mm(gear), module_mm)
-        pitch, profile = limits.single_pitch_mm, limits.total_profile_mm
-    if own.single_pitch_mm is not None:
-        pitch = np.full(gear.flanks.count, own.single_pitch_mm)
-    if own.profile_mm is not None:
-        profile = np.full(gear.flanks.count, own.profile_mm)
-    return pitch, profile
-
-
-def _require_graded(gear: ToothedGear, module_mm: float, key: str) -> None:
-    largest = 2.0 * float(np.linalg.norm(gear.outline_mm, axis=1).max())
-    for name, value, (least, most) in (
-        ("the module in mm is", module_mm, MODULES_MM),
-        ("the teeth are", gear.teeth, TEETH),
-        ("the diameter in mm is", largest, DIAMETERS_MM),
-    ):
-        if not least <= value <= most:
-            raise WrongInput(
-                f"{name} {value:g}, but ISO 1328-1 has grades from {least:g} to {most:g} only; give single_pitch_mm "
-                "and profile_mm of both gears in place of grade",
-                key=key,
-            )
-
-
 def _is_loaded(drive: Drive) -> bool:
     return drive.design.masses is not None or drive.design.resistance is not None
 
@@ -378,17 +299,15 @@ def _needed(
 ) -> Needed | None:
     """The backlash that is needed; play by turning adds the same angle everywhere, so that the quantile tells it."""
     gears = drive.gears
-    in_degrees = gears.backlash_deg is not None
-    key, decimals = ("backlash_deg", 4) if in_degrees else ("backlash_mm", 3)
-    # What the assemblies of each pair would leave of a backlash of 0, by the key's unit.
-    left = []
-    for pair, lot_of_pair, own in zip(drive.by_stage, lot.pairs, found.pairs, strict=True):
-        unit = degrees(1.0) if in_degrees else float(lot_of_pair.mesh.arm_mm[BACK].min())
-        left.append(unit * (own.least_play_rad - pair.play.driven_rad))
+    key, decimals = backlash_key(gears), 4 if gears.backlash_deg is not None else 3
+    left = [
+        left_of_backlash(pair, own.least_play_rad, float(lot_of_pair.mesh.arm_mm[BACK].min()))
+        for pair, lot_of_pair, own in zip(drive.by_stage, lot.pairs, found.pairs, strict=True)
+    ]
 
     def enough(values: Array) -> float | None:
         lost = surpassed(values, TURNING)
-        return None if lost is None else _rounded_up(max(-lost, 0.0), decimals)
+        return None if lost is None else rounded_up(max(-lost, 0.0), 10.0**-decimals)
 
     value = enough(np.minimum.reduce(left))
     if value is None:
@@ -402,8 +321,3 @@ def _needed(
     except (NoSuchMechanism, WrongInput) as error:
         return Needed(*told, None, str(error))
     return Needed(*told, jammed(fresh.pairs))
-
-
-def _rounded_up(value: float, decimals: int) -> float:
-    unit = 10.0**-decimals
-    return round(unit * ceil(round(value / unit, 6)), decimals)

@@ -16,7 +16,7 @@ the wear, which both have alike.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sqrt
+from math import log, pi, sqrt
 
 import numpy as np
 
@@ -218,45 +218,55 @@ def reachable(mesh: Mesh, limits: Limits) -> Mesh:
 
 def drawn(limits: Limits, chances: Chances) -> Deviations:
     """The deviations of assemblies."""
-    from scipy.stats import norm, rayleigh, uniform
+    return deviating(limits, chances.pair, _within_limit(chances.teeth))
 
-    def within_limit(share: Array) -> Array:
-        low = norm.cdf(-SIGMAS)
-        return np.asarray(norm.ppf(low + share * (1.0 - 2.0 * low)) / SIGMAS)
+
+def deviating(limits: Limits, pair: Array, teeth: Array) -> Deviations:
+    """The deviations of assemblies from the numbers of their pair, shape (COUNT, N), as those of ``Chances``.
+
+    ``teeth`` (shape (2, flanks, N)) are the deviations of TOOTH_SOURCES as shares of their limits.
+    """
 
     def planar(source: str, limit: float) -> Array:
-        size, direction = chances.pair[rows_of(source)]
-        length = limit * rayleigh.ppf(size * (1.0 - BEYOND)) / rayleigh.ppf(1.0 - BEYOND)
-        angle = uniform.ppf(direction, scale=2.0 * np.pi)
+        size, direction = pair[rows_of(source)]
+        length = limit * np.sqrt(np.log1p(-size * (1.0 - BEYOND)) / log(BEYOND))
+        angle = 2.0 * pi * direction
         return np.stack([length * np.cos(angle), length * np.sin(angle)])
 
     def single(source: str) -> Array:
-        numbers: Array = chances.pair[rows_of(source)][0]
+        numbers: Array = pair[rows_of(source)][0]
         return numbers
 
     low, high = limits.temperature_c
-    temperature = uniform.ppf(single("temperature"), loc=low, scale=high - low) if high > low else np.full(1, low)
-    housing = np.broadcast_to(temperature - MADE_C, single("temperature").shape)
+    housing = low + (high - low) * single("temperature") - MADE_C
     gears = housing + limits.warmer_k
     age = single("wear")
     first, second = limits.eccentricity_mm
     rigid = np.empty((len(RIGID), age.size))
-    rigid[0] = limits.center_distance_mm * within_limit(single("center_distance"))
+    rigid[0] = limits.center_distance_mm * _within_limit(single("center_distance"))
     rigid[1:3], rigid[3:5] = planar("eccentricity_driving", first), planar("eccentricity_driven", second)
     driving, driven, about = limits.expansions
     rigid[5], rigid[6], rigid[7] = driving * gears, driven * gears, about * housing
-    rigid[8] = limits.index_rad[0] * within_limit(single("index_driving"))
+    rigid[8] = limits.index_rad[0] * _within_limit(single("index_driving"))
     rigid[9], rigid[10] = (limit * age for limit in limits.wear_mm)
     tilts = zip(("tilt_driving", "tilt_driven"), limits.tilt_rad, strict=True)
     # Two neighbours that each stand off by f / sqrt(2) are a pitch apart that is off by f.
-    pitch = limits.pitch_mm[:, None] / sqrt(2.0) * within_limit(chances.teeth[0])
+    pitch, profile = (limits.pitch_mm / sqrt(2.0)).astype(teeth.dtype), limits.profile_mm.astype(teeth.dtype)
     return Deviations(
         rigid=rigid,
         tilt=np.concatenate([planar(source, limit) for source, limit in tilts]),
-        pitch=pitch,
-        profile=limits.profile_mm[:, None] * within_limit(chances.teeth[1]),
-        output_rad=limits.index_rad[1] * within_limit(single("index_driven")),
+        pitch=pitch[:, None] * teeth[0],
+        profile=profile[:, None] * teeth[1],
+        output_rad=limits.index_rad[1] * _within_limit(single("index_driven")),
     )
+
+
+def _within_limit(share: Array) -> Array:
+    """Normal deviations that end at their limit, in limits, from numbers between 0 and 1."""
+    from scipy.special import ndtr, ndtri
+
+    low = float(ndtr(-SIGMAS))
+    return np.asarray(ndtri(low + share * (1.0 - 2.0 * low)) / SIGMAS)
 
 
 @dataclass(frozen=True, eq=False)

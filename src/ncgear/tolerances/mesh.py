@@ -47,7 +47,7 @@ from ncgear.contact.designed.flanks import FlankContacts, flank_contacts
 from ncgear.contact.placement import PUSHING, Placement, meetings
 from ncgear.dynamics.pair_places import fixed_tangents
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, as_complex
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
@@ -191,13 +191,12 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
 
     With ``both_ways`` backs carry and wear as pushing flanks do.
     """
-    found = [
-        _places(teeth, height, placement, within_mm, both_ways=both_ways)
-        for teeth, height in zip(face.sections, face.heights_mm, strict=True)
-    ]
-    joined = {field.name: np.concatenate([getattr(one, field.name) for one in found]) for field in fields(_Places)}
-    order = np.argsort(joined["place"], kind="stable")
-    rows = _Places(**{name: values[order] for name, values in joined.items()})
+    found = []
+    for teeth, height in zip(face.sections, face.heights_mm, strict=True):
+        touching = Contacts.joined(contacts_within(teeth, placement, within_mm))
+        found.append(places_of(teeth, height, touching, placement, both_ways=both_ways))
+    rows = Places.joined(found)
+    rows = rows.kept(np.argsort(rows.place, kind="stable"))
     arcs, rates = zip(*(arc_rates(teeth, placement, both_ways=both_ways) for teeth in face.sections), strict=True)
     mesh = Mesh(
         phi1_rad=placement.phi1_rad,
@@ -220,7 +219,7 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
 
 
 @dataclass(frozen=True, eq=False)
-class _Places:
+class Places(Columns):
     """Places of contact in one section: their side and position as ``place``, and the rows of ``Mesh``, shape (r, ...).
 
     Of both gears there are two columns.  ``lever_mm`` is the arm of the normal about the driven axis.
@@ -236,11 +235,10 @@ class _Places:
     profile_share: Array
 
 
-def _places(
-    teeth: ToothedPair, height_mm: float, placement: Placement, within_mm: float, *, both_ways: bool
-) -> _Places:
-    """Those of a section at a height above the middle of the face width."""
-    found = Contacts.joined(contacts_within(teeth, placement, within_mm))
+def places_of(
+    teeth: ToothedPair, height_mm: float, found: Contacts, placement: Placement, *, both_ways: bool
+) -> Places:
+    """Those of contacts in a section at a height above the middle of the face width."""
     place, tangent = fixed_tangents(found, placement)
     normal = 1j * placement.mesh.sense * found.urge * tangent
     lever = found.lever_mm
@@ -267,7 +265,7 @@ def _places(
             *worn,
         ]
     )
-    return _Places(
+    return Places(
         place=found.place(placement),
         lever_mm=lever,
         lead=found.lead_rad,

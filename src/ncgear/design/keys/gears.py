@@ -278,10 +278,15 @@ class Gears(Model):
         ge=0.0,
         le=1000.0,
         description="backlash of the pair in mm, along the normal of the idle flanks where it is least. Idle flanks "
-        "stay exact, so that the driven gear's play is the same angle everywhere",
+        "stay exact, so that the driven gear's play is the same angle everywhere. Left out: none, and a build warns "
+        "where assemblies jam and says how much is enough; a 0 that is written down: the exact pair is wanted, and "
+        "that it jams is a remark",
     )
     backlash_deg: float | None = Field(
-        default=None, ge=0.0, le=90.0, description="play of the driven gear in degrees, instead of backlash_mm"
+        default=None,
+        ge=0.0,
+        le=90.0,
+        description="play of the driven gear in degrees, instead of backlash_mm; 0 as there",
     )
     backlash_share: float = Field(
         default=0.5,

@@ -20,6 +20,7 @@ class Kind(StrEnum):
 
     MADE = "made"
     STRENGTH = "strength"
+    JAMS = "jams"
     CONTACT_RATIO = "contact_ratio"
     PRESSURE_ANGLE = "pressure_angle"
     CRANK_PIN = "crank_pin"

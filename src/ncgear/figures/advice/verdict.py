@@ -97,6 +97,12 @@ def _of_teeth(kind: Kind) -> Judge:
     return judge
 
 
+def _assembled(drive: Drive) -> Iterable[Found]:
+    from ncgear.figures.advice.assembly_advice import jams
+
+    return (jams(drive),)
+
+
 CONDITIONS: dict[Kind, Condition] = {
     Kind.MADE: Condition(
         "making the gears", "the gears can be made", _gears, lambda _: (), Known.TEETH, _one(made_advice.made)
@@ -109,6 +115,7 @@ CONDITIONS: dict[Kind, Condition] = {
         Known.TEETH,
         _one(strength_advice.rough),
     ),
+    Kind.JAMS: Condition("assembly", "the gears can be put together and turn", _gears, _assembled, Known.TEETH),
     Kind.CONTACT_RATIO: Condition(
         "contact", "flanks touch at every position", _gears, _of_teeth(Kind.CONTACT_RATIO), Known.TEETH
     ),

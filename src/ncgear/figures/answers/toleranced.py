@@ -8,6 +8,7 @@ from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.toleranced import (
+    assumed_words,
     index_rows,
     jam_words,
     knock_words,
@@ -16,7 +17,8 @@ from ncgear.figures.toleranced import (
     pair_percentiles,
     percentiles,
 )
-from ncgear.project.tolerance import TURNING, Tolerated
+from ncgear.project.tolerance import Tolerated
+from ncgear.project.tolerance_limits import TURNING
 
 HEADS = "as designed", "median", "99 % keep"
 SHOWN = "as_designed", "median", "of_99_percent"
@@ -52,13 +54,13 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         *(Row(name, (f"varies with {words}",)) for name, words in index_rows(tolerated)[:3] if words),
         Row("checked", (checked,)),
     ]
-    limits = ", ".join(limit_words(tolerated))
+    limits = f"{assumed_words(tolerated.process)}{', '.join(limit_words(tolerated.tolerances))}"
     return Answer(
         f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies within their tolerances",
         (*columns, *rows),
         _faults(tolerated),
-        about="" if tolerated.assumed else f"Tolerances: {limits}",
-        notes=(f"{ASSUMED}{limits}",) if tolerated.assumed else (),
+        about=f"Tolerances: {limits}" if tolerated.process is None else "",
+        notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
         heads=HEADS,
         good=f"{_turning(tolerated).capitalize()} of the assemblies turn, and none knocks.",
         then="tolerance.json has every figure, assemblies.csv every assembly",

@@ -1,0 +1,61 @@
+"""The advice about gears that jam once they are made and put together within their tolerances."""
+
+from __future__ import annotations
+
+from ncgear.errors import DesignError
+from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where
+from ncgear.figures.numbers import to_digits
+from ncgear.figures.toleranced import limit_words
+from ncgear.project.alternatives import is_given
+from ncgear.project.drive import Drive
+from ncgear.project.jamming import Jamming, jamming_of
+
+MOST_JAMMED = 0.01
+"""Share of the assemblies that may jam without a warning: such a one is taken apart, and other gears are tried."""
+
+NEARLY_ALL = 0.995
+
+OTHER_WAYS = Remedy(
+    "take larger teeth or finer tolerances: so much backlash would leave no teeth", short="larger teeth"
+)
+
+
+def jams(drive: Drive) -> Advice | NotJudged | None:
+    """Assemblies of a pair that jam, as estimated; None where no more than one in a hundred does.
+
+    A remark where the file gives a backlash of 0: the exact pair is wanted then.  Not judged where no grade holds for
+    the gears, and where another pair in series with these has no sound contact.
+    """
+    try:
+        found = jamming_of(drive)
+    except DesignError as error:
+        return NotJudged(error.problem)
+    if found.share <= MOST_JAMMED:
+        return None
+    wanted = found.given == 0.0 and is_given(drive.design, found.key)
+    share = "nearly all" if found.share > NEARLY_ALL else f"about {to_digits(100.0 * found.share, 2)} % of the"
+    unit = found.key.rpartition("_")[2]
+    has = f"the backlash is {found.given:g} {unit}" if found.given else "the teeth have no backlash"
+    return Advice(
+        Kind.JAMS,
+        (Where(),),
+        f"{share} assemblies jam: {has}, and with {', '.join(limit_words(found.tolerances))} "
+        f"({_made(found)}) it takes {found.enough:g} {unit} for 99.9 % to turn",
+        "backlash: 0 says that the exact pair is wanted: it turns on the screen, and when teeth and shafts give way"
+        if wanted
+        else "both flanks of a tooth are pressed somewhere; ncgear tolerance draws assemblies one by one",
+        () if wanted else (_enough(found),),
+        not wanted,
+        brief=f"{share} assemblies jam, {_made(found)}",
+    )
+
+
+def _made(found: Jamming) -> str:
+    """By what tolerances the gears are made."""
+    return "made as tolerances says" if found.process is None else f"{found.process} as usual"
+
+
+def _enough(found: Jamming) -> Remedy:
+    if not found.fits:
+        return OTHER_WAYS
+    return Remedy("give the teeth so much backlash", (Change(found.key, found.enough),))

@@ -1,0 +1,83 @@
+"""From keys to values: how many assemblies of a pair jam, and the backlash that is enough, in a few milliseconds."""
+
+from __future__ import annotations
+
+from ncgear.design.keys.tolerances import AssemblyTolerances
+from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
+from ncgear.project.drive import Drive
+from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, rounded_up
+from ncgear.project.tooth_form import backlash_of
+from ncgear.project.usual_tolerances import Process, tolerances_of
+from ncgear.teeth.backlash import play_of
+from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
+
+STEP_MM, STEP_DEG = 0.005, 0.005
+"""The backlash that is enough is rounded up to a multiple of this: nobody makes teeth to finer steps."""
+
+
+@dataclass(frozen=True)
+class Jamming:
+    """What assemblies need of the backlash that their design gives, as estimated.
+
+    ``share`` is that of the assemblies of one pair that jam.  ``key`` of the design file gives the backlash, ``given``
+    is its value, and with ``enough`` 99.9 % of all machines turn.  ``fits`` is false where so much leaves no teeth.
+    ``process`` is that whose usual tolerances are taken; None where the file gives ``tolerances``.
+    """
+
+    share: float
+    key: str
+    given: float
+    enough: float
+    fits: bool
+    tolerances: AssemblyTolerances
+    process: Process | None
+
+
+def jamming_of(drive: Drive) -> Jamming:
+    """The estimate for one pair of gears; raises WrongInput where a grade does not hold for the gears.
+
+    One key gives the backlash of two pairs in series, so that what is enough is enough for both.
+    """
+    tolerances, process = tolerances_of(drive)
+    of_pairs = drive.whole.backlash_needed
+    key = backlash_key(drive.gears)
+    given = float(getattr(drive.gears, key))
+    value = rounded_up(enough(of_pairs, TURNING), STEP_MM if key == "backlash_mm" else STEP_DEG)
+    return Jamming(
+        share=of_pairs[(drive.stage or 1) - 1].jammed(given),
+        key=f"gears.{key}",
+        given=given,
+        enough=value,
+        fits=all(_leaves_teeth(pair, {key: value}) for pair in drive.whole.by_stage),
+        tolerances=tolerances,
+        process=process,
+    )
+
+
+def backlash_needed(drive: Drive) -> tuple[Needed, ...]:
+    """What assemblies of every pair need of the backlash, in the unit of its key; raises as ``jamming_of``."""
+    tolerances, _ = tolerances_of(drive)
+    return tuple(_needed(pair, tolerances, seed) for seed, pair in enumerate(drive.by_stage))
+
+
+def _needed(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Needed:
+    teeth = Teeth(
+        pair.teeth,
+        pair.designed_contact,
+        limits_of(pair, tolerances),
+        pair.gears.face_width_mm,
+        pair.overlap_ratio,
+        pair.gears.drives == "both_ways",
+    )
+    plays = plays_of(teeth, seed)
+    return needed(-left_of_backlash(pair, plays.least_rad, plays.least_arm_mm), plays.shared)
+
+
+def _leaves_teeth(pair: Drive, changes: dict[str, float]) -> bool:
+    """Whether a pair has teeth with another backlash."""
+    try:
+        play_of(pair.pitch, pair.rack, backlash_of(pair.gears.model_copy(update=changes)))
+    except WrongInput:
+        return False
+    return True

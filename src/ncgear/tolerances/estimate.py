@@ -1,0 +1,219 @@
+"""The share of assemblies that jam, estimated in milliseconds from the contact that a build has found.
+
+It is the linear mesh of ``ncgear.tolerances.mesh`` with few positions and few assemblies.  Its places of contact are
+those that touch as designed, at two positions a pitch; ``ncgear tolerance`` follows ten, and the places that nearly
+touch besides.  Few assemblies tell what the centre distance, the temperature and the wear make of the backlash that is
+needed, and the spread of what all else adds.  A gamma distribution with that spread then gives the share for which a
+backlash is too small, and the backlash that is enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import prod, sqrt
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ncgear.contact.designed.as_designed import AsDesigned
+from ncgear.contact.designed.curves import Contacts
+from ncgear.contact.placement import BACK, Placement
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, IndexArray, counted_up
+from ncgear.teeth.gear import ToothedPair
+from ncgear.tolerances.drawn import COUNT, SIGMAS, Limits, deviating, rows_of
+from ncgear.tolerances.mesh import Deviations, Mesh, Places, places_of
+
+PER_PITCH = 2
+"""Positions per tooth pitch.  With twice as many the mean of what assemblies need changes by a hundredth."""
+
+LEAST_ASSEMBLIES, MOST_ASSEMBLIES, AT_ONCE = 128, 512, 160_000
+"""Assemblies that are drawn at least and at most; in between so many that they and the places of contact make AT_ONCE:
+some three milliseconds."""
+
+SHAPE = 16.0
+"""Of the gamma distribution of what bores, tilts and teeth make of the backlash that assemblies need, whose skewness is
+2 / sqrt(SHAPE) = 0.5: the greatest value at many teeth has a longer tail than a normal one."""
+
+FARTHEST = 12.0
+"""Standard deviations above the mean beyond which a gamma distribution of that shape has nothing left to speak of."""
+
+NORMAL_95 = 1.645
+"""Standard deviations of a normal distribution above its mean under which 95 % of it lies."""
+
+TINY = 1e-12
+"""Deviation in mm or degrees under which nothing deviates."""
+
+
+@dataclass(frozen=True, eq=False)
+class Teeth:
+    """The teeth of a pair in contact as designed, and what they may deviate by; ``overlap`` is that of a helix."""
+
+    pair: ToothedPair
+    contact: AsDesigned
+    limits: Limits
+    face_width_mm: float
+    overlap: float
+    both_ways: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Plays:
+    """The least plays of N assemblies in rad of the driven gear, ``least_rad`` (shape (N,)).
+
+    ``shared`` (shape (3, N)) are the numbers of theirs that all positions have alike: those of the centre distance, the
+    temperature and the wear.  ``least_arm_mm`` is the least arm of the idle flanks' normal about the driven axis.
+    """
+
+    least_rad: Array
+    shared: Array
+    least_arm_mm: float
+
+
+def plays_of(teeth: Teeth, seed: int) -> Plays:
+    """The least plays of some assemblies."""
+    mesh = _mesh_of(teeth)
+    count = int(np.clip(AT_ONCE // mesh.lead.size, LEAST_ASSEMBLIES, MOST_ASSEMBLIES))
+    random = np.random.default_rng(seed)
+    # Each number of the pair is drawn once in each of as many layers (a Latin hypercube, McKay 1979).
+    layers = random.permuted(np.broadcast_to(np.arange(count), (COUNT, count)), axis=1)
+    pair = (layers + random.random((COUNT, count))) / count
+    # The three in a thousand beyond the limit are kept, which makes the spread greater by a hundredth.
+    flanks: Any = random.standard_normal((2, teeth.limits.flanks, count), dtype=np.float32) / np.float32(SIGMAS)
+    of = deviating(teeth.limits, pair, flanks)
+    play = -mesh.leads(_in_short(of)).sum(axis=0).max(axis=0)
+    shared = np.stack([of.rigid[0], pair[rows_of("temperature")][0], pair[rows_of("wear")][0]])
+    return Plays(play.astype(float), shared, float(mesh.arm_mm[BACK].min()))
+
+
+def _mesh_of(teeth: Teeth) -> Mesh:
+    """The linear mesh of what touches as designed; of helical teeth the overlap carries along the face width.
+
+    In another section the same flanks touch as at another position, whose deviations count here; displacements are
+    those of this position.
+    """
+    every = teeth.contact.placement
+    found = Contacts.joined([teeth.contact.pushing.touching, teeth.contact.back.touching])
+    chosen = _tightest(np.bincount(found.position, minlength=every.count), round(every.per_tooth / PER_PITCH))
+    placement = replace(
+        every,
+        rolled_mm=every.rolled_mm[chosen],
+        phi1_rad=every.phi1_rad[chosen],
+        phi2_rad=every.phi2_rad[chosen],
+        speed=every.speed[chosen],
+    )
+    number = np.full(every.count, -1)
+    number[chosen] = np.arange(chosen.size)
+    found = found.kept(number[found.position] >= 0)
+    found = replace(found, position=number[found.position])
+    places = places_of(teeth.pair, teeth.face_width_mm / 2.0, found, placement, both_ways=teeth.both_ways)
+    places = places.kept(np.argsort(places.place, kind="stable"))
+    arm_mm = np.stack([side.first.lever_mm[chosen] for side in (teeth.contact.pushing, teeth.contact.back)])
+    places = _overlapping(places, placement, int(PER_PITCH * teeth.overlap))
+    mesh = Mesh(
+        phi1_rad=placement.phi1_rad,
+        phi2_rad=placement.phi2_rad,
+        cycle_rad=placement.cycle_rad,
+        radius_mm=placement.driven_radius_mm,
+        arm_mm=arm_mm,
+        first=np.searchsorted(places.place, np.arange(2 * placement.count)),
+        lead=places.lead,
+        rigid=places.rigid,
+        tilt=places.tilt,
+        flank=np.ascontiguousarray(places.flank.T),
+        pitch_share=np.ascontiguousarray(places.pitch_share.T),
+        profile_share=np.ascontiguousarray(places.profile_share.T),
+        mirrored=True,
+        arcs=np.zeros(0),
+        arc_rates=np.zeros((0, 8)),
+    )
+    return _in_short(mesh)
+
+
+Values = TypeVar("Values", Mesh, Deviations)
+
+
+def _in_short(values: Values) -> Values:
+    """The same in numbers of seven digits, which are computed in half the time."""
+    every = vars(values).items()
+    long = {name: one for name, one in every if isinstance(one, np.ndarray) and one.dtype == float}
+    short: dict[str, Any] = {name: one.astype(np.float32) for name, one in long.items()}
+    return replace(values, **short)
+
+
+def _tightest(touching: IndexArray, stretch: int) -> IndexArray:
+    """The position at which most places touch in each stretch of so many; ``touching`` is their number at each."""
+    padded = np.append(touching, np.full(-touching.size % stretch, -1)).reshape(-1, stretch)
+    tightest: IndexArray = np.arange(0, touching.size, stretch) + padded.argmax(axis=1)
+    return tightest
+
+
+def _overlapping(places: Places, placement: Placement, further: int) -> Places:
+    """Sorted places, and at each position those of so many positions further on besides."""
+    if not further:
+        return places
+    first = np.searchsorted(places.place, np.arange(2 * placement.count))
+    counts = np.diff(first, append=places.place.size)
+    side, position = np.divmod(np.repeat(np.arange(2 * placement.count), further + 1), placement.count)
+    position += np.tile(np.arange(further + 1), 2 * placement.count)
+    position = position % placement.count if placement.toothed is None else np.minimum(position, placement.count - 1)
+    group = side * placement.count + position
+    of, rows = counted_up(first[group], counts[group])
+    here: IndexArray = first[of // (further + 1)]
+    return replace(places.kept(rows), place=places.place[here], rigid=places.rigid[here], tilt=places.tilt[here])
+
+
+@dataclass(frozen=True, eq=False)
+class Needed:
+    """What assemblies need of a backlash, in its unit.
+
+    ``shared`` (shape (N,)) is what the centre distance, the temperature and the wear of each make of it on the average
+    over all else, and ``deviation`` the standard deviation of what all else adds.
+    """
+
+    shared: Array
+    deviation: float
+
+    def jammed(self, given: float) -> float:
+        """The share of assemblies that need more than is given."""
+        from scipy.special import gammaincc
+
+        left = given - self.shared
+        if self.deviation < TINY * (1.0 + abs(given)):
+            return float(np.mean(left < 0.0))
+        return float(np.mean(gammaincc(SHAPE, np.maximum(SHAPE + sqrt(SHAPE) * left / self.deviation, 0.0))))
+
+
+def needed(backlash: Array, shared: Array) -> Needed:
+    """What assemblies need that were drawn: the backlash of each, shape (N,), and the numbers of ``Plays.shared``.
+
+    What these make of it is followed to first order, by least squares.
+    """
+    from scipy.linalg import lstsq
+
+    terms = np.vstack([np.ones(backlash.size), *(one / max(np.ptp(one), TINY) for one in shared)]).T
+    found = terms @ lstsq(terms, backlash, lapack_driver="gelsy")[0]
+    return Needed(found, float(np.std(backlash - found)))
+
+
+def enough(of_pairs: Sequence[Needed], turning: float) -> float:
+    """The least backlash with which so great a share of machines turns, whose pairs need so much, with 95 % confidence.
+
+    Pairs jam independently.  Of n assemblies the mean has the variance 1/n of theirs, and the standard deviation
+    1/(2 n); a value K standard deviations above the mean is as unsure as both.
+    """
+    from scipy.optimize import brentq
+
+    def lacking(given: float) -> float:
+        return turning - prod(1.0 - one.jammed(given) for one in of_pairs)
+
+    if lacking(0.0) <= 0.0:
+        return 0.0
+    widest = max(one.deviation for one in of_pairs)
+    most = max(0.0, *(float(one.shared.max()) for one in of_pairs)) + FARTHEST * widest
+    found = float(brentq(lacking, 0.0, most, xtol=1e-3 * widest + TINY))
+    spread = max(float(np.hypot(one.shared.std(), one.deviation)) for one in of_pairs)
+    above = max((found - float(one.shared.mean())) / spread for one in of_pairs) if spread else 0.0
+    count = min(one.shared.size for one in of_pairs)
+    return found + NORMAL_95 * spread * sqrt((1.0 + above**2 / 2.0) / count)
