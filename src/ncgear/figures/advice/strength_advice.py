@@ -20,7 +20,7 @@ from ncgear.project.strengthening import (
     strong_enough,
     wide_enough,
 )
-from ncgear.strength.at_pitch_point import RoughSafety
+from ncgear.strength.without_teeth import RoughSafety
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
 
 SIZE = "ncgear size"
