@@ -9,19 +9,23 @@ import numpy as np
 from ncgear.contact.placement import placed
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.iso6336 import RackTip
+from ncgear.strength.material import Material
 from ncgear.strength.materials import Plastic
 from ncgear.strength.plastics import friction, temperatures_of
 from ncgear.strength.without_teeth import (
+    MOST_LEAP,
+    MOST_WAY,
     PER_TOOTH,
     RolledLoad,
     RoughSafety,
+    SharedLoad,
     ToothPlan,
     rough_safeties,
     shared_loads,
@@ -34,12 +38,25 @@ from ncgear.strength.without_teeth import (
 class RoughStrength:
     """Both gears' safeties, roughly.
 
-    ``unjudged`` says why the wanted life is not judged, in words that follow "because"; the safeties are then those
-    against breaking at once, or none where even these are not known.  It is empty where the life is judged.
+    ``unjudged`` says why the wanted life is not judged; the safeties are then those against breaking at once, or none
+    where even these are not known.  ``needs_teeth`` says why the safeties are right within a factor of two only.  Both
+    are words that follow "because", and empty where there is no such reason.
     """
 
     safeties: tuple[RoughSafety, ...]
     unjudged: str = ""
+    needs_teeth: str = ""
+
+    @property
+    def sure(self) -> float:
+        """Share of the wanted safety under which teeth do not hold for certain."""
+        return 0.5 if self.needs_teeth else 1.0
+
+    @property
+    def weak(self) -> list[RoughSafety]:
+        """The safeties of teeth that do not hold, the weakest first."""
+        found = [one for one in self.safeties if one.safety < self.sure * one.wanted]
+        return sorted(found, key=lambda one: one.safety / one.wanted)
 
 
 def rough_strength(drive: Drive) -> RoughStrength | None:
@@ -52,27 +69,26 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     try:
         load = _rolled(drive)
     except DesignError as error:
+        # Pitch curves and forces may be refused; a check does not ask for them.
         return RoughStrength((), error.problem)
     if not load.force_n.any():
         return None
     if np.any(load.force_n < 0.0):
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
-    plan, running, conditions, materials = _plan(drive), drive.running, drive.conditions, drive.materials
-    sides = shared_loads(load, plan, running, materials)
+    plan, running, conditions = _plan(drive), drive.running, drive.conditions
+    sides = shared_loads(load, plan, running, drive.materials)
+    needs_teeth = _needs_teeth(drive, plan, load, sides)
+    warm = _warm(drive, sides, load.phi1_rad.size)
     try:
-        choices = choices_of(drive.gears)
-        if any(isinstance(choice.entry, Plastic) for choice in choices):
-            rubbed = friction(choices, conditions.lubrication)
-            lost = slid_w(sides, load.phi1_rad.size, running.face_width_mm, rubbed)
-            warm = temperatures_of(choices, conditions, running, lost)
-            materials = materials_of(choices, conditions, running, warm)
         why = _no_life(drive)
         if not why:
             try:
-                return RoughStrength(tuple(rough_safeties(sides, plan, running, materials, conditions)))
+                return RoughStrength(
+                    tuple(rough_safeties(sides, plan, running, warm, conditions)), needs_teeth=needs_teeth
+                )
             except WrongInput as error:
                 why = f"{error.key}: {error.problem}"
-        return RoughStrength(tuple(static_safeties(sides, plan, running, materials, conditions)), why)
+        return RoughStrength(tuple(static_safeties(sides, plan, running, warm, conditions)), why, needs_teeth)
     except ArithmeticError as error:
         return RoughStrength((), str(error))
 
@@ -84,6 +100,32 @@ def _no_life(drive: Drive) -> str:
     if drive.design.motion.is_open:
         return "gears that turn to and fro, less than once, are not followed under load"
     return ""
+
+
+def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[SharedLoad]) -> str:
+    module = drive.running.module_mm
+    if drive.pitch.mesh is Mesh.INTERNAL:
+        return "it needs the teeth to tell of a ring"
+    if abs(sum(plan.shifts)) > LEAST_SHIFT:
+        return "it needs the teeth to tell where both profile shifts are not opposite"
+    if load.leap(module) > MOST_LEAP:
+        return "it needs the teeth to tell where the curvature of the pitch curves changes so much within a tooth"
+    if max(float(one.way_mm.max()) for one in sides) > MOST_WAY * module:
+        return "it needs the teeth to tell where they give way so far under the load"
+    return ""
+
+
+LEAST_SHIFT = 1e-9
+"""Sum of both shifts in modules that is a rounding error of none."""
+
+
+def _warm(drive: Drive, sides: list[SharedLoad], positions: int) -> tuple[Material, Material]:
+    """The materials, plastics as warm as what friction takes makes them."""
+    choices, conditions, running = choices_of(drive.gears), drive.conditions, drive.running
+    if not any(isinstance(choice.entry, Plastic) for choice in choices):
+        return drive.materials
+    lost = slid_w(sides, positions, running.face_width_mm, friction(choices, conditions.lubrication))
+    return materials_of(choices, conditions, running, temperatures_of(choices, conditions, running, lost))
 
 
 def _plan(drive: Drive) -> ToothPlan:

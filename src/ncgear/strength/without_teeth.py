@@ -45,6 +45,16 @@ STEEL_MPA = 206_000.0
 LEAST_SINE = 0.02
 """Least rho k of a flank, where sin(alpha) is 0.34 as a rule: beside its base circle a flank is followed no further."""
 
+MOST_LEAP = 0.12
+"""Most change of a pitch curve's curvature within a pitch, in 1/modules, with which one curvature stands for a tooth:
+up to 0.11 safeties were 0.86 to 1.1 of those with teeth, from 0.19 on 0.8 to 1.9."""
+
+MOST_WAY = 0.12
+"""Most of a module that loaded teeth may give way: then edges touch farther off than their second order tells."""
+
+LOADED = 0.02
+"""Share of the largest force under which a position tells nothing of the teeth."""
+
 SOFTEST_RAD = 1.3
 """Angle at which the cosine of the stiffness ends, where a quarter is left; usual pairs end at 1.2 or less."""
 
@@ -66,6 +76,12 @@ class RolledLoad:
     turning_rad_s: Array
     closed: bool
 
+    def leap(self, module_mm: float) -> float:
+        """Largest change of a curvature within a pitch about a loaded position, in 1/modules."""
+        rows = np.flatnonzero(self.force_n > LOADED * self.force_n.max())
+        around = self.curvature[:, self.place(rows + np.arange(-PER_TOOTH, PER_TOOTH + 1)[:, None])]
+        return float(np.ptp(around, axis=1).max()) * module_mm
+
     def place(self, position: IndexArray) -> IndexArray:
         """Numbers of positions beyond the ends: round the cycle, or held at the ends of a range."""
         count = self.phi1_rad.size
@@ -85,17 +101,19 @@ class ToothPlan:
 
 @dataclass(frozen=True, eq=False)
 class SharedLoad:
-    """What each of p pairs on one side of the teeth bears at each of its n positions, both gears in one array first.
+    """What each of p pairs on one side of the teeth bears at each of its n positions.
 
-    ``load`` holds those n positions.  ``line_n_mm`` (p, n) is the normal force for each mm of width; ``place_mm`` (p,
-    n) where they touch along the line of action, from the pitch point towards the driving gear's tip;
-    ``relative_curvature`` (p, n) that of both flanks; ``root_teeth`` (2, p, n) the teeth of the circular gears of which
-    roots are.
+    ``load`` holds those n positions, and ``angle_rad`` is the rack's angle on that side.  ``line_n_mm`` (p, n) is the
+    normal force for each mm of width and ``way_mm`` (n,) how far the teeth give way along it; ``place_mm`` (p, n) is
+    where they touch along the line of action, from the pitch point towards the driving gear's tip;
+    ``relative_curvature`` (p, n) is that of both flanks, and ``root_teeth`` (2, p, n) are the teeth of the circular
+    gears that have such roots.
     """
 
     load: RolledLoad
     angle_rad: float
     line_n_mm: Array
+    way_mm: Array
     place_mm: Array
     relative_curvature: Array
     root_teeth: Array
@@ -143,9 +161,9 @@ def _shared(
     centres = np.stack([crossing + quarter, crossing - quarter])
     around = np.mean([load.curvature[:, load.place(np.arange(load.phi1_rad.size) + i)] for i in _ROOT], axis=0)
     roots = np.stack([around[i][load.place(centres[i])] for i in (0, 1)])
-    line = _borne(load.force_n[rows] / running.face_width_mm, stiffness, gap)
+    way, line = _borne(load.force_n[rows] / running.face_width_mm, stiffness, gap)
     own = RolledLoad(load.phi1_rad[rows], load.force_n[rows], load.urge[rows], k, load.turning_rad_s[rows], load.closed)
-    return SharedLoad(own, angle, line, place, relative, _teeth(roots, module))
+    return SharedLoad(own, angle, line, way, place, relative, _teeth(roots, module))
 
 
 _ROOT = np.arange(-PER_TOOTH // 4, PER_TOOTH // 4 + 1)
@@ -174,8 +192,8 @@ def _relieved_mm(height_mm: Array, relief: TipRelief | None) -> Array:
     return np.asarray(relief.amount_mm * over**2)
 
 
-def _borne(line_n_mm: Array, stiffness: Array, gap_mm: Array) -> Array:
-    """The share of each pair, shape (p, n), of loads (n,): sum(c max(0, x - gap)) = w.
+def _borne(line_n_mm: Array, stiffness: Array, gap_mm: Array) -> tuple[Array, Array]:
+    """How far p pairs give way under loads, shape (n,), and the share of each, (p, n): sum(c max(0, x - gap)) = w.
 
     Convex in x, so that Newton's method from where one pair alone would bear it comes down to the zero.
     """
@@ -183,7 +201,7 @@ def _borne(line_n_mm: Array, stiffness: Array, gap_mm: Array) -> Array:
     for _ in PITCHES:
         borne = np.sum(stiffness * np.maximum(at - gap_mm, 0.0), axis=0)
         at = at - (borne - line_n_mm) / np.sum(stiffness * (gap_mm <= at), axis=0)
-    return np.asarray(stiffness * np.maximum(at - gap_mm, 0.0))
+    return at, np.asarray(stiffness * np.maximum(at - gap_mm, 0.0))
 
 
 def slid_w(sides: list[SharedLoad], positions: int, face_width_mm: float, coefficient: float) -> float:
