@@ -15,6 +15,7 @@ from ncgear.dynamics.level import Level
 from ncgear.dynamics.peaks import motion_peaks
 from ncgear.dynamics.touching import pushing_parted_s
 from ncgear.figures.advice import strength_advice
+from ncgear.figures.advice.values import Advice
 from ncgear.figures.answers.answer import Fault, faults_in_words, faults_of
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures, drivetrain_warnings
@@ -58,7 +59,7 @@ def simulate(drive: Drive, level: Level) -> Simulated:
     around = found.figures.get("warnings", [])
     found = replace(found, faults=faults_in_words(around))
     advice = strength_advice.rough(drive) if level is Level.RIGID else strength_advice.strength(drive)
-    if advice is None:
+    if not isinstance(advice, Advice):
         return found
     figures = {**found.figures, "warnings": [advice.line, *around]}
     return replace(found, figures=figures, faults=(*faults_of([("", advice)]), *found.faults))

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
 
 from ncgear.contact.placement import placed
-from ncgear.errors import DesignError, WrongInput
+from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
+from ncgear.strength.conditions import VibrationUnknown
 from ncgear.strength.endurance import materials_of
+from ncgear.strength.holding import Damage
 from ncgear.strength.iso6336 import RackTip
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Plastic
@@ -86,11 +89,41 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
                 return RoughStrength(
                     tuple(rough_safeties(sides, plan, running, warm, conditions)), needs_teeth=needs_teeth
                 )
-            except WrongInput as error:
-                why = f"{error.key}: {error.problem}"
+            except VibrationUnknown as error:
+                why = error.why
         return RoughStrength(tuple(static_safeties(sides, plan, running, warm, conditions)), why, needs_teeth)
     except ArithmeticError as error:
         return RoughStrength((), str(error))
+
+
+def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:
+    """The rough strength of a pair whose strength is refused, or of which none is computed (None).
+
+    With a K_V that is not known the teeth themselves tell whether they break at once.
+    """
+    if refusal is None:
+        return rough_strength(drive)
+    if isinstance(refusal, VibrationUnknown):
+        return _without_vibration(drive, refusal)
+    found = rough_strength(drive)
+    return found and replace(found, unjudged=found.unjudged or refusal.problem)
+
+
+def _without_vibration(drive: Drive, refusal: VibrationUnknown) -> RoughStrength:
+    """Both gears' safeties against breaking at once, by the teeth under load without K_V."""
+    still = drive.still_teeth.strength
+    found = []
+    for gear, tension in zip(Gear, still.stresses.tension_mpa, strict=True):
+        row, material = int(tension.argmax()), still.of(gear).material
+        wanted, stress = drive.conditions.wanted_bending_safety(material), float(tension[row])
+        safety = float(material.bending.stress_mpa[0]) / stress
+        found.append(RoughSafety(gear, Damage.BENDING, safety, wanted, stress, float(still.contacts.phi1_rad[row])))
+    return RoughStrength(tuple(found), refusal.why)
+
+
+def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
+    """What happens to a tooth, in words that follow "against"."""
+    return "breaking at once" if found.unjudged else one.damage.words
 
 
 def _no_life(drive: Drive) -> str:

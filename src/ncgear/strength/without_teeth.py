@@ -30,8 +30,8 @@ from ncgear.strength.material import Material
 from ncgear.teeth.form import TipRelief
 
 PER_TOOTH = 16
-"""Positions in a tooth pitch, a multiple of four: flanks cross the pitch curve a quarter of it beside their teeth.  With
-four times as many, the safeties of the designs change by 2 % or less."""
+"""Positions in a tooth pitch, a multiple of four: flanks cross the pitch curve a quarter of it beside their teeth.
+With four times as many, safeties change by 2 % or less."""
 
 PITCHES = np.arange(-3, 5)
 """Crossings beside a position, in pitches: teeth as high as three modules touch over four pitches."""
@@ -90,7 +90,7 @@ class RolledLoad:
 
 @dataclass(frozen=True)
 class ToothPlan:
-    """How teeth would be cut: the rack in modules, both gears' shifts in modules, angles of both sides, relief in mm."""
+    """How teeth would be cut: rack and both gears' shifts in modules, angles of both sides, relief in mm."""
 
     rack: RackTip
     addendum: float
@@ -231,8 +231,7 @@ def rough_safeties(
 ) -> list[RoughSafety]:
     """Both gears' safeties against breakage and, where the material has figures, against pitting, for the life wanted.
 
-    Raises WrongInput where K_V is left out and cannot be estimated; ArithmeticError for racks that the formulas do not
-    cover.
+    Raises VibrationUnknown as ``dynamic_factor`` does, ArithmeticError for racks that the formulas do not cover.
     """
     lines = np.concatenate([one.line_n_mm.ravel() for one in sides]) * conditions.application_factor
     shaken = conditions.dynamic_factor or dynamic_factor(running, float(np.sum(lines**2) / np.sum(lines)))

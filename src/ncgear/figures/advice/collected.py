@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ncgear.design.keys.design import Design
 from ncgear.figures.advice import law_advice, strength_advice, wish_advice
-from ncgear.figures.advice.values import Advice, Remedy
+from ncgear.figures.advice.values import Advice, NotJudged, Remedy
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
@@ -47,8 +47,8 @@ def build_advice(drive: Drive) -> tuple[Advice, ...]:
     return _given(drive, *of_curves, *of_teeth, *of_contact, *of_load)
 
 
-def _given(drive: Drive, *advices: Advice | None) -> tuple[Advice, ...]:
-    return tuple(_within_what_is_asked(advice, drive.design) for advice in advices if advice is not None)
+def _given(drive: Drive, *advices: Advice | NotJudged | None) -> tuple[Advice, ...]:
+    return tuple(_within_what_is_asked(advice, drive.design) for advice in advices if isinstance(advice, Advice))
 
 
 def _within_what_is_asked(advice: Advice, design: Design) -> Advice:

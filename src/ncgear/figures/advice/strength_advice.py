@@ -1,15 +1,13 @@
-"""The advice about teeth that do not hold the load that is known of them."""
+"""What is said of teeth that do not hold the load that is known of them, or of which that is not judged."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import degrees
 
-from ncgear.errors import DesignError
-from ncgear.figures.advice.values import Advice, Kind, Remedy, Where, changed
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import to_digits
 from ncgear.project.drive import Drive
-from ncgear.project.rough_strength import rough_strength
+from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
 from ncgear.project.strengthening import (
     MOST_TEETH,
     SERIES_I_MM,
@@ -20,24 +18,30 @@ from ncgear.project.strengthening import (
     strong_enough,
     wide_enough,
 )
-from ncgear.strength.without_teeth import RoughSafety
+from ncgear.strength.conditions import wears
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
+from ncgear.strength.without_teeth import RoughSafety
 
 SIZE = "ncgear size"
 
 
-def strength(drive: Drive) -> Advice | None:
+WEAR = "wear of dry metal is not computed, only that its teeth do not break"
+"""Why dry gears of metal are not judged where their roots hold."""
+
+
+def strength(drive: Drive) -> Advice | NotJudged | None:
     """Teeth whose safety against breakage or pitting is under the wanted one; names the weakest of all.
 
-    Where the strength is refused, as for loads that press teeth too deep to be followed, what a check says of it.  None
-    where no load is known.
+    None where the teeth hold, and where no load is known.  Where the strength is refused or not computed, as of helical
+    and open gears, at speeds beyond what is known of vibration, or of loads that press teeth too deep to be followed,
+    they are judged roughly, if only whether they break at once.
     """
     verdict = known_verdict(drive)
-    if isinstance(verdict, DesignError):
-        refused = rough(drive)
-        return refused and replace(refused, meaning=f"this is not computed tooth by tooth: {verdict.problem}")
-    if verdict is None or verdict.holds:
-        return None
+    if not isinstance(verdict, Verdict):
+        found = beside_refusal(drive, verdict)
+        return found and _roughly(drive, found)
+    if verdict.holds:
+        return NotJudged(WEAR) if wears(drive.conditions, drive.materials) else None
     weak = [one for one in verdict.weakest if not one.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
@@ -58,27 +62,48 @@ def strength(drive: Drive) -> Advice | None:
     )
 
 
-def rough(drive: Drive) -> Advice | None:
-    """The same without teeth, by a rough estimate at the pitch point; None where that finds nothing."""
+def rough(drive: Drive) -> Advice | NotJudged | None:
+    """The same without teeth, by a rough estimate."""
     found = rough_strength(drive)
-    weak = [one for one in found if one.safety < one.wanted]
+    return found and _roughly(drive, found)
+
+
+def _roughly(drive: Drive, found: RoughStrength) -> Advice | NotJudged | None:
+    weak = found.weak
     if not weak:
-        return None
-    first = min(weak, key=lambda one: one.safety / one.wanted)
-    at, load = degrees(first.phi1_rad), "the resistance" if drive.design.masses is None else "the masses"
-    stage = "" if drive.stage is None else f" of stage {drive.stage}"
+        return _not_judged(drive, found)
+    first, load = weak[0], "the resistance" if drive.design.masses is None else "the masses"
+    at, damage, gear = degrees(first.phi1_rad), rough_damage(found, first), f"the {first.gear.value} gear"
+    teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
+    if found.needs_teeth:
+        said = f"{teeth} will not hold"
+        safety = f"under half the safety of {first.wanted:g} against {damage} that is wanted"
+        why = f" of {gear}; how much under is not told, since {found.needs_teeth}"
+    else:
+        said = f"{teeth} will hardly hold"
+        safety = f"safety about {to_digits(first.safety, 2)} against {damage}, {first.wanted:g} wanted"
+        why = f" of {gear}, which has {to_digits(first.stress_mpa, 2)} MPa"
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, angles_deg=((at, at),)),),
-        f"the teeth{stage} will hardly hold the load of {load}: roughly, one pair at the pitch point has "
-        f"{to_digits(first.stress_mpa, 2)} MPa at phi1 = {to_digits(at, 4)} deg, a safety of "
-        f"{to_digits(first.safety, 2)} of the {first.gear.value} gear against {first.damage.words} where "
-        f"{first.wanted:g} is wanted",
-        "ncgear strength computes every tooth",
+        f"{said} the load of {load}: roughly, {safety}{why} at phi1 = {to_digits(at, 4)} deg",
+        f"their life is not judged: {found.unjudged}" if found.unjudged else "ncgear strength computes every tooth",
         _rough_remedies(drive, weak),
-        brief=f"the teeth{stage} will hardly hold: safety about {to_digits(first.safety, 2)} against "
-        f"{first.damage.words}, {first.wanted:g} wanted",
+        brief=f"{said}: {safety}",
     )
+
+
+def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
+    """Why teeth that are not found too weak are not said to hold; None where they are."""
+    least = min(found.safeties, key=lambda one: one.safety / one.wanted, default=None)
+    if found.unjudged and least is None:
+        return NotJudged(found.unjudged)
+    if found.unjudged and least is not None:
+        told = f"{to_digits(least.safety, 2)} against {rough_damage(found, least)}"
+        return NotJudged(f"{found.unjudged}; all that is known is a safety of about {told}, {least.wanted:g} wanted")
+    if found.needs_teeth:
+        return NotJudged(found.needs_teeth)
+    return NotJudged(WEAR) if wears(drive.conditions, drive.materials) else None
 
 
 def _rough_remedies(drive: Drive, weak: list[RoughSafety]) -> tuple[Remedy, ...]:
