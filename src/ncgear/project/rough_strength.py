@@ -41,14 +41,16 @@ from ncgear.strength.without_teeth import (
 class RoughStrength:
     """Both gears' safeties, roughly.
 
-    ``unjudged`` says why the wanted life is not judged; the safeties are then those against breaking at once, or none
-    where even these are not known.  ``needs_teeth`` says why the safeties are right within a factor of two only.  Both
-    are words that follow "because", and empty where there is no such reason.
+    ``unjudged`` says why the teeth are not judged for the wanted life, and ``at_once`` that the safeties are those
+    against breaking at once instead; there are none where even these are not known.  ``needs_teeth`` says why the
+    safeties are right within a factor of two only.  Both are words that follow "because", and empty where there is no
+    such reason.
     """
 
     safeties: tuple[RoughSafety, ...]
     unjudged: str = ""
     needs_teeth: str = ""
+    at_once: bool = False
 
     @property
     def sure(self) -> float:
@@ -91,7 +93,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
                 )
             except VibrationUnknown as error:
                 why = error.why
-        return RoughStrength(tuple(static_safeties(sides, plan, running, warm, conditions)), why, needs_teeth)
+        return RoughStrength(tuple(static_safeties(sides, plan, running, warm, conditions)), why, needs_teeth, True)
     except ArithmeticError as error:
         return RoughStrength((), str(error))
 
@@ -106,7 +108,7 @@ def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength |
     if isinstance(refusal, VibrationUnknown):
         return _without_vibration(drive, refusal)
     found = rough_strength(drive)
-    return found and replace(found, unjudged=found.unjudged or refusal.problem)
+    return found and replace(found, unjudged=refusal.problem)
 
 
 def _without_vibration(drive: Drive, refusal: VibrationUnknown) -> RoughStrength:
@@ -118,18 +120,20 @@ def _without_vibration(drive: Drive, refusal: VibrationUnknown) -> RoughStrength
         wanted, stress = drive.conditions.wanted_bending_safety(material), float(tension[row])
         safety = float(material.bending.stress_mpa[0]) / stress
         found.append(RoughSafety(gear, Damage.BENDING, safety, wanted, stress, float(still.contacts.phi1_rad[row])))
-    return RoughStrength(tuple(found), refusal.why)
+    return RoughStrength(tuple(found), refusal.why, at_once=True)
 
 
 def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
     """What happens to a tooth, in words that follow "against"."""
-    return "breaking at once" if found.unjudged else one.damage.words
+    return "breaking at once" if found.at_once else one.damage.words
 
 
 def _no_life(drive: Drive) -> str:
     """Why no life of these teeth is told, whatever they bear."""
     if drive.helix is not None:
-        return "helical teeth are not followed under load"
+        return (
+            "helical teeth are not followed under load, and only roots are judged, as of straight teeth of one section"
+        )
     if drive.design.motion.is_open:
         return "gears that turn to and fro, less than once, are not followed under load"
     return ""

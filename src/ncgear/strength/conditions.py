@@ -62,11 +62,6 @@ class Conditions:
         return 2.0 if material.family is Family.PLASTIC else 1.4
 
 
-def wears(conditions: Conditions, materials: tuple[Material, Material]) -> bool:
-    """Whether dry metal rubs on metal: it wears, of which neither safety nor life is told."""
-    return conditions.lubrication == "dry" and all(one.family is not Family.PLASTIC for one in materials)
-
-
 def hours_of_strokes(strokes: float, stroke_rad: float, speed_rad_s: float) -> float:
     """Hours that a number of strokes takes; the driving gear turns by ``stroke_rad`` in one stroke, out and back."""
     return strokes * stroke_rad / speed_rad_s / 3600.0

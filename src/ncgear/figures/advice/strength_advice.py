@@ -18,9 +18,7 @@ from ncgear.project.strengthening import (
     strong_enough,
     wide_enough,
 )
-from ncgear.strength.conditions import wears
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
-from ncgear.strength.without_teeth import RoughSafety
 
 SIZE = "ncgear size"
 
@@ -38,10 +36,9 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     """
     verdict = known_verdict(drive)
     if not isinstance(verdict, Verdict):
-        found = beside_refusal(drive, verdict)
-        return found and _roughly(drive, found)
+        return _roughly(drive, beside_refusal(drive, verdict))
     if verdict.holds:
-        return NotJudged(WEAR) if wears(drive.conditions, drive.materials) else None
+        return NotJudged(WEAR) if verdict.strength.wears else None
     weak = [one for one in verdict.weakest if not one.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
@@ -64,31 +61,36 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
 
 def rough(drive: Drive) -> Advice | NotJudged | None:
     """The same without teeth, by a rough estimate."""
-    found = rough_strength(drive)
-    return found and _roughly(drive, found)
+    return _roughly(drive, rough_strength(drive))
 
 
-def _roughly(drive: Drive, found: RoughStrength) -> Advice | NotJudged | None:
+def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | None:
+    if found is None:
+        return None
     weak = found.weak
     if not weak:
         return _not_judged(drive, found)
     first, load = weak[0], "the resistance" if drive.design.masses is None else "the masses"
-    at, damage, gear = degrees(first.phi1_rad), rough_damage(found, first), f"the {first.gear.value} gear"
+    at, damage = degrees(first.phi1_rad), rough_damage(found, first)
     teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
     if found.needs_teeth:
-        said = f"{teeth} will not hold"
-        safety = f"under half the safety of {first.wanted:g} against {damage} that is wanted"
-        why = f" of {gear}; how much under is not told, since {found.needs_teeth}"
+        said, stress = f"{teeth} will not hold", ""
+        safety = f"under half the safety of {first.wanted:g} that is wanted against {damage}"
+        more = f"; how much under is not told, since {found.needs_teeth}"
     else:
-        said = f"{teeth} will hardly hold"
+        said, stress = f"{teeth} will hardly hold", f" with {to_digits(first.stress_mpa, 2)} MPa"
         safety = f"safety about {to_digits(first.safety, 2)} against {damage}, {first.wanted:g} wanted"
-        why = f" of {gear}, which has {to_digits(first.stress_mpa, 2)} MPa"
+        more = ""
+    meaning = "ncgear strength computes every tooth"
+    if found.unjudged:
+        meaning = f"{'their life is not judged' if found.at_once else 'the teeth are not followed'}: {found.unjudged}"
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, angles_deg=((at, at),)),),
-        f"{said} the load of {load}: roughly, {safety}{why} at phi1 = {to_digits(at, 4)} deg",
-        f"their life is not judged: {found.unjudged}" if found.unjudged else "ncgear strength computes every tooth",
-        _rough_remedies(drive, weak),
+        f"{said} the load of {load}: roughly, the {first.gear.value} gear{stress} at phi1 = {to_digits(at, 4)} deg has "
+        f"{safety}{more}",
+        meaning,
+        _rough_remedies(drive, found),
         brief=f"{said}: {safety}",
     )
 
@@ -103,13 +105,15 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
         return NotJudged(f"{found.unjudged}; all that is known is a safety of about {told}, {least.wanted:g} wanted")
     if found.needs_teeth:
         return NotJudged(found.needs_teeth)
-    return NotJudged(WEAR) if wears(drive.conditions, drive.materials) else None
+    return NotJudged(WEAR) if any(one.wears for one in drive.materials) else None
 
 
-def _rough_remedies(drive: Drive, weak: list[RoughSafety]) -> tuple[Remedy, ...]:
-    wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in weak)
-    larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in weak)
-    return _sizes(drive, wider, larger)
+def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
+    """Sizes by how stresses scale; ncgear size finds none of teeth whose strength is not computed."""
+    wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in found.weak)
+    larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found.weak)
+    sizes = _sizes(drive, wider, larger)
+    return tuple(one for one in sizes if one.short != SIZE) if found.unjudged else sizes
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
