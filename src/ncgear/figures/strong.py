@@ -52,7 +52,8 @@ ERRORS = {
 def strength_figures(drive: Drive, verdict: Verdict, beside: Verdict | None = None) -> dict[str, Any]:
     """The figures of a strength as sections of plain values whose keys end in their unit.
 
-    A life is None where the tooth lasts for ever, or until it is worn.  ``beside`` is the verdict by another method, to compare with.
+    A life is None where the tooth lasts for ever, or until it is worn.  ``beside`` is the verdict by another method, to
+    compare with.
     """
     strength, size = verdict.strength, drive.pitch.size
     contacts = strength.contacts

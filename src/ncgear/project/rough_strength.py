@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import radians
+from math import ceil, radians
 
 import numpy as np
 
-from ncgear.contact.placement import placed
+from ncgear.contact.placement import placed, placed_at
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear, Mesh
@@ -175,6 +175,11 @@ def _plan(drive: Drive) -> ToothPlan:
 
 def _rolled(drive: Drive) -> RolledLoad:
     asked, placement = asked_of(drive), placed(drive.pitch, PER_TOOTH)
+    if placement.toothed is not None:
+        step_mm, end_mm = placement.pitch_mm / PER_TOOTH, placement.toothed.covered_mm
+        # Evenly from end to end they would drift from the teeth.
+        rolled = np.minimum(step_mm * np.arange(ceil(end_mm / step_mm) + 1), end_mm)
+        placement = placed_at(drive.pitch, placement, rolled)
     phi1 = placement.phi1_rad
     curvature = np.stack([drive.pitch.of(gear).at_angle(phi1).curvature for gear in Gear])
     urge = np.where(asked.torque_n_mm(phi1) < 0.0, -1.0, 1.0)

@@ -29,9 +29,9 @@ from ncgear.strength.iso6336 import RackTip, root_factors, root_section, single_
 from ncgear.strength.material import Material
 from ncgear.teeth.form import TipRelief
 
-PER_TOOTH = 16
+PER_TOOTH = 32
 """Positions in a tooth pitch, a multiple of four: flanks cross the pitch curve a quarter of it beside their teeth.
-With four times as many, safeties change by 2 % or less."""
+With four times as many, safeties change by 5 % at most, where one tooth bears all for a moment, and mostly by 1 %."""
 
 PITCHES = np.arange(-3, 5)
 """Crossings beside a position, in pitches: teeth as high as three modules touch over four pitches."""
