@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import ceil, radians
+from math import ceil, lcm, pi, radians
 
 import numpy as np
 
-from ncgear.contact.placement import placed, placed_at
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear, Mesh
@@ -174,15 +173,20 @@ def _plan(drive: Drive) -> ToothPlan:
 
 
 def _rolled(drive: Drive) -> RolledLoad:
-    asked, placement = asked_of(drive), placed(drive.pitch, PER_TOOTH)
-    if placement.toothed is not None:
-        step_mm, end_mm = placement.pitch_mm / PER_TOOTH, placement.toothed.covered_mm
-        # Evenly from end to end they would drift from the teeth.
-        rolled = np.minimum(step_mm * np.arange(ceil(end_mm / step_mm) + 1), end_mm)
-        placement = placed_at(drive.pitch, placement, rolled)
-    phi1 = placement.phi1_rad
-    curvature = np.stack([drive.pitch.of(gear).at_angle(phi1).curvature for gear in Gear])
+    asked, pitch = asked_of(drive), drive.pitch
+    size, toothed = pitch.size, pitch.toothed
+    step_mm = pi * size.module_mm / PER_TOOTH
+    if toothed is None:
+        rolled = step_mm * np.arange(lcm(size.driving_teeth, size.driven_teeth) * PER_TOOTH)
+        last_rad = np.inf
+    else:
+        rolled = np.minimum(step_mm * np.arange(ceil(toothed.covered_mm / step_mm) + 1), toothed.covered_mm)
+        last_rad = toothed.covered_rad
+    # Rounding errors must not put the first position before the seam of the law, or the last one beyond a range.
+    phi1 = np.clip(pitch.driving.driving_angle(rolled), 0.0, last_rad)
+    speed = pitch.transmission.driven_angle(phi1, 1).derivative(1)
+    curvature = np.stack([pitch.of(gear).at_angle(phi1).curvature for gear in Gear])
     urge = np.where(asked.torque_n_mm(phi1) < 0.0, -1.0, 1.0)
-    turning = np.abs(drive.pair_speed_rad_s(phi1) * (1.0 - placement.mesh.sense * placement.speed))
+    turning = np.abs(drive.pair_speed_rad_s(phi1) * (1.0 - pitch.mesh.sense * speed))
     force = asked.mesh_force(phi1).size_n.value
-    return RolledLoad(phi1, force, urge, curvature, turning, placement.toothed is None)
+    return RolledLoad(phi1, force, urge, curvature, turning, toothed is None)

@@ -18,7 +18,6 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from ncgear.contact.placement import BOTH_SIDES, URGE
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
@@ -51,6 +50,9 @@ up to 0.11 safeties were 0.86 to 1.1 of those with teeth, from 0.19 on 0.8 to 1.
 
 MOST_WAY = 0.12
 """Most of a module that loaded teeth may give way: then edges touch farther off than their second order tells."""
+
+PUSHING_AND_BACK = 1.0, -1.0
+"""``RolledLoad.urge`` of the pushing flanks and of their backs."""
 
 LOADED = 0.02
 """Share of the largest force under which a position tells nothing of the teeth."""
@@ -123,10 +125,9 @@ def shared_loads(
     load: RolledLoad, plan: ToothPlan, running: Running, materials: tuple[Material, Material]
 ) -> list[SharedLoad]:
     """How pairs share the load, on each side of the teeth that bears any."""
-    sides = [(plan.angles_rad[side], URGE[side]) for side in BOTH_SIDES]
     return [
         _shared(load, rows, (angle, urge), plan, running, materials)
-        for angle, urge in sides
+        for angle, urge in zip(plan.angles_rad, PUSHING_AND_BACK, strict=True)
         if (rows := np.flatnonzero((load.urge == urge) & (load.force_n > 0.0))).size
     ]
 
