@@ -107,6 +107,7 @@ operation: {{speed_rpm: {of.integers(5, 80)}}}
 motion: {motion}
 gears: {{teeth: {teeth}, module_mm: {module}, face_width_mm: {width * module}, material: {material}}}
 resistance: {{polynomial_n: [{force * of.uniform(0.1, 1.0):.4g}, {force / 2.0 / crank:.4g}]}}
+strength: {{lubrication: {("oil", "grease")[of.integers(2)]}}}
 name: seed-{seed}
 """
 
@@ -153,6 +154,35 @@ def test_random_machines_beside_the_estimate_with_teeth() -> None:
     found = {seed: ratios(drive_of_text(random_text(seed))) for seed in RANDOM}
     assert {seed: one for seed, one in found.items() if not within(one)} == {}
     assert sum(not one for one in found.values()) <= len(RANDOM) // 6
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+@pytest.mark.parametrize(
+    "gears",
+    [
+        "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {tip_relief: {amount: 0.025}}",
+        "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {pressure_angle_deg: 24, profile: C}",
+        "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {addendum: 1.15, dedendum: 1.4}",
+        "teeth: 26, module_mm: 2, face_width_mm: 12, profile_shift: {driving: 0.35}",
+        "teeth: 23, module_mm: 2, face_width_mm: 12, profile_shift: {driving: -0.1}",
+    ],
+)
+def test_other_teeth_beside_the_estimate_with_teeth(gears: str) -> None:
+    found = ratios(drive_of_text(ELLIPSE.replace("teeth: 40, module_mm: 2, face_width_mm: 12", gears)))
+    assert found
+    assert within(found), found
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+def test_dry_plastics_are_as_warm_as_with_teeth() -> None:
+    """Friction takes a fifth of the strength that they have in oil, and more."""
+    text = ELLIPSE.replace("width_mm: 12", "width_mm: 24, material: PA66").replace("1500", "300").replace(" 60", " 900")
+    dry, oiled = (drive_of_text(text.replace("1.0", f"1.0, lubrication: {one}")) for one in ("dry", "oil"))
+    assert within(ratios(dry))
+    cooler, warmer = (least(rough_strength(one), Damage.BENDING).safety for one in (oiled, dry))
+    assert warmer < 0.8 * cooler
 
 
 @pytest.mark.slow
