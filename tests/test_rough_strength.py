@@ -178,7 +178,7 @@ def test_other_teeth_beside_the_estimate_with_teeth(gears: str) -> None:
 @pytest.mark.judges("strength")
 def test_dry_plastics_are_as_warm_as_with_teeth() -> None:
     """Friction takes a fifth of the strength that they have in oil, and more."""
-    text = ELLIPSE.replace("width_mm: 12", "width_mm: 24, material: PA66").replace("1500", "300").replace(" 60", " 900")
+    text = ELLIPSE.replace("width_mm: 12", "width_mm: 24, material: PA66").replace("1500", "900").replace(" 60", " 900")
     dry, oiled = (drive_of_text(text.replace("1.0", f"1.0, lubrication: {one}")) for one in ("dry", "oil"))
     assert within(ratios(dry))
     cooler, warmer = (least(rough_strength(one), Damage.BENDING).safety for one in (oiled, dry))
