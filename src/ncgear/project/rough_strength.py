@@ -9,6 +9,7 @@ import numpy as np
 
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
@@ -176,17 +177,17 @@ def _rolled(drive: Drive) -> RolledLoad:
     asked, pitch = asked_of(drive), drive.pitch
     size, toothed = pitch.size, pitch.toothed
     step_mm = pi * size.module_mm / PER_TOOTH
-    if toothed is None:
-        rolled = step_mm * np.arange(lcm(size.driving_teeth, size.driven_teeth) * PER_TOOTH)
-        last_rad = np.inf
-    else:
-        rolled = np.minimum(step_mm * np.arange(ceil(toothed.covered_mm / step_mm) + 1), toothed.covered_mm)
-        last_rad = toothed.covered_rad
+    count, end_mm, end_rad = lcm(size.driving_teeth, size.driven_teeth) * PER_TOOTH, np.inf, np.inf
+    if toothed is not None:
+        end_mm, end_rad = toothed.covered_mm, toothed.covered_rad
+        count = ceil(end_mm / step_mm) + 1
+    rolled: Array = np.minimum(step_mm * np.arange(count, dtype=float), end_mm)
     # Rounding errors must not put the first position before the seam of the law, or the last one beyond a range.
-    phi1 = np.clip(pitch.driving.driving_angle(rolled), 0.0, last_rad)
+    phi1 = np.clip(pitch.driving.driving_angle(rolled), 0.0, end_rad)
     speed = pitch.transmission.driven_angle(phi1, 1).derivative(1)
     curvature = np.stack([pitch.of(gear).at_angle(phi1).curvature for gear in Gear])
-    urge = np.where(asked.torque_n_mm(phi1) < 0.0, -1.0, 1.0)
+    torque = asked.torque_n_mm(phi1)
+    urge = np.where(torque < 0.0, -1.0, 1.0)
     turning = np.abs(drive.pair_speed_rad_s(phi1) * (1.0 - pitch.mesh.sense * speed))
-    force = asked.mesh_force(phi1).size_n.value
+    force = asked.mesh_force(phi1, torque).size_n.value
     return RolledLoad(phi1, force, urge, curvature, turning, toothed is None)
