@@ -22,7 +22,6 @@ from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_f
 
 SIZE = "ncgear size"
 
-
 WEAR = "wear of dry metal is not computed, only that its teeth do not break"
 """Why dry gears of metal are not judged where their roots hold."""
 
@@ -101,8 +100,9 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
     if found.unjudged and least is None:
         return NotJudged(found.unjudged)
     if found.unjudged and least is not None:
-        told = f"{to_digits(least.safety, 2)} against {rough_damage(found, least)}"
-        return NotJudged(f"{found.unjudged}; all that is known is a safety of about {told}, {least.wanted:g} wanted")
+        near = "very roughly" if found.needs_teeth else "about"
+        told = f"a safety of {near} {to_digits(least.safety, 2)} against {rough_damage(found, least)}"
+        return NotJudged(f"{found.unjudged}; all that is known is {told}, {least.wanted:g} wanted")
     if found.needs_teeth:
         return NotJudged(found.needs_teeth)
     return NotJudged(WEAR) if any(one.wears for one in drive.materials) else None
