@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.stiffness import LinearTeeth
-    from ncgear.tolerances.estimate import Needed
 
 
 class Drive(Geared):
@@ -125,13 +124,6 @@ class Drive(Geared):
         designed, tolerance = self.designed_contact, self.design.output.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
-
-    @computed
-    def backlash_needed(self) -> tuple[Needed, ...]:
-        """What assemblies of every pair need of the backlash, as ``ncgear.project.jamming`` estimates it."""
-        from ncgear.project.jamming import backlash_needed
-
-        return backlash_needed(self)
 
     @computed
     def passings(self) -> tuple[Passing, ...]:
