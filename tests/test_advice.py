@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
 from copy import deepcopy
 from functools import cache
 from math import radians, sin
@@ -19,9 +18,9 @@ from ncgear.design.laws.registry import LawName
 from ncgear.design.machines import MachineName
 from ncgear.design.reading.design_file import parsed
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.collected import build_advice, check_advice
-from ncgear.figures.advice.law_advice import crank_pin
+from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, stretches_in_words
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
+from ncgear.figures.advice.verdict import Known, judged
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 
@@ -101,7 +100,7 @@ def drive_of(data: Data) -> Drive:
 @cache
 def advices(name: str) -> tuple[Advice, ...]:
     drive = drive_of(data_of(name))
-    return check_advice(drive) + build_advice(drive)
+    return tuple(judged(drive, Known.TEETH).advices)
 
 
 def followed(data: Data, remedy: Remedy) -> Data:
@@ -126,7 +125,7 @@ def nested(change: Change) -> Data:
 
 def kinds(data: Data) -> set[Kind]:
     drive = drive_of(data)
-    return {advice.kind for advice in check_advice(drive) + build_advice(drive)}
+    return {advice.kind for advice in judged(drive, Known.TEETH).advices}
 
 
 def remedies(name: str, *, command: bool) -> Iterator[tuple[Kind, Remedy]]:
@@ -258,8 +257,8 @@ def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: 
     Where undercut is allowed these mates do not reach down to the notch, so no contact is lost, but the roots are cut.
     """
     drive, free = (drive_of(undercut_by(deeper, undercut)) for deeper in (deeper_mm, -0.1))
-    assert build_advice(free) == ()
-    (advice,) = build_advice(drive)
+    assert judged(free, Known.TEETH).advices == []
+    (advice,) = judged(drive, Known.TEETH).advices
     assert (advice.kind, advice.matters, bool(advice.remedies)) == (Kind.UNDERCUT, matters, matters)
     assert ("does not matter" in advice.line) is not matters
     lost = 1.0 - drive.designed_contact.contact_ratio / free.designed_contact.contact_ratio
@@ -273,7 +272,7 @@ def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: 
 def test_two_given_sizes_stay_two() -> None:
     data = merged(SMALL, {"gears": {"teeth": None, "module_mm": 4, "center_distance_mm": 48}})
     drive = drive_of(data)
-    advice = next(a for a in build_advice(drive) if a.kind is Kind.UNDERCUT)
+    advice = next(a for a in judged(drive, Known.TEETH).advices if a.kind is Kind.UNDERCUT)
     remedy = next(remedy for remedy in advice.remedies if Change("gears.teeth", 18) in remedy.changes)
     assert remedy.changes == (Change("gears.teeth", 18), Change("gears.module_mm", None))
     assert "leave gears.module_mm out" in str(remedy)
@@ -285,7 +284,7 @@ def test_a_shift_is_advised_where_it_is_enough_in_place_of_the_given_one() -> No
     data = merged(
         SMALL, {"gears": {"teeth": 12, "lobes": {"driving": 1, "driven": 4}, "profile_shift": {"driving": 0.1}}}
     )
-    advice = next(a for a in build_advice(drive_of(data)) if a.kind is Kind.UNDERCUT)
+    advice = next(a for a in judged(drive_of(data), Known.TEETH).advices if a.kind is Kind.UNDERCUT)
     remedy = next(r for r in advice.remedies if Change("gears.profile_shift.against_undercut", True) in r.changes)
     assert Change("gears.profile_shift.driving", None) in remedy.changes
     assert Kind.UNDERCUT not in kinds(followed(data, remedy))
@@ -316,7 +315,10 @@ def test_a_crank_pin_that_meets_a_shaft_or_hub_is_told(
     crank: float, driving: Data, driven: Data, near: list[str]
 ) -> None:
     data = merged(SMALL, {"linkage": {"crank_mm": crank, "rod_mm": 300}, "gears": {"driving": driving}})
-    told = crank_pin(drive_of(merged(data, {"gears": {"driven": driven}})))
+    found = crank_pin(drive_of(merged(data, {"gears": {"driven": driven}})))
+    told = [one for one in found if isinstance(one, Advice)]
+    # Without a bore nothing is known of the shaft
+    assert (NO_BORE in found) is not bool(driving and driven)
     assert [advice.where[0].gear for advice in told] == near
     for advice in told:
         passed = abs(80.0 - crank) if near == ["driving"] else crank
@@ -338,11 +340,11 @@ def undone(data: Data, remedy: Remedy) -> list[str]:
     return [key for key in asked if stands_in(data, key)]
 
 
-def judged_advices(drive: Drive) -> Iterator[Advice]:
-    yield from check_advice(drive)
-    with suppress(NoSuchMechanism):
-        for pair in drive.by_stage if drive.design.gears else ():
-            yield from build_advice(pair)
+def judged_advices(drive: Drive) -> list[Advice]:
+    try:
+        return judged(drive, Known.TEETH if drive.design.gears else Known.MOTION).advices
+    except NoSuchMechanism:
+        return judged(drive, Known.MOTION).advices
 
 
 def kept_wishes(drive: Drive) -> set[str]:
@@ -370,7 +372,7 @@ def test_a_new_machine_of_any_speed_is_not_advised_another_one(beginning: Machin
     assert data["operation"]["speed_rpm"] == speed
     assert data["motion"].get("law_speed_rpm", speed) == speed
     drive = drive_of(data)
-    assert Kind.SPEEDS not in {advice.kind for advice in check_advice(drive)}
+    assert Kind.SPEEDS not in {advice.kind for advice in judged(drive, Known.MOTION).advices}
     assert undone_by_advices(data) == []
 
 
@@ -383,7 +385,7 @@ def test_no_advice_undoes_what_a_design_asks_of_its_machine(name: str) -> None:
 def test_a_law_stated_at_another_speed_than_the_given_one_is_a_remark() -> None:
     """By hand: v2 = 1100 mm/s at 52.81 r/min is 624.9 mm/s at 30 r/min."""
     data = merged(loaded("baler").data, {"operation": {"speed_rpm": 30}})
-    (advice,) = (one for one in check_advice(drive_of(data)) if one.kind is Kind.SPEEDS)
+    (advice,) = (one for one in judged(drive_of(data), Known.MOTION).advices if one.kind is Kind.SPEEDS)
     assert (advice.matters, advice.remedies) == (False, ())
     assert "v2 is 624.9 mm/s" in advice.line
 
@@ -416,7 +418,9 @@ def test_a_limit_of_the_file_is_not_changed_by_an_advice(
 def test_a_resistance_that_is_said_to_be_negative_is_a_remark() -> None:
     for said in ("keep", "zero"):
         data = merged(data_of("negative resistance"), {"resistance": {"where_negative": said}})
-        (advice,) = (one for one in check_advice(drive_of(data)) if one.kind is Kind.NEGATIVE_RESISTANCE)
+        (advice,) = (
+            one for one in judged(drive_of(data), Known.MOTION).advices if one.kind is Kind.NEGATIVE_RESISTANCE
+        )
         assert (advice.matters, advice.remedies) == (False, ())
 
 
@@ -427,5 +431,20 @@ def test_a_gentler_law_is_not_advised_where_it_would_miss_a_wish_that_is_kept() 
     ratio = drive_of(data).achieved.time_ratio
     for least, count in ((0.3 * ratio, 1), (0.99 * ratio, 0)):
         wished = drive_of(merged(data, {"wishes": {"time_ratio": {"at_least": least}}}))
-        (advice,) = (one for one in check_advice(wished) if one.kind is Kind.RATIO_RANGE)
+        (advice,) = (one for one in judged(wished, Known.MOTION).advices if one.kind is Kind.RATIO_RANGE)
         assert len([one for one in advice.remedies if "swing" in one.text]) == count
+
+
+@pytest.mark.parametrize(
+    ("stretches", "said"),
+    [
+        ([(71.2, 110.4)], "71..110"),
+        ([(0.0, 12.6), (100.0, 140.2), (351.0, 360.0)], "100..140, 351..13"),
+        ([(359.72, 360.0)], "359.7..360.0"),
+        ([(20.0, 45.0), (359.9999999999, 360.0)], "20..45"),
+        ([(0.0, 0.004), (30.0, 80.0)], "0.000..0.004, 30..80"),
+    ],
+)
+def test_stretches_are_told_by_ends_that_differ(stretches: list[tuple[float, float]], said: str) -> None:
+    """Where one goes on over the end of the period it is one; slivers of rounding are none."""
+    assert stretches_in_words(stretches, 360.0) == said

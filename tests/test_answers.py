@@ -11,8 +11,8 @@ import pytest
 import reports
 from commands import ROOT, Run
 from drives import DESIGNS, drive, loaded
-from ncgear.figures.advice.collected import build_advice, check_advice, rough_advice
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
+from ncgear.figures.advice.verdict import Judged, Known, Verdict, judged, together
 from ncgear.figures.answers.answer import (
     COLUMNS,
     LINES,
@@ -22,7 +22,6 @@ from ncgear.figures.answers.answer import (
     Row,
     answer_text,
     difference,
-    faults_in_words,
     faults_of,
 )
 from ncgear.figures.answers.machine import build_answer, check_answer
@@ -58,7 +57,7 @@ def test_the_screen_is_the_one_that_is_meant() -> None:
 
 def checked(name: str) -> str:
     made = drive(name)
-    return answer_text(check_answer(made, (*check_advice(made), *rough_advice(made)), f"designs/{name}.yaml"))
+    return answer_text(check_answer(made, f"designs/{name}.yaml"))
 
 
 @pytest.mark.tiers(quick=QUICK, rest="slow")
@@ -75,7 +74,7 @@ def test_a_check_is_a_screen(name: str) -> None:
 @pytest.mark.parametrize("name", ["ellipse", "baler-66-two-stage"])
 def test_a_check_makes_no_tooth(name: str) -> None:
     made = Drive(loaded(name).design)
-    answer_text(check_answer(made, (*check_advice(made), *rough_advice(made)), "d.yaml"))
+    answer_text(check_answer(made, "d.yaml"))
     assert all("teeth" not in vars(pair) for pair in (made, *made.by_stage))
 
 
@@ -183,21 +182,21 @@ def advice(kind: Kind, matters: bool = True) -> Advice:
 
 
 def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:
-    given = [("", advice(Kind.RING)), ("stage 2: ", advice(Kind.STRENGTH)), ("", advice(Kind.UNDERCUT, matters=False))]
-    assert [fault.what for fault in faults_of(given)] == ["stage 2: strength", "ring"]
+    rows = [
+        Judged(Kind.RING, None, (advice(Kind.RING),)),
+        Judged(Kind.STRENGTH, 2, (advice(Kind.STRENGTH),)),
+        Judged(Kind.UNDERCUT, 1, (advice(Kind.UNDERCUT, matters=False),)),
+    ]
+    verdict = together(Verdict((row,)) for row in rows)
+    assert [fault.what for fault in faults_of(verdict)] == ["stage 2: strength", "ring"]
 
 
 @pytest.mark.parametrize("name", [*QUICK, "baler-66-two-stage", "feeder-wishes"])
 def test_every_warning_of_a_check_is_a_fault(name: str) -> None:
     made = drive(name)
-    advices = [*check_advice(made), *rough_advice(made)]
-    assert len(faults_of(("", one) for one in advices)) == sum(one.matters for one in advices)
-    assert all(len(f"  {one.brief}") <= COLUMNS for one in advices)
-
-
-def test_a_sentence_is_what_is_wrong_and_what_would_help() -> None:
-    said = faults_in_words(["bearing a lasts 3 h: a larger one is needed", "it slips"])
-    assert said == (Fault("bearing a lasts 3 h", ("a larger one is needed",)), Fault("it slips"))
+    verdict = judged(made, Known.MOTION)
+    assert len(faults_of(verdict)) == len(verdict.warnings)
+    assert all(len(f"  {one.brief}") <= COLUMNS for one in verdict.advices)
 
 
 @pytest.mark.parametrize(
@@ -248,7 +247,7 @@ def in_sheet(name: str) -> dict[str, str]:
 def in_answer(name: str) -> dict[str, str]:
     """Names and figures of the screen, with those that stand behind others in one row."""
     made = drive(name)
-    rows = build_answer(made, reports.contacts(name), [build_advice(made)], "").rows
+    rows = build_answer(made, reports.contacts(name), judged(made, Known.TEETH), "").rows
     found = {row.name: row.texts[0] for row in rows}
     for row in rows:
         first, *others = row.texts[0].split(", ")
@@ -262,7 +261,7 @@ def in_answer(name: str) -> dict[str, str]:
 
 def everywhere(name: str) -> dict[str, dict[str, str]]:
     made = drive(name)
-    summary = build_summary(made, reports.contacts(name)[0], build_advice(made))
+    summary = build_summary(made, reports.contacts(name)[0], judged(made, Known.TEETH))
     return {
         "screen": in_answer(name),
         "verbose": in_terminal(summary_text(summary)),

@@ -16,7 +16,7 @@ from drives import drive
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed, contacts_within
 from ncgear.contact.designed.curves import side_paths
-from ncgear.contact.designed.flanks import TOUCHING_MM
+from ncgear.contact.designed.flanks import TOUCHING_IN_PITCHES
 from ncgear.contact.pair import refuse_overlap
 from ncgear.contact.placement import REACH_IN_PITCHES, Placement, meetings, placed, placed_at, single_meetings
 from ncgear.errors import NoSuchMechanism
@@ -368,7 +368,9 @@ def test_no_corner_that_touches_first_is_left_out(name: str, teeth: int, relief:
         np.maximum.at(lead, every.position, every.lead_rad)
         assert side.first.lead_rad == pytest.approx(lead, abs=1e-12)
         behind = (lead[every.position] - every.lead_rad) * every.lever_mm
-        few, many = (np.sum(behind <= share * TOUCHING_MM) for share in (0.999999, 1.000001))
+        few, many = (
+            np.sum(behind <= share * TOUCHING_IN_PITCHES * contact.placement.pitch_mm) for share in (0.999999, 1.000001)
+        )
         assert few <= side.touching.position.size <= many
 
 
@@ -506,7 +508,7 @@ def test_tip_relief_is_a_transmission_error_of_its_own_depth() -> None:
 
 @pytest.mark.parametrize(("amount_mm", "start"), [(0.03, 0.3), (0.004, 0.5)])
 def test_contact_ratio_does_not_count_flanks_that_a_relief_holds_apart(amount_mm: float, start: float) -> None:
-    """Circular gears: a pair touches from where it lags by no more than a micrometre behind the one before it."""
+    """Circular gears: a pair touches from where it lags no more behind the one before it than counts as touching."""
     relief = TipRelief(amount_mm, start * MODULE, MODULE)
     contact, pitch = designed("uniform", 25, relief=relief), pi * MODULE
 
@@ -514,7 +516,9 @@ def test_contact_ratio_does_not_count_flanks_that_a_relief_holds_apart(amount_mm
         high = abs(rolled_mm) * sin(ALPHA) * cos(ALPHA)
         return amount_mm * (max(high - relief.start_mm, 0.0) / (MODULE - relief.start_mm)) ** 2
 
-    half = brentq(lambda rolled: lag_mm(rolled) - lag_mm(pitch - rolled) - 1e-3, 0.5 * pitch, pitch)
+    half = brentq(
+        lambda rolled: lag_mm(rolled) - lag_mm(pitch - rolled) - TOUCHING_IN_PITCHES * pitch, 0.5 * pitch, pitch
+    )
     for side in both(contact):
         assert side.pairs.arcs == pytest.approx(2.0 * half / pitch, abs=0.02)
         assert side.simultaneous.mean() == pytest.approx(2.0 * half / pitch, abs=0.06)

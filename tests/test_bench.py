@@ -85,7 +85,7 @@ def test_errors_fall_as_theory_says() -> None:
 def test_what_is_recommended_is_as_good_as_asked() -> None:
     """By other means than the command's: SciPy's quadrature, distances and areas by GEOS of far finer outlines."""
     own = drive(NAME)
-    asked = own.design.output.chord_tolerance_mm
+    asked = own.chord_tolerance_mm
     pitch = own.pitch.driving
     # The length of the pitch curve from its radius over the polar angle, phi1 = -angle.
     count = int(chosen("pitch curves").setting)
@@ -167,7 +167,7 @@ def test_both_of_two_pairs_are_measured() -> None:
         assert trials[0].error == pytest.approx(curve.length_mm - chords, rel=1e-6)
         teeth = found[f"teeth of stage {pair.stage}"]
         assert teeth.recommended is not None
-        assert teeth.recommended.error <= machine.design.output.chord_tolerance_mm
+        assert teeth.recommended.error <= machine.chord_tolerance_mm
 
 
 def test_a_tolerance_that_is_asked_for_decides() -> None:

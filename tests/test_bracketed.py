@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.zeros import zeros_between, zeros_by_slope
 
@@ -54,7 +55,7 @@ def test_nothing_to_look_for_is_nothing_found() -> None:
 @pytest.mark.parametrize("low", [0.3, 3.2])
 def test_a_bracket_without_a_change_of_sign_is_refused(low: float) -> None:
     """The negative control: beside a bracket that holds a zero, too."""
-    with pytest.raises(ArithmeticError, match="different signs"):
+    with pytest.raises(Unanswered, match="different signs"):
         zeros_between(np.sin, np.array([3.0, low]), np.array([4.0, low + 2.0]))
 
 
@@ -62,12 +63,34 @@ def test_a_zero_at_an_end_is_found_though_rounding_errors_hide_it() -> None:
     for shift, end in ((1e-13, 1.0), (-1e-13, 2.0)):
         found = zeros_between(lambda at, zero=end, off=shift: at - zero + off, np.array([1.0]), np.array([2.0]))
         assert found == pytest.approx([end], abs=1e-12)
-    with pytest.raises(ArithmeticError, match="different signs"):
+    with pytest.raises(Unanswered, match="different signs"):
         zeros_between(lambda at: at - 1.0 + 1e-7, np.array([1.0]), np.array([2.0]))
 
 
+@pytest.mark.parametrize("jump", [0.3, 0.777, 0.999999])
+def test_an_infinite_value_halves_the_bracket(jump: float) -> None:
+    """What falls to minus infinity: the point beside the jump at which it is finite; elsewhere its own zero."""
+    place = np.array([jump, 2.0])
+
+    def function(at: np.ndarray) -> np.ndarray:
+        return np.where(at < place, 1.5 - at, -np.inf)
+
+    found = zeros_between(function, np.zeros(2), np.array([1.0, 1.9]))
+    assert found == pytest.approx([jump, 1.5], rel=1e-14)
+    assert found[0] < jump
+    with pytest.raises(Unanswered, match="different signs"):
+        zeros_between(lambda at: np.full(at.shape, -np.inf), np.zeros(1), np.ones(1))
+
+
+def test_a_search_without_answer_numbers_its_brackets() -> None:
+    with pytest.raises(Unanswered) as refused:
+        zeros_between(np.sin, np.array([3.0, 0.3, 6.0, 1.0]), np.array([4.0, 2.0, 6.5, 1.1]))
+    assert refused.value.rows == (1, 3)
+    assert "0.3 and 2" in str(refused.value)
+
+
 def test_a_function_that_is_no_number_has_no_zero() -> None:
-    with pytest.raises(ArithmeticError, match="no zero"):
+    with pytest.raises(Unanswered, match="no zero"):
         zeros_between(lambda points: points * np.nan, np.zeros(2), np.ones(2))
 
 
@@ -159,5 +182,5 @@ def test_each_bracket_is_closed_in_on_by_itself() -> None:
 
 
 def test_a_bracket_whose_ends_have_one_sign_is_refused_by_slope() -> None:
-    with pytest.raises(ArithmeticError, match="different signs"):
+    with pytest.raises(Unanswered, match="different signs"):
         by_slope(np.cos, lambda t: -np.sin(t), 0.0, 1.0)

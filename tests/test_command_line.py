@@ -77,7 +77,12 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "unknown key; known are crank_mm, rod_mm, offset_mm and kind",
     ),
     "unknown key of a law": (changed(STROKE, "v2_mm_s", "v2_m_s"), "v2_m_s", "motion.v2_m_s", "did you mean v2_mm_s?"),
-    "unknown top key": (changed(STROKE, "output:", "outputs:"), "outputs:", "outputs", "did you mean output?"),
+    "unknown top key": (
+        STROKE + "\noutputs: {chord_tolerance_mm: 0.004}\n",
+        "outputs:",
+        "outputs",
+        "did you mean output?",
+    ),
     "python name of a key": (changed(STROKE, "  return:", "  return_:"), "return_:", "motion.return_", "mean return?"),
     "missing key": (changed(STROKE, ROD, "# gone"), "linkage:", "linkage.rod_mm", "missing; give it (length of the"),
     "missing top key": (
@@ -247,10 +252,10 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "need each other",
     ),
     "tolerance": (
-        changed(STROKE, "chord_tolerance_mm: 0.005", "chord_tolerance_mm: 0"),
+        changed(PLAIN, "speed_rpm: 1}", "speed_rpm: 1}\nmotion: {law: uniform_crank}\noutput: {chord_tolerance_mm: 0}"),
         "chord_tolerance_mm",
         "output.chord_tolerance_mm",
-        "a number of 1e-05 or over",
+        "a number over 0",
     ),
     "table falls": (changed(TABLE, "[0, 30, 60", "[0, 60, 59"), "59,", "motion.phi1_deg.2", "59 follows 60"),
     "table over a turn": (changed(TABLE, "330]", "361]"), "361]", "motion.phi1_deg.11", "361 is outside the cycle"),

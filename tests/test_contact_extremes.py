@@ -37,7 +37,7 @@ def extremes(name: str, teeth: int, backlash_mm: float = 0.0, **kinds: Any) -> C
 def test_sliding_of_circular_gears_is_the_closed_form(name: str, teeth: int, ratio: float) -> None:
     """At the end of contact: (w1 + w2) times the line of action from the pitch point to the larger tip circle's end.
 
-    A corner counts as touching until it is a micrometre from its mate, a little beyond.
+    A corner counts as touching until it is a ten-thousandth of a pitch from its mate, a little beyond.
     """
     found = extremes(name, teeth)
     alpha, reach = radians(20.0), []
@@ -45,8 +45,8 @@ def test_sliding_of_circular_gears_is_the_closed_form(name: str, teeth: int, rat
         reach.append(sqrt((radius + MODULE) ** 2 - (radius * cos(alpha)) ** 2) - radius * sin(alpha))
     expected = SPEED * (1.0 + 1.0 / ratio) * max(reach)
     assert (1.0 - KNOWN) * expected <= found.sliding_mm_s.value <= 1.03 * expected
-    # Negative control: the positions of the table miss it by some per cent.
-    assert designed(name, teeth).largest_sliding_mm.max() * SPEED < 0.99 * found.sliding_mm_s.value
+    # Negative control: the positions of the table miss it by about a per cent.
+    assert designed(name, teeth).largest_sliding_mm.max() * SPEED < 0.995 * found.sliding_mm_s.value
     assert found.pushing_error_rad.width == found.backlash_rad.width == found.overlap_mm.value == 0.0
 
 

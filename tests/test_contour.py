@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from closeness import farthest
+from ncgear.errors import Unanswered
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -22,8 +23,8 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.teeth import contour as splines
 from ncgear.teeth.contour import (
     DEGREE,
-    SAME_MM,
-    SHORTEST_MM,
+    SAME_IN_MODULES,
+    SHORTEST_IN_MODULES,
     SPANS,
     Arc,
     Contour,
@@ -206,8 +207,8 @@ def test_at_a_joint_of_the_law_splines_lose_nothing() -> None:
         assert max(spans) <= 24
 
 
-def test_a_curve_that_no_spline_follows_is_a_fault() -> None:
-    with pytest.raises(RuntimeError, match=f"flank 1 is not followed by {SPANS[-1]} spans"):
+def test_a_curve_that_no_spline_follows_is_refused() -> None:
+    with pytest.raises(Unanswered, match=f"tooth 1 is not followed by {SPANS[-1]} spans"):
         fitted_splines(wave(5000.0), np.arange(2), 1e-6)
 
 
@@ -222,13 +223,16 @@ def quarter(off: float = 0.0) -> Array:
 
 
 def test_points_on_a_line_or_a_circle_make_one() -> None:
-    straight, round_ = line_or_arc(np.linspace([0.0, 1.0], [2.0, 5.0], 9), SAME_MM), line_or_arc(quarter(), SAME_MM)
+    straight, round_ = (
+        line_or_arc(np.linspace([0.0, 1.0], [2.0, 5.0], 9), SAME_IN_MODULES),
+        line_or_arc(quarter(), SAME_IN_MODULES),
+    )
     assert straight is not None
     assert isinstance(straight[0], Line)
     assert round_ is not None
     assert isinstance(round_[0], Arc)
     for off, found in ((0.5, True), (2.0, False)):
-        assert (line_or_arc(quarter(off * SAME_MM), SAME_MM) is not None) is found
+        assert (line_or_arc(quarter(off * SAME_IN_MODULES), SAME_IN_MODULES) is not None) is found
 
 
 def test_a_slot_as_a_polygon_becomes_its_lines_and_arcs() -> None:
@@ -245,10 +249,10 @@ def test_a_slot_as_a_polygon_becomes_its_lines_and_arcs() -> None:
     assert away.max() <= 2e-3
 
 
-def test_a_gap_between_curves_is_a_fault() -> None:
+def test_a_gap_between_curves_is_refused() -> None:
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     closed: list[Curve] = [Line(a, b) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
-    assert len(_joined(closed)) == 3
-    moved = Line(corners[0], corners[1] + [0.0, 3.0 * SHORTEST_MM])
-    with pytest.raises(RuntimeError, match="mm apart where they should meet"):
-        _joined([moved, *closed[1:]])
+    assert len(_joined(closed, 1.0)) == 3
+    moved = Line(corners[0], corners[1] + [0.0, 3.0 * SHORTEST_IN_MODULES])
+    with pytest.raises(Unanswered, match="mm apart where they should meet"):
+        _joined([moved, *closed[1:]], 1.0)

@@ -70,7 +70,7 @@ def test_defaults(tmp_path: Path) -> None:
     assert gears is not None
     assert (gears.lobes.driving, gears.lobes.driven, gears.backlash_mm, gears.center_distance_mm) == (1, 1, 0.0, None)
     assert (gears.driving.bore_mm, gears.driven.keyway) == (None, None)
-    assert (design.design.linkage.offset_mm, design.design.output.chord_tolerance_mm) == (0.0, 0.005)
+    assert (design.design.linkage.offset_mm, design.design.output.chord_tolerance_mm) == (0.0, None)
     assert (design.design.resistance, design.design.comparison, design.design.description) == (None, None, "")
     assert not design.design.motion.gives_slider
 

@@ -221,7 +221,7 @@ def test_the_points_of_the_racks_picture_lie_on_the_teeth(share: float) -> None:
     points = drawings.shaped_points(drive, share * drive.pitch.driving.length_mm)
     off = shapely.distance(outline, shapely.points(points))
     assert off.size >= 3
-    assert off.max() <= drive.design.output.chord_tolerance_mm
+    assert off.max() <= drive.chord_tolerance_mm
 
 
 def test_the_keys_of_the_strokes_picture_are_those_of_the_motion() -> None:

@@ -26,10 +26,11 @@ from drives import drive, drive_of_text
 from ncgear.drawings.plots.coloured_teeth import tooth_rows
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
+from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.files import drawing_files
 from ncgear.files.workshop.sheets.pair_sheets import sheets_of
 from ncgear.files.workshop.sheets.pdf import pdf_bytes
-from ncgear.files.workshop.sheets.sheet import Sheet, Text, text_width_mm
+from ncgear.files.workshop.sheets.sheet import Ring, Sheet, Text, text_width_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.measured import measured_gears
@@ -299,24 +300,26 @@ def test_dimensions_of_the_balers_gears_are_those_of_its_design_and_data_sheet()
     place = assembly_of(drive("baler"))
     for gear in Gear:
         found = dimensions("baler", gear.value)
-        assert found["\u00d816"] == pytest.approx(16.0, abs=2e-6)
+        assert found["\u00d816 H7 (0 to +0.018)"] == pytest.approx(16.0, abs=2e-6)
         assert found["5"] == pytest.approx(5.0, abs=2e-6)
         assert found["18.3"] == pytest.approx(16.0 + 2.3, abs=2e-6)
         assert found["20"] == pytest.approx(20.0, abs=2e-6)
-        assert found["\u00d82 index hole"] == pytest.approx(place[gear.value]["index_hole"]["diameter_mm"], abs=2e-6)
+        hole = place[gear.value]["index_hole"]["diameter_mm"]
+        assert found["\u00d82 H7 index hole"] == pytest.approx(hole, abs=2e-6)
         farthest = np.hypot(*drive("baler").teeth.of(gear).outline_mm.T).max()
         assert found[f"R{shown(farthest)} over all"] == pytest.approx(farthest, abs=2e-6)
         ((words, over),) = ((words, value) for words, value in found.items() if "pins" in words)
         table = sheet.partition(f"## Measurement over two pins of 6.5 mm, {gear.value} gear")[2].partition("##")[0]
-        assert words == f"{shown(over)} over 2 pins \u00d86.5"
-        assert f"| {shown(over)} |" in table
+        spaces = words.rpartition("(")[2].removesuffix(")").split(", ")
+        assert words == f"{shown(over)} over 2 pins \u00d86.5 ({', '.join(spaces)})"
+        assert f"| {' | '.join(spaces)} | {shown(over)} |" in table
     assert len(found) == 7
 
 
 @pytest.mark.thorough
 def test_dimensions_of_the_assembly_are_those_of_the_machine() -> None:
     found = dimensions("baler", "pair")
-    assert found["74.8853"] == pytest.approx(drive("baler").pitch.center_distance_mm, abs=2e-6)
+    assert found["74.8853 \u00b10.015"] == pytest.approx(drive("baler").pitch.center_distance_mm, abs=2e-6)
     assert (found["380"], found["960"]) == pytest.approx((380.0, 960.0), abs=5e-5)
     assert found["760 stroke"] == pytest.approx(760.0, abs=5e-5)
     # They stand in a view of another scale, and would measure a tenth without its factor.
@@ -330,8 +333,41 @@ def test_holes_of_any_kind_have_their_diameter() -> None:
     holes = drive("printed-pump").solids.driven.plan.lightening_holes
     assert driven[f"5 \u00d7 \u00d8{shown(holes[0].diameter_mm)}"] == pytest.approx(holes[0].diameter_mm, abs=2e-6)
     # The face and the hub over it, and sizes as they shall come out, without the clearance of the print.
-    assert (driving["10"], driving["19"], driving["\u00d88"]) == pytest.approx((10.0, 19.0, 8.0), abs=2e-6)
+    assert (driving["10"], driving["19"], driving["\u00d88 H7 (0 to +0.015)"]) == pytest.approx(
+        (10.0, 19.0, 8.0), abs=2e-6
+    )
     assert drive("printed-pump").solids.driving.plan.bore.diameter_mm == pytest.approx(8.1)  # type: ignore[union-attr]
+
+
+HOLED = """\
+name: holed
+operation: {speed_rpm: 60}
+motion: {law: ellipse, eccentricity: 0.2}
+gears:
+  teeth: 34
+  module_mm: 1
+  face_width_mm: 4
+  driving: {bore_mm: 4, lightening_holes: {count: 5, least_wall_mm: 0.6}}
+  driven: {bore_mm: 9}
+"""
+
+
+def numbers_in_holes() -> list[str]:
+    """The names of tooth numbers that lie in a circle of the sheets of gears with large holes."""
+    found = []
+    for sheet in sheets_of(drive_of_text(HOLED)).values():
+        holes = [Polygon(item.points) for item in sheet.items if isinstance(item, Ring)]
+        texts = [item for item in sheet.items if isinstance(item, Text) and item.name]
+        found += [text.name for text in texts if any(hole.intersects(Polygon(text.corners)) for hole in holes)]
+    return found
+
+
+@pytest.mark.slow
+def test_no_number_of_a_tooth_lies_in_a_hole(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert numbers_in_holes() == []
+    # The negative control: a hole whose inside is not kept clear has room for a text.
+    monkeypatch.setattr(Board, "keep_clear", lambda board, holes: None)
+    assert len(numbers_in_holes()) > 5
 
 
 # --- PDF -------------------------------------------------------------------------------------------------------------

@@ -619,6 +619,21 @@ def test_the_command_tells_what_does_not_hold(run: Run) -> None:
     assert "Power take-off" in out
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("given", [0.0, 7000.0, 60000.0])
+def test_the_disc_is_what_the_flywheel_of_the_file_lacks(given: float) -> None:
+    """By m d^2 / 8; with all that the wanted fluctuation needs on the shaft there is no disc."""
+    text = PRESS.replace("inertia_kg_mm2: 20000", f"inertia_kg_mm2: {given}, speed_fluctuation: 0.2")
+    found = drive_of_text(f"{text}drivetrain: {{flywheel_diameter_mm: 150}}\n").drivetrain
+    needed = found.flywheel_kg_mm2 - 100.0 - given
+    assert found.flywheel_kg_mm2 == pytest.approx(33486.0, abs=1.0)
+    if needed < 0.0:
+        assert found.disc is None
+    else:
+        assert found.disc is not None
+        assert found.disc.mass_kg * 150.0**2 / 8.0 == pytest.approx(needed, rel=1e-12)
+
+
 @pytest.mark.slow
 def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
     motor = "{rated_torque_n_m: 60, rated_speed_rpm: 1450, no_load_speed_rpm: 1500, gearbox: {ratio: %s}}"

@@ -234,3 +234,35 @@ def test_ranges_in_words() -> None:
     assert words["name"] == "text of letters, digits, - and _, at most 64 of them"
     assert words["comparison.published"] == "a list (1 to 100) of groups of keys"
     assert words["resistance.table.force_n"] == "a list (2 to 1000) of: a number, -1e+15 or over, up to 1e+15"
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ("mass", "stands in the section masses"),
+        ("Gentle Stops", "optimize.limits.peak_acceleration_mm_s2"),
+        ("quick-return", "wishes.time_ratio"),
+    ],
+)
+def test_words_of_people_lead_to_keys(run: Run, asked: str, said: str) -> None:
+    """And every dotted key that is named there is one."""
+    status, out, _ = run("explain", asked)
+    assert status == 0
+    assert said in " ".join(out.split())
+    paths = {key.path for key in told_keys("design")}
+    named = set(re.findall(r"\b(?:masses|optimize|wishes|motion|gears)(?:\.[a-z_0-9]+)+", out))
+    assert named
+    assert named <= paths
+
+
+@pytest.mark.parametrize(("asked", "found"), [("rod", "linkage.rod_mm"), ("flywheel", "masses.flywheel")])
+def test_a_part_of_a_machine_is_told_with_its_size_and_its_mass(run: Run, asked: str, found: str) -> None:
+    _, out, _ = run("explain", asked)
+    heads = [line for line in out.splitlines() if line and not line.startswith(" ")]
+    assert found in heads
+    assert f"masses.{asked}" in heads
+
+
+@pytest.mark.parametrize("key", ["resistance.table", "resistance.returning.table"])
+def test_tables_say_how_their_points_are_joined(key: str, run: Run) -> None:
+    assert "joined by monotone cubics" in " ".join(run("explain", key)[1].split())

@@ -76,7 +76,7 @@ def test_designs_that_are_left_out_have_no_gears() -> None:
 @pytest.mark.parametrize("name", WITH_GEARS)
 def test_gears_without_backlash_overlap_nowhere_and_turn(name: str) -> None:
     for stage in tight(name):
-        tolerance = stage.design.output.chord_tolerance_mm
+        tolerance = stage.chord_tolerance_mm
         at, outlines = positions(stage.pitch, 200), outlines_of(stage.pitch, stage.teeth)
         assert outlines.overlap(at).max() <= OVERLAP * tolerance
         few = Positions(at.phi1[::4], at.phi2[::4], at.slope[::4], at.bend[::4])

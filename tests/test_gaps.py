@@ -14,7 +14,6 @@ from loaded import alike, gaps
 from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.placement import placed
 from ncgear.dynamics.gaps import gaps_of
-from ncgear.errors import NoSuchMechanism
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
@@ -111,12 +110,14 @@ def test_backlash_parts_the_backs_by_its_angle() -> None:
     np.testing.assert_allclose(back - pushing, 0.1 / BASE, atol=1e-6)
 
 
-def test_driven_gears_pressed_beyond_the_tables_are_refused() -> None:
+def test_driven_gears_pressed_beyond_the_tables_are_found() -> None:
     angles = np.linspace(0.0, 6.0, 101)
     found = gaps("uniform", 24)
-    found.require_reach(angles, np.full_like(angles, -1e-3))
-    with pytest.raises(NoSuchMechanism, match="deeper than their teeth can be followed"):
-        found.require_reach(angles, np.where(angles > 3.0, -0.2, 0.0))
+    assert found.too_deep(angles, np.full_like(angles, -1e-3)) is None
+    deepest = found.too_deep(angles, np.where(angles > 3.0, -0.2, 0.0))
+    assert deepest is not None
+    assert deepest[0] > 3.0
+    assert deepest[1] == pytest.approx(0.2, abs=1e-9)
 
 
 @pytest.mark.thorough

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import Polygon
 
+from ncgear.errors import Unanswered
 from ncgear.files.meshes import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
@@ -123,13 +124,13 @@ def test_a_land_may_vanish_with_height() -> None:
 def test_a_lost_triangle_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = mesh_module._cap
     monkeypatch.setattr(mesh_module, "_cap", lambda *arguments: whole(*arguments)[1:])
-    with pytest.raises(RuntimeError, match="watertight"):
+    with pytest.raises(Unanswered, match="watertight"):
         lofted(np.stack([star(), star(0.5)]), np.array([0.0, 2.0]), [])
 
 
 def test_quadrilaterals_folded_otherwise_than_their_areas_say_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mesh_module, "middle_section", lambda lower, upper: (lower + upper) / 2.0)
-    with pytest.raises(RuntimeError, match="instead of"):
+    with pytest.raises(Unanswered, match="instead of"):
         lofted(np.stack([star(), star(0.5)]), np.array([0.0, 2.0]), [])
 
 
@@ -188,7 +189,7 @@ def test_shortened_teeth_have_a_tip_land_of_the_least_width() -> None:
 
 def test_an_outline_that_is_not_its_gears_is_noticed() -> None:
     own = gear()
-    with pytest.raises(RuntimeError, match="away from its outline"):
+    with pytest.raises(Unanswered, match="away from its outline"):
         pieces_of(replace(own, outline_mm=own.outline_mm + 1e-3))
 
 
@@ -233,7 +234,7 @@ def test_a_corner_within_a_piece_is_closed_in_on() -> None:
 def test_limits_that_no_halving_keeps_are_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     sections = [pieces_of(gear(advance)) for advance in (0.0, 0.5)]
     monkeypatch.setattr(stack_module, "COLUMN_HALVINGS", 2)
-    with pytest.raises(RuntimeError, match="strays from its chords even after 2 halvings"):
+    with pytest.raises(Unanswered, match="strays from its chords even after 2 halvings"):
         close_columns(spread_columns(sections, LIMITS), sections, Limits(1e-6, 1.0))
 
 

@@ -73,7 +73,7 @@ CASES: dict[str, Data] = {
 
 @cache
 def searched(name: str) -> Mending | None:
-    return mending(drive_of(CASES[name]))
+    return mending(drive_of(CASES[name]), seconds=np.inf)
 
 
 def is_refused(data: Data) -> bool:
@@ -169,12 +169,15 @@ def test_each_way_that_does_not_work_was_tried(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["more contact than any rack has", "strongly concave"])
-def test_a_refusal_that_remains_names_all_that_was_tried(name: str) -> None:
+def test_a_refusal_that_remains_names_all_that_was_tried() -> None:
+    name = "more contact than any rack has"
     search = searched(name)
     assert search is not None
     assert search.found is None
-    assert search.failed == tuple(way for equals in ways(drive_of(CASES[name])) for way in equals)
+    alone = [way for way in search.failed if way.kinds == (Kind.FINER,)]
+    assert max(way.changes["gears.teeth"] for way in alone) == 10 * CASES[name]["gears"]["teeth"]
+    others = tuple(way for way in search.failed if way not in alone)
+    assert others == tuple(way for equals in ways(drive_of(CASES[name])) for way in equals)
     told = tried_words(search.failed).split("; ")
     assert len(told) == len(dict.fromkeys(way.kinds for way in search.failed))
     for words, kinds in zip(told, dict.fromkeys(way.kinds for way in search.failed), strict=True):
@@ -235,7 +238,7 @@ def test_more_teeth_keep_the_centre_distance_and_whole_numbers() -> None:
                 pitch = drive_of(with_changes(data, way.changes)).pitch
                 assert pitch.center_distance_mm == pytest.approx(drive.pitch.center_distance_mm, rel=1e-12)
                 counts.append(pitch.size.driving_teeth)
-    assert set(counts) == {15, 18, 27}
+    assert set(counts) == {15, 27}
 
 
 @pytest.mark.slow

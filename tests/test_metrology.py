@@ -25,7 +25,7 @@ from ncgear.metrology.pins import (
     pins_to_try,
 )
 from ncgear.metrology.span import STEPS, MeasuringChords, measuring_chords, spans
-from ncgear.metrology.working import WorkingFlanks, root_radii_mm, tip_radii_mm, working_flanks
+from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.pitch.pair import sized_pair
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.harmonic import harmonic_law
@@ -33,6 +33,7 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.form import Backlash, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
+from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
 from pairs import rack
 
 DESIGNS = Path(__file__).parents[1] / "designs"

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from shapely import Polygon
 
+from drives import drive
 from engaged import MODULE, TOLERANCE, designed, least_driven_radius, made, outlines, read, written
 from ncgear.contact.pair import PairContact, pair_contact, refuse_bad_outlines
 from ncgear.contact.placement import placed
-from ncgear.contact.written.as_written import Outlines
+from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
 from ncgear.errors import NoSuchMechanism
+from ncgear.pitch.shape import Gear
 
 ALPHA = radians(20.0)
 
@@ -82,6 +84,23 @@ def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
     found = written(name, teeth)
     for clearance in (found.driving_tips_mm, found.driven_tips_mm):
         assert clearance == pytest.approx(0.25 * MODULE, abs=2.0 * TOLERANCE)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["baler", "baler-86", "internal-1-2"])
+def test_clearance_over_roots_that_slope_is_that_of_the_polygons(name: str) -> None:
+    """Where the mate's tips have cut them roots slope: a land then stands over another place than it was cut from."""
+    one = drive(name)
+    designed, tolerance_mm = one.designed_contact, one.design.output.chord_tolerance_mm
+    reach = reach_mm(one.pitch, one.teeth)
+    found = as_written(outlines(one.teeth), one.teeth, designed.placement, reach)
+    for gear in Gear:
+        said = min(getattr(side, f"{gear.value}_tips").over_root_mm for side in (designed.pushing, designed.back))
+        assert getattr(found, f"{gear.value}_tips_mm") == pytest.approx(said, abs=tolerance_mm)
+    if name == "baler":
+        # The negative control: over the places that they were cut from the least is more than twice as much.
+        roots = one.teeth.driving.sides.roots
+        assert np.abs(roots.feet()[0] - np.stack(roots.lands(), axis=1)).max() > 10.0 * tolerance_mm
 
 
 # --- negative controls -----------------------------------------------------------------------------------------------

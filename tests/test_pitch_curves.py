@@ -627,7 +627,7 @@ def test_the_centre_distance_follows_from_the_law_and_may_be_given_too() -> None
 def test_teeth_and_module_must_fit_the_curve() -> None:
     module = made(OFFSET).pitch.size.module_mm
     assert made(OFFSET, module_mm=float(f"{module:.9g}")).pitch.size.driving_teeth == 40
-    with pytest.raises(WrongInput, match=f"or module_mm: {module:.9g}"):
+    with pytest.raises(WrongInput, match=f"would be module_mm: {module:.9g}, or teeth: 36 with"):
         made(OFFSET, module_mm=1.1).pitch  # noqa: B018
     with pytest.raises(ValueError, match=r"no size is given; one of teeth and module_mm is needed"):
         made(OFFSET, teeth=None)

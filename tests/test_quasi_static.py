@@ -173,7 +173,12 @@ def test_a_stiffer_law_of_impact_gives_way_less(exponent: float) -> None:
 def test_teeth_pressed_too_deep_are_refused() -> None:
     with pytest.raises(NoSuchMechanism, match="deeper than their teeth can be followed") as caught:
         loaded_contact(meshing("uniform", 24), ANGLES, np.full_like(ANGLES, 1e9), 0.0)
-    assert caught.value.key == "simulation"
+    # The teeth's own stiffness is that of their width; a given one has a key of its own.
+    assert caught.value.key == "gears.face_width_mm"
+    given = replace(meshing("uniform", 24), stiffness_key="simulation.stiffness_n_mm")
+    with pytest.raises(NoSuchMechanism, match="a greater stiffness or less load is needed") as caught:
+        loaded_contact(given, ANGLES, np.full_like(ANGLES, 1e9), 0.0)
+    assert caught.value.key == "simulation.stiffness_n_mm"
 
 
 @pytest.mark.thorough

@@ -201,7 +201,7 @@ def solid_holds(stl: bytes) -> None:
 
 def gears_hold(drive: Drive, files: dict[str, bytes]) -> None:
     """Written outlines never overlap while they turn by the law."""
-    pitch, tolerance = drive.pitch, drive.design.output.chord_tolerance_mm
+    pitch, tolerance = drive.pitch, drive.chord_tolerance_mm
     covered = pitch.transmission.lobes.range
     phi1 = np.linspace(0.0, covered.driving_rad if covered else pitch.driving.turn_rad, POSITIONS + 1)
     phi2 = pitch.transmission.driven_angle(phi1).value

@@ -158,9 +158,10 @@ def gap_mm(pair: ScenePair, poses: Poses, row: int, ahead_rad: float = 0.0) -> f
 @every_geared
 def test_teeth_touch_and_do_not_overlap(name: str) -> None:
     """As far as chords on both sides may stray; turned by half a tooth they would overlap by far."""
-    found, tolerance = scene(name), drive_of(name).design.output.chord_tolerance_mm
+    found = scene(name)
     poses, backlash = found.poses(angles(found, 7)), drive_of(name).gears.backlash_mm
-    for pair in found.pairs:
+    for pair, own in zip(found.pairs, drive_of(name).by_stage, strict=True):
+        tolerance = own.chord_tolerance_mm
         gaps = np.array([gap_mm(pair, poses, row) for row in range(7)])
         assert gaps.min() >= -2.0 * tolerance
         assert gaps.max() <= 2.0 * tolerance + backlash

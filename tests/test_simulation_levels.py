@@ -225,5 +225,42 @@ def test_a_load_too_heavy_for_the_teeth_is_refused(run: Run) -> None:
         HEAD + "simulation: {stiffness_n_mm: 100, friction: {static: 0, dynamic: 0}}\n", "quasi_static"
     )
     assert status == 3
-    assert "simulation: " in err
+    assert ": simulation.stiffness_n_mm: " in err
     assert "deeper than their teeth can be followed" in err
+
+
+ABSURD = {"3": "too soft", "0.002": "too soft", "5e13": "are so stiff", "1e280": "are so stiff"}
+"""Stiffnesses in N of a pair 1 mm deep in each other, and what is said of them: steel has some 1e5."""
+
+
+@pytest.mark.tiers(thorough=["quasi_static-3"], rest="slow")
+@pytest.mark.parametrize("given", ABSURD)
+@pytest.mark.parametrize("level", ["quasi_static"])
+def test_a_stiffness_out_of_proportion_is_named(run: Run, level: str, given: str) -> None:
+    """And not the friction, which is an ordinary one; the stiffness that is called right is."""
+    status, _, err = run(f"{HEAD}simulation: {{stiffness_n_mm: {given}}}\n", level)
+    assert status == 3
+    assert ": simulation.stiffness_n_mm: " in err
+    assert ABSURD[given] in err
+    assert "friction" not in err
+    if "stiff that" in err:
+        right = re.search(r"at most; (\S+) or less is right", err)
+        assert right is not None
+        assert run(f"{HEAD}simulation: {{stiffness_n_mm: {right[1]}}}\n", level)[0] == 0
+
+
+@pytest.mark.slow
+def test_a_band_that_cannot_be_followed_says_so(run: Run) -> None:
+    """At the edge of what teeth can be pressed into each other, teeth of 0.7 times the stiffness are beyond it."""
+    load = HEAD.replace("[400]", "[40000]")
+    status = 3
+    stiffness = 6e4
+    while status == 3 and stiffness < 3e6:
+        stiffness *= 1.35
+        status, out, _ = run(f"{load}simulation: {{stiffness_n_mm: {stiffness:g}}}\n", "quasi_static")
+    assert status == 0
+    softer = simulated("here")["band_of_stiffness"]["softer"]
+    assert "not_followed" in softer
+    assert "deeper than their teeth" in softer["not_followed"]
+    assert "with 0.7 times their stiffness the teeth cannot be followed" in out or "not followed" in out
+    assert not re.search(r"stiffness\s+-$", out, re.MULTILINE)

@@ -262,3 +262,15 @@ def test_a_curve_in_mm_has_no_smaller_size() -> None:
 def test_a_curve_that_grows_with_its_gears_is_sized() -> None:
     text = curve_text(", semi_minor_mm: 16.44", "scale", "").replace("module_mm: 2", "module_mm: 1")
     assert smallest_gears(drive_of_text(text), Space())[0].verdict.holds
+
+
+@pytest.mark.slow
+def test_gears_far_too_weak_to_be_rated_are_sized_all_the_same() -> None:
+    """To what is found from gears that can be: the smallest of both are as small, within the steps that are tried."""
+    text = TEXT.replace("width_mm: 16", "width_mm: {width}").replace("module_mm: 2", "module_mm: {module}")
+    weak = drive_of_text(text.replace("{width}", "0.3").replace("{module}", "0.4"))
+    with pytest.raises(NoSuchMechanism, match="presses the driven gear"):
+        verdict_of(weak, "estimate")
+    found, others = smallest_gears(weak, Space()), smallest_gears(drive_of_text(TEXT), Space())
+    assert all(one.verdict.holds for one in found)
+    assert found[0].volume_mm3 == pytest.approx(others[0].volume_mm3, rel=0.25)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,14 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from commands import Run, on_text
+from commands import ROOT, Run, on_text
 from drives import built, drive_of_text
+from ncgear.design.reading.design_file import load
 from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.drawings.plots.coloured_teeth import tooth_rows
 from ncgear.dynamics.level import Level
 from ncgear.files.simulation import simulate, simulation_text
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.strength import life
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, WantedSafety, weakest_teeth
 from ncgear.strength.loading import Loading
@@ -268,3 +271,32 @@ def test_the_weakest_are_found_by_looking_at_every_tooth() -> None:
         assert one.too_weak[0] == one.tooth
         assert one.holds is not bool(weak)
     assert {one.damage for one in weakest_teeth(made_up(drive, 1.0, None), WANTED)} == {Damage.BENDING}
+
+
+@pytest.mark.slow
+def test_the_dynamic_factors_of_the_page_are_those_of_the_designs(monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
+    named = re.findall(r"(\d\.\d\d) of `([a-z-]+)`", page[page.index("`K_V` is ISO") : page.index("**Life.**")])
+    assert len(named) == 4
+    seen: list[float] = []
+    estimated = life.estimated_dynamic_factor
+
+    def told(*given: Any) -> float:
+        seen.append(estimated(*given))
+        return seen[-1]
+
+    monkeypatch.setattr(life, "estimated_dynamic_factor", told)
+    for value, name in named:
+        seen.clear()
+        _ = Drive(load(ROOT / "designs" / f"{name}.yaml").design).strength
+        assert f"{seen[0]:.2f}" == value, name
+
+
+@pytest.mark.thorough
+def test_teeth_too_weak_to_be_rated_are_refused_by_their_own_key(run: Run) -> None:
+    """The simulation has no part in it: the file has no such section."""
+    weak = f"{HEAD}gears: {{teeth: 21, module_mm: 0.4, face_width_mm: 0.5}}\nresistance: {{polynomial_n: [30000]}}\n"
+    status, _, err = run(weak)
+    assert status == 3
+    assert ": gears.face_width_mm: " in err
+    assert "simulation" not in err

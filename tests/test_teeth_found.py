@@ -17,7 +17,7 @@ from drives import drive
 from ncgear.drawings.page.teeth import ToothLinks
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Scene
-from ncgear.figures.advice.collected import build_advice
+from ncgear.figures.advice.verdict import Known, judged
 from ncgear.figures.tables import Column, Table
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
@@ -66,7 +66,7 @@ def links(markup: str) -> list[tuple[str, int]]:
 @pytest.mark.parametrize("name", ["pump-1-2", "internal-1-2", "baler-holds", "rounded-square", "baler-86"])
 def test_links_of_a_warning_are_its_teeth(name: str) -> None:
     """By the places that an advice has as values; further teeth are those that its words put in brackets."""
-    for advice in build_advice(drive(name)):
+    for advice in judged(drive(name), Known.TEETH).advices:
         known = {(where.gear, tooth) for where in advice.where for tooth in where.teeth}
         made = ToothLinks().text(advice.what)
         bracketed = {tooth for _, tooth in links(str(ToothLinks().text(re.sub(r"^[^(]*", "", advice.what), "any")))}

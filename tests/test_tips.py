@@ -234,7 +234,7 @@ def test_heights_of_lands_by_newtons_method_are_those_in_brackets(backlash_mm: f
         least = 1.05 * float(tips._land(flanks, back).max())
         found, _, met = tips._newton_lands(edges, back, least)
         assert np.count_nonzero(met) >= 0.9 * back.size
-        bracketed = tips._height_of_land(flanks, back, least)
+        bracketed = tips._height_of_land(flanks, back, least, tips._land(flanks, back))
         assert found[met] == pytest.approx(bracketed[met], abs=1e-9)
         wider = tips._newton_lands(edges, back, 1.01 * least)[0]
         assert np.all(wider[met] < found[met] - 1e-3)

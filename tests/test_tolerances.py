@@ -872,6 +872,49 @@ def test_the_command_tells_both_pairs_and_the_machine(run: Run, tmp_path: Path) 
     assert {path.name for path in (tmp_path / "made").glob("stage-*/*")} == {"spread.png"}
 
 
+SINGLE = {
+    "center_distance": "center_distance_mm: 0.015",
+    "eccentricity_driving": "driving: {eccentricity_mm: 0.03}",
+    "eccentricity_driven": "driven: {eccentricity_mm: 0.01}",
+    "tilt_driving": "driving: {tilt_deg: 0.07}",
+    "tilt_driven": "driven: {tilt_deg: 0.2}",
+    "index_driving": "driving: {index_deg: 0.3}",
+    "index_driven": "driven: {index_deg: 0.05}",
+    "temperature": "temperature: {least_c: 5, largest_c: 45}, housing_expansion_um_m_k: 23.5",
+    "wear": "driving: {wear_mm: 0.03}",
+    "pitch": "driven: {single_pitch_mm: 0.025}",
+    "profile": "driving: {profile_mm: 0.01}",
+}
+"""A section with each source by itself."""
+
+DECIDES = {"index_driven": {"motion_error", "peak_acceleration"}}
+"""What a single source makes vary, where it is not everything: the driven keyway only sets off the output."""
+
+
+@pytest.mark.tiers(thorough=["wear"], rest="slow")
+@pytest.mark.parametrize("source", SINGLE)
+def test_all_of_the_variance_is_that_of_a_single_source(source: str, run: Run, tmp_path: Path) -> None:
+    """By definition of the total index; and the spread of the play by first order is that source's alone."""
+    text = (DESIGNS / "ellipse.yaml").read_text(encoding="utf-8")
+    (tmp_path / "one.yaml").write_text(f"{text}\ntolerances: {{{SINGLE[source]}}}\n", encoding="utf-8")
+    status, said, err = run("tolerance", "one.yaml", "--samples", "64", "--out", "made")
+    assert (status, err) == (0, "")
+    told = json.loads((tmp_path / "made" / "tolerance.json").read_text(encoding="utf-8"))
+    decided = DECIDES.get(source, {"transmission_error_mm", "motion_error", "peak_acceleration"})
+    assert decided <= set(told["indices"]) <= decided | {"least_play_mm"}
+    for found in told["indices"].values():
+        assert [(one["source"], one["first"], one["total"]) for one in found] == [(source, 1.0, 1.0)]
+    assert "100 %" in said
+    assert "Tolerances: none" not in said
+    # Each figure told to vary does so in the single assemblies, and no other does.
+    table = np.genfromtxt(tmp_path / "made" / "assemblies.csv", delimiter=",", names=True)
+    for name in ("least_play_mm", "transmission_error_mm"):
+        assert (np.ptp(table[name]) > 1e-6) == (name in told["indices"])
+    first = told["first_order"]
+    assert sum(size > 0.0 for size in first["by_source_mm"].values()) <= 1
+    assert first["difference"] == 0.0 or first["play_deviation_drawn_mm"] > 0.0
+
+
 def test_a_number_of_samples_that_is_no_power_of_two_is_refused(run: Run) -> None:
     status, _, said = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", "100")
     assert status == 2

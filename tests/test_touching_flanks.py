@@ -11,7 +11,7 @@ import pytest
 from engaged import MODULE, designed, made
 from loaded import frictionless, meshing
 from ncgear.contact.designed.as_designed import as_designed, pairs_under_load
-from ncgear.contact.designed.flanks import TOUCHING_MM, PairsInContact
+from ncgear.contact.designed.flanks import TOUCHING_IN_PITCHES, PairsInContact
 from ncgear.contact.placement import placed
 from ncgear.dynamics.quasi_static import LoadedContact, loaded_contact
 from ncgear.numerics.arrays import Array
@@ -46,7 +46,7 @@ def counted(pitch: PitchPair, pair: ToothedPair, side: float) -> tuple[Array, Ar
     ring = pitch.driven.is_ring
     gears = gear(pair.driving.outline_mm), gear(pair.driven.outline_mm, ring=ring)
     at = poses(*positions(pitch), pitch.center_distance_mm, 1.0 if ring else -1.0)
-    return touching(gears, at, side, TOUCHING_MM, 2.0 * CHORDS_MM, 1.3 * pi * MODULE)
+    return touching(gears, at, side, TOUCHING_IN_PITCHES * pi * MODULE, 2.0 * CHORDS_MM, 1.3 * pi * MODULE)
 
 
 def agrees(pairs: PairsInContact, few: Array, many: Array) -> bool:

@@ -111,10 +111,11 @@ def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name:
     (teeth,) = drawn(data, "OUTLINE")
     assert teeth.closed
     points = np.array(teeth.points(step_rad=0.001))
-    assert 1e-4 < strayed_mm(points, name, gear) <= 0.1 * 0.005
+    tolerance = drive(name).chord_tolerance_mm
+    assert 1e-4 < strayed_mm(points, name, gear) <= 0.1 * tolerance
     assert Polygon(points).is_valid
     # Chords seven times as coarse or more, and hardly fewer points.
-    assert strayed_mm(outline(name, gear), name, gear) > 0.7 * 0.005
+    assert strayed_mm(outline(name, gear), name, gear) > 0.7 * tolerance
     assert len(teeth.vertices()) < 1.5 * len(outline(name, gear))
     # Round edges are arcs there and chords in the solid.
     assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
@@ -207,9 +208,10 @@ def test_drawings_are_in_mm_with_every_layer_declared(name: str) -> None:
         layers = {one.layer for one in dxf.entities(data.decode())}
         assert layers <= {layer.dxf.name for layer in document.layers}
         assert all(one.closed for one in dxf.entities(data.decode()) if one.kind != "LINE")
-        assert any("no farther than 0.005 mm" in note for _, note in document.header.custom_vars)
+        words = f"no farther than {drive(name).chord_tolerance_mm:g} mm"
+        assert any(words in note for _, note in document.header.custom_vars)
         written = [value for code, value in dxf.pairs(data.decode()) if code == 1]
-        assert sum("no farther than 0.005 mm" in text for text in written) == 2, "among the properties, and in sight"
+        assert sum(words in text for text in written) == 2, "among the properties, and in sight"
 
 
 @pytest.mark.slow

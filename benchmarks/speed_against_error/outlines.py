@@ -38,7 +38,7 @@ MODULE_MM = 3.0
 ECCENTRICITY = 0.3
 """The ellipse's teeth are those of circular gears of 23 to 27 teeth, so that nothing is undercut."""
 
-TOLERANCE_MM: float = Output.model_fields["chord_tolerance_mm"].default
+TOLERANCE_MM = Output().chord_mm(MODULE_MM)
 """The default of design files."""
 
 

@@ -7,6 +7,8 @@ import sys
 from dataclasses import asdict
 
 from made.command_heads import FOLDER, NAMES, with_head
+from made.conditions_page import NAME as CONDITIONS
+from made.conditions_page import conditions_page
 from made.figures_page import NAME as FIGURES
 from made.figures_page import figures_page
 from made.gallery import NAME as GALLERY
@@ -31,6 +33,7 @@ def write_pages() -> None:
     for file in PAGES:
         (DOCS / file).write_text(key_page(file), encoding="utf-8")
     (DOCS / MATERIALS).write_text(material_page(), encoding="utf-8")
+    (DOCS / CONDITIONS).write_text(conditions_page(), encoding="utf-8")
     (DOCS / FIGURES).write_text(figures_page(), encoding="utf-8")
     (DOCS / GALLERY).write_text(gallery_page(), encoding="utf-8")
     (DOCS / KINDS).write_text(kinds_page(), encoding="utf-8")

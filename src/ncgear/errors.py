@@ -1,19 +1,20 @@
-"""The two ways in which a design can fail, each with its exit status, and how an error gets its place in a file.
+"""The ways in which a design can fail, each with its exit status, and how an error gets its place in a file.
 
 Code that finds a fault knows at most the key of the wrong value.  It raises ``WrongInput`` or ``NoSuchMechanism`` with
-that key.  Code that works on one group of keys runs inside ``below``, which completes the key.  Code that knows the
-file calls it inside ``located``, which adds file, line and column.  An error that already has a place keeps it.
+that key, and ``Unanswered`` where numbers do not tell.  Code that works on one group of keys runs inside ``below``,
+which completes the key.  Code that knows the file calls it inside ``located``, which adds file, line and column.  An
+error that already has a place keeps it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol
 
 
 class DesignError(Exception):
-    """A design from which no gears can be made; ``exit_status`` tells the two kinds apart.
+    """A design from which no gears can be made; ``exit_status`` tells what is wrong.
 
     ``key`` is the dotted path of the wrong value (``motion.v1_mm_s``), or empty where the whole file is wrong.
     ``location`` is ``FILE:LINE:COLUMN`` once ``located`` has added it.
@@ -41,6 +42,18 @@ class NoSuchMechanism(DesignError):
     """The file is right, but the mechanism it asks for does not exist; the message says where, why, what to change."""
 
     exit_status = 3
+
+
+class Unanswered(NoSuchMechanism):
+    """The file is right, but numbers do not tell whether its mechanism exists: a search of ncgear found no answer.
+
+    Whoever tries a change of a design, or another way to make it, goes on to the next as after any refusal.  ``rows``
+    are the numbers of the searches that failed, of many at once; whoever knows what these stand for names it.
+    """
+
+    def __init__(self, problem: str, *, key: str = "", location: str = "", rows: Sequence[int] = ()) -> None:
+        super().__init__(problem, key=key, location=location)
+        self.rows = tuple(rows)
 
 
 class Places(Protocol):
@@ -74,3 +87,14 @@ def below(group: str) -> Iterator[None]:
         if not error.location:
             error.key = f"{group}.{error.key}" if error.key else group
         raise
+
+
+@contextmanager
+def searched_for(what: Callable[[int], str], key: str) -> Iterator[None]:
+    """A context that says of searches without an answer ``what`` the first of them was about, and whose key that is."""
+    try:
+        yield
+    except Unanswered as error:
+        if not error.rows:
+            raise
+        raise Unanswered(f"{what(error.rows[0])}: {error.problem}", key=key) from error

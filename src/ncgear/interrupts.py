@@ -1,10 +1,11 @@
-"""Ctrl-C while files are exchanged, and while other processes compute."""
+"""Ctrl-C while files are exchanged, and while other processes compute; work that ends when its time is over."""
 
 from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import inf
 from threading import current_thread, main_thread
 from types import FrameType
 
@@ -28,6 +29,34 @@ def uninterrupted() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
     if heard:
         signal.raise_signal(signal.SIGINT)
+
+
+class TimeIsOver(Exception):
+    """Work has taken the processor time that it was given."""
+
+
+@contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    """A context that raises TimeIsOver in its body after so much processor time, or at once where none is left.
+
+    Outside the main thread, and on systems without such a clock, the body comes to its own end.
+    """
+    if seconds <= 0.0:
+        raise TimeIsOver
+    if not hasattr(signal, "ITIMER_PROF") or current_thread() is not main_thread() or seconds == inf:
+        yield
+        return
+
+    def end(number: int, _: FrameType | None) -> None:
+        raise TimeIsOver
+
+    before = signal.signal(signal.SIGPROF, end)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 @contextmanager

@@ -37,6 +37,7 @@ from ncgear.balance.mechanism import (
 )
 from ncgear.balance.shaking import Track, shaking, track
 from ncgear.balance.waveform import Statistics, Waveform, gauss_points, magnitude_statistics, waveforms
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import EvenPace
 from ncgear.numerics import chebyshev
@@ -90,8 +91,8 @@ def least_squares(mechanism: DrivenCrank, known: Accelerations | None = None) ->
 def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
     """The counterweight, beside those already there, with the least peak of the shaking force.
 
-    ``known`` gives the accelerations of the same linkage and law where they are known.  Raises ArithmeticError, a fault
-    of ncgear, where peak and bound do not meet within ``GAP``.
+    ``known`` gives the accelerations of the same linkage and law where they are known.  Raises Unanswered
+    where peak and bound do not meet within ``GAP``.
     """
     known, size, crank_mm = known or accelerations(mechanism), abs(mechanism.wrist_kg), mechanism.linkage.crank_mm
     if size <= NOTHING * mechanism.total_kg:  # the rod is balanced, and a crank mass balances the rest
@@ -112,7 +113,7 @@ def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestC
             return BestCounterweight(moment, scale * bound)
         more = _pin_and_slider(mechanism, known, np.array([peak.at]))
         pin, slider = np.append(pin, more[0]), np.append(slider, more[1] / size)
-    raise ArithmeticError("the counterweight of least peak was not found")
+    raise Unanswered("the counterweight of least peak was not found")
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +140,7 @@ class _Planes:
         bounds, options = [(-BOX, BOX), (-BOX, BOX), (0.0, None)], {"primal_feasibility_tolerance": FEASIBLE}
         found = linprog([0.0, 0.0, 1.0], self.rows, self.limits, bounds=bounds, options=options)
         if not found.success:
-            raise ArithmeticError(f"the linear programme of the counterweight failed: {found.message}")
+            raise Unanswered(f"the linear programme of the counterweight failed: {found.message}")
         return complex(found.x[0], found.x[1]), float(found.x[2])
 
 

@@ -23,7 +23,7 @@ from shapely import MultiPolygon, Polygon
 from shapely.affinity import rotate
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.solids.mesh.slabs import slab_mesh
@@ -138,7 +138,7 @@ def _areas(places: Array, moment: complex, largest: float) -> Array:
     cost = np.append(np.full(places.size, 1.0 / (places.size + 1.0)), -100.0)
     found = linprog(cost, A_eq=system, b_eq=np.zeros(2), bounds=(0.0, 1.0))
     if not found.success:
-        raise ArithmeticError(f"the linear programme of the holes failed: {found.message}")
+        raise Unanswered(f"the linear programme of the holes failed: {found.message}")
     return np.asarray(largest * found.x[:-1])
 
 
@@ -215,7 +215,7 @@ def _beyond_solved_chord(room: BaseGeometry, needed: complex) -> MultiPolygon:
     near = minimize(dual, min(starts, key=lambda start: dual(start)[0]), jac=True, method="BFGS").x
     found = root(lambda scaled: dual(scaled)[1], near, tol=SOLVED / 1e4).x
     if np.abs(dual(found)[1]).max() > SOLVED:
-        raise ArithmeticError("no chord gives the moment of the boss")
+        raise Unanswered("no chord gives the moment of the boss")
     return _chord(room, complex(found[0], found[1]) / reach)
 
 

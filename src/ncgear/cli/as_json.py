@@ -13,7 +13,7 @@ def print_figures(*of_pairs: Mapping[str, Any], kept: Sequence[Path] = ()) -> No
     """Print figures as one JSON document to stdout, and to stderr the files of others that were ``kept``.
 
     The figures are those of the JSON file that the command writes, to the digit.  Of two pairs in series that are told
-    one by one they stand below ``stages``.  Raises ArithmeticError, before anything is printed, where a figure is no
+    one by one they stand below ``stages``.  Raises Unanswered, before anything is printed, where a figure is no
     finite number.
     """
     from ncgear.figures.numbers import json_text

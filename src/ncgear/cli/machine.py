@@ -26,7 +26,6 @@ def check(
 ) -> None:
     """Check a design: motion and power, no files; teeth only where masses leave out the inertia of the gears."""
     with opened(design_file) as loaded:
-        from ncgear.figures.advice.collected import check_advice, rough_advice
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.machine import check_answer
         from ncgear.figures.summary.check_summary import check_summary
@@ -43,9 +42,8 @@ def check(
             elif verbose:
                 text = check_text(drive)
             else:
-                advices = (*check_advice(drive), *rough_advice(drive))
                 file = f"{design_file} {OPTION}" if made.text else str(design_file)
-                text = answer_text(check_answer(drive, advices, file, made.said))
+                text = answer_text(check_answer(drive, file, made.said))
         if as_json:
             print_figures(figures)
         else:
@@ -118,7 +116,7 @@ def build(
         else:
             shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
             then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {shown}"
-            answer = build_answer(drive, built.contacts, built.advices, then, made.said)
+            answer = build_answer(drive, built.contacts, built.verdict, then, made.said)
             typer.echo(answer_text(answer, paths, kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
@@ -244,7 +242,7 @@ def simulate(
         elif verbose:
             typer.echo(simulation_text(found, run.paths, run.kept))
         else:
-            answer = simulated_answer(drive, level, found.figures, found.faults, str(design_file))
+            answer = simulated_answer(drive, level, found.figures, found.verdict, str(design_file))
             typer.echo(answer_text(answer, run.paths, run.kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
@@ -281,6 +279,7 @@ def strength(
         prepare(folder)
 
         from ncgear.figures.advice.strength_advice import SIZE, remedies
+        from ncgear.figures.advice.verdict import Known, judged, together
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.strong import strength_answer
         from ncgear.figures.strong import strength_figures, strength_text
@@ -292,14 +291,15 @@ def strength(
         from ncgear.project.strengthening import verdict_of
 
         drive = Drive(loaded.design)
-        told, figures, files = [], [], {}
+        told, figures, files, verdicts = [], [], {}, []
         with naming_what_helps(drive, BUILD), steps_shown(3 * drive.design.stages) as on_step:
             for pair in drive.by_stage:
                 on_pair_step = naming_stage(pair, on_step)
                 on_pair_step("strength")
                 verdict = verdict_of(pair, method.value if method else None)
                 beside = None if verdict.strength.method == "estimate" else verdict_of(pair, "estimate")
-                figures.append(strength_figures(pair, verdict, beside))
+                verdicts.append(judged(pair, Known.TEETH))
+                figures.append(strength_figures(pair, verdict, verdicts[-1], beside))
                 on_pair_step("what would do")
                 told.append((pair, verdict, remedies(pair, verdict), beside))
                 on_pair_step("pictures")
@@ -308,11 +308,11 @@ def strength(
         if as_json:
             print_figures(*figures, kept=run.kept)
         elif verbose:
-            texts = [strength_text(*one) for one in told]
+            texts = [strength_text(*one, machine) for one, machine in zip(told, verdicts, strict=True)]
             typer.echo("\n\n".join([*texts, "\n".join(written_lines(run.paths, run.kept))]))
         else:
             then = f"{SIZE} {design_file}" if drive.design.stages == 1 else ""
-            typer.echo(answer_text(strength_answer(told, then), run.paths, run.kept))
+            typer.echo(answer_text(strength_answer(told, together(verdicts), then), run.paths, run.kept))
         if timing:
             typer.echo(timing_text(drive), err=True)
 

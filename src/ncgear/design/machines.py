@@ -105,6 +105,7 @@ gears:
   material: 42CrMo4
   driving: {bore_mm: 10}
   driven: {bore_mm: 10}
+fit: {driving_shaft: ends}   # below the rod, which passes over it
 
 resistance:
   table: {displacement_mm: [0, 80, 90, 250], force_n: [0, 0, 50, 50]}   # the carton stands a third of the way off

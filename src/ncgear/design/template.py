@@ -49,6 +49,8 @@ linkage:                   # the crank-slider that the driven gear turns
   rod_mm: 960
   offset_mm: 0             # distance of the slider's line from the crank axis
 
+fit: {driving_shaft: ends}   # below the rod, which passes over it; through: it stands in the rod's way
+
 operation:
   speed_rpm: 20            # speed of the driving gear
 """
@@ -164,6 +166,6 @@ _MACHINE = """\
 #       peak_speed_mm_s: 2100
 #       compression_speed_mm_s: 820
 
-output:
-  chord_tolerance_mm: 0.005   # greatest distance of an outline's chords from the exact curve
+# output:
+#   chord_tolerance_mm: 0.005   # greatest distance of an outline's chords from the exact curve
 """

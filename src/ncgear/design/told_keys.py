@@ -51,7 +51,7 @@ MOST_GUESSES = 3
 
 
 def looked_up(keys: Sequence[ToldKey], asked: str) -> list[ToldKey]:
-    """The keys that match best: by the whole path, else by its last parts, else by these without their unit.
+    """The keys that match best: by the whole path, else by its last parts, with their unit or without.
 
     A word that names no quantity finds the keys whose meaning has that word.  ``asked`` may have numbers of list items,
     which messages have too.  Raises WrongInput for an unknown key; the message names the keys that a person may have
@@ -59,8 +59,9 @@ def looked_up(keys: Sequence[ToldKey], asked: str) -> list[ToldKey]:
     """
     wanted = ".".join(part for part in asked.strip().replace(" ", "_").split(".") if not part.isdigit())
     whole = [key for key in keys if key.path == wanted]
-    found = whole or _ending_in(keys, (wanted,)) or _ending_in(keys, spellings(wanted))
-    found = found or [key for key in keys if f".{_quantity(key.path)}".endswith(f".{wanted.lower()}")]
+    named = _ending_in(keys, (wanted,)) or _ending_in(keys, spellings(wanted))
+    without_unit = [key for key in keys if f".{_quantity(key.path)}".endswith(f".{wanted.lower()}")]
+    found = whole or [key for key in keys if key in named or key in without_unit]
     found = found or _meaning(keys, wanted.replace("_", " "))
     if not found:
         raise WrongInput(_unknown(keys, wanted), key=asked)

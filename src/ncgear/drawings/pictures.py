@@ -13,9 +13,8 @@ from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.gear_solids import rim_mm_of
-from ncgear.solids.plan.plan import outer_radius_mm
 
 POSITIONS = 3
 """Positions of the pair in the picture of its teeth, evenly spread over a turn or from end to end."""
@@ -92,10 +91,7 @@ def positions_at(drive: Drive, phi1_rad: Array) -> list[Position]:
 
 
 def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
-    ring_radius = None
-    if drive.pitch.driven.is_ring:
-        rim = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
-        ring_radius = outer_radius_mm(drive.teeth.driven.outline_mm, rim)
+    ring_radius = drive.outer_radii_mm[Gear.DRIVEN] if drive.pitch.driven.is_ring else None
     return Assembled(driving_mm, driven_mm, drive.pitch.center_distance_mm, ring_radius)
 
 

@@ -120,11 +120,35 @@ class Bend:
     at_mm: float
 
 
+def loads_with_peaks(cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> ShaftLoads:
+    """The loads of a shaft at the cycle's points, and where its torque and its bending at any place are greatest."""
+
+    def sizes(loads: LoadsAt) -> Array:
+        shaft = _of(loads, gear)
+        bending = [
+            np.abs(bending_moment_n_mm(shaft, bearings, crank_at_mm, at)) for at in _places(bearings, crank_at_mm)
+        ]
+        return np.stack([*bending, shaft.torque_n_mm, -shaft.torque_n_mm])
+
+    points = cycle.loads.phi1_rad
+    peaks = [peak.at for peak in largest_of_each(_by_angle(cycle, sizes), points)]
+    return _of(loads_at(cycle.rigid, np.union1d(points, peaks), cycle.mesh_share), gear)
+
+
+def _of(loads: LoadsAt, gear: Gear) -> ShaftLoads:
+    return loads.driving if gear is Gear.DRIVING else loads.driven
+
+
+def _places(bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> set[float]:
+    """Where forces press on a shaft; it is bent most at one of them."""
+    return {0.0, crank_at_mm, *(bearing.at_mm for bearing in bearings)}
+
+
 def most_bent(loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Bend:
     """Where a shaft is bent most at any of the n angles; it is where a force presses on it."""
-    places = {0.0, crank_at_mm, *(bearing.at_mm for bearing in bearings)}
     bends = [
-        Bend(float(np.abs(bending_moment_n_mm(loads, bearings, crank_at_mm, place)).max()), place) for place in places
+        Bend(float(np.abs(bending_moment_n_mm(loads, bearings, crank_at_mm, place)).max()), place)
+        for place in _places(bearings, crank_at_mm)
     ]
     return max(bends, key=lambda bend: bend.moment_n_mm)
 
@@ -159,8 +183,7 @@ def bearing_lives(
     driving = gear is Gear.DRIVING
 
     def pressing(loads: LoadsAt) -> Array:
-        shaft = loads.driving if driving else loads.driven
-        return np.abs(np.stack(bearing_forces(shaft, bearings, crank_at_mm)))
+        return np.abs(np.stack(bearing_forces(_of(loads, gear), bearings, crank_at_mm)))
 
     weight = cycle.weight_rad if driving else cycle.weight_rad * cycle.loads.driven_slope
     speed = cycle.speed_rad_s * float(weight.sum()) / cycle.cycle_rad

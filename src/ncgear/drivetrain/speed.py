@@ -24,7 +24,7 @@ from numpy.polynomial import chebyshev, legendre
 from ncgear.drivetrain.cycle import apart, panels_between
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.motor import Gearbox, StraightLine
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
@@ -185,7 +185,7 @@ class SpeedCourse:
 def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
     """The periodic motion of a machine whose driving shaft has inertia.
 
-    Raises NoSuchMechanism where the motor stops, and ArithmeticError where solutions do not settle.
+    Raises NoSuchMechanism where the motor stops, and Unanswered where solutions do not settle.
     """
     own = demand.cycle.breaks_rad
     places, breaks, before = demand.cycle.loads.phi1_rad, own, None
@@ -203,7 +203,7 @@ def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
             break
         before = energy
     if found is None or moved > DOUBTFUL:
-        raise ArithmeticError(f"the speed over the cycle moves by {moved:.1e} of its energy with finer panels")
+        raise Unanswered(f"the speed over the cycle moves by {moved:.1e} of its energy with finer panels")
     return replace(found, unsettled=moved)
 
 

@@ -21,12 +21,10 @@ from ncgear.contact.designed.as_designed import first_within
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import BOTH_SIDES, URGE, Placement, placed
 from ncgear.dynamics.pair_places import PairStiffness, fixed_tangents, pair_places
-from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask, row_blocks
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
 from ncgear.numerics.plane import along
-from ncgear.numerics.units import in_words
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
@@ -253,17 +251,16 @@ class Gaps:
         back = np.where(near.urge < 0.0, near.error_rad, np.inf).min(axis=-1)
         return pushing, back
 
-    def require_reach(self, phi1_rad: Array, error_rad: Array) -> None:
-        """Refuse driven angles beyond the law's at which teeth are deeper in each other than the tables follow them.
+    def too_deep(self, phi1_rad: Array, error_rad: Array) -> tuple[float, float] | None:
+        """Where driven angles beyond the law's press teeth deepest beyond where the tables follow them, and how far.
 
-        Raises NoSuchMechanism.
+        The driving angle and how far the driven gear is pressed, in rad; None where the tables follow everywhere.
         """
         pushing, back = self.play_rad(phi1_rad)
         pressed = np.maximum(pushing - error_rad, error_rad - back)
         reach = self.reach_rad[self.table.place(phi1_rad)[1]]
         worst = int(np.argmax(pressed - reach))
-        if pressed[worst] > reach[worst]:
-            raise _too_deep(float(phi1_rad[worst]), float(pressed[worst]))
+        return (float(phi1_rad[worst]), float(pressed[worst])) if pressed[worst] > reach[worst] else None
 
 
 def gaps_of(
@@ -312,12 +309,3 @@ def _slotted(rows: Rows, placement: Placement) -> Gaps:
     urge[place], pair[place] = rows.urge[found.row], rows.teeth[found.row]
     breaks = np.append(placement.phi1_rad, placement.cycle_rad)
     return Gaps(PeriodicTable(breaks, coefficients), urge, pair, reach_rad(rows, placement))
-
-
-def _too_deep(phi1_rad: float, pressed_rad: float) -> NoSuchMechanism:
-    return NoSuchMechanism(
-        f"at phi1 = {in_words(phi1_rad)} the load presses the driven gear {pressed_rad:.3g} rad into the driving one, "
-        "deeper than their teeth can be followed into each other; wider teeth, larger ones, a stiffer material or less "
-        "load are needed",
-        key="simulation",
-    )

@@ -29,10 +29,12 @@ import numpy as np
 
 from ncgear.dynamics.gaps import Gaps, Near
 from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.numerics.plane import Vector
+from ncgear.numerics.units import in_words
 
 
 @dataclass(frozen=True)
@@ -129,14 +131,39 @@ class ToothForces:
     loss_n_mm_s: Array
 
 
+TOO_WEAK = "gears.face_width_mm"
+"""The key of teeth whose own stiffness is too small for their load."""
+
+
 @dataclass(frozen=True, eq=False)
 class Meshing:
-    """A law, the pairs of teeth that keep it, and how they bear load."""
+    """A law, the pairs of teeth that keep it, and how they bear load.
+
+    ``stiffness_key`` is the key of the stiffness where one is given; None where it is the teeth's own.
+    """
 
     law: PeriodicTable
     gaps: Gaps
     impact: Impact
     friction: Friction
+    stiffness_key: str | None = None
+
+    def require_reach(self, phi1_rad: Array, error_rad: Array) -> None:
+        """Refuse driven angles beyond the law's, shape (n,), at which teeth are deeper than the tables follow them.
+
+        Raises NoSuchMechanism for the stiffness that is given, or else for the face width.
+        """
+        found = self.gaps.too_deep(phi1_rad, error_rad)
+        if found is None:
+            return
+        angle, pressed = found
+        cure = "wider teeth, larger ones, a stiffer material or less load are needed"
+        raise NoSuchMechanism(
+            f"at phi1 = {in_words(angle)} the load presses the driven gear {pressed:.3g} rad into the driving one, "
+            "deeper than their teeth can be followed into each other; "
+            f"{'a greater stiffness or less load is needed' if self.stiffness_key else cure}",
+            key=self.stiffness_key or TOO_WEAK,
+        )
 
     def stiffened(self, factor: float) -> Meshing:
         """The same teeth, each pair as many times as stiff."""

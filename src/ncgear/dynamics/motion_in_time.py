@@ -19,7 +19,7 @@ import numpy as np
 from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.dynamics.quasi_static import loaded_contact
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.periodic_table import PeriodicTable, quintics
@@ -264,7 +264,7 @@ def course(
     """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
 
     Raises NoSuchMechanism where the drive does not get round, teeth are pressed too deep into each other, or energy
-    does not balance, and ArithmeticError where the solver fails.
+    does not balance, and Unanswered where the solver fails.
     """
     target = float(state[0]) + 2.0 * pi * turns
     limit_s = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s
@@ -295,8 +295,13 @@ def _leg(
         "max_step": way_rad / max(abs(float(state[3])), machine.drive.speed_rad_s),
     }
     leg = solve_ivp(machine.change, span_s, state, method, dense_output=True, events=events, **limits)
+    if leg.status < 0 and machine.meshing.stiffness_key:
+        raise NoSuchMechanism(
+            "the motion of teeth so stiff cannot be followed in time; a smaller stiffness is right",
+            key=machine.meshing.stiffness_key,
+        )
     if leg.status < 0:
-        raise ArithmeticError(f"the motion could not be integrated: {leg.message}")
+        raise Unanswered(f"the motion could not be integrated: {leg.message}")
     return leg
 
 
@@ -318,7 +323,7 @@ def _joined(machine: ToothedMachine, legs: list[Any]) -> Course:
 def _checked(found: Course) -> Course:
     """The course itself, if its energy balances and its teeth are no deeper in each other than the tables follow."""
     meshing, states = found.machine.meshing, found.at(found.fine_s)
-    meshing.gaps.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
+    meshing.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:
         raise _unbalanced(found)
     return found

@@ -12,11 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
+from ncgear.numerics.units import N_M_PER_N_MM, in_words
 from ncgear.numerics.zeros import zeros_between
 
 FIRST_STEP_RAD = 1e-7
@@ -35,7 +36,8 @@ where all torques are next to nothing."""
 
 
 TOUCHING_MM = 1e-10
-"""Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears."""
+"""Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears.  It is a
+length, since no teeth are so small: an atom is a thousand times as wide."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,15 +80,38 @@ def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_
     """The teeth at driving angles in rad that bring torques in N mm to the driven shaft, shape (n,) each.
 
     The speed of the driving shaft tells how the flanks slide, and so which way they rub; 0 means no friction.  Where
-    the torque is 0 the gears stand on pushing flanks that just touch.  Raises ArithmeticError where no balance is
+    the torque is 0 the gears stand on pushing flanks that just touch.  Raises Unanswered where no balance is
     found, and NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
     """
     resting = replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=0.0))
     ahead = meshing.gaps.play_rad(phi1_rad)[0]
     loaded = np.nonzero(torque_n_mm)[0]
     ahead[loaded] = _balanced(resting, phi1_rad[loaded], torque_n_mm[loaded], speed_rad_s)
-    meshing.gaps.require_reach(phi1_rad, ahead)
+    meshing.require_reach(phi1_rad, ahead)
     return LoadedContact(phi1_rad, ahead, _forces(resting, phi1_rad, ahead, speed_rad_s))
+
+
+WEDGED = 0.1
+"""Share of the largest torque that teeth may bear against each other beyond what the torque asks for: exact teeth bear
+none so, but the tables of their contacts err by some 1e-6 mm, which very stiff ones feel."""
+
+
+def require_no_wedge(meshing: Meshing, loaded: LoadedContact, torque_n_mm: Array) -> None:
+    """Refuse a given stiffness that is so great that errors of the teeth's places decide what they bear.
+
+    ``torque_n_mm`` are the torques of the load, shape (n,).  Raises NoSuchMechanism with a stiffness that is not.
+    """
+    moments, most = loaded.forces.driven_n_mm, float(np.abs(torque_n_mm).max(initial=0.0))
+    wedged = np.abs(moments).sum(axis=-1) - np.abs(moments.sum(axis=-1))
+    worst = int(np.argmax(wedged))
+    if meshing.stiffness_key and wedged[worst] > WEDGED * most:
+        right = WEDGED * most / wedged[worst] * float(loaded.forces.near.stiffness[worst].max())
+        raise NoSuchMechanism(
+            f"the teeth are so stiff that at phi1 = {in_words(float(loaded.phi1_rad[worst]))} errors of a millionth of "
+            f"a millimetre bear {N_M_PER_N_MM * wedged[worst]:.3g} N m against each other, and the load brings "
+            f"{N_M_PER_N_MM * most:.3g} N m at most; {0.5 * right:.1g} or less is right",
+            key=meshing.stiffness_key,
+        )
 
 
 @dataclass(frozen=True)
@@ -148,22 +173,22 @@ def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s
         moments: Array = _forces(meshing, phi1_rad, ahead, speed_rad_s).driven_n_mm.sum(axis=-1)
         return moments - torque_n_mm
 
-    ahead = zeros_between(missing, *_bracket(missing, meshing.gaps.play_rad(phi1_rad), torque_n_mm))
+    ahead = zeros_between(missing, *_bracket(missing, meshing, phi1_rad, torque_n_mm))
     balanced = np.abs(missing(ahead)) <= BALANCED * np.abs(torque_n_mm).max(initial=0.0)
-    if not np.all(balanced | (missing(ahead - ROUNDING_RAD) * missing(ahead + ROUNDING_RAD) <= 0.0)):
-        raise ArithmeticError("the forces of the teeth do not balance the torque")
+    if not np.all(balanced | (np.sign(missing(ahead - ROUNDING_RAD)) * np.sign(missing(ahead + ROUNDING_RAD)) <= 0.0)):
+        raise Unanswered("the forces of the teeth do not balance the torque")
     return ahead
 
 
 def _bracket(
-    missing: Callable[[Array], Array], play_rad: tuple[Array, Array], torque_n_mm: Array
+    missing: Callable[[Array], Array], meshing: Meshing, phi1_rad: Array, torque_n_mm: Array
 ) -> tuple[Array, Array]:
     """Driven angles beyond the law's between which the torque is met.
 
     Pushing flanks bear load at driven angles from their first touch backwards, backs from their first touch forwards.
     The first angle is a little before that touch, so that rounding errors of a depth of 0 bear no torque there.
     """
-    pushing, back = play_rad
+    pushing, back = meshing.gaps.play_rad(phi1_rad)
     push = torque_n_mm >= 0.0
     start = np.where(push, pushing + CLEAR_RAD, back - CLEAR_RAD)
     way = np.where(push, np.minimum(pushing, back), np.maximum(pushing, back)) - start
@@ -175,6 +200,11 @@ def _bracket(
         if not short.any():
             return np.where(push, end, start), np.where(push, start, end)
         step = np.where(short, 2.0 * step, step)
+    if meshing.stiffness_key and np.any((unmet + torque_n_mm)[short] * torque_n_mm[short] > 0.0):
+        raise NoSuchMechanism(
+            "no depth of the teeth bears the torque: they are too soft; a greater stiffness or less load is needed",
+            key=meshing.stiffness_key,
+        )
     raise NoSuchMechanism(
         "no depth of the teeth bears the torque: friction holds them; less of it is needed", key="simulation.friction"
     )

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.figures.numbers import DRAWN_DECIMALS, rounded
+from ncgear.figures.numbers import rounded, to_size
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
@@ -58,11 +58,11 @@ def _crank(drive: Drive) -> dict[str, Any]:
     """
     if not drive.turns_crank or drive.pitch.driven.is_ring:
         return {}
-    decimals = DRAWN_DECIMALS["mm"]
+    largest = drive.pitch.center_distance_mm
     direction = crank_direction_rad(drive.linkage, drive.gears.driving_axis_deg) % (2.0 * pi)
     pin = drive.solids.driven.plan.crank_pin
-    hole = {"hole": {key: rounded(size_mm, decimals) for key, size_mm in asdict(pin).items()}} if pin else {}
-    length_mm = rounded(drive.linkage.crank_mm, decimals)
+    hole = {"hole": {key: to_size(size_mm, largest) for key, size_mm in asdict(pin).items()}} if pin else {}
+    length_mm = to_size(drive.linkage.crank_mm, largest)
     return {"crank": {"direction_rad": rounded(direction, RAD_DECIMALS), "length_mm": length_mm, **hole}}
 
 
@@ -87,9 +87,8 @@ def _pin(drive: Drive, gear: Gear) -> dict[str, float]:
     asked, place = bodies[gear].end_stop, drive.solids.of(gear).plan.pin_mm
     if asked is None or place is None:
         return {}
-    decimals = DRAWN_DECIMALS["mm"]
     sizes = {"x_mm": place[0], "y_mm": place[1], "diameter_mm": asked.pin_mm}
-    return {key: rounded(size_mm, decimals) for key, size_mm in sizes.items()}
+    return {key: to_size(size_mm, drive.pitch.center_distance_mm) for key, size_mm in sizes.items()}
 
 
 def _pitch_radius_mm(curve: PitchCurve) -> float:
@@ -104,24 +103,23 @@ def assembled_pose(
 
     For each gear it holds the polar angle of the pitch point on the line of centres, in the gear's own frame; whether a
     tooth, a space or a flank lies there; and the index hole (None where none was asked for or had room).  Sizes have
-    the decimals of a drawing.
+    as many decimals as the centre distance.
     """
     return {
         "mesh": mesh.value,
-        "center_distance_mm": rounded(center_distance_mm, DRAWN_DECIMALS["mm"]),
-        "driving": _gear(driving, meeting_direction_rad(Gear.DRIVING, mesh), module_mm),
-        "driven": _gear(driven, meeting_direction_rad(Gear.DRIVEN, mesh), module_mm),
+        "center_distance_mm": to_size(center_distance_mm, center_distance_mm),
+        "driving": _gear(driving, meeting_direction_rad(Gear.DRIVING, mesh), module_mm, center_distance_mm),
+        "driven": _gear(driven, meeting_direction_rad(Gear.DRIVEN, mesh), module_mm, center_distance_mm),
     }
 
 
-def _gear(gear: Placed, direction: float, module: float) -> dict[str, Any]:
-    decimals = DRAWN_DECIMALS["mm"]
+def _gear(gear: Placed, direction: float, module: float, largest: float) -> dict[str, Any]:
     hole = asdict(gear.index_hole) if gear.index_hole else None
     return {
         "line_of_centers_rad": rounded(direction, RAD_DECIMALS),
-        "pitch_radius_mm": rounded(gear.pitch_radius_mm, decimals),
+        "pitch_radius_mm": to_size(gear.pitch_radius_mm, largest),
         "on_line_of_centers": met_at(gear, direction, module),
-        "index_hole": hole and {key: rounded(size_mm, decimals) for key, size_mm in hole.items()},
+        "index_hole": hole and {key: to_size(size_mm, largest) for key, size_mm in hole.items()},
     }
 
 

@@ -34,7 +34,7 @@ from ncgear.numerics.units import KG_M2, label_and_unit
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
-from ncgear.optimum.task import Figures
+from ncgear.optimum.task import LOAD_LIMITS, Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.comparison import Comparison
 from ncgear.project.frontier_run import Frontier
@@ -126,6 +126,7 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "masses": None if best.task.masses is None else asdict(best.task.masses),
         "speed_fluctuation": best.task.speed_fluctuation,
         "not_kept": best.not_kept,
+        "limits_not_reached": sorted(limits_not_reached(best)),
         "wishes": best.design.optimize.model_dump(mode="json") if best.design.optimize else {},
         "frontier": [
             _named({"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}, best)
@@ -136,6 +137,36 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "uniform_crank": _named(figures_summary(best.uniform_figures), best),
         "made_by": {"ncgear": __version__, "python": platform.python_version()},
     }
+
+
+REACHED = 0.99
+"""Share of a limit from which a law counts as near to it: laws of few knots stay a little under what binds them."""
+
+
+def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
+    """The stated limits, by key, that the law stays away from, and so would be the same without; with what it has."""
+    given = best.design.optimize.limits if best.design.optimize else None
+    if given is None:
+        return {}
+    found, rack = best.figures, best.wishes.limits.rack_angle_rad
+    has = {
+        **{f"peak_acceleration_{unit}": found.peak_acceleration_mm_s2 for unit in ("mm_s2", "rad_s2")},
+        "pressure_angle_deg": degrees(found.tangent_rad + rack),
+        "ratio_max": found.ratio_max,
+        "peak_power_w": found.peak_power_w,
+        **{name: getattr(found, name) for name in LOAD_LIMITS},
+    }
+    if best.wishes.pairs > 1:
+        # Each pair has an angle of its own
+        del has["pressure_angle_deg"]
+    stated = {name: getattr(given, name) for name in given.model_fields_set}
+    far = {
+        name: (limit, has[name])
+        for name, limit in stated.items()
+        if limit is not None and has.get(name) is not None and has[name] < REACHED * limit
+    }
+    least = stated.get("ratio_min")
+    return {**far, "ratio_min": (least, found.ratio_min)} if least and found.ratio_min > least / REACHED else far
 
 
 def figures_summary(found: Figures) -> dict[str, Any]:

@@ -11,6 +11,8 @@ import numpy as np
 from ncgear.figures.csv_text import csv_text, rows_text
 from ncgear.figures.numbers import fixed, micrometres, to_digits
 from ncgear.figures.tables import aligned
+from ncgear.frozen import dataclass
+from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE
 from ncgear.numerics.arrays import Array
 from ncgear.project.compared import ComparedGear, ComparedPair
 
@@ -37,8 +39,8 @@ def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
             "transmission_error_exact_rad": exact.transmission_error_rad,
             "jams": [{"driving_tooth": one, "driven_tooth": other} for one, other in pair.jams],
             "needed_backlash_mm": pair.needed_backlash_mm,
-            "driving_tip_clearance_mm": measured.driving_tips_mm,
-            "driven_tip_clearance_mm": measured.driven_tips_mm,
+            "driving_tip_clearance_mm": _or_none(measured.driving_tips_mm),
+            "driven_tip_clearance_mm": _or_none(measured.driven_tips_mm),
         },
     }
 
@@ -64,6 +66,8 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         "points_on_root": found.beside["root"],
         "points_on_tip": found.beside["tip"],
         "points_astray": found.beside["astray"],
+        "points_alone": int(np.count_nonzero(fit.alone)),
+        "alone": [vars(point) for point in alone_points(one)],
         "teeth_with_missing_points": found.missing_teeth,
         "turned_rad": fit.pose.angle_rad,
         "turned_standard_deviation_rad": fit.angle_error_rad,
@@ -84,6 +88,40 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         "thickness_least_mm": float(thickness.min()) if thickness.size else None,
         "thickness_greatest_mm": float(thickness.max()) if thickness.size else None,
     }
+
+
+@dataclass(frozen=True)
+class AlonePoint:
+    """A point that stands alone and is not counted: its line in the file, where it is, and how far it stands off.
+
+    The tooth counts from 1; of a root or tip land it is the tooth of the flank before.  The angle is the polar one in
+    the gear's own frame.
+    """
+
+    line: int
+    tooth: int
+    on: str
+    angle_deg: float
+    off_mm: float
+
+
+def alone_points(one: ComparedGear) -> list[AlonePoint]:
+    """The points that stand alone, the farthest first."""
+    fit, outline = one.fit, one.outline
+    found = np.flatnonzero(fit.alone)
+    flank, part = (values[fit.feet.row[found]] for values in (outline.flank, outline.part))
+    angle = np.degrees(np.angle(fit.feet.point[found]))
+    places = {TIP_LAND_CURVE: "tip"}
+    return [
+        AlonePoint(
+            one.file.lines[row],
+            int(flank[number]) // 2 + 1,
+            SIDES[flank[number] % 2] if part[number] == FLANK_CURVE else places.get(int(part[number]), "root"),
+            float(angle[number]),
+            float(fit.alone_mm[row]),
+        )
+        for number, row in sorted(enumerate(found.tolist()), key=lambda pair: -abs(fit.alone_mm[pair[1]]))
+    ]
 
 
 COLUMNS = (
@@ -119,13 +157,14 @@ def _rows(one: ComparedGear) -> Iterable[list[object]]:
 def points_csv(one: ComparedGear) -> str:
     """All points of a gear in its own frame with their deviations, in the order of the file.
 
-    ``flank`` is the number of the tooth with the sign of the side (+ front, - back), 0 on no working flank.
+    ``flank`` is the number of the tooth with the sign of the side (+ front, - back), 0 of points that are on no working
+    flank or stand alone; ``alone_mm`` is how far these stand off, 0 of the others.
     """
     feet, fit = one.fit.feet, one.fit
     flank = one.outline.flank[feet.row]
     tooth = np.where(fit.counted, (flank // 2 + 1) * np.where(flank % 2 == 1, 1, -1), 0)
-    columns = [np.array(one.file.lines), feet.point.real, feet.point.imag, feet.distance_mm, tooth]
-    return csv_text(("line", "x_mm", "y_mm", "deviation_mm", "flank"), columns)
+    columns = [np.array(one.file.lines), feet.point.real, feet.point.imag, feet.distance_mm, tooth, fit.alone_mm]
+    return csv_text(("line", "x_mm", "y_mm", "deviation_mm", "flank", "alone_mm"), columns)
 
 
 def _or_none(value: float) -> float | None:
@@ -137,6 +176,12 @@ def length_words(value_mm: float | None) -> str:
     return "-" if value_mm is None else micrometres(value_mm)
 
 
+def alone_words(point: AlonePoint) -> str:
+    """Where a point stands off alone, and how far."""
+    on = point.on if point.on not in SIDES else f"{point.on} flank"
+    return f"line {point.line}: tooth {point.tooth} {on} by {micrometres(point.off_mm)}"
+
+
 HEADS = ("gear", "tooth", "side", "points", "mean", "least", "greatest", "slope", "form", "pitch", "thickness")
 
 
@@ -145,7 +190,8 @@ def compared_text(pair: ComparedPair, name: str, written: Sequence[str]) -> str:
     found = compared_figures(pair, name)
     blocks = [f"{name}: measured gears against the exact ones"]
     for one in pair.gears:
-        lines = [f"{key}: {_plain(value)}" for key, value in found[one.gear.value].items()]
+        told = {**found[one.gear.value], "alone": [alone_words(point) for point in alone_points(one)]}
+        lines = [f"{key}: {_plain(value)}" for key, value in told.items()]
         rows = [HEADS, *([_cell(cell) for cell in _short(row)] for row in _rows(one))]
         blocks.append("\n".join([f"{one.gear.value} gear", *(f"  {line}" for line in lines)]))
         blocks.append("\n".join(["deviations in micrometres", *aligned(rows, left=3)]))
@@ -166,6 +212,8 @@ def _cell(value: object) -> str:
 
 
 def _plain(value: object) -> str:
+    if isinstance(value, list) and value and isinstance(value[0], str):
+        return "; ".join(value)
     return to_digits(value, 6) if isinstance(value, float) else str(value)
 
 

@@ -120,7 +120,7 @@ def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str
 def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Rows of numbers, words and empty cells (None) under names; words with commas are put in quotes.
 
-    Raises ArithmeticError for a number that is not finite.
+    Raises Unanswered for a number that is not finite.
     """
     return _written(names, (finite(row, "a row") for row in rows))
 

@@ -10,7 +10,6 @@ from ncgear.drivetrain.bearings import BearingLife
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.pto import Excursion
 from ncgear.drivetrain.speed import SpeedCourse
-from ncgear.figures.numbers import five_digits, fixed, to_digits
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drivetrain import DrivetrainResult, MotorResult, PowerTakeOffResult, ShaftResult
@@ -32,102 +31,6 @@ def drivetrain_figures(found: DrivetrainResult) -> dict[str, Any]:
         **({"motor": _motor(found.motor, found.demand)} if found.motor else {}),
         **({"pto": _pto(found.pto, found.demand)} if found.pto else {}),
     }
-
-
-LEAST_SAFETY = 1.2
-"""Safety that DIN 743 asks for at least, since its figures scatter."""
-
-
-def drivetrain_warnings(found: DrivetrainResult) -> list[str]:
-    """What does not hold, with what would, one sentence each."""
-    said = []
-    for name, shaft in (("driving", found.driving_shaft), ("driven", found.driven_shaft)):
-        if shaft is not None:
-            said += [*_of_bearings(name, shaft, found.wanted.hours), *_of_shaft(name, shaft)]
-    return [
-        *said,
-        *(_of_motor(found.motor, found.demand.speed_rad_s) if found.motor else []),
-        *(_of_pto(found.pto) if found.pto else []),
-    ]
-
-
-def _of_bearings(name: str, found: ShaftResult, hours: float) -> list[str]:
-    said = []
-    for letter, one in zip("ab", found.bearings or (), strict=False):
-        which = f"bearing {letter} of the {name} shaft"
-        if one.life_h is not None and one.life_h < hours:
-            said.append(
-                f"{which} lasts {five_digits(one.life_h)} h, and {five_digits(hours)} h are wanted: a dynamic load "
-                f"rating of {fixed(one.needed_rating_n, 0)} N is needed"
-            )
-        if one.within_iso_281 is False:
-            said.append(f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds")
-        if one.static_safety is not None and one.static_safety < 1.0:
-            said.append(
-                f"{which} bears {fixed(one.largest_n.value, 0)} N, more than its static load rating: it would be dented"
-            )
-    return said
-
-
-def _of_shaft(name: str, found: ShaftResult) -> list[str]:
-    said = []
-    if found.shaft is not None:
-        safety, against = min((found.shaft.fatigue, "fatigue"), (found.shaft.yielding, "yielding"))
-        if safety < LEAST_SAFETY:
-            said.append(
-                f"the {name} shaft has an estimated safety of {to_digits(safety, 3)} against {against} at its keyway; "
-                f"{LEAST_SAFETY:g} or over is right: a thicker shaft or a stronger steel"
-            )
-    if found.key is not None and found.key.safety < 1.0:
-        said.append(
-            f"the key of the {name} shaft bears {fixed(found.key.pressure_mpa, 0)} MPa, and "
-            f"{fixed(found.key.pressure_mpa * found.key.safety, 0)} MPa are allowed: a longer key or a thicker shaft"
-        )
-    if found.key is not None and found.key.both_senses:
-        said.append(
-            f"the torque of the {name} shaft changes its sense, for which the pressure on its key is no proof: the "
-            "gear needs a fit without play"
-        )
-    return said
-
-
-OFF_SPEED = 0.03
-"""Share by which a motor's own speed may differ from the wanted one: what the slip of usual motors makes."""
-
-
-def _of_motor(found: MotorResult, wanted_rad_s: float) -> list[str]:
-    rated = found.given.rated_torque_n_m
-    course, peak = found.course, found.given.peak_torque_n_m
-    rms = N_M_PER_N_MM * (course.rms_n_mm if course else found.load.rms_n_mm)
-    most = N_M_PER_N_MM * (course.motor_range_n_mm[1] if course else found.load.most_n_mm.value)
-    said = []
-    if rms > rated:
-        said.append(
-            f"the motor gives {to_digits(rms, 4)} N m in the mean square, more than its rated {rated:g} N m: a "
-            "stronger motor, a larger ratio or a larger flywheel is needed"
-        )
-    if peak is not None and most > peak:
-        said.append(f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m")
-    if course is not None and abs(course.mean_rad_s / wanted_rad_s - 1.0) > OFF_SPEED:
-        runs, wanted = (to_digits(speed / RAD_S_PER_RPM, 4) for speed in (course.mean_rad_s, wanted_rad_s))
-        said.append(
-            f"with this motor and gearbox the machine runs at {runs} r/min, not at operation.speed_rpm: {wanted}; all "
-            "else is told for that speed: another ratio of the gearbox is needed"
-        )
-    return said
-
-
-def _of_pto(found: PowerTakeOffResult) -> list[str]:
-    said = []
-    if found.slips:
-        stops = any(one.end_rad is None for one in found.slips)
-        says = "and stops the machine" if stops else "in every cycle"
-        said.append(
-            f"the torque limiter slips from phi1 = {to_digits(degrees(found.slips[0].start_rad), 4)} deg on, {says}"
-        )
-    if found.runs_ahead and any(one.end_rad is None for one in found.runs_ahead):
-        said.append("the machine runs ahead of its clutch and is not caught again within a cycle")
-    return said
 
 
 def _losses(found: DrivetrainResult) -> dict[str, Any]:

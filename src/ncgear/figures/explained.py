@@ -34,13 +34,25 @@ IDEAS = {
     "contact.transmission_error_rad in summary.json.",
     "dead_centre": "The two ends of the slider's way: retracted at phi1 = 0, extended at theta4 of the law "
     "three_segment_stroke, or wherever else the ratio leads. Displacements count from the retracted one.",
+    "mass": "What moves, and how heavy it is, stands in the section masses: slider_kg, rod and crank with "
+    "mass_kg, center_mm and inertia_kg_mm2, a flywheel, gravity; `ncgear explain masses` tells of it. The gears' "
+    "own masses follow from their bodies and masses.density_kg_m3.",
+    "gentle_stop": "How gently the slider comes to its ends is its acceleration there. `ncgear optimize` keeps it"
+    " low by optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3, the speed near an end by wishes.speed_at,"
+    " and keeps it close to an end by wishes.dwell. Gears that turn to and fro are stopped by a pin: "
+    "gears.driving.end_stop.",
+    "quick_return": "A way back that takes less time than the way out. wishes.time_ratio asks for the time of the"
+    " working stroke over that of the return, wishes.working_stroke for the driving angle of the working stroke; "
+    "`ncgear optimize` finds the law. The law three_segment_stroke has its return in motion.return; the linkage "
+    "slotted_lever returns quickly by itself.",
 }
 """Ideas that people look for, and which no key has by name."""
 
 
 def told(keys: Sequence[ToldKey], asked: str) -> str:
     """The explanation of a key or an idea; raises WrongInput for a word that is neither."""
-    idea = IDEAS.get(re.sub(r"[\s-]+", "_", asked.strip().lower()).replace("center", "centre").removesuffix("s"))
+    words = re.sub(r"[\s-]+", "_", asked.strip().lower()).replace("center", "centre")
+    idea = IDEAS.get(words) or IDEAS.get(words.removesuffix("s"))
     if idea is not None:
         return f"{asked} (no key)\n{fill(idea, WIDTH, initial_indent='  ', subsequent_indent='  ')}"
     return explained(keys, looked_up(keys, asked))

@@ -28,10 +28,24 @@ def refusal_with_help(mending: Mending, option: str = "") -> DesignError:
     """
     refusal, found = mending.refusal, mending.found
     if found is None:
-        told = f"none of the ways that were tried makes these teeth: {tried_words(mending.failed)}"
+        rest = "" if mending.is_whole else "; not searched further"
+        told = f"none of the ways that were tried makes these teeth: {tried_words(mending.failed)}{rest}"
     else:
-        told = f"what works: {found_words(found)}" + (f"; {option} takes it" if option else "")
+        told = f"what works: {found_words(found)}{_fewer_words(mending, found)}" + (
+            f"; {option} takes it" if option else ""
+        )
     return type(refusal)(f"{refusal.problem}; {told}", key=refusal.key, location=refusal.location)
+
+
+def _fewer_words(mending: Mending, found: Mend) -> str:
+    """What is known of fewer teeth where a change is a number of teeth, and time ended the search for the least one."""
+    if mending.is_whole or found.way.kinds != (Kind.FINER,):
+        return ""
+    count = found.drive.by_stage[0].pitch.size.driving_teeth
+    fewer = [way.changes["gears.teeth"] for way in mending.failed if way.kinds == (Kind.FINER,)]
+    below = [number for number in fewer if isinstance(number, int) and number < count]
+    refused = f"; {max(below)} are refused" if below else ""
+    return f"{refused}; not searched further for fewer"
 
 
 def mended_words(mending: Mending, found: Mend) -> tuple[str, ...]:

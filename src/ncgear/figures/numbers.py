@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from math import isfinite
+from math import floor, isfinite, log10
 from typing import Any
+
+from ncgear.errors import Unanswered
 
 
 def finite(value: Any, name: str) -> Any:
-    """The value, the same; ArithmeticError, which names it, where it or a part of it is no finite number.
+    """The value, the same; Unanswered, which names it, where it or a part of it is no finite number.
 
     This is the check at the way out: everything that is told or written as text, table or JSON goes through it.
     """
     if isinstance(value, float) and not isfinite(value):
-        raise ArithmeticError(f"{name} is {value}, which is no figure of a machine")
+        raise Unanswered(f"{name} is {value}, which is no figure of a machine")
     if isinstance(value, Mapping):
         for key, part in value.items():
             finite(part, f"{name}.{key}" if name else str(key))
@@ -38,26 +40,44 @@ A nanometre of a metre is 1e-9 rad; the inertia of a small part is a few 1e-9 kg
 """
 
 
+NOTHING_MM = 1e-9
+"""A length of which nothing is drawn: far below the smallest teeth, and above the rounding errors of a metre."""
+
+
 def rounded(value: float, decimals: int) -> float:
-    """The value to so many decimals; a zero has no sign.  ArithmeticError for no finite number."""
+    """The value to so many decimals; a zero has no sign.  Unanswered for no finite number."""
     return round(float(finite(value, "a figure")), decimals) + 0.0
 
 
 def drawn(value: float, unit: str) -> str:
-    """A size as a drawing gives it: to the decimals that its unit has there, without needless zeros."""
+    """A size as a drawing gives it: to the decimals that its unit has there, without needless zeros.
+
+    Lengths of less than a tenth of a millimetre have four digits.
+    """
     decimals = DRAWN_DECIMALS.get(unit, NOISE)
+    if unit == "mm" and abs(finite(value, "a size")) > NOTHING_MM:
+        decimals = max(decimals, 3 - floor(log10(abs(value))))
     return _plain(f"{rounded(value, decimals):.{decimals}f}")
 
 
+SIZE_DIGITS = 8
+"""Digits of lengths in files, of the largest of them: a micrometre of a kilometre, a nanometre of a metre."""
+
+
+def to_size(value_mm: float, largest_mm: float) -> float:
+    """A length as a file has it: to so many digits as the largest length in it has; rounding errors are 0."""
+    return rounded(value_mm, SIZE_DIGITS - 1 - floor(log10(largest_mm)))
+
+
 def fixed(value: float, decimals: int) -> str:
-    """A figure with so many decimals; a zero has no minus.  ArithmeticError for no finite number."""
+    """A figure with so many decimals; a zero has no minus.  Unanswered for no finite number."""
     return f"{rounded(value, decimals):.{decimals}f}"
 
 
 def to_digits(value: float, digits: int) -> str:
     """A figure to so many significant digits, or to whole numbers; rounding errors about zero are 0.
 
-    Raises ArithmeticError for no finite number.
+    Raises Unanswered for no finite number.
     """
     settled = rounded(value, NOISE)
     return f"{settled:.0f}" if abs(settled) >= 10.0**digits else f"{settled:.{digits}g}"
@@ -96,7 +116,7 @@ def shown(value: Any, unit: str = "") -> str:
 def five_digits(value: float) -> str:
     """A number, however small, with five significant digits, but never fewer than the digits before the point.
 
-    This is for errors of a computation, which may be as small as rounding; ArithmeticError for no finite number.
+    This is for errors of a computation, which may be as small as rounding; Unanswered for no finite number.
     """
     finite(value, "a figure")
     return f"{value:.0f}" if 1e5 <= abs(value) < 1e12 else f"{value:.5g}"
@@ -131,5 +151,5 @@ def _runs(numbers: list[int]) -> list[str]:
 
 
 def json_text(content: Any) -> str:
-    """Content as indented JSON with a final line break; raises ArithmeticError as ``finite`` does."""
+    """Content as indented JSON with a final line break; raises Unanswered as ``finite`` does."""
     return json.dumps(finite(content, ""), indent=2, allow_nan=False) + "\n"

@@ -7,6 +7,7 @@ from typing import Any
 
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.project.drive import Drive
+from ncgear.project.passing import CRANK_PIN
 
 
 def passed_summary(drive: Drive) -> dict[str, Any]:
@@ -38,4 +39,14 @@ def passed_rows(drive: Drive) -> tuple[Entry, ...]:
             rows.append(Entry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
         if one.clearance_mm is not None:
             rows.append(Entry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
+    rows += [Entry(f"{shaft} beside the {part}", pair="must end below it") for part, shaft in shafts_below(drive)]
     return tuple(rows)
+
+
+def shafts_below(drive: Drive) -> list[tuple[str, str]]:
+    """Each rod that meets the driving gear's shaft or hub, and what must end below it."""
+    return [
+        (one.part, one.standing.name)
+        for one in drive.passings
+        if one.meets and one.part != CRANK_PIN and one.standing.name.startswith("driving")
+    ]

@@ -45,6 +45,7 @@ NAMES = {
     "backlash_mm": "least normal backlash",
     "backlash_max_mm": "greatest normal backlash",
     "play_rad": "play of the driven gear",
+    "play_greatest_rad": "greatest play of the driven gear",
     **{f"{words} {gear}": f"{name}, {gear}" for words, name in OF_GEAR.items() for gear in ("driving", "driven")},
 }
 """Names by key or, of all units, by the key's words without the unit, where those words are not the name already."""
@@ -57,6 +58,8 @@ SIZES = (
     "backlash_mm",
     "backlash_max_mm",
     "play_rad",
+    "play_greatest_rad",
+    "thickness_deviation_mm",
 )
 """Sizes of gears, which have the decimals of a drawing everywhere."""
 

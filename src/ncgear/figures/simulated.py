@@ -9,6 +9,7 @@ Columns of a table have one length; names of columns and keys of figures end in 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict
 from math import atan2, degrees, hypot
 from typing import Any
@@ -180,10 +181,7 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
             "contact_ratio_mean": min(pairs.contact_ratio for pairs in sides),
             "contact_ratio_min": min(pairs.least_arc for pairs in sides),
         },
-        "band_of_stiffness": {
-            "softer": _loaded_with(drive, SOFTER),
-            "stiffer": _loaded_with(drive, STIFFER),
-        },
+        "band_of_stiffness": _band(lambda factor: _loaded_with(drive, factor)),
     }
 
 
@@ -194,14 +192,25 @@ def _stiffness(drive: Drive) -> dict[str, float]:
     return dict(zip(names, (float(of(stiffness)) for of in (np.min, np.mean, np.max)), strict=True))
 
 
+def _band(peaks_with: Callable[[float], dict[str, float]]) -> dict[str, dict[str, Any]]:
+    """The peaks with softer and with stiffer teeth, or in place of them why those cannot be followed."""
+    band: dict[str, dict[str, Any]] = {}
+    for name, factor in (("softer", SOFTER), ("stiffer", STIFFER)):
+        band[name] = {"stiffness_factor": factor}
+        try:
+            band[name] |= peaks_with(factor)
+        except NoSuchMechanism as error:
+            band[name]["not_followed"] = error.problem
+    return band
+
+
 def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:
     """The peaks of the loaded teeth if all pairs were as many times as stiff."""
-    loaded = drive.loaded_with(factor)
+    peaks = drive.loaded_peaks_with(factor)
     return {
-        "stiffness_factor": factor,
-        "peak_tooth_force_n": float(loaded.tooth_force_n.max()),
-        "peak_depth_mm": float(loaded.forces.depth_mm.max()),
-        "transmission_error_rad": loaded.transmission_error_rad,
+        "peak_tooth_force_n": peaks.tooth_force_n.value,
+        "peak_depth_mm": peaks.depth_mm.value,
+        "transmission_error_rad": peaks.transmission_error_rad,
     }
 
 
@@ -263,10 +272,7 @@ def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
             "energy_error": course.energy_error,
             "solver_steps": int(course.time_s.size - 1),
         },
-        "band_of_stiffness": {
-            "softer": _motion_with(drive, SOFTER),
-            "stiffer": _motion_with(drive, STIFFER),
-        },
+        "band_of_stiffness": _band(lambda factor: _motion_with(drive, factor)),
     }
 
 
@@ -274,16 +280,15 @@ BAND_ACCURACY = 1e-5
 """Accuracy of the motions of the band: half the time, and peaks to some thousandths."""
 
 
-def _motion_with(drive: Drive, factor: float) -> dict[str, float | None]:
-    """The peaks of the motion if all pairs were as many times as stiff; None where it cannot be followed."""
-    acceleration = f"peak_acceleration_{drive.linkage.OUTPUT.acceleration.ending}"
-    names = "peak_pushing_force_n", "peak_back_force_n", "peak_mesh_force_n", acceleration
-    try:
-        peaks = motion_peaks(drive.course_with(factor, BAND_ACCURACY), drive.rigid.machine)
-    except NoSuchMechanism:
-        return {"stiffness_factor": factor, **dict.fromkeys(names)}
-    found = peaks.pushing_n, peaks.back_n, peaks.forces_n["mesh"], peaks.acceleration
-    return {"stiffness_factor": factor, **{name: peak.value for name, peak in zip(names, found, strict=True)}}
+def _motion_with(drive: Drive, factor: float) -> dict[str, float]:
+    """The peaks of the motion if all pairs were as many times as stiff."""
+    peaks = motion_peaks(drive.course_with(factor, BAND_ACCURACY), drive.rigid.machine)
+    return {
+        "peak_pushing_force_n": peaks.pushing_n.value,
+        "peak_back_force_n": peaks.back_n.value,
+        "peak_mesh_force_n": peaks.forces_n["mesh"].value,
+        f"peak_acceleration_{drive.linkage.OUTPUT.acceleration.ending}": peaks.acceleration.value,
+    }
 
 
 def _peak_at(name: str, unit: str, found: Peak, factor: float = 1.0) -> dict[str, float | None]:

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from ncgear.figures.advice.values import Remedy
+from ncgear.figures.advice.verdict import Verdict as MachineVerdict
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.figures.quantities import figure
-from ncgear.figures.summary.check_summary import stages_summary
+from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
 from ncgear.figures.tables import Column, Table, aligned
-from ncgear.figures.terminal import INDENT, WIDTH
+from ncgear.figures.terminal import INDENT, WIDTH, verdict_lines
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Verdict
@@ -49,10 +50,13 @@ ERRORS = {
 """The words for the errors that were measured (docs/method.md, tests/test_elements.py)."""
 
 
-def strength_figures(drive: Drive, verdict: Verdict, beside: Verdict | None = None) -> dict[str, Any]:
+def strength_figures(
+    drive: Drive, verdict: Verdict, machine: MachineVerdict, beside: Verdict | None = None
+) -> dict[str, Any]:
     """The figures of a strength as sections of plain values whose keys end in their unit.
 
-    A life is None where the tooth lasts for ever.  ``beside`` is the verdict by another method, to compare with.
+    A life is None where the tooth lasts for ever.  ``machine`` is the verdict on the pair and what it is part of,
+    ``beside`` that on the teeth by another method, to compare with.
     """
     strength, size = verdict.strength, drive.pitch.size
     contacts = strength.contacts
@@ -71,6 +75,7 @@ def strength_figures(drive: Drive, verdict: Verdict, beside: Verdict | None = No
         "strength": strength_summary(verdict),
         **({} if beside is None else {"strength_beside": strength_summary(beside)}),
         **{gear.value: _gear_figures(verdict, gear) for gear in Gear},
+        **verdict_summary(machine),
     }
 
 
@@ -132,8 +137,10 @@ def life_words(hours: float) -> str:
     return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if hours >= 0.01 else "none"
 
 
-def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], beside: Verdict | None = None) -> str:
-    """A screen about the strength of a pair: load, method, least safeties, and what would do.
+def strength_text(
+    drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], beside: Verdict | None, machine: MachineVerdict
+) -> str:
+    """A screen about the strength of a pair: load, method, least safeties, and what would do; then all conditions.
 
     ``beside`` is the verdict by another method, whose safeties get a column of their own.
     """
@@ -164,7 +171,7 @@ def strength_text(drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], be
         for row, other in zip(rows, others, strict=True):
             row.insert(3, other)
     table = aligned(rows, left=2)
-    return "\n".join([*lines, "", *table, "", *_verdict(found, remedies)])
+    return "\n".join([*lines, "", *table, "", *_verdict(found, remedies), "", *verdict_lines(machine.table)])
 
 
 def materials_words(drive: Drive, strength: Strength) -> str:

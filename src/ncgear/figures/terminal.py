@@ -40,7 +40,7 @@ TITLES = {
 }
 """Headings of sections; the heading of any other section is its key."""
 
-ELSEWHERE = ("motion", "wishes", "comparison", "warnings", "remarks", "timing_s")
+ELSEWHERE = ("motion", "wishes", "comparison", "warnings", "remarks", "verdict", "timing_s")
 """Keys of a summary that are not written as sections."""
 
 SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank", "even_gears": "even gears"}
@@ -91,8 +91,21 @@ def summary_text(summary: Mapping[str, Any]) -> str:
         *comparison_lines(summary.get("comparison") or []),
         _marked("warning: ", summary.get("warnings") or []),
         _marked("remark: ", summary.get("remarks") or []),
+        verdict_lines(summary.get("verdict") or []),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def verdict_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Every condition of a verdict, and what was found of it."""
+    if not rows:
+        return []
+    lines = []
+    for row in rows:
+        of = "" if row["stage"] is None else f"stage {row['stage']}: "
+        because = f": {row['because']}" if row["because"] else ""
+        lines.append(f"  {row['verdict']:10}  {of}{row['says']}{because}")
+    return ["Verdict", *lines]
 
 
 def _sections(summary: Mapping[str, Any]) -> list[list[str]]:

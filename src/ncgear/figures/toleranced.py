@@ -142,6 +142,8 @@ def limit_words(given: AssemblyTolerances) -> list[str]:
         _both("bores off by {} mm", driving.eccentricity_mm, driven.eccentricity_mm),
         _both("tilted by {} deg", driving.tilt_deg, driven.tilt_deg),
         _both("keyways \u00b1{} deg", driving.index_deg, driven.index_deg),
+        _both("single pitch \u00b1{} mm", driving.single_pitch_mm or 0.0, driven.single_pitch_mm or 0.0),
+        _both("profile within {} mm", driving.profile_mm or 0.0, driven.profile_mm or 0.0),
         _both("wear up to {} mm", driving.wear_mm, driven.wear_mm),
     ]
     if warm is not None and (warm.largest_c > warm.least_c or warm.least_c != MADE_C):
@@ -149,7 +151,7 @@ def limit_words(given: AssemblyTolerances) -> list[str]:
     grades = {one.grade or given.grade for one in (driving, driven)} - {None}
     if grades:
         words.insert(0, f"grade {' and '.join(str(one) for one in sorted(g for g in grades if g))} of ISO 1328-1")
-    return [word for word in words if word]
+    return [word for word in words if word] or ["none"]
 
 
 def assumed_words(process: Process | None) -> str:

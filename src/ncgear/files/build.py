@@ -17,8 +17,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.beside import GEAR_PICTURES, HERE, LOAD_PICTURES, MOTION_PICTURE, Drawer
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.pictures import gear_pictures, load_pictures, motion_picture
-from ncgear.figures.advice.collected import build_advice
-from ncgear.figures.advice.values import Advice
+from ncgear.figures.advice.verdict import Known, Verdict, judged, together
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
 from ncgear.figures.data_sheet.pitch_table import pitch_csv
@@ -50,15 +49,15 @@ PAIR_STEPS = (*WRITTEN_STEPS, "workshop files", "plots")
 
 @dataclass(frozen=True)
 class Built:
-    """The paths of the files that a build wrote and of those of others that it kept, and what it found of every pair:
-    its summary, its contact as written, its advices.
+    """The paths of the files that a build wrote and of those of others that it kept, and what it found: the summary of
+    every pair and its contact as written, and the verdict on the whole machine.
     """
 
     paths: list[Path]
     kept: list[Path]
     summaries: list[dict[str, Any]]
     contacts: list[PairContact]
-    advices: list[tuple[Advice, ...]]
+    verdict: Verdict
 
 
 def build(
@@ -83,6 +82,7 @@ def build(
         folder_of(pair.stage): _made(pair, naming_stage(pair, on_step), formats, drawer) for pair in drive.by_stage
     }
     files = {place + name: content for place, pair in pairs.items() for name, content in pair.files.items()}
+    verdict = together(pair.verdict for pair in pairs.values())
     if reported is not None:
         from ncgear.drawings.page.page import report_page
 
@@ -92,7 +92,7 @@ def build(
                 reported,
                 [pair.contact for pair in pairs.values()],
                 drawer,
-                [pair.advices for pair in pairs.values()],
+                verdict,
             )
     run = publish_run(folder, files, "build")
     found = pairs.values()
@@ -101,7 +101,7 @@ def build(
         run.kept,
         [pair.summary for pair in found],
         [pair.contact for pair in found],
-        [pair.advices for pair in found],
+        verdict,
     )
 
 
@@ -128,7 +128,7 @@ def summaries_without_files(drive: Drive, contacts: Sequence[PairContact]) -> li
     if not contacts:
         return [check_summary(drive)]
     return [
-        with_files(build_summary(pair, contact, build_advice(pair)), {}, pair.timing_s)
+        with_files(build_summary(pair, contact, judged(pair, Known.TEETH)), {}, pair.timing_s)
         for pair, contact in zip(drive.by_stage, contacts, strict=True)
     ]
 
@@ -145,12 +145,12 @@ def naming_stage(pair: Drive, on_step: Callable[[str], None]) -> Callable[[str],
 
 @dataclass(frozen=True)
 class _Pair:
-    """The files of one pair of gears, its summary, its contact as written and its advices."""
+    """The files of one pair of gears, its summary, its contact as written and the verdict on it and the machine."""
 
     files: dict[str, bytes]
     summary: dict[str, Any]
     contact: PairContact
-    advices: tuple[Advice, ...]
+    verdict: Verdict
 
 
 def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format], drawer: Drawer) -> _Pair:
@@ -174,8 +174,8 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
         other_files = begun_workshop_files(drive, set(formats).difference(slow), *shared)
         both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
         measured = drawer.offered(ERRORS, exact, both)
-    advices = build_advice(drive)
-    figures = build_summary(drive, contact, advices)
+    verdict = judged(drive, Known.TEETH)
+    figures = build_summary(drive, contact, verdict)
     with _timed(drive, "workshop files", on_step):
         errors_mm = measured()
         # What the second process has not come to is soonest made here, the last first.
@@ -189,7 +189,7 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
             files.update(pictures())
     # Only now all timings are known.
     summary = with_files(figures, errors_mm, drive.timing_s)
-    return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact, advices)
+    return _Pair({**files, "summary.json": json_text(summary).encode()}, summary, contact, verdict)
 
 
 def _computed(drive: Drive, on_step: Callable[[str], None]) -> Iterator[str]:

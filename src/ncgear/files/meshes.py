@@ -13,6 +13,7 @@ import numpy as np
 from shapely import Polygon
 
 from ncgear.contact.written.as_written import Outlines
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
 from ncgear.solids.mesh.pair import SolidPair
@@ -27,14 +28,14 @@ VOLUME_TOLERANCE = 1e-5
 BOUNDS_TOLERANCE = 1e-6
 """Largest error of a coordinate in single precision, divided by the largest one: 2^-24, rounded up generously."""
 
-STRAIGHT_MM = 1e-9
-"""A point that is nearer to the line through its neighbours is on that line.
+STRAIGHT = 3e-11
+"""A point that is nearer to the line through its neighbours, as a share of the largest coordinate, is on that line.
 
 Such points arise where a section crosses the diagonal of a flat facet.
 """
 
-NEAR_MM = 1e-6
-"""A point of a section that is nearer to the point before it is the same point.
+NEAR = 3e-8
+"""A point of a section that is nearer to the point before it, as a share of the largest coordinate, is the same point.
 
 Two such points arise where a diagonal crosses the section next to a corner.  Each would be on the line through the
 other one and its other neighbour.
@@ -44,14 +45,15 @@ STL_HEAD_BYTES = 80
 STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 """What binary STL has after its head and the number of triangles: this for each of them."""
 
-FOOT_MM = 1e-6
-"""Height of the section of helical teeth: here it is the outline, and farther up it has turned."""
+FOOT = 1e-7
+"""Height of the section of helical teeth, as a share of the face width: here it is the outline, and farther up it has
+turned."""
 
 
 def stl_bytes(mesh: TriangleMesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
-    Raises RuntimeError, a fault of ncgear, when the bytes do not hold the same closed solid.
+    Raises Unanswered when the bytes do not hold the same closed solid.
     """
     packed = np.zeros(len(mesh.faces), dtype=STL_TRIANGLE)
     packed["normal"], packed["corners"] = mesh.normals, mesh.triangles
@@ -76,13 +78,13 @@ def mesh_of_stl(data: bytes) -> TriangleMesh:
 def read_back(data: bytes, original: TriangleMesh) -> TriangleMesh:
     """The solid in an STL file, its vertices merged.
 
-    Raises RuntimeError unless it is closed and has the volume and the bounds of ``original`` to single precision.
+    Raises Unanswered unless it is closed and has the volume and the bounds of ``original`` to single precision.
     """
     mesh = mesh_of_stl(data)
     require_sound(mesh, original.volume, VOLUME_TOLERANCE)
     allowed = BOUNDS_TOLERANCE * float(np.abs(original.bounds).max())
     if not np.allclose(mesh.bounds, original.bounds, rtol=0.0, atol=allowed):
-        raise RuntimeError(f"a written solid spans {mesh.bounds.tolist()} instead of {original.bounds.tolist()} mm")
+        raise Unanswered(f"a written solid spans {mesh.bounds.tolist()} instead of {original.bounds.tolist()} mm")
     return mesh
 
 
@@ -104,7 +106,7 @@ def written_outlines(files: Mapping[str, bytes], bodies: SolidPair, *, helical: 
 
 def _outline_of_body(data: bytes, plan: BodyPlan, helical: bool) -> Array:
     """The tooth outline of a written solid, moved outwards by the clearance by which the solid was made smaller."""
-    height = FOOT_MM if helical else (plan.chamfer_mm + plan.face_width_mm) / 2.0
+    height = FOOT * plan.face_width_mm if helical else (plan.chamfer_mm + plan.face_width_mm) / 2.0
     outline = outline_of_stl(data, height, hole=plan.is_ring)
     if plan.clearance_mm == 0.0:
         return outline
@@ -171,9 +173,9 @@ def _cycles(following: list[int]) -> Iterator[list[int]]:
 
 def _without_straight_points(ring: Array) -> Array:
     """A ring without points that repeat the point before them, or are on the line through their neighbours."""
-    step = ring - np.roll(ring, 1, axis=0)
-    ring = ring[np.hypot(step[:, 0], step[:, 1]) > NEAR_MM]
+    step, size = ring - np.roll(ring, 1, axis=0), float(np.abs(ring).max())
+    ring = ring[np.hypot(step[:, 0], step[:, 1]) > NEAR * size]
     before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
     whole, arm = after - before, ring - before
     aside = np.abs(whole[:, 0] * arm[:, 1] - whole[:, 1] * arm[:, 0])
-    return ring[aside > STRAIGHT_MM * np.hypot(whole[:, 0], whole[:, 1])]
+    return ring[aside > STRAIGHT * size * np.hypot(whole[:, 0], whole[:, 1])]

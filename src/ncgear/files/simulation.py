@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +13,10 @@ from ncgear.dynamics.history import PER_TURN, even_times_s, history
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.peaks import motion_peaks
 from ncgear.dynamics.touching import pushing_parted_s
-from ncgear.figures.advice import strength_advice
-from ncgear.figures.answers.answer import Fault, faults_in_words, faults_of
+from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
+from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.csv_text import csv_text
-from ncgear.figures.drivetrain import drivetrain_figures, drivetrain_warnings
+from ncgear.figures.drivetrain import drivetrain_figures
 from ncgear.figures.numbers import json_text
 from ncgear.figures.simulated import (
     dynamic_figures,
@@ -27,6 +26,7 @@ from ncgear.figures.simulated import (
     rigid_figures,
     rigid_table,
 )
+from ncgear.figures.summary.check_summary import verdict_summary
 from ncgear.figures.terminal import SIDE_BY_SIDE, beside_lines, summary_text, written_lines
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -39,47 +39,50 @@ class Simulated:
     """The results of a simulation.
 
     ``table`` holds columns of one length by name, ``figures`` sections of plain values, ``pictures`` PNGs by file name.
-    Names of columns and keys of figures end in their unit.  ``faults`` are the warnings of the figures in brief.
+    Names of columns and keys of figures end in their unit.  ``verdict`` is that on the machine, whose warnings the
+    figures have too.
     """
 
     table: Mapping[str, Array]
     figures: Mapping[str, Any]
     pictures: Mapping[str, bytes]
-    faults: tuple[Fault, ...] = ()
+    verdict: Verdict
 
 
 def simulate(drive: Drive, level: Level) -> Simulated:
     """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs.
 
-    Its figures have ``warnings`` where teeth, or what stands around the gears, do not hold their load.  The rigid level
-    makes no teeth, and warns roughly.
+    Its verdict is that of a build but for the rigid level, which makes no teeth unless a drivetrain asks for them.
     """
-    found = _at_level(drive, level)
-    around = found.figures.get("warnings", [])
-    found = replace(found, faults=faults_in_words(around))
-    advice = strength_advice.rough(drive) if level is Level.RIGID else strength_advice.strength(drive)
-    if advice is None:
-        return found
-    figures = {**found.figures, "warnings": [advice.line, *around]}
-    return replace(found, figures=figures, faults=(*faults_of([("", advice)]), *found.faults))
+    made, has_gears = _at_level(drive, level), drive.design.gears is not None
+    with_teeth = has_gears and (level is not Level.RIGID or drive.design.drivetrain is not None)
+    rubs = level is Level.DYNAMIC and drive.rigid.machine.guide_friction
+    verdict = judged(drive, Known.TEETH if with_teeth else Known.MOTION, [SMOOTH_GUIDE] if rubs else [])
+    return Simulated(made.table, {**made.figures, **verdict_summary(verdict)}, made.pictures, verdict)
 
 
-def _at_level(drive: Drive, level: Level) -> Simulated:
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """The results of a level, before anything is judged."""
+
+    table: Mapping[str, Array]
+    figures: Mapping[str, Any]
+    pictures: Mapping[str, bytes]
+
+
+def _at_level(drive: Drive, level: Level) -> _Made:
     match level:
         case Level.RIGID:
             phi1 = drive.motion.phi1_rad
             loads = drive.rigid.machine.at(phi1), drive.uniform_rigid.machine.at(phi1)
             figures = rigid_figures(drive)
             if drive.design.drivetrain is not None:
-                figures |= {
-                    "drivetrain": drivetrain_figures(drive.drivetrain),
-                    "warnings": drivetrain_warnings(drive.drivetrain),
-                }
-            return Simulated(rigid_table(drive, *loads), figures, rigid_pictures(drive, *loads))
+                figures |= {"drivetrain": drivetrain_figures(drive.drivetrain)}
+            return _Made(rigid_table(drive, *loads), figures, rigid_pictures(drive, *loads))
         case Level.QUASI_STATIC:
             rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
             pictures = quasi_static_pictures(drive, rigid)
-            return Simulated(quasi_static_table(drive, rigid), quasi_static_figures(drive), pictures)
+            return _Made(quasi_static_table(drive, rigid), quasi_static_figures(drive), pictures)
         case Level.DYNAMIC:
             return _dynamic(drive)
 
@@ -102,7 +105,7 @@ def simulation_text(found: Simulated, paths: Sequence[Path], kept: Sequence[Path
     return "\n".join([summary_text(alone), "", *beside, *written_lines(paths, kept)])
 
 
-def _dynamic(drive: Drive) -> Simulated:
+def _dynamic(drive: Drive) -> _Made:
     """The motion of a drive in time, beside its law: rows at even times, peaks from the solver's steps.
 
     Pictures have a point at each peak besides even ones, so that they show what the figures say.
@@ -112,13 +115,4 @@ def _dynamic(drive: Drive) -> Simulated:
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
     apart_rad = np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1)
     table = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage)
-    figures = dynamic_figures(drive, peaks)
-    if drive.rigid.machine.guide_friction:
-        figures["warnings"] = [SMOOTH_GUIDE]
-    return Simulated(table, figures, dynamic_pictures(drive, drawn, apart_rad))
-
-
-SMOOTH_GUIDE = (
-    "the motion in time leaves out friction in the guide, which takes more torque and presses harder on joints and "
-    "teeth; ncgear simulate --level rigid counts it"
-)
+    return _Made(table, dynamic_figures(drive, peaks), dynamic_pictures(drive, drawn, apart_rad))

@@ -90,7 +90,7 @@ class Machine(Shown):
     def driving_angles(self, crank_rad: Array) -> Array:
         """Driving angles in the first cycle at crank angles in rad, shape (n,), without those at its end or beyond.
 
-        Raises ArithmeticError where one is not found, which a law that rises cannot cause.
+        Raises Unanswered where one is not found, which a law that rises cannot cause.
         """
 
         def driven(phi1: Array) -> Array:

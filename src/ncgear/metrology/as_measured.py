@@ -3,8 +3,8 @@
 Where a point was measured the outline goes through it.  Between the points of a flank its deviation along the normal is
 interpolated along the outline, and up to the flank's ends it stays that of the nearest point.  Between flanks, at tip
 and root, the outline moves evenly from the one flank's deviation to the other's, unless points were measured there.
-Of a tip land only the middle third counts: a flank that stands back takes the land's ends with it.  Flanks without
-points are as exact.
+Of a tip land only the middle third counts: a flank that stands back takes the land's ends with it.  Points that stand
+alone are left out.  Flanks without points are as exact.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOut
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import as_complex, as_points, signed_area
 
-ALIKE_MM = 1e-6
-"""Points whose feet are nearer to each other along the outline count as one, their mean; so do vertices."""
+ALIKE = 1e-8
+"""Points whose feet are nearer to each other than this share of the way around count as one, their mean; so do
+vertices."""
 
 
 def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
@@ -29,16 +30,18 @@ def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
     """
     feet = fit.feet
     beside_edge = (outline.part[feet.row] == TIP_LAND_CURVE) & (np.abs(feet.share - 0.5) > 1.0 / 6.0)
-    sound = feet.kept(~is_astray(outline, feet) & ~feet.at_end & ~beside_edge)
+    sound = feet.kept(~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge)
     place, moved = sound.place_mm, sound.distance_mm * sound.outwards
     end_place, end_moved = _flank_ends(outline, sound.row, sound.place_mm, sound.distance_mm)
-    places, shifts = _in_order(np.concatenate([place, end_place]), np.concatenate([moved, end_moved]))
+    places, shifts = _in_order(
+        np.concatenate([place, end_place]), np.concatenate([moved, end_moved]), ALIKE * outline.around_mm
+    )
     vertex, at = _vertices(outline)
     every_place, exact = np.concatenate([at, places]), np.concatenate([vertex, _on_outline(outline, places)])
     order = np.argsort(every_place, kind="stable")
     every_place, exact, period = every_place[order], exact[order], outline.around_mm
     # Of vertices that nearly coincide one is kept: a chord between them would have no direction.
-    apart = np.diff(every_place, append=every_place[0] + period) > ALIKE_MM
+    apart = np.diff(every_place, append=every_place[0] + period) > ALIKE * period
     every_place, exact = every_place[apart], exact[apart]
     shift = np.interp(every_place, places, shifts.real, period=period) + 1j * np.interp(
         every_place, places, shifts.imag, period=period
@@ -71,11 +74,11 @@ def _flank_ends(outline: ExactOutline, row: IndexArray, place: Array, error: Arr
     return ends, found * outwards
 
 
-def _in_order(place: Array, shift: ComplexArray) -> tuple[Array, ComplexArray]:
-    """Places in growing order and their shifts; those of places that are alike are averaged."""
+def _in_order(place: Array, shift: ComplexArray, alike_mm: float) -> tuple[Array, ComplexArray]:
+    """Places in growing order and their shifts; those of places within ``alike_mm`` are averaged."""
     order = np.argsort(place, kind="stable")
     place, shift = place[order], shift[order]
-    group = np.cumsum(np.append(0, np.diff(place) > ALIKE_MM))
+    group = np.cumsum(np.append(0, np.diff(place) > alike_mm))
     count = np.bincount(group)
     real, imag = (np.bincount(group, part) / count for part in (shift.real, shift.imag))
     return np.bincount(group, place) / count, real + 1j * imag

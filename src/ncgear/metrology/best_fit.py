@@ -6,20 +6,22 @@ the shift (x, y).  With n the unit normal away from the material at the foot of 
     d distance / d shift = n,    d distance / d theta = n . (i p) = cross(p, n)
 
 hold exactly, so that the steps of scipy.optimize.least_squares have exact slopes.  Only points on working flanks count:
-root, tip lands, bore and points astray do not turn the gear.  Which points these are follows from the fit, and is found
-again until it stays the same.
+root, tip lands, bore and points astray do not turn the gear, nor do those that stand alone (``alone``).  Which points
+these are follows from the fit, and is found again until it stays the same.
 
 The fit begins at the best of many angles: the outline of a gear with z teeth nearly repeats itself from tooth to tooth.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, sqrt
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.frozen import dataclass
+from ncgear.metrology.alone import alone_mm
 from ncgear.metrology.exact_outline import FLANK_CURVE, ExactOutline, Feet
 from ncgear.numerics.arrays import Array, ComplexArray, Mask
 from ncgear.numerics.plane import across
@@ -52,7 +54,7 @@ ALIKE = 1.02
 A gear that repeats itself fits as often as it has lobes, and its noise must not choose among them.
 """
 
-ROUNDING_MM = 1e-9
+ROUNDING_IN_MODULES = 3e-10
 """What rounding leaves of the distances of exact points."""
 
 STEP_TOLERANCE = 1e-11
@@ -82,7 +84,8 @@ class Pose:
 class BestFit:
     """The pose of best fit, and the feet of all n points in the gear's own frame, less the probe's radius.
 
-    ``counted`` tells which points the fit is made of (shape (n,)).  ``angle_error_rad`` and ``shift_error_mm`` are the
+    ``counted`` tells which points the fit is made of (shape (n,)), and ``alone_mm`` how far those stand off that are
+    left out because they stand alone; 0 of the others.  ``angle_error_rad`` and ``shift_error_mm`` are the
     standard deviations that the scatter of these points leaves; the shift is None where the bore was kept.
     """
 
@@ -91,6 +94,13 @@ class BestFit:
     counted: Mask
     angle_error_rad: float
     shift_error_mm: float | None
+    alone_mm: Array
+
+    @property
+    def alone(self) -> Mask:
+        """Which points stand alone, shape (n,)."""
+        found: Mask = self.alone_mm != 0.0
+        return found
 
     @property
     def rms_mm(self) -> float:
@@ -111,16 +121,32 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
     )
     fits = [fit for fit in tried if fit is not None]
     least = min((fit.rms_mm for fit in fits), default=0.0)
-    alike = [fit for fit in fits if fit.rms_mm <= ALIKE * least + ROUNDING_MM]
+    rounding_mm = ROUNDING_IN_MODULES * outline.gear.flanks.rack.module_mm
+    alike = [fit for fit in fits if fit.rms_mm <= ALIKE * least + rounding_mm]
     nearest = min(alike, key=lambda fit: abs(fit.pose.angle_rad), default=None)
     if nearest is not None and rigid:
         nearest = _by_teeth(outline, some, probe_mm, nearest)
-    found = _fitted(outline, points, probe_mm, nearest.pose, rigid, ROUNDS) if nearest else None
+    found = _without_those_alone(outline, points, probe_mm, nearest.pose, rigid) if nearest else None
     if found is None:
         raise WrongInput(
             f"fewer than {FEWEST} of {points.size} points lie on working flanks, however the gear is turned; points "
             "of the flanks of this gear in mm, with its axis at (0, 0), are right"
         )
+    return found
+
+
+def _without_those_alone(
+    outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose, rigid: bool
+) -> BestFit | None:
+    """The best fit near a pose of the points that do not stand alone in it; None where too few points are on flanks."""
+    found = _fitted(outline, points, probe_mm, pose, rigid, ROUNDS)
+    for _ in range(ROUNDS):
+        if found is None:
+            return None
+        alone = alone_mm(outline, found.feet)
+        if np.array_equal(alone != 0.0, found.alone):
+            return replace(found, alone_mm=alone)
+        found = _fitted(outline, points, probe_mm, found.pose, rigid, ROUNDS, alone)
     return found
 
 
@@ -194,9 +220,15 @@ def _astray_mm(outline: ExactOutline) -> float:
 
 
 def _fitted(
-    outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose, rigid: bool, rounds: int
+    outline: ExactOutline,
+    points: ComplexArray,
+    probe_mm: float,
+    pose: Pose,
+    rigid: bool,
+    rounds: int,
+    alone: Array | None = None,
 ) -> BestFit | None:
-    """The best fit near a pose; None where too few points are on flanks."""
+    """The best fit near a pose, without points that stand ``alone``; None where too few points are on flanks."""
     from scipy.optimize import least_squares
 
     last: list[tuple[Array, Feet]] = []
@@ -211,7 +243,8 @@ def _fitted(
     size = float(np.abs(outline.gear.outline_mm).max())
     scale = np.array([1.0 / size, 1.0, 1.0] if rigid else [1.0 / size])
     values = np.array([pose.angle_rad, pose.shift_mm.real, pose.shift_mm.imag])[: scale.size]
-    counted = on_flanks(outline, feet(values, points))
+    alone = np.zeros(points.size) if alone is None else alone
+    counted = on_flanks(outline, feet(values, points)) & (alone == 0.0)
     for _ in range(rounds):
         if np.count_nonzero(counted) < FEWEST:
             return None
@@ -226,16 +259,17 @@ def _fitted(
             args=(points[counted],),
         )
         if not solved.success:
-            raise ArithmeticError(f"the best fit of measured points was not found: {solved.message}")
+            raise Unanswered(f"the best fit of measured points was not found: {solved.message}")
         values, before = solved.x, counted
-        counted = on_flanks(outline, feet(values, points))
+        counted = on_flanks(outline, feet(values, points)) & (alone == 0.0)
         if np.array_equal(before, counted):
             break
     if np.count_nonzero(counted) < FEWEST:
         return None
     found = feet(values, points)
     spread = _spread(_slopes(found.kept(counted), values), found.distance_mm[counted], scale)
-    return BestFit(_pose(values), found, counted, float(spread[0]), float(spread[1:].max()) if rigid else None)
+    shift_error = float(spread[1:].max()) if rigid else None
+    return BestFit(_pose(values), found, counted, float(spread[0]), shift_error, alone)
 
 
 def _pose(values: Array) -> Pose:

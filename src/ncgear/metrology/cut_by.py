@@ -18,13 +18,13 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.metrology.round_tool import RoundTool
 from ncgear.numerics.arrays import Array
-from ncgear.pitch.pair import STRAIGHT, PitchPair
+from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks, made_mates
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.gear import ToothedPair
 from ncgear.teeth.spaces import cut_spaces
-from ncgear.teeth.tool import FEWER_TEETH, MOST_TEETH, PinionCircle, RackLine
+from ncgear.teeth.tool import FEWER_TEETH, HARMLESS, MOST_TEETH, PinionCircle, RackLine, gouged_mm
 
 SAME = 1e-9
 """Share of the module by which depths and radii may differ and count as the same."""
@@ -111,9 +111,14 @@ def _passes(generated: CutBy, flanks: Flanks) -> CutBy:
 def _hob(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
     if pitch.of(gear).is_ring:
         return CutBy(Tool.HOB, Verdict.NOT, "the teeth of a ring point inwards")
-    if pitch.curvature_range[gear][0].value * pitch.center_distance_mm < -STRAIGHT:
+    rack = teeth.of(gear).flanks.rack
+    if (depth := gouged_mm(pitch.of(gear), rack)) > HARMLESS * rack.module_mm:
         radius = pitch.least_concave_radius_mm(gear)
-        return CutBy(Tool.HOB, Verdict.NOT, f"the pitch curve is concave with a radius of {radius:.4g} mm")
+        return CutBy(
+            Tool.HOB,
+            Verdict.NOT,
+            f"the pitch curve is concave with a radius of {radius:.4g} mm: a hob cuts {depth:.3g} mm too deep there",
+        )
     verdict, reason = _tried(teeth, gear, RackLine())
     return CutBy(Tool.HOB, verdict, reason)
 

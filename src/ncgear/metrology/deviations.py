@@ -150,7 +150,7 @@ def _profiles(outline: ExactOutline, flank: IndexArray, height_mm: Array, error_
 
 def _beside(outline: ExactOutline, fit: BestFit) -> dict[str, int]:
     """Points on no working flank, by where they are."""
-    rest = fit.feet.kept(~fit.counted)
+    rest = fit.feet.kept(~fit.counted & ~fit.alone)
     astray = is_astray(outline, rest)
     on_tip = (outline.part[rest.row] == TIP_LAND_CURVE) | (
         (outline.part[rest.row] == FLANK_CURVE) & (outline.height_mm(rest.row, rest.share) > 0.0)

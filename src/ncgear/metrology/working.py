@@ -8,8 +8,6 @@ On helical teeth the surface's normal leans out of the section by the base helix
 cos(alpha), everywhere alike.  A ball of radius r therefore meets a section's flanks as a pin of r / cos(beta_b) would,
 and plates are cos(beta_b) times as far apart as in the section.  On circular gears both are the usual formulas,
 cos(beta_b) = cos(beta) cos(alpha_n) / cos(alpha).
-
-The distances of tips and roots from the gear's axis are here as well.
 """
 
 from __future__ import annotations
@@ -46,8 +44,9 @@ class WorkingFlanks:
         return self.flanks.curve.is_ring
 
     def thicker(self, allowance_mm: float) -> WorkingFlanks:
-        """The same teeth, thicker by an allowance along the pitch curve, half on each side; thinner if negative."""
-        crossing = self.flanks.crossing_mm + self.flanks.side * allowance_mm / 2.0
+        """The same teeth with idle flanks that stand out by an allowance along the pitch curve; back if negative."""
+        idle = np.where(self.flanks.idle, self.flanks.side, 0.0)
+        crossing = self.flanks.crossing_mm + idle * allowance_mm
         return replace(self, flanks=replace(self.flanks, crossing_mm=crossing))
 
     def parallel(self, flank: IndexArray, height_mm: Array, distance_mm: Array) -> tuple[Array, Array]:
@@ -81,22 +80,3 @@ def _over_tips_rad(gear: ToothedGear) -> Array:
     """Angles by which both ends and the middle of each tip land stand turned, shape (z, 3)."""
     turn = gear.flanks.turn_rad.reshape(-1, 2)
     return np.stack([turn[:, 0], turn.mean(axis=1), turn[:, 1]], axis=1)
-
-
-def tip_radii_mm(gear: ToothedGear) -> Array:
-    """Distance of each tooth's tip from the axis in mm, at the middle of its land, shape (z,)."""
-    flanks = gear.flanks
-    at, height = (
-        values.reshape(-1, 2)[: gear.teeth].mean(axis=1) for values in (gear.sides.tip_mm, flanks.tip_height_mm)
-    )
-    points = flanks.offset(at, height)[0]
-    radii: Array = np.linalg.norm(points, axis=1)
-    return radii
-
-
-def root_radii_mm(gear: ToothedGear) -> Array:
-    """Distance from the axis of the bottom of the space after each tooth, at the middle of its land, shape (z,)."""
-    start, end = gear.sides.roots.lands()
-    points = gear.sides.roots.land(np.arange(gear.teeth), (start + end)[: gear.teeth] / 2.0)[0]
-    radii: Array = np.linalg.norm(points, axis=1)
-    return radii

@@ -13,6 +13,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, row_blocks
 
@@ -37,7 +38,7 @@ MOST_PANELS = 1 << 12
 noise.  Beside a pole or a corner only a few are halved, and only a wave of over 5000 turns along a piece needs more."""
 
 
-class NotSmooth(ValueError):
+class NotSmooth(Unanswered):
     """The function has a pole or a jump inside a piece; ``at`` is where the panels shrink to."""
 
     def __init__(self, at: float) -> None:

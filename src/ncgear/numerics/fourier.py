@@ -13,6 +13,7 @@ from math import pi
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.turn_integral import DEGREE, TurnIntegral, closed
 
@@ -27,7 +28,7 @@ def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
     """The integral of a positive function given by its values at N points of [0, 2 pi), ``sampled(N)``.
 
     The points are evenly spaced.  N is doubled from ``fewest`` (a power of two) on until the function is resolved;
-    raises ArithmeticError where MOST_NODES do not resolve it.
+    raises Unanswered where MOST_NODES do not resolve it.
     """
     count = fewest
     while count <= MOST_NODES:
@@ -37,7 +38,7 @@ def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
         if np.max(sizes[-(count // 8) :]) <= RESOLVED * np.max(sizes):
             return _integrated(samples, spectrum)
         count *= 2
-    raise ArithmeticError(f"a periodic function is not resolved by {MOST_NODES} points")
+    raise Unanswered(f"a periodic function is not resolved by {MOST_NODES} points")
 
 
 def _integrated(samples: Array, spectrum: ComplexArray) -> TurnIntegral:

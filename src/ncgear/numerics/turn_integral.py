@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
@@ -63,7 +64,7 @@ class TurnIntegral:
             # Newton's next step is the square of this one times half the bend of the function, or less.
             if not step.size or np.max(np.abs(step)) ** 2 * self.bend <= 1e-16:
                 return distance
-        raise ArithmeticError("the integral of a periodic function could not be inverted")
+        raise Unanswered("the integral of a periodic function could not be inverted")
 
 
 def closed(periodic: Array) -> Array:

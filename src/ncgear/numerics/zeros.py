@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import chebyshev as series
 
+from ncgear.errors import Unanswered
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
@@ -126,7 +127,7 @@ def _zeros_of_falling_series(coefficients: Array, ends: Array, values: Array) ->
         at = np.clip(at - step, *ends)
         if np.all(np.abs(step) <= LAST_STEP):
             return at
-    raise ArithmeticError("the zero of a series that falls evenly was not found")
+    raise Unanswered(f"the zero of a series that falls evenly was not found in {NEWTON_STEPS} steps")
 
 
 def _first_zero(coefficients: Array) -> float:
@@ -165,19 +166,21 @@ Known = tuple[Array, Array] | None
 def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, known: Known = None) -> Array:
     """A zero in each [low, high] (shape (n,)), at whose ends the function has different signs, or is zero at one.
 
-    The function maps points of shape (n,), one of each bracket, to values; those at both ends may be ``known``.  Where
-    the function is nothing but rounding errors, its sign at a point depends on the other points.  Raises
-    ArithmeticError where it is not finite, or has one sign at both ends.
+    The function maps points of shape (n,), one of each bracket, to values; those at both ends may be ``known``.  An
+    infinite value has a sign, and halves the bracket: where the function jumps to it, the zero is that point beside
+    the jump at which it is finite.  Where the function is nothing but rounding errors, its sign at a point depends on
+    the other points.  Raises Unanswered, with the numbers of brackets, where it is no number, or has one sign at both
+    ends.
     """
     new, old = low, high
-    value, old_value = _zero_at_an_end(*(known or (function(low), function(high))))
+    value, old_value = _zero_at_an_end((low, high), *(known or (function(low), function(high))))
     share = np.full(low.shape, 0.5)
     with np.errstate(all="ignore"):
         for _ in range(MOST_STEPS):
             at = new + share * (old - new)
             at_value = function(at)
-            if not np.all(np.isfinite(at_value)):
-                break
+            if np.any(np.isnan(at_value)):
+                raise _no_zero(np.isnan(at_value), low, high, "is no number between them")
             same = np.sign(at_value) == np.sign(value)
             older, older_value = np.where(same, new, old), np.where(same, value, old_value)
             old, old_value = np.where(same, old, new), np.where(same, old_value, value)
@@ -190,17 +193,26 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, k
             share = _next_share((new, old, older), (value, old_value, older_value), least)
             # A zero that is found stays where it is: a step within so narrow a bracket could leave it.
             share = np.where(done, 0.0, share)
-    raise ArithmeticError("no zero was found between points at which a function has different signs")
+    raise _no_zero(~done, low, high, f"has different signs, in {MOST_STEPS} steps")
 
 
-def _zero_at_an_end(low: Array, high: Array) -> tuple[Array, Array]:
-    """Values at both ends of brackets, of different signs or zero; raises ArithmeticError where they are not."""
+def _zero_at_an_end(ends: tuple[Array, Array], low: Array, high: Array) -> tuple[Array, Array]:
+    """Values at both ends of brackets, of different signs or zero; raises Unanswered where they are not."""
     same = np.sign(low) * np.sign(high) > 0.0
-    least = AT_AN_END * np.abs(high - low)
+    with np.errstate(invalid="ignore"):
+        least = AT_AN_END * np.abs(high - low)
     low, high = (np.where(same & (np.abs(value) <= least), 0.0, value) for value in (low, high))
-    if np.any(np.sign(low) * np.sign(high) > 0.0):
-        raise ArithmeticError("a zero was sought between points at which a function does not have different signs")
+    alike = ~(np.sign(low) * np.sign(high) <= 0.0)
+    if np.any(alike):
+        raise _no_zero(alike, *ends, "does not have different signs")
     return low, high
+
+
+def _no_zero(failed: Mask, low: Array, high: Array, why: str) -> Unanswered:
+    """The error for brackets in which no zero was found."""
+    rows = np.flatnonzero(failed)
+    ends = f"{low[rows[0]]:.6g} and {high[rows[0]]:.6g}"
+    return Unanswered(f"no zero was found between {ends}, at which a function {why}", rows=rows.tolist())
 
 
 def _next_share(points: tuple[Array, Array, Array], values: tuple[Array, Array, Array], least: Array) -> Array:
@@ -230,10 +242,10 @@ def zeros_by_slope(
     Its ``values`` at both are given.  At the places they are not negative, and no greater than twice ``within``; but
     where the function jumps, the places are as near to the jump as numbers tell.  Newton's steps, and halves of
     brackets where they lead out of them or do not gain; what is no number counts as not positive.  Raises
-    ArithmeticError where a given value has the wrong sign.
+    Unanswered where a given value has the wrong sign.
     """
-    if not (np.all(values[0] >= 0.0) and not np.any(values[1] > 0.0)):
-        raise ArithmeticError("a zero was sought between points at which a function does not have different signs")
+    if np.any(wrong := ~(values[0] >= 0.0) | (values[1] > 0.0)):
+        raise _no_zero(wrong, positive, other, "does not have different signs")
     good, bad, row = positive.copy(), other.copy(), np.arange(positive.size)
     with np.errstate(all="ignore"):
         at = good + (bad - good) * values[0] / (values[0] - values[1])
@@ -254,4 +266,4 @@ def zeros_by_slope(
         gaining = (np.abs(missing) <= SLOWEST * last) & (np.minimum(near, far) < step) & (step < np.maximum(near, far))
         at, last = np.where(gaining, step, (near + far) / 2.0)[~found], np.abs(missing)[~found]
         row = row[~found]
-    raise ArithmeticError("no zero was found between points at which a function has different signs")
+    raise Unanswered(f"no zero was found in {MOST_STEPS} steps", rows=row.tolist())

@@ -13,6 +13,7 @@ So an open pair may have any module at any centre distance, as gears whose teeth
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from math import ceil, floor, pi
 
 import numpy as np
@@ -40,8 +41,12 @@ LEVELLING_SHARE, MOST_LEVELLING_RAD = 0.25, 1.0
 LEVELLINGS = (1.0, 0.5, 0.25)
 """Shares of that angle that are tried: u changes less over shorter ones, and bends more."""
 
-WAVES = np.linspace(-1.0, 1.0, 21)
-"""Sizes of the second bump that are tried for a whole number of pitches."""
+STEP = 0.1
+"""Step of the sizes of the second bump that are tried for a whole number of pitches."""
+
+WAVES, GREAT_WAVES = STEP * np.arange(-10, 11), STEP * np.arange(-30, 31)
+"""Sizes that are tried, and those that are where these leave no whole number: the length of a curve of few pitches
+changes by less than a pitch with the first ones.  It grows about as the square of the size."""
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(96)
 """Gauss points of a part of the continuation; u is a polynomial of degree 12 or less there."""
@@ -125,12 +130,13 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
             )
     gentle = max(GENTLE, *(abs(value) for value in _range_sharpness(law)))
     ways = [(sharpness, way) for way in _ways(law, covered) if np.isfinite(sharpness := _sharpness(way, 0.0))]
+    ranked = [way for _, way in sorted(ways, key=lambda one: (max(one[0] / gentle, 1.0), sum(one[1].turns)))]
     found: list[tuple[float, _Way, float, int]] = []
-    for _, way in sorted(ways, key=lambda one: (max(one[0] / gentle, 1.0), sum(one[1].turns)))[:TRIED]:
-        for wave, pitches in _whole(way, pitch_share, known):
-            found.append((max(_sharpness(way, wave) / gentle, 1.0), way, wave, pitches))
-        if found and min(found, key=_choice)[0] == 1.0:
+    for way, waves in (*product(ranked[:TRIED], [WAVES]), *product(ranked, [GREAT_WAVES])):
+        if found and (waves is GREAT_WAVES or min(found, key=_choice)[0] == 1.0):
             break
+        for wave, pitches in _whole(way, waves, pitch_share, known):
+            found.append((max(_sharpness(way, wave) / gentle, 1.0), way, wave, pitches))
     if not found:
         raise NoSuchMechanism(
             f"the pitch curves cannot be continued beyond the range from {in_words(0.0)} to "
@@ -145,8 +151,7 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
     def missing(wave: float) -> float:
         return _count(way, _lift(way, wave), wave, pitch_share, known) - pitches
 
-    step = WAVES[1] - WAVES[0]
-    wave = float(brentq(missing, near, near + step, xtol=1e-15, rtol=4 * np.finfo(float).eps))
+    wave = float(brentq(missing, near, near + STEP, xtol=1e-15, rtol=4 * np.finfo(float).eps))
     parts = way.with_bumps(_lift(way, wave), wave)
     lobes = WholeTurns(of=covered, driving_turns=way.turns[0], driven_turns=way.turns[1])
     ends = *(part.start_rad for part in parts[1:]), lobes.driving_period_rad
@@ -247,14 +252,14 @@ MOST_LIFT = 4.0
 """Most that u is raised or lowered: a factor of 55 of the ratio, with which no teeth stand."""
 
 
-def _whole(way: _Way, pitch_share: float, known: float) -> Iterator[tuple[float, int]]:
+def _whole(way: _Way, waves: Array, pitch_share: float, known: float) -> Iterator[tuple[float, int]]:
     """The tried waves just before those with which the curve is a whole number of pitches long, and these numbers."""
-    lifts = [_lift(way, wave) for wave in WAVES]
+    lifts = [_lift(way, wave) for wave in waves]
     counts = [
         _count(way, lift, wave, pitch_share, known) if np.isfinite(lift) else np.nan
-        for lift, wave in zip(lifts, WAVES, strict=True)
+        for lift, wave in zip(lifts, waves, strict=True)
     ]
-    for wave, before, after in zip(WAVES, counts, counts[1:], strict=False):
+    for wave, before, after in zip(waves, counts, counts[1:], strict=False):
         if not (np.isfinite(before) and np.isfinite(after)):
             continue
         low, high = min(before, after), max(before, after)

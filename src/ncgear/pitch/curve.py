@@ -16,10 +16,10 @@ from typing import Protocol
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
-from ncgear.numerics.arrays import Array, Columns
+from ncgear.numerics.arrays import Array, Columns, ComplexArray
 from ncgear.numerics.chebyshev import Cells, NotSmooth, PiecewiseChebyshev, cells_of
 from ncgear.numerics.plane import along, as_complex, turned
 from ncgear.numerics.units import in_words
@@ -45,6 +45,10 @@ class CurvePoints(Columns):
         """The curve turned counter-clockwise about (0, 0) by angles; shapes broadcast."""
         position, tangent, normal = (turned(array, angle_rad) for array in (self.position, self.tangent, self.normal))
         return CurvePoints(position, tangent, normal, np.broadcast_to(self.curvature, position.shape[:-1]))
+
+
+FOOT_STEPS = 12
+"""Steps of Newton's method to a foot on the pitch curve; two do where a tooth has a tip land."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +126,23 @@ class PitchCurve:
         """
         columns = self._cells(np.mod(sigma_mm, self.length_mm))
         return CurvePoints(columns[..., 0:2], columns[..., 2:4], columns[..., 4:6], columns[..., 6])
+
+    def feet(self, points: ComplexArray, start_mm: Array, within_mm: float) -> tuple[Array, Array]:
+        """Arc lengths that points stand over, by Newton's method, and their heights; shape (n,) each.
+
+        A foot is known to ``within_mm``; both values are NaN where none is found.
+        """
+        foot = start_mm
+        for _ in range(FOOT_STEPS):
+            at = self.at_length(foot)
+            arm = points - as_complex(at.position)
+            height = along(as_complex(at.normal), arm)
+            step = along(as_complex(at.tangent), arm) / (1.0 + height * at.curvature)
+            found = np.abs(step) <= within_mm
+            if found.all():
+                break
+            foot = np.where(found, foot, foot + step)
+        return np.where(found, foot, np.nan), np.where(found, height, np.nan)
 
     @cached_property
     def curvature_bounds(self) -> tuple[float, float]:
@@ -302,7 +323,7 @@ def _inverse(by_angle: PiecewiseChebyshev, speed: PiecewiseChebyshev) -> Callabl
             if np.max(np.abs(step)) <= 1e-14 * by_angle.breaks[-1]:
                 return phi1
         if np.max(np.abs(by_angle(phi1) - sigma)) > 1e-12 * by_angle.final:
-            raise ArithmeticError("the arc length of the pitch curve could not be inverted")
+            raise Unanswered("the arc length of the pitch curve could not be inverted")
         return phi1
 
     return angle

@@ -7,7 +7,7 @@ of gears that turn less than once need not be filled: any module suits any centr
 from __future__ import annotations
 
 from functools import cached_property, partial
-from math import atan, degrees, floor, isclose, pi
+from math import atan, degrees, floor, gcd, isclose, pi
 
 import numpy as np
 
@@ -292,9 +292,12 @@ def sized_pair(
     center_distance_mm: float | None,
     mesh: Mesh = Mesh.EXTERNAL,
     reach_in_pitches: float = RACK_REACH_IN_PITCHES,
+    *,
+    by_law: bool = False,
 ) -> PitchPair:
     """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
 
+    The centre distance may be given ``by_law``; messages then advise no other one.
     Of an open law ``teeth`` counts the pitches in its range, and ``reach_in_pitches`` is the rolled length over which
     flanks touch to each side of the pitch point, which tells which teeth are made.  Raises WrongInput as
     ``solved_size`` does, for over MOST_TEETH teeth, and for a ring that turns less than once; NoSuchMechanism for
@@ -313,7 +316,12 @@ def sized_pair(
         return _open_pair(transmission, covered, (teeth, module_mm, center_distance_mm), reach_in_pitches)
     arc = arc_length(transmission, mesh)
     size = solved_size(
-        transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm
+        transmission.lobes.driving * arc.period,
+        transmission.lobes,
+        teeth,
+        module_mm,
+        center_distance_mm,
+        by_law=by_law,
     )
     refuse_many_teeth(size.driving_teeth)
     pair = PitchPair(transmission, arc, size, mesh)
@@ -337,7 +345,7 @@ def _open_pair(
         assert teeth is not None
         distance_mm = teeth * pi * module_mm / length
     elif teeth is not None:
-        _refuse_disagreement(length, teeth, module_mm, distance_mm)
+        _refuse_disagreement(length, teeth, module_mm, distance_mm, 1, by_law=False)
     refuse_many_teeth(length * distance_mm / (pi * module_mm))
     whole = continued(transmission, covered, pi * module_mm / distance_mm)
     arc = arc_length(whole, Mesh.EXTERNAL)
@@ -370,24 +378,32 @@ class Size:
 
 
 def solved_size(
-    driving_length: float, lobes: Lobes, teeth: int | None, module_mm: float | None, center_distance_mm: float | None
+    driving_length: float,
+    lobes: Lobes,
+    teeth: int | None,
+    module_mm: float | None,
+    center_distance_mm: float | None,
+    *,
+    by_law: bool = False,
 ) -> Size:
     """The size from any two of teeth, module and centre distance.
 
     ``driving_length`` is the driving pitch curve's length at unit centre distance; times the centre distance it is
     teeth x pi x module.  Raises WrongInput when fewer than two are given, when three disagree, or when a number
-    of teeth is not whole.
+    of teeth is not whole.  What the messages advise is consistent; a centre distance is none of it where it follows
+    from the law.
     """
     _require_two(teeth, module_mm, center_distance_mm)
+    each = lobes.driving // gcd(lobes.driving, lobes.driven)
     if teeth is None:
         assert module_mm is not None
         assert center_distance_mm is not None
-        teeth = _whole_teeth(driving_length, module_mm, center_distance_mm)
+        teeth = _whole_teeth(driving_length, module_mm, center_distance_mm, each, by_law=by_law)
     if module_mm is None:
         assert center_distance_mm is not None
         module_mm = driving_length * center_distance_mm / (teeth * pi)
     elif center_distance_mm is not None:
-        _refuse_disagreement(driving_length, teeth, module_mm, center_distance_mm)
+        _refuse_disagreement(driving_length, teeth, module_mm, center_distance_mm, each, by_law=by_law)
     fitting = teeth * pi * module_mm / driving_length
     return Size(teeth, _driven_teeth(teeth, lobes), module_mm, fitting)
 
@@ -397,37 +413,51 @@ def _require_two(*given: float | None) -> None:
         raise WrongInput("two of teeth, module_mm and center_distance_mm are needed; the third follows", key="gears")
 
 
-def _whole_teeth(driving_length: float, module_mm: float, center_distance_mm: float) -> int:
-    exact = driving_length * center_distance_mm / (pi * module_mm)
-    whole = max(round(exact), 1)
+def _whole_teeth(driving_length: float, module_mm: float, distance_mm: float, each: int, *, by_law: bool) -> int:
+    """The number of teeth, a multiple of ``each``, that a module and a centre distance make."""
+    exact = driving_length * distance_mm / (pi * module_mm)
+    whole = _nearest_teeth(exact, each)
     if not isclose(exact, whole, rel_tol=CONSISTENT):
+        module = f"module_mm: {driving_length * distance_mm / (pi * whole):.9g}"
+        distance = f"center_distance_mm: {whole * pi * module_mm / driving_length:.9g}"
+        multiple = "" if each == 1 else f" and a multiple of {each}"
         raise WrongInput(
-            f"module {module_mm:g} mm and centre distance {center_distance_mm:g} mm make {exact:.6g} "
-            f"teeth, not a whole number; with {whole} teeth either module_mm: "
-            f"{driving_length * center_distance_mm / (pi * whole):.9g} or center_distance_mm: "
-            f"{whole * pi * module_mm / driving_length:.9g} is right",
-            key="gears.center_distance_mm",
+            f"module {module_mm:g} mm and centre distance {distance_mm:g} mm make {exact:.6g} teeth, not a whole number"
+            f"{multiple}; with {whole} teeth {module if by_law else f'either {module} or {distance}'} is right",
+            key="gears.module_mm" if by_law else "gears.center_distance_mm",
         )
     return whole
 
 
+def _nearest_teeth(exact: float, each: int) -> int:
+    return max(round(exact / each), 1) * each
+
+
 def _driven_teeth(teeth: int, lobes: Lobes) -> int:
     if teeth * lobes.driven % lobes.driving:
+        each = lobes.driving // gcd(lobes.driving, lobes.driven)
         raise WrongInput(
             f"{teeth} teeth on the driving gear make {teeth * lobes.driven / lobes.driving:.4g} on the driven gear at "
-            f"{lobes.driving}:{lobes.driven} lobes; a multiple of {lobes.driving} is needed",
+            f"{lobes.driving}:{lobes.driven} lobes; a multiple of {each} is needed, as {_nearest_teeth(teeth, each)}",
             key="gears.teeth",
         )
     return teeth * lobes.driven // lobes.driving
 
 
-def _refuse_disagreement(driving_length: float, teeth: int, module_mm: float, center_distance_mm: float) -> None:
+def _refuse_disagreement(
+    driving_length: float, teeth: int, module_mm: float, distance_mm: float, each: int, *, by_law: bool
+) -> None:
     fitting = teeth * pi * module_mm / driving_length
-    if not isclose(fitting, center_distance_mm, rel_tol=CONSISTENT):
-        raise WrongInput(
-            f"{teeth} teeth of module {module_mm:g} mm do not fit a centre distance of {center_distance_mm:g} mm; "
-            f"consistent would be center_distance_mm: {fitting:.9g}, or module_mm: "
-            f"{driving_length * center_distance_mm / (teeth * pi):.9g}, or teeth: "
-            f"{driving_length * center_distance_mm / (pi * module_mm):.6g}",
-            key="gears.center_distance_mm",
-        )
+    if isclose(fitting, distance_mm, rel_tol=CONSISTENT):
+        return
+    circle = driving_length * distance_mm / pi
+    exact = circle / module_mm
+    whole = _nearest_teeth(exact, each)
+    other = "" if isclose(exact, whole, rel_tol=CONSISTENT) else f" with module_mm: {circle / whole:.9g}"
+    raise WrongInput(
+        f"{teeth} teeth of module {module_mm:g} mm do not fit a centre distance of {distance_mm:g} mm"
+        f"{', which follows from the law' if by_law else ''}; consistent would be "
+        f"{'' if by_law else f'center_distance_mm: {fitting:.9g}, or '}module_mm: {circle / teeth:.9g}, or teeth: "
+        f"{whole}{other}",
+        key="gears.module_mm" if by_law else "gears.center_distance_mm",
+    )

@@ -119,7 +119,7 @@ class Balancing(Shown):
         if not plan.is_plate:
             problem = "gears with a hub, a web or a chamfer are not corrected; leave it out, or those"
             raise WrongInput(problem, key=f"gears.{gear}")
-        tolerance = drive.design.output.chord_tolerance_mm
+        tolerance = drive.chord_tolerance_mm
         made = corrected(plan.section, width, density, means_of(correction), tolerance, f"gears.{gear}")
         return BalancedGear(body, speed_rad_s, made)
 

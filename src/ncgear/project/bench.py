@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -43,8 +44,8 @@ REPEATS, SHORT_S = 3, 0.5
 MOST_FINER = 4
 """Finer settings that are tried where none of the first is fine enough."""
 
-LEAST_TOLERANCE_MM = 1e-5
-"""The least chord tolerance that a design file may ask for."""
+LEAST_IN_MODULES = 3e-6
+"""The least chord tolerance that is tried: finer ones take more points than any outline is made of."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +205,7 @@ def _motion(drive: Drive) -> Stage:
 
 def _pitch_curves(drive: Drive) -> Stage:
     """The length of the driving pitch curve by chords, beside its length by quadrature."""
-    pitch, asked = drive.pitch, drive.design.output.chord_tolerance_mm
+    pitch, asked = drive.pitch, drive.chord_tolerance_mm
     length = pitch.driving.length_mm
 
     def compute(count: float) -> tuple[float, int]:
@@ -232,12 +233,12 @@ def _pitch_curves(drive: Drive) -> Stage:
 
 
 def _tolerances(drive: Drive) -> list[float]:
-    asked = drive.design.output.chord_tolerance_mm
+    asked = drive.chord_tolerance_mm
     return [asked * times for times in (16.0, 8.0, 4.0, 2.0, 1.0)]
 
 
-def _finer_tolerance(tolerance: float) -> float | None:
-    return tolerance / 2.0 if tolerance / 2.0 >= LEAST_TOLERANCE_MM else None
+def _finer_tolerance(drive: Drive, tolerance: float) -> float | None:
+    return tolerance / 2.0 if tolerance / 2.0 >= LEAST_IN_MODULES * drive.pitch.size.module_mm else None
 
 
 def _toothed(drive: Drive, tolerance_mm: float) -> ToothedPair:
@@ -250,7 +251,7 @@ def _teeth(drive: Drive) -> Stage:
     """The outlines by chord tolerance, beside points of the exact curves between all chords."""
     from ncgear.metrology.chord_error import exact_points, farthest_mm
 
-    asked = drive.design.output.chord_tolerance_mm
+    asked = drive.chord_tolerance_mm
     exact = {gear: exact_points(drive.teeth.of(gear)) for gear in Gear}
 
     def judge(teeth: ToothedPair) -> tuple[float, int]:
@@ -269,7 +270,7 @@ def _teeth(drive: Drive) -> Stage:
         asked,
         "output.chord_tolerance_mm",
         asked,
-        _tried(_tolerances(drive), _finer_tolerance, compute, judge, asked),
+        _tried(_tolerances(drive), partial(_finer_tolerance, drive), compute, judge, asked),
     )
 
 
@@ -282,7 +283,7 @@ def _contact(drive: Drive) -> Stage:
     from ncgear.contact.placement import placed
     from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
 
-    pitch, teeth, asked = drive.pitch, drive.teeth, drive.design.output.chord_tolerance_mm
+    pitch, teeth, asked = drive.pitch, drive.teeth, drive.chord_tolerance_mm
     reach = reach_mm(pitch, teeth)
     outlines = Outlines("bench", teeth.driving.outline_mm, teeth.driven.outline_mm)
 
@@ -324,14 +325,14 @@ def _solids(drive: Drive) -> Stage:
     from ncgear.metrology.chord_error import exact_points
     from ncgear.project.gear_solids import crank_pin_hole, straight_solids
 
-    asked, gears, pitch = drive.design.output.chord_tolerance_mm, drive.gears, drive.pitch
+    asked, gears, pitch = drive.chord_tolerance_mm, drive.gears, drive.pitch
     crank_pin = crank_pin_hole(gears, drive.linkage) if drive.turns_crank else None
 
     def compute(tolerance: float, teeth: ToothedPair) -> SolidPair:
         return straight_solids(gears, pitch, teeth, tolerance, crank_pin)
 
     exact = {gear: exact_points(drive.teeth.of(gear)) for gear in Gear}
-    reference_mm = max(asked / FINER_SOLIDS, LEAST_TOLERANCE_MM)
+    reference_mm = max(asked / FINER_SOLIDS, LEAST_IN_MODULES * pitch.size.module_mm)
     teeth = {tolerance: _toothed(drive, tolerance) for tolerance in (*_tolerances(drive), reference_mm)}
     finest = compute(reference_mm, teeth[reference_mm])
     length = {
@@ -368,7 +369,7 @@ def _section_error_mm(exact: Array, mesh: TriangleMesh, height_mm: float) -> flo
 
     section = mesh.as_trimesh().section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
     if section is None:
-        raise ArithmeticError(f"a gear's mesh has no section at z = {height_mm:g} mm")
+        raise Unanswered(f"a gear's mesh has no section at z = {height_mm:g} mm")
     return min(farthest_mm(exact, np.asarray(line)[:-1, :2]) for line in section.discrete)
 
 

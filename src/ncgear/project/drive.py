@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from ncgear.project.drivetrain import DrivetrainResult
     from ncgear.project.measured import MeasuredGear
     from ncgear.project.passing import Passing
+    from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.strength.answer import Strength
@@ -77,8 +79,8 @@ class Drive(Geared):
         with self.stopwatch("contact"):
             contact = as_designed(teeth, placed(pitch))
             refuse_cut_arcs(contact)
-            refuse_overlap(contact, self.design.output.chord_tolerance_mm)
-            refuse_clashing_bodies(contact, teeth, self.design.output.chord_tolerance_mm)
+            refuse_overlap(contact, self.chord_tolerance_mm)
+            refuse_clashing_bodies(contact, teeth, self.chord_tolerance_mm)
             return contact
 
     @computed
@@ -121,9 +123,29 @@ class Drive(Geared):
         """Extremes of the contact of the exact teeth, between its positions as well; raises where teeth overlap."""
         from ncgear.contact.pair import sound_extremes
 
-        designed, tolerance = self.designed_contact, self.design.output.chord_tolerance_mm
+        designed, tolerance = self.designed_contact, self.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
+
+    @computed
+    def thickness_band(self) -> tuple[AtThickness, ...]:
+        """The pair with the thinnest teeth that the file allows, with those of its outlines, and with the thickest.
+
+        Empty where the file gives no limits of the thickness; raises where the thickest teeth overlap.
+        """
+        from ncgear.project.thickness import thickness_band
+
+        contact, extremes = self.designed_contact, self.contact_extremes
+        with self.stopwatch("contact"):
+            return thickness_band(self, contact, extremes)
+
+    @property
+    def play_range_rad(self) -> tuple[float, float]:
+        """Least and greatest play of the driven gear; both are the same where teeth have no deviation of thickness."""
+        if self.play.thicker_mm == 0.0:
+            return self.play.driven_rad, self.play.driven_rad
+        found = self.contact_extremes.backlash_rad
+        return found.low.value, found.high.value
 
     @computed
     def passings(self) -> tuple[Passing, ...]:
@@ -151,7 +173,7 @@ class Drive(Geared):
         designed, pitch, teeth = self.designed_contact, self.pitch, self.teeth
         with located(self.places), self.stopwatch("written contact"):
             contact = pair_contact(pitch, teeth, designed, written)
-            refuse_bad_outlines(contact, self.design.output.chord_tolerance_mm)
+            refuse_bad_outlines(contact, self.chord_tolerance_mm)
             return contact
 
     @computed
@@ -246,23 +268,33 @@ class Drive(Geared):
     @computed
     def loaded_contact(self) -> LoadedContact:
         """The teeth under the torque of the rigid level, at the angles of ``motion``."""
-        return self.loaded_with(1.0)
+        return self._loaded_with(1.0)
 
     @computed
     def loaded_peaks(self) -> LoadedPeaks:
         """The peaks of the teeth under the torque of the rigid level, over the angles of ``motion``."""
+        return self.loaded_peaks_with(1.0)
+
+    def loaded_peaks_with(self, stiffness_factor: float) -> LoadedPeaks:
+        """As ``loaded_peaks``, the teeth stiffer by a factor."""
         from ncgear.dynamics.quasi_static import loaded_peaks
         from ncgear.project.forces import loaded_places_rad
 
-        places, loaded = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine), self.loaded_contact
-        with self.stopwatch("peaks of loaded contact"):
-            return loaded_peaks(self._loaded_at, places, int(loaded.pairs.max()))
+        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
+        loaded = self.loaded_contact if stiffness_factor == 1.0 else self._loaded_with(stiffness_factor)
+        at = partial(self._loaded_at, stiffness_factor=stiffness_factor)
+        with self.stopwatch("peaks of loaded contact" if stiffness_factor == 1.0 else "band of stiffness"):
+            return loaded_peaks(at, places, int(loaded.pairs.max()))
 
-    def loaded_with(self, stiffness_factor: float) -> LoadedContact:
+    def _loaded_with(self, stiffness_factor: float) -> LoadedContact:
         """As ``loaded_contact``, the teeth stiffer by a factor."""
+        from ncgear.dynamics.quasi_static import require_no_wedge
+
         phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
         with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
-            return self._loaded_at(phi1, stiffness_factor)
+            found = self._loaded_at(phi1, stiffness_factor)
+            require_no_wedge(self.meshing, found, self.rigid.machine.at(phi1).driven_torque.value)
+            return found
 
     @computed
     def course(self) -> Course:

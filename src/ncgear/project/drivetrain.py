@@ -13,6 +13,7 @@ from ncgear.drivetrain.bearings import (
     WantedLife,
     bearing_lives,
     bending_moment_n_mm,
+    loads_with_peaks,
     most_bent,
 )
 from ncgear.drivetrain.cycle import Cycle, cycle_of, rubbing
@@ -96,7 +97,7 @@ def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) 
     rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
     demand = Demand(cycle, losses, rotor_kg_mm2)
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
-    missing = needed - rigid.machine.masses.driving_inertia_kg_mm2 - rotor_kg_mm2
+    missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - rotor_kg_mm2
     diameter = given.flywheel_diameter_mm
     return DrivetrainResult(
         wanted=wanted,
@@ -144,7 +145,7 @@ def _shaft(
         Bearing(a.at_mm, a.kind, a.dynamic_rating_n, a.static_rating_n),
         Bearing(b.at_mm, b.kind, b.dynamic_rating_n, b.static_rating_n),
     )
-    loads = cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven
+    loads = loads_with_peaks(cycle, gear, bearings, crank_at_mm)
     lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)
     bent = most_bent(loads, bearings, crank_at_mm)
     if not given.has_strength:
@@ -163,7 +164,7 @@ def _shaft(
         loads.turned_rad,
         _cycles_rad(gear, cycle),
     )
-    return ShaftResult(lives, bent, safety, _key(design, gear, given, section, cycle))
+    return ShaftResult(lives, bent, safety, _key(design, gear, given, section, loads.torque_n_mm))
 
 
 def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
@@ -176,7 +177,7 @@ def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
     return np.arange(lobes.driving, dtype=float) * (-place.mesh.sense * cycle.cycle_rad)
 
 
-def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, cycle: Cycle) -> KeySafety | None:
+def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, torque: Array) -> KeySafety | None:
     key, gears, where = given.key, design.gears, f"drivetrain.{gear.value}_shaft.key"
     if key is None or gears is None:
         return None
@@ -192,7 +193,6 @@ def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, cycl
                 key=f"{where}.height_mm",
             )
     yields = section.yield_mpa
-    torque = (cycle.loads.driving if gear is Gear.DRIVING else cycle.loads.driven).torque_n_mm
     length = key.length_mm or gears.face_width_mm
     made = Key(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
     return key_safety(made, float(torque.max()), float(torque.min()))

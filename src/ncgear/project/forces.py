@@ -39,7 +39,8 @@ def meshing_of(
     friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
     stiffness = own if constant is None else lambda places: np.full(places.flanks.shape, constant)
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, given.full_damping_depth_mm)
-    return Meshing(law_table(pitch.transmission), gaps_of(teeth, pitch, stiffness, sides=sides), impact, friction)
+    gaps, key = gaps_of(teeth, pitch, stiffness, sides=sides), constant and "simulation.stiffness_n_mm"
+    return Meshing(law_table(pitch.transmission), gaps, impact, friction, key or None)
 
 
 def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoad) -> Meshing:

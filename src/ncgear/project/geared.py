@@ -69,7 +69,13 @@ class Geared(Moving):
         gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
             size = size_of(gears, self.law)
-            return sized_pair(transmission, *size, Mesh(gears.mesh), reach_in_pitches(gears))
+            reach, by_law = reach_in_pitches(gears), self.law.center_distance_mm is not None
+            return sized_pair(transmission, *size, Mesh(gears.mesh), reach, by_law=by_law)
+
+    @property
+    def chord_tolerance_mm(self) -> float:
+        """How far chords of outlines may be from the exact curves; raises WrongInput where that is no gear any more."""
+        return self.design.output.chord_mm(self.pitch.size.module_mm)
 
     @property
     def turns_crank(self) -> bool:
@@ -120,20 +126,44 @@ class Geared(Moving):
 
         pitch, form = self.pitch, self.tooth_form
         with self.stopwatch("teeth"):
-            return toothed_pair(pitch, form, self.design.output.chord_tolerance_mm)
+            return toothed_pair(pitch, form, self.chord_tolerance_mm)
 
     @computed
     def pumped(self) -> Pumped | None:
         """What the gears displace in their housing; None where the design has none."""
         from ncgear.pitch.pumped import pumped
 
-        given, teeth = self.gears.housing, self.teeth
-        if given is None:
+        radii = self.housing_radii_mm
+        if radii is None:
             return None
-        greatest = (float(np.linalg.norm(teeth.of(gear).outline_mm, axis=1).max()) for gear in Gear)
-        first, second = (radius + given.clearance_mm for radius in greatest)
+        first, second = radii[Gear.DRIVING], radii[Gear.DRIVEN]
         transmission, distance = self.pair.transmission, self.pitch.center_distance_mm
         return pumped(transmission, distance, (first, second), self.gears.face_width_mm)
+
+    @property
+    def housing_radii_mm(self) -> dict[Gear, float] | None:
+        """Radii of the housing's bores about both axes; None where the design has no housing."""
+        given = self.gears.housing
+        return None if given is None else {gear: far + given.clearance_mm for gear, far in self.outer_radii_mm.items()}
+
+    @computed
+    def outer_radii_mm(self) -> dict[Gear, float]:
+        """How far each gear reaches from its axis: its teeth, in a ring the rim; helical ones in all their sections."""
+        from ncgear.project.gear_solids import rim_mm_of
+        from ncgear.solids.plan.plan import outer_radius_mm
+        from ncgear.teeth.reach import farthest_mm
+
+        teeth = self.teeth
+        radii = {gear: farthest_mm(teeth.of(gear)) for gear in Gear}
+        if self.helix is not None:
+            solids = self.solids
+            return {
+                gear: max(radii[gear], float(np.hypot(*solids.of(gear).mesh.vertices.T[:2]).max())) for gear in Gear
+            }
+        if self.pitch.driven.is_ring:
+            rim_mm = rim_mm_of(self.gears, self.pitch.size.module_mm)
+            radii[Gear.DRIVEN] = outer_radius_mm(teeth.driven.outline_mm, rim_mm)
+        return radii
 
     @computed
     def section_contact_ratio(self) -> float:
@@ -141,7 +171,7 @@ class Geared(Moving):
         from ncgear.solids.helical.sections import Sections, least_section_contact
 
         assert self.helix is not None
-        pitch, form, tolerance = self.pitch, self.tooth_form, self.design.output.chord_tolerance_mm
+        pitch, form, tolerance = self.pitch, self.tooth_form, self.chord_tolerance_mm
         return least_section_contact(Sections(pitch, form, self.helix, tolerance))
 
     @computed
@@ -149,7 +179,7 @@ class Geared(Moving):
         """Both gears as closed meshes."""
         from ncgear.project.gear_solids import crank_pin_hole, helical_solids, straight_solids
 
-        gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
+        gears, pitch, tolerance = self.gears, self.pitch, self.chord_tolerance_mm
         crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
         if self.helix is not None:
             form = self.tooth_form
@@ -164,7 +194,7 @@ class Geared(Moving):
         """The bodies of both gears as they come out, whatever the process wants of the files."""
         from ncgear.project.gear_solids import crank_pin_hole, finished, finished_plans, helical_solids
 
-        gears, pitch, tolerance = self.gears, self.pitch, self.design.output.chord_tolerance_mm
+        gears, pitch, tolerance = self.gears, self.pitch, self.chord_tolerance_mm
         crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
         if self.helix is None:
             teeth = self.teeth
@@ -188,7 +218,7 @@ class Geared(Moving):
 
         if self.helix is not None or self.gears.process_clearance_mm != 0.0:
             return None
-        tolerance = CURVES_SHARE * self.design.output.chord_tolerance_mm
+        tolerance = CURVES_SHARE * self.chord_tolerance_mm
         return {gear: arc_outline(self.teeth.of(gear), tolerance) for gear in Gear}
 
     if TYPE_CHECKING:

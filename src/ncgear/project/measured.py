@@ -16,6 +16,7 @@ from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.geared import Geared
+from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.shown import Shown
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
@@ -25,7 +26,7 @@ class MeasuredGear:
     """One gear in the section that is measured.
 
     ``pins_mm`` are the diameters of pins to choose from; ``limits_mm`` are the lower and upper deviation of its tooth
-    thickness, None where they are not given.
+    thickness, None where they are not given.  The teeth stand in the middle of both.
     """
 
     gear: Gear
@@ -55,16 +56,22 @@ class MeasuredGear:
         A thickness that is greater by t along the pitch curve makes a span longer by t cos(alpha).
         """
         share = np.cos(self.working.flanks.rack.pressure_angle_rad) * self.working.base_cosine[0]
-        return [self.spans.distance_mm + limit * share for limit in self.limits_mm or ()]
+        return [self.spans.distance_mm + thicker * share for thicker in self._thicker_mm]
+
+    @property
+    def _thicker_mm(self) -> list[float]:
+        """How much thicker than the gear's own the thinnest and the thickest teeth are; empty without limits."""
+        limits = self.limits_mm or ()
+        return [limit - sum(limits) / 2.0 for limit in limits]
 
     @cached_property
     def at_limits(self) -> tuple[tuple[WorkingFlanks, Pins], ...]:
         """Flanks and pins of the thinnest and of the thickest teeth; empty where no limits are given."""
         found = []
-        for limit in self.limits_mm or ():
-            working = self.working.thicker(limit)
-            # The outline is that of the teeth without their deviation.
-            astray_mm = self.tolerance_mm + abs(limit) / 2.0
+        for thicker in self._thicker_mm:
+            working = self.working.thicker(thicker)
+            # The outline is that of teeth in the middle.
+            astray_mm = self.tolerance_mm + abs(thicker)
             outline_mm = self.toothed.outline_mm
             found.append((working, pins_in_spaces(working, self.pins.diameter_mm, outline_mm, astray_mm)))
         return tuple(found)
@@ -93,7 +100,7 @@ def cut_gears(drive: Geared) -> tuple[CutGear, CutGear]:
     helix = "" if drive.helix is None else "herringbone" if drive.helix.herringbone else "helical"
 
     def of(gear: Gear) -> CutGear:
-        largest = round_tool(drive.teeth.of(gear), drive.design.output.chord_tolerance_mm)
+        largest = round_tool(drive.teeth.of(gear), drive.chord_tolerance_mm)
         return CutGear(gear, largest, tuple(cut_by(drive.pitch, drive.teeth, gear, largest, helix=helix)))
 
     return of(Gear.DRIVING), of(Gear.DRIVEN)
@@ -108,13 +115,14 @@ def measured_section(drive: Geared) -> ToothedPair:
     if drive.helix is None:
         return drive.teeth
     advance = drive.helix.advance_mm(drive.helix.rise_mm / 2.0)
-    return toothed_pair(drive.pitch, drive.tooth_form, drive.design.output.chord_tolerance_mm, advance_mm=advance)
+    return toothed_pair(drive.pitch, drive.tooth_form, drive.chord_tolerance_mm, advance_mm=advance)
 
 
 def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
-    tolerance = drive.design.output.chord_tolerance_mm
+    tolerance = drive.chord_tolerance_mm
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
-    return MeasuredGear(gear, working, toothed, _pins_to_try_mm(drive, working), tolerance, _limits(drive))
+    limits = thickness_limits_mm(drive.gears)
+    return MeasuredGear(gear, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits)
 
 
 def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:
@@ -123,10 +131,3 @@ def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:
     normal_module = drive.rack.module_mm * (cos(helix.angle_rad) if helix else 1.0)
     nominal = nominal_pin_mm(normal_module, internal=working.is_ring)
     return (given,) if given is not None else pins_to_try(nominal)
-
-
-def _limits(drive: Geared) -> tuple[float, float] | None:
-    given = drive.gears.tolerances
-    if given is None or given.tooth_thickness_lower_mm is None or given.tooth_thickness_upper_mm is None:
-        return None
-    return given.tooth_thickness_lower_mm, given.tooth_thickness_upper_mm

@@ -1,23 +1,31 @@
 """The search for a change that makes teeth which are refused: what a good engineer would try, the least change first.
 
 A design whose pitch curves are fine may be refused for its teeth or their contact.  The search changes one or a few of
-the keys below ``gears``, and each trial makes the teeth and their contact anew.  Nothing is searched unless somebody
-asks: the attributes of a drive only raise.
+the keys below ``gears``, and each trial makes the teeth and their contact anew.  A trial without an answer does not
+help.  The search ends after some seconds of processor time, and tells so.  Nothing is searched unless somebody asks:
+the attributes of a drive only raise.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from enum import StrEnum
-from functools import reduce
+from functools import partial, reduce
 from itertools import product
-from math import ceil, radians
+from math import ceil, gcd, radians
 from operator import or_
+from time import process_time
 from typing import assert_never
 
 from ncgear.design.keys.gears import MOST_TEETH
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.frozen import dataclass
+from ncgear.interrupts import TimeIsOver, at_most
+from ncgear.numerics import jet
+from ncgear.numerics.jet import Jet
+from ncgear.pitch import shape
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.alternatives import (
     Changes,
     changed_drive,
@@ -30,6 +38,12 @@ from ncgear.project.alternatives import (
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import rack_of, require_pushing_flanks
 from ncgear.shown import Shown
+
+MOST_SECONDS = 5.0
+"""Most processor time of a search: who waits for a refusal does not wait longer."""
+
+BEFORE_FINER = 0.4
+"""Share of that time for the changes that keep the number of teeth; the number takes the most trials."""
 
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of trials done and in all."""
@@ -61,7 +75,6 @@ ORDER = (
     (Kind.SHIFTED, Kind.UNDERCUT),
     (Kind.STEEPER, Kind.SHIFTED),
     (Kind.STEEPER, Kind.MATE, Kind.UNDERCUT),
-    (Kind.FINER,),
     (Kind.FINER, Kind.MATE),
     (Kind.FINER, Kind.STEEPER),
     (Kind.FINER, Kind.UNDERCUT),
@@ -69,8 +82,8 @@ ORDER = (
 )
 """Kinds of changes, alone and together, from the least change to the greatest.
 
-More teeth come after everything that keeps them: they are two changes, of ``teeth`` and ``module_mm``, and smaller
-teeth bear less.
+More teeth come after everything that keeps them, first alone and then with other changes: they are two changes, of
+``teeth`` and ``module_mm``, and smaller teeth bear less.
 """
 
 STEEPER_DEG = (22.5, 25.0)
@@ -79,11 +92,19 @@ STEEPER_DEG = (22.5, 25.0)
 SHIFTED_MODULES = (0.3, -0.3)
 """Profile shifts of the driving gear that are tried where the one chosen against undercut would change nothing."""
 
-FINER = (1.5, 2.0, 3.0)
-"""Numbers of teeth divided by the design's; teeth a third as large are another pair of gears."""
+MOST_FINER = 10
+"""Most teeth that are tried, divided by the design's: teeth a tenth as large are another pair of gears."""
+
+FINER_STEP, FINER_LEAP = 1.5, 3.0
+"""By how many times more teeth are tried until a number works, from an estimate on, and the most at once: the time
+may not do for a greater leap."""
 
 FINER_TOGETHER = (1.5, 3.0)
 """Numbers of teeth, divided by the design's, that are tried together with another change."""
+
+NOTCH_TEETH = 4.0
+"""About how many teeth the circles at a notch of a pitch curve must differ by: with fewer, tips run into each other as
+those of an internal gear and its pinion do.  It is where the search for a number begins, and trials correct it."""
 
 SAME_SHIFT = 0.01
 """Modules by which shifts differ at least that are worth a trial."""
@@ -126,18 +147,23 @@ class Mend(Shown):
 class Mending(Shown):
     """The search for a change: the refusal, the ways that do not work in the order of the trials, and the one found.
 
-    ``found`` is None where none of the ways works.
+    ``found`` is None where none of the ways works.  ``is_whole`` is false where time ended the search before all ways
+    were tried, or before it was known that a tooth less does not work.
     """
 
     refusal: DesignError
     failed: tuple[Way, ...]
     found: Mend | None
+    is_whole: bool = True
 
 
-def mending(drive: Drive, on_trial: OnTrial = lambda done, total: None) -> Mending | None:
+def mending(
+    drive: Drive, on_trial: OnTrial = lambda done, total: None, seconds: float = MOST_SECONDS
+) -> Mending | None:
     """The least change with which a design's teeth can be made; None where they can be made as they are.
 
-    Raises WrongInput or NoSuchMechanism where something else than the teeth is refused, as a law or pitch curves.
+    The search takes so many ``seconds`` of processor time at the most.  Raises WrongInput or NoSuchMechanism where
+    something else than the teeth is refused, as a law or pitch curves.
 
     >>> from ncgear.project.drive import loads
     >>> machine = "linkage: {crank_mm: 40, rod_mm: 90}, operation: {speed_rpm: 30}, motion: {law: uniform_crank}"
@@ -146,7 +172,7 @@ def mending(drive: Drive, on_trial: OnTrial = lambda done, total: None) -> Mendi
     {'gears.rack.pressure_angle_deg': 25.0, 'gears.cutter.kind': 'mate'}
     """
     refusal = refusal_of_teeth(drive)
-    return None if refusal is None else searched(drive, refusal, on_trial)
+    return None if refusal is None else searched(drive, refusal, on_trial, seconds)
 
 
 def refusal_of_teeth(drive: Drive) -> DesignError | None:
@@ -180,49 +206,112 @@ def require_made(drive: Drive) -> None:
         pair.contact([Outlines("points", teeth.driving.outline_mm, teeth.driven.outline_mm)])
 
 
-def searched(drive: Drive, refusal: DesignError, on_trial: OnTrial = lambda done, total: None) -> Mending:
+def searched(
+    drive: Drive,
+    refusal: DesignError,
+    on_trial: OnTrial = lambda done, total: None,
+    seconds: float = MOST_SECONDS,
+) -> Mending:
     """The least change that makes the teeth of a drive which are refused; of equal ones, that of most contact."""
-    failed: list[Way] = []
-    all_ways = list(ways(drive))
-    total = sum(map(len, all_ways))
-    for equals in all_ways:
-        sound: list[Mend] = []
-        for way in equals:
-            mend = _sound(drive, way)
-            if mend is None:
-                failed.append(way)
-            else:
-                sound.append(mend)
-            on_trial(len(failed) + len(sound), total)
-        for mend in sorted(sound, key=lambda one: -one.contact_ratio):
-            if _is_made(mend.drive):
-                return Mending(refusal, tuple(failed), mend)
-            failed.append(mend.way)
-    return Mending(refusal, tuple(failed), None)
+    every = list(ways(drive))
+    trials = _Trials(drive, on_trial, sum(map(len, every)) + MOST_FINER, seconds)
+    kept = [equals for equals in every if Kind.FINER not in equals[0].kinds]
+    found = next((mend for equals in kept if (mend := trials.best(equals, BEFORE_FINER))), None)
+    found = found or trials.fewest()
+    found = found or next((mend for equals in every[len(kept) :] if (mend := trials.best(equals))), None)
+    return Mending(refusal, tuple(trials.failed), found, trials.is_whole)
 
 
-def _sound(drive: Drive, way: Way) -> Mend | None:
-    changed = changed_drive(drive, way.changes)
-    try:
-        for pair in changed.by_stage:
-            pair.require_sound_teeth()
-    except DesignError:
+class _Trials:
+    """Trials of changes, one after the other, until their time is over."""
+
+    def __init__(self, drive: Drive, on_trial: OnTrial, total: int, seconds: float) -> None:
+        self._drive, self._on_trial, self._total, self._seconds = drive, on_trial, total, seconds
+        self._begun = process_time()
+        self.failed: list[Way] = []
+        self.is_whole = True
+
+    def best(self, equals: tuple[Way, ...], share: float = 1.0) -> Mend | None:
+        """Of equal ways that work, that of most contact; None where none does within a share of the time."""
+        try:
+            sound = [mend for way in equals if (mend := self._sound(way, share))]
+            for mend in sorted(sound, key=lambda one: -one.contact_ratio):
+                with self._in_time(share):
+                    require_made(mend.drive)
+                    return mend
+                self.failed.append(mend.way)
+        except TimeIsOver:
+            self.is_whole = False
         return None
-    return Mend(way, changed)
+
+    def fewest(self) -> Mend | None:
+        """The least number of teeth that works: the number before it does not, unless time ends the search earlier."""
+        pair, fitted = self._drive.by_stage[0], _fitted(self._drive)
+        lobes, low = pair.transmission.lobes, pair.pitch.size.driving_teeth
+        each = lobes.driving // gcd(lobes.driving, lobes.driven)
+        most = min(MOST_FINER * low, MOST_TEETH // each * each)
+        needed, high, found = _teeth_of_notches(pair), most + each, None
+
+        def more(teeth: int) -> int:
+            return min(_up(min(max(needed, FINER_STEP * teeth), FINER_LEAP * teeth), each), most)
+
+        count = more(low)
+        while low < count < high:
+            way = Way((Kind.FINER,), fitted | resized(pair, count))
+            mend = self.best((way,))
+            if mend is not None:
+                high, found = count, mend
+            elif way in self.failed:
+                low = count
+            else:
+                break
+            count = more(low) if found is None else _up((low + high - each) / 2.0, each)
+        return found
+
+    def _sound(self, way: Way, share: float) -> Mend | None:
+        """The way where teeth are sound with it; raises TimeIsOver."""
+        changed = changed_drive(self._drive, way.changes)
+        with self._in_time(share):
+            for pair in changed.by_stage:
+                pair.require_sound_teeth()
+            return Mend(way, changed)
+        self.failed.append(way)
+        self._on_trial(min(len(self.failed), self._total), self._total)
+        return None
+
+    @contextmanager
+    def _in_time(self, share: float) -> Iterator[None]:
+        """A context that ends where a design is refused; raises TimeIsOver when a share of the time is over."""
+        with suppress(DesignError), at_most(share * self._seconds - (process_time() - self._begun)):
+            yield
 
 
-def _is_made(drive: Drive) -> bool:
-    try:
-        require_made(drive)
-    except NoSuchMechanism:
-        return False
-    return True
+def _up(count: float, each: int) -> int:
+    return ceil(count / each) * each
+
+
+def _teeth_of_notches(drive: Drive) -> float:
+    """About how many driving teeth tips at the notches of pitch curves need to be free; 0 for convex curves, and rings.
+
+    At a notch of radius r two circles roll on each other whose radii differ by about r^2 k, k being the sum of both
+    curvatures; their numbers of teeth differ by 2 r^2 k / m.
+    """
+    pitch = drive.pitch
+    if pitch.mesh is Mesh.INTERNAL:
+        return 0.0
+
+    def bend(slope: Jet, gear: Gear) -> Jet:
+        both = {one: shape.curvature(slope, one, pitch.mesh) for one in Gear}
+        return both[gear] / jet.sqrt(both[Gear.DRIVING] + both[Gear.DRIVEN])
+
+    sharpest = min(pitch.transmission.extremes(partial(bend, gear=gear), 2)[0].value for gear in Gear)
+    module_mm = 2.0 * pitch.center_distance_mm / (NOTCH_TEETH * sharpest**2)
+    return pitch.size.driving_teeth * pitch.size.module_mm / module_mm if sharpest < 0.0 else 0.0
 
 
 def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
-    """All ways, the least change first; those of one tuple are equals."""
-    gears = drive.gears
-    fitted = fitted_root_radius(gears, min(gears.rack.angles_deg))
+    """All ways but those of more teeth alone, the least change first; those of one tuple are equals."""
+    fitted = _fitted(drive)
     for kinds in ORDER:
         options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
         found = [Way(kinds, reduce(or_, chosen, fitted)) for chosen in product(*options)]
@@ -233,13 +322,17 @@ def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
             yield tuple(found)
 
 
+def _fitted(drive: Drive) -> Changes:
+    """The root radius that fits; empty where that of the design does."""
+    return fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
+
+
 def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
     """The changes of one kind; together with changes of other kinds only the likeliest of them."""
     gears = drive.gears
     match kind:
         case Kind.ROOT_RADIUS:
-            fitted = fitted_root_radius(gears, min(gears.rack.angles_deg))
-            return [fitted] if fitted else []
+            return [fitted] if (fitted := _fitted(drive)) else []
         case Kind.MATE:
             return _mate(drive)
         case Kind.STEEPER:
@@ -251,7 +344,7 @@ def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
         case Kind.UNDERCUT:
             return [{"gears.undercut": "allow"}] if gears.undercut == "avoid" else []
         case Kind.FINER:
-            return _finer(drive, FINER if alone else FINER_TOGETHER)
+            return _finer(drive)
     assert_never(kind)
 
 
@@ -282,9 +375,9 @@ def _shifted(drive: Drive) -> list[Changes]:
     return [dropped | {"gears.profile_shift.driving": modules} for modules in SHIFTED_MODULES if modules != own]
 
 
-def _finer(drive: Drive, factors: tuple[float, ...]) -> list[Changes]:
+def _finer(drive: Drive) -> list[Changes]:
     """More teeth of a smaller module at the same centre distance; whole numbers on both gears."""
     pair, lobes = drive.by_stage[0], drive.gears.lobes.driving
     teeth = pair.pitch.size.driving_teeth
-    counts = dict.fromkeys(ceil(factor * teeth / lobes) * lobes for factor in factors)
+    counts = dict.fromkeys(ceil(factor * teeth / lobes) * lobes for factor in FINER_TOGETHER)
     return [resized(pair, count) for count in counts if teeth < count <= MOST_TEETH]

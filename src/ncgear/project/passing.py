@@ -18,6 +18,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 
 from ncgear.design.keys.bodies import GearBody
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
@@ -58,6 +59,11 @@ class Passing:
     def room_mm(self) -> float | None:
         """The widest part that passes, or the negative of what is missing; None where the radius is not known."""
         return None if self.standing.radius_mm is None else 2.0 * (self.distance_mm - self.standing.radius_mm)
+
+    @property
+    def meets(self) -> bool | None:
+        """Whether the part, however thin where no width is given, meets what stands; None where that is not known."""
+        return None if self.room_mm is None else self.room_mm < 2.0 * (self.half_mm or 0.0)
 
     @property
     def clearance_mm(self) -> float | None:
@@ -159,7 +165,7 @@ def least_distance(
     """The least distance in mm of a point from a moving line over a cycle, and the driving angle in rad of it.
 
     The distance changes between two samples by less than the way of the line's ends.  A step whose bound, which follows
-    from this, is above the least value found cannot hold the least distance.  Raises ArithmeticError for a distance
+    from this, is above the least value found cannot hold the least distance.  Raises Unanswered for a distance
     that is no finite number.
     """
     lobes, point = transmission.lobes, complex(*center_mm)
@@ -178,7 +184,7 @@ def least_distance(
         grid = steps if level == 0 else steps[:, :1] + np.diff(steps) * np.linspace(0.0, 1.0, PARTS + 1)
         distance, way = sampled(grid)
         if not np.isfinite(distance).all():
-            raise ArithmeticError("the distance of a rod from a shaft is no finite number")
+            raise Unanswered("the distance of a rod from a shaft is no finite number")
         lowest = (distance[:, :-1] + distance[:, 1:] - way) / 2.0
         held = lowest < distance.min()
         steps = np.stack([grid[:, :-1][held], grid[:, 1:][held]], axis=-1)

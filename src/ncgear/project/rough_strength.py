@@ -34,7 +34,7 @@ def rough_strength(drive: Drive) -> list[RoughSafety]:
     tip = RackTip(gears.rack.dedendum, gears.rack.root_radius)
     try:
         return rough_safeties(load, tip, gears.rack.addendum, angle, drive.running, drive.materials, drive.conditions)
-    except (ArithmeticError, DesignError):
+    except DesignError:
         return []
 
 

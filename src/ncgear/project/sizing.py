@@ -19,13 +19,11 @@ from pydantic import ValidationError
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
+from ncgear.dynamics.meshing import TOO_WEAK
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
-from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive
-from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.strengthening import MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Verdict, sized, verdict_of
-from ncgear.solids.plan.plan import outer_radius_mm
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
 
@@ -46,6 +44,9 @@ MOST_COMPUTED = 24
 
 BEST = 6
 """Answers that are given."""
+
+DOUBLED = tuple(2.0**power for power in range(1, 9))
+"""Times the module of teeth that are too weak to be rated, from which the search may begin."""
 
 GREATER = 2.5
 """Gears of so many times the volume of the smallest are not looked for."""
@@ -106,7 +107,7 @@ class Sized:
     @property
     def diameter_mm(self) -> float:
         """Largest diameter of either gear about its axis."""
-        return 2.0 * max(outer_radii_mm(self.drive).values())
+        return 2.0 * max(self.drive.outer_radii_mm.values())
 
 
 def require_material(name: str, key: str) -> None:
@@ -132,20 +133,11 @@ def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
     return design.model_copy(update={"gears": gears})
 
 
-def outer_radii_mm(drive: Drive) -> dict[Gear, float]:
-    """How far each gear reaches from its axis, a ring with its rim."""
-    radii = {gear: float(np.hypot(*drive.teeth.of(gear).outline_mm.T).max()) for gear in Gear}
-    if drive.pitch.driven.is_ring:
-        rim = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
-        radii[Gear.DRIVEN] = outer_radius_mm(drive.teeth.driven.outline_mm, rim)
-    return radii
-
-
 def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
     """The smallest gears that hold for each of a few modules, by the method ``estimate``, the smallest first.
 
     Raises NoSuchMechanism where none are found, with the nearest that were computed, WrongInput where the law gives the
-    gears' size, and as ``verdict_of`` does for the design as given.
+    gears' size, and as ``verdict_of`` does for the design as given, but for teeth that are too weak to be rated.
     """
     motion = drive.design.motion
     if motion.gives_center_distance:
@@ -155,7 +147,7 @@ def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, 
             "`ncgear strength` says whether gears of this size hold",
             key="motion",
         )
-    search = _Search(drive, space, on_trial, [Sized({}, drive, verdict_of(drive, "estimate"))])
+    search = _Search(drive, space, on_trial, [_begun(drive)])
     found: list[Sized] = []
     for module, guessed in search.modules():
         if found and guessed > GREATER * min(one.volume_mm3 for one in found):
@@ -168,9 +160,31 @@ def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, 
     return sorted(found, key=lambda one: one.volume_mm3)[:BEST]
 
 
+def _begun(drive: Drive) -> Sized:
+    """The design as given or, of teeth too weak to be rated, the first of twice, four times ... the module that can be.
+
+    Raises as ``verdict_of`` does for the design as given.
+    """
+    try:
+        return Sized({}, drive, verdict_of(drive, "estimate"))
+    except NoSuchMechanism as error:
+        if error.key != TOO_WEAK:
+            raise
+        for times in DOUBLED:
+            module = times * drive.pitch.size.module_mm
+            width = max(drive.gears.face_width_mm, WIDEST_MODULES * module)
+            changes = {**sized(drive, drive.pitch.size.driving_teeth, module), "gears.face_width_mm": width}
+            try:
+                larger = changed_drive(drive, changes)
+                return Sized(changes, larger, verdict_of(larger, "estimate"))
+            except (DesignError, ValidationError):
+                continue
+        raise
+
+
 @dataclass(eq=False)
 class _Search:
-    """What is known so far: all gears that were computed, first the design's, and the numbers of teeth refused."""
+    """What is known so far: all gears that were computed, first those it began with, and what teeth were refused."""
 
     drive: Drive
     space: Space

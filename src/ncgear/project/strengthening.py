@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import ValidationError
 
-from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive
@@ -83,10 +83,8 @@ def known_verdict(drive: Drive) -> Verdict | DesignError | None:
     try:
         return verdict_of(drive)
     except DesignError as error:
+        # Gears can be made that cannot be rated.
         return error
-    except ArithmeticError as error:
-        # A search that found no place of contact: gears can be made that cannot be rated.
-        return NoSuchMechanism(f"the strength could not be computed: {error}", key="gears")
 
 
 def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:

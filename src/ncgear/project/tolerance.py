@@ -223,7 +223,7 @@ def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> F
     NoSuchMechanism, naming the height, where no tooth can stand.
     """
     form, pitch, helix = drive.tooth_form, drive.pitch, drive.helix
-    chord, flank = tolerances_mm or (drive.design.output.chord_tolerance_mm, None)
+    chord, flank = tolerances_mm or (drive.chord_tolerance_mm, None)
 
     def made(advance_mm: float) -> ToothedPair:
         if tolerances_mm is None and advance_mm == 0.0:

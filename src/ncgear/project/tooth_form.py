@@ -93,7 +93,15 @@ def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
 def backlash_of(gears: Gears) -> Backlash:
     """The play that is asked for; no play where nothing is said."""
     driven_rad = radians(gears.backlash_deg or 0.0)
-    return Backlash(gears.backlash_mm, driven_rad, gears.backlash_share)
+    return Backlash(gears.backlash_mm, driven_rad, gears.backlash_share, thickness_limits_mm(gears) or (0.0, 0.0))
+
+
+def thickness_limits_mm(gears: Gears) -> tuple[float, float] | None:
+    """Lower and upper deviation of the tooth thickness along the pitch curve; None where they are not given."""
+    given = gears.tolerances
+    if given.tooth_thickness_lower_mm is None or given.tooth_thickness_upper_mm is None:
+        return None
+    return given.tooth_thickness_lower_mm, given.tooth_thickness_upper_mm
 
 
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:

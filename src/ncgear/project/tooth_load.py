@@ -13,6 +13,7 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import tangent_slope
 from ncgear.project.tooth_form import mesh_place
@@ -55,8 +56,13 @@ class ToothLoad:
 
     @property
     def peak_n(self) -> float:
-        """Largest normal force of all pairs of teeth together, over evenly spread angles."""
-        return float(np.abs(self.mesh_force(sample_angles(self.pair.transmission)).size_n.value).max())
+        """Largest normal force of all pairs of teeth together."""
+
+        def size_n(angle_rad: Array) -> Array:
+            return np.abs(self.mesh_force(angle_rad).size_n.value).reshape(1, -1)
+
+        (peak,) = largest_of_each(size_n, sample_angles(self.pair.transmission))
+        return peak.value
 
 
 def asked_of(drive: Geared) -> ToothLoad:

@@ -120,7 +120,4 @@ def _followed(design: Design | WrongInput, stage: str) -> tuple[Figures, str]:
                 found |= {f"{of}{name}": float(figure(pair)) for name, figure in STAGES[one].items()}
     except DesignError as error:
         return found, str(error)
-    except ArithmeticError as error:
-        # A search that found no place of contact: such gears cannot be rated.
-        return found, f"gears: the strength could not be computed: {error}"
     return found, MADE

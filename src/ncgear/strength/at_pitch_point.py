@@ -65,7 +65,7 @@ def rough_safeties(
 ) -> list[RoughSafety]:
     """Both gears' safeties against breakage and, where the material has figures, against pitting.
 
-    ``rack`` and ``addendum`` are in modules.  Raises ArithmeticError for racks that the formulas do not cover.
+    ``rack`` and ``addendum`` are in modules.  Raises Unanswered for racks that the formulas do not cover.
     """
     line_load = conditions.application_factor * load.force_n / running.face_width_mm
     shaken = line_load * (conditions.dynamic_factor or dynamic_factor(running, float(line_load.mean())))

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
@@ -229,7 +230,7 @@ def root_section(teeth: Real, shift: Real, rack: RackTip, pressure_angle_rad: fl
         wrong = theta - 2.0 * g / teeth * np.tan(theta) + h
         theta = theta - wrong / (1.0 - 2.0 * g / teeth / np.cos(theta) ** 2)
     if not np.all(np.abs(theta - 2.0 * g / teeth * np.tan(theta) + h) < 1e-12):
-        raise ArithmeticError("the auxiliary angle of the 30 degree tangent was not found")
+        raise Unanswered("the auxiliary angle of the 30 degree tangent was not found")
     arm = g / np.cos(theta) - rack.radius
     return RootSection(
         teeth * np.sin(pi / 3.0 - theta) + sqrt(3.0) * arm,

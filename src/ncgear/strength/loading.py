@@ -177,7 +177,7 @@ def shared(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array) -> Shared:
         if np.all(np.abs(step) <= ROUNDING_RAD):
             break
     error = urge * at
-    meshing.gaps.require_reach(phi1_rad, error)
+    meshing.require_reach(phi1_rad, error)
     return Shared(near.stiffness * near.lever_mm * np.maximum(ahead - at[:, None], 0.0), error)
 
 

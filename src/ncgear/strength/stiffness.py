@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ncgear.dynamics.pair_places import PairPlaces
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, row_blocks
 from ncgear.numerics.plane import along, as_complex
@@ -102,7 +103,7 @@ class LinearTeeth:
     line_load_n_mm: float
 
     def __call__(self, places: PairPlaces) -> Array:
-        """Stiffness in N/mm, shape (n,); raises ArithmeticError where a method gives none.
+        """Stiffness in N/mm, shape (n,); raises Unanswered where a method gives none.
 
         Edges count as the ends of their flanks, so that the stiffness goes on where contact goes over to an edge.
         """
@@ -120,7 +121,7 @@ class LinearTeeth:
         own, other = self.methods
         given: Array = own.compliance(driving, reach) + other.compliance(driven, reach)
         if not np.all(np.isfinite(given) & (given > 0.0)):
-            raise ArithmeticError("the compliance of a pair of teeth is not above 0")
+            raise Unanswered("the compliance of a pair of teeth is not above 0")
         return self.face_width_mm / given
 
     def reach_mm(self, curvature: Array) -> Array:
@@ -150,5 +151,5 @@ class EvenTeeth:
         return np.full(reach_mm.shape, 0.5 / (1e3 * ISO_N_MM_UM * self.youngs_modulus_mpa / STEEL_MPA))
 
     def root_stress(self, places: FlankPlaces) -> RootStress:
-        """Raises ArithmeticError: nothing is known of the root."""
-        raise ArithmeticError("teeth that are known by their stiffness alone have no root stress")
+        """Raises Unanswered: nothing is known of the root."""
+        raise Unanswered("teeth that are known by their stiffness alone have no root stress")

@@ -27,8 +27,8 @@ from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.tables import comparison_tables, strength_tables, typeset
 from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_without_gears
 from ncgear.errors import DesignError, WrongInput
-from ncgear.figures.advice.collected import build_advice, check_advice, rough_advice
 from ncgear.figures.advice.values import Advice
+from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.summary.build_summary import designed_contact
 from ncgear.figures.tables import Column, Table
@@ -47,12 +47,12 @@ LIVE_POINTS = 400
 
 
 def motion_answers(text: str, path: Path) -> Iterator[Answer]:
-    """Law, motion and power: ``motion``, ``figures``, ``chart`` for each chart, ``advice``."""
+    """Law, motion and power: ``motion``, ``figures`` with the verdict, ``chart`` for each chart."""
     yield from _guarded("design", partial(_motion, text, path))
 
 
 def gear_answers(text: str, path: Path) -> Iterator[Answer]:
-    """The machine and its teeth: ``scene``, ``teeth``, ``strength``, ``advice``, ``chart`` for each chart of teeth.
+    """The machine and its teeth: ``scene``, ``teeth``, ``strength``, ``verdict``, ``chart`` for each chart of teeth.
 
     There is a second ``scene`` after the contact, in which the gears have bore and holes.
     Where there are no gears such as the design wants, ``bare`` is the mechanism without them.
@@ -105,8 +105,7 @@ def _motion(text: str, path: Path) -> Iterator[Answer]:
             "facts": typeset(machine_facts(drive)),
             "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
             "tables": [_table(table) for table in comparison_tables(drive)],
-            "advice": [_advice("", one) for one in check_advice(drive)],
-            "rough": [_advice("", one) for one in rough_advice(drive)],
+            "verdict": _verdict(judged(drive, Known.MOTION)),
         },
     )
     yield from _drawn(scene, charts)
@@ -135,7 +134,7 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
     )
     yield "scene", _shown(scene_of(drive), gears=True)
     yield "strength", [_table(table) for _, pair in pairs for table in strength_tables(pair)]
-    yield "advice", [_advice(stage, one) for stage, pair in pairs for one in build_advice(pair)]
+    yield "verdict", _verdict(judged(drive, Known.TEETH))
     for _, pair in pairs:
         yield from _drawn(scene, charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
 
@@ -204,6 +203,16 @@ def _table(table: Table) -> dict[str, Any]:
         "columns": [[column.label, column.unit] for column in table.columns],
         "rows": [{"cells": row.cells, "span": row.span, "note": row.note} for row in table.html_rows],
         "notes": list(table.notes),
+    }
+
+
+def _verdict(verdict: Verdict) -> dict[str, Any]:
+    """The advices, and what is said of the whole."""
+    return {
+        "advices": [_advice(row.of, advice) for row in verdict.rows for advice in row.advices],
+        "good": "" if verdict.warnings else verdict.good,
+        "not_judged": verdict.not_judged,
+        "table": verdict.table,
     }
 
 

@@ -12,16 +12,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along, as_complex, as_points
-from ncgear.teeth.contour import INSIDE, SHORTEST_MM, SPANS
+from ncgear.teeth.contour import INSIDE, SAME_IN_MODULES, SHORTEST_IN_MODULES, SPANS
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
 from ncgear.teeth.stretch import Stretch
-
-STRAIGHT_MM = 1e-7
-"""Height of an arc over its chord below which it is written as a line."""
 
 SEEN = 0.9
 """Share of the tolerance that arcs may stray where they are looked at: between they stray by a few per cent more."""
@@ -47,9 +45,10 @@ class ArcOutline:
 def arc_outline(gear: ToothedGear, tolerance_mm: float) -> ArcOutline:
     """A gear's outline as lines and arcs within ``tolerance_mm`` of the exact curves.
 
-    Raises RuntimeError, a fault of ncgear, for a curve that the most spans do not follow.
+    Raises Unanswered for a curve that the most spans do not follow.
     """
-    found = [_followed(stretch, tolerance_mm) for stretch in exact_curves(gear.tips, gear.sides)]
+    module = gear.flanks.rack.module_mm
+    found = [_followed(stretch, tolerance_mm, module) for stretch in exact_curves(gear.tips, gear.sides)]
     chains = [chain for chains in found for chain in chains if chain.point.size]
     points, bulges, keys = (
         np.concatenate([getattr(chain, name) for chain in chains]) for name in ("point", "bulge", "key")
@@ -57,7 +56,7 @@ def arc_outline(gear: ToothedGear, tolerance_mm: float) -> ArcOutline:
     order = np.argsort(keys, kind="stable")
     points, bulges = points[order], bulges[order]
     # A row ends where the next begins: its last point is left out, but for the gaps of equivalent gears.
-    real = np.abs(np.roll(points, -1) - points) > SHORTEST_MM
+    real = np.abs(np.roll(points, -1) - points) > SHORTEST_IN_MODULES * module
     points, bulges = points[real], bulges[real]
     if float(np.sum(across(points, np.roll(points, -1)))) < 0.0:
         points, bulges = points[::-1], np.roll(-bulges[::-1], -1)
@@ -77,21 +76,21 @@ class _Chain:
     deviation_mm: float
 
 
-def _followed(stretch: Stretch, tolerance: float) -> list[_Chain]:
+def _followed(stretch: Stretch, tolerance: float, module: float) -> list[_Chain]:
     """Chains along all rows of a stretch, each with as few spans as are close enough."""
     ends = as_complex(stretch.at(np.arange(stretch.owner.size)[:, None], np.linspace(0.0, 1.0, 3))[0])
-    rows = np.nonzero(np.abs(np.diff(ends, axis=1)).sum(axis=1) > SHORTEST_MM)[0]
+    rows = np.nonzero(np.abs(np.diff(ends, axis=1)).sum(axis=1) > SHORTEST_IN_MODULES * module)[0]
     found: list[_Chain] = []
     for spans in (1, *SPANS):
         if not rows.size:
             return found
-        points, bulges, deviation = _biarcs(stretch, rows, spans)
+        points, bulges, deviation = _biarcs(stretch, rows, spans, SAME_IN_MODULES * module)
         close = deviation <= SEEN * tolerance
         if close.any():
             found.append(_flat(stretch, rows[close], points[close], bulges[close], float(deviation[close].max())))
         rows = rows[~close]
     if rows.size:
-        raise RuntimeError(f"a curve of flank {stretch.owner[rows[0]] + 1} is not followed by {SPANS[-1]} biarcs")
+        raise Unanswered(f"a curve of tooth {stretch.owner[rows[0]] // 2 + 1} is not followed by {SPANS[-1]} biarcs")
     return found
 
 
@@ -103,8 +102,11 @@ def _flat(stretch: Stretch, rows: IndexArray, point: ComplexArray, bulge: Array,
     return _Chain(point.ravel(), bulge.ravel(), key.ravel(), deviation)
 
 
-def _biarcs(stretch: Stretch, rows: IndexArray, spans: int) -> tuple[ComplexArray, Array, Array]:
-    """Points and bulges of the arcs (shape (r, 2 spans + 1)) along rows, and how far each row strays (shape (r,))."""
+def _biarcs(stretch: Stretch, rows: IndexArray, spans: int, straight: float) -> tuple[ComplexArray, Array, Array]:
+    """Points and bulges of the arcs (shape (r, 2 spans + 1)) along rows, and how far each row strays (shape (r,)).
+
+    Arcs that are lower over their chord than ``straight`` become lines.
+    """
     share = np.linspace(0.0, 1.0, spans + 1)
     point = as_complex(stretch.at(rows[:, None], share)[0])
     # At a joint of the pitch curve itself the slope may be that of the joint's other side.
@@ -116,7 +118,7 @@ def _biarcs(stretch: Stretch, rows: IndexArray, spans: int) -> tuple[ComplexArra
     length = np.abs(chord) ** 2
     tangent = length / (forwards + np.sqrt(forwards**2 + 2.0 * bent * length))
     joint = (start + end + tangent * (own - other)) / 2.0
-    first, second = _bulge(joint - start, own), -_bulge(end - joint, other)
+    first, second = _bulge(joint - start, own, straight), -_bulge(end - joint, other, straight)
     points = np.stack([start, joint], axis=2).reshape(len(rows), -1)
     bulges = np.stack([first, second], axis=2).reshape(len(rows), -1)
     probes = as_complex(stretch.at(rows[:, None, None], share[:-1, None] + PROBES / spans)[0])
@@ -126,14 +128,14 @@ def _biarcs(stretch: Stretch, rows: IndexArray, spans: int) -> tuple[ComplexArra
     return np.append(points, end[:, -1:], axis=1), np.append(bulges, np.zeros((len(rows), 1)), axis=1), apart
 
 
-def _bulge(chord: ComplexArray, heading: ComplexArray) -> Array:
+def _bulge(chord: ComplexArray, heading: ComplexArray, straight: float) -> Array:
     """Bulge of the arc that begins in a direction (unit vectors) and ends after a chord; 0 where it is nearly a line.
 
     The arc turns by twice the angle between the two.
     """
     length = np.abs(chord)
     bulge = across(heading, chord) / np.maximum(length + along(heading, chord), np.finfo(float).tiny)
-    return np.where(np.abs(bulge) * length / 2.0 > STRAIGHT_MM, bulge, 0.0)
+    return np.where(np.abs(bulge) * length / 2.0 > straight, bulge, 0.0)
 
 
 def _distance(point: ComplexArray, start: ComplexArray, end: ComplexArray, bulge: Array) -> Array:

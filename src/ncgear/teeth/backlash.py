@@ -15,6 +15,9 @@ The common normal of idle flanks goes through the pitch point, so its arm about 
 
 wherever on the line of action they touch; alpha is the rack's pressure angle of idle flanks, r1 and r2 are the pitch
 radii and the prime is a derivative by the driving angle.  Along the normal the play is L delta.
+
+A deviation of the tooth thickness moves idle flanks too, so that pushing flanks keep the law: by e along the pitch
+curve, on both gears, which takes 2 e cos(alpha) off the play along the normal, wherever the gears stand.
 """
 
 from __future__ import annotations
@@ -38,19 +41,25 @@ MOST_THINNED = 0.8
 left, and none at its tip."""
 
 
+ROUNDING_MM = 1e-9
+"""What rounding may leave of a thickness."""
+
+
 @dataclass(frozen=True)
 class Play:
     """The play of a pair.
 
-    The driven gear can be turned on by ``driven_rad``, wherever it stands.  ``least_normal_mm`` and
-    ``largest_normal_mm`` are that play along the idle flanks' normal, ``at`` driving angles in rad.  The driving gear's
-    idle flanks are set back by ``setback_mm`` along the pitch curve.
+    The driven gear's idle flanks stand turned by ``driven_rad``: by as much it can be turned on, wherever it stands,
+    where teeth have no deviation of their thickness.  ``least_normal_mm`` and ``largest_normal_mm`` are the play along
+    the idle flanks' normal, ``at`` driving angles in rad.  The driving gear's idle flanks are set back by
+    ``setback_mm`` along the pitch curve, and those of both gears stand out by ``thicker_mm``.
     """
 
     driven_rad: float
     least_normal_mm: Extremum
     largest_normal_mm: Extremum
     setback_mm: float
+    thicker_mm: float = 0.0
 
 
 NO_PLAY = Play(0.0, Extremum(0.0, 0.0), Extremum(0.0, 0.0), 0.0)
@@ -62,7 +71,8 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
 
     The last one is kept, since all sections of helical teeth ask for the same.
     """
-    if not (asked.least_normal_mm or asked.driven_rad):
+    lower, upper = asked.thickness_mm
+    if not (asked.least_normal_mm or asked.driven_rad or lower or upper):
         return NO_PLAY
     least, largest = (
         Extremum(arm.value * pitch.center_distance_mm, arm.at)
@@ -71,11 +81,25 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
     angle = asked.driven_rad or asked.least_normal_mm / least.value
     cosine = cos(rack.angles_rad[1])
     setback = asked.driving_share * angle * least.value / cosine
-    thinner = max(setback, angle * largest.value / cosine - setback)
-    if thinner >= MOST_THINNED * rack.pitch_mm / 2.0:
-        most = MOST_THINNED * rack.pitch_mm / 2.0 / thinner
-        raise _too_much(asked, most)
-    return Play(angle, Extremum(least.value * angle, least.at), Extremum(largest.value * angle, largest.at), setback)
+    thinner, allowed = max(setback, angle * largest.value / cosine - setback), MOST_THINNED * rack.pitch_mm / 2.0
+    if thinner >= allowed:
+        raise _too_much(asked, allowed / thinner)
+    if thinner - lower >= allowed:
+        raise WrongInput(
+            f"{lower:g} mm and the backlash take more than {MOST_THINNED:.0%} of the thickness off some teeth at the "
+            f"pitch curve; over {thinner - allowed:.3g} mm is right",
+            key="gears.tolerances.tooth_thickness_lower_mm",
+        )
+    room_mm = least.value * angle / (2.0 * cosine)
+    if upper > room_mm + ROUNDING_MM:
+        remedy = f"{room_mm:.3g} mm or less is right, or backlash_mm of {2.0 * upper * cosine:.3g} mm or more"
+        raise WrongInput(
+            f"{upper:g} mm on both gears is more than their backlash, so that the thickest teeth jam; {remedy}",
+            key="gears.tolerances.tooth_thickness_upper_mm",
+        )
+    wider_mm = -2.0 * asked.thicker_mm * cosine
+    low, high = (Extremum(one.value * angle + wider_mm, one.at) for one in (least, largest))
+    return Play(angle, low, high, setback, asked.thicker_mm)
 
 
 def _too_much(asked: Backlash, most: float) -> WrongInput:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ncgear.errors import WrongInput
+from ncgear.errors import Unanswered, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import along, angle_between, as_complex, as_points
@@ -196,7 +196,7 @@ def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple
             break
         chords = chords.halved(stretch, cut)
     else:
-        raise ArithmeticError("chords of a hollow curve were not found")
+        raise Unanswered("chords of a hollow curve were not found")
     return _written(stretch, chords, material * off * _left(chords.start_slope))
 
 

@@ -15,6 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, as_complex, square
@@ -79,10 +80,11 @@ The working flanks of an outline have a share of at least 0.15.  So faces and ar
 and gears made from them miss the law by no more.
 """
 
-SAME_MM = 1e-7
-"""Distance at which programs for solids take two points as one; a curve so near to a line or a circle becomes one."""
+SAME_IN_MODULES = 3e-8
+"""A curve so near to a line or a circle becomes one: about the distance at which programs for solids take two points of
+teeth of module 3 as one."""
 
-SHORTEST_MM = 100.0 * SAME_MM
+SHORTEST_IN_MODULES = 100.0 * SAME_IN_MODULES
 """Curves shorter than this are left out, and the curve before ends where the curve after begins: a face so narrow would
 consist of its own tolerances."""
 
@@ -94,15 +96,16 @@ def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float
     """A gear's outline as curves within ``tolerance_mm`` of the exact ones, in either sense.
 
     Flanks keep ``flank_tolerance_mm`` where it is given; ``deviation_mm`` then is that of the other curves as well.
-    Raises RuntimeError, a fault of ncgear, where a curve cannot be followed so, or does not begin where the last ends.
+    Raises Unanswered where a curve cannot be followed so, or does not begin where the last ends.
     """
     flanks, *others = exact_curves(gear.tips, gear.sides)
-    placed = _pieces(flanks, flank_tolerance_mm or tolerance_mm)
-    placed += [one for stretch in others for one in _pieces(stretch, tolerance_mm)]
+    module = gear.flanks.rack.module_mm
+    placed = _pieces(flanks, flank_tolerance_mm or tolerance_mm, module)
+    placed += [one for stretch in others for one in _pieces(stretch, tolerance_mm, module)]
     ordered = sorted(placed, key=lambda one: one.rank)
     curves = [one.curve for one in ordered]
-    whole = _bridged(curves) if gear.flanks.equivalent else curves
-    return Contour(_joined(whole), max(one.deviation_mm for one in ordered))
+    whole = _bridged(curves, module) if gear.flanks.equivalent else curves
+    return Contour(_joined(whole, module), max(one.deviation_mm for one in ordered))
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,13 +117,14 @@ class _Piece:
     deviation_mm: float
 
 
-def _pieces(stretch: Stretch, tolerance: float) -> list[_Piece]:
+def _pieces(stretch: Stretch, tolerance: float, module: float) -> list[_Piece]:
     """Every curve of a stretch that is long enough."""
+    same = SAME_IN_MODULES * module
     probes = stretch.at(np.arange(stretch.owner.size)[:, None], LOOKED_AT)[0]
-    rows = np.nonzero(np.linalg.norm(np.diff(probes, axis=1), axis=2).sum(axis=1) > SHORTEST_MM)[0]
+    rows = np.nonzero(np.linalg.norm(np.diff(probes, axis=1), axis=2).sum(axis=1) > SHORTEST_IN_MODULES * module)[0]
     plain = {}
-    for row in rows[_perhaps_plain(as_complex(probes[rows]), SAME_MM)]:
-        found = line_or_arc(probes[row], SAME_MM)
+    for row in rows[_perhaps_plain(as_complex(probes[rows]), same)]:
+        found = line_or_arc(probes[row], same)
         if found is not None:
             plain[int(row)] = _Piece(float(stretch.rank[row]), *found)
     bent = np.setdiff1d(rows, list(plain))
@@ -144,7 +148,7 @@ def _perhaps_plain(points: ComplexArray, within_mm: float) -> Mask:
     return perhaps
 
 
-def _bridged(curves: list[Curve]) -> list[Curve]:
+def _bridged(curves: list[Curve], module: float) -> list[Curve]:
     """The curves with a line in each gap, where an outline has a chord.
 
     Equivalent gears have gaps, since their flanks belong to other circles than the lands between them.
@@ -152,21 +156,21 @@ def _bridged(curves: list[Curve]) -> list[Curve]:
     closed: list[Curve] = []
     for one, after in zip(curves, [*curves[1:], curves[0]], strict=True):
         closed.append(one)
-        if np.linalg.norm(after.start - one.end) > SHORTEST_MM:
+        if np.linalg.norm(after.start - one.end) > SHORTEST_IN_MODULES * module:
             closed.append(Line(one.end, after.start))
     return closed
 
 
-def _joined(curves: list[Curve]) -> tuple[Curve, ...]:
+def _joined(curves: list[Curve], module: float) -> tuple[Curve, ...]:
     """The curves, each ending exactly where the next begins."""
-    return tuple(_ending(one, after.start) for one, after in zip(curves, [*curves[1:], curves[0]], strict=True))
+    return tuple(_ending(one, after.start, module) for one, after in zip(curves, [*curves[1:], curves[0]], strict=True))
 
 
-def _ending(curve: Curve, end: Array) -> Curve:
+def _ending(curve: Curve, end: Array, module: float) -> Curve:
     """The curve with its end moved by a rounding error, or by as much as a curve that was left out."""
     gap = float(np.linalg.norm(curve.end - end))
-    if not gap <= 2.0 * SHORTEST_MM:
-        raise RuntimeError(f"two curves of an outline are {gap:.3g} mm apart where they should meet")
+    if not gap <= 2.0 * SHORTEST_IN_MODULES * module:
+        raise Unanswered(f"two curves of an outline are {gap:.3g} mm apart where they should meet")
     if isinstance(curve, Spline):
         return replace(curve, poles_mm=np.vstack([curve.poles_mm[:-1], end]))
     return replace(curve, end=end)
@@ -203,7 +207,7 @@ class Splines:
 def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> list[Splines]:
     """Splines for the chosen rows of a stretch, each closer to its curve than ``tolerance_mm``.
 
-    Raises RuntimeError, a fault of ncgear, for a curve that the most spans do not follow.
+    Raises Unanswered for a curve that the most spans do not follow.
     """
     found: list[Splines] = []
     for spans in SPANS:
@@ -215,7 +219,7 @@ def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> l
             found.append(Splines(rows[close], made.knots, made.poles_mm[close], made.deviation_mm[close]))
         rows = rows[~close]
     if rows.size:
-        raise RuntimeError(f"a curve of flank {stretch.owner[rows[0]] + 1} is not followed by {SPANS[-1]} spans")
+        raise Unanswered(f"a curve of tooth {stretch.owner[rows[0]] // 2 + 1} is not followed by {SPANS[-1]} spans")
     return found
 
 

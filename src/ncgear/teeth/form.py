@@ -164,11 +164,18 @@ class Backlash:
 
     It is given along the flanks' normal where it is least, or as the driven gear's angle; at most one is not zero.
     ``driving_share`` of the least normal backlash is taken off the driving gear's teeth, the rest off the driven's.
+    ``thickness_mm`` are the lower and the upper deviation of the tooth thickness along the pitch curve, of both gears.
     """
 
     least_normal_mm: float = 0.0
     driven_rad: float = 0.0
     driving_share: float = 0.5
+    thickness_mm: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def thicker_mm(self) -> float:
+        """How much thicker than without a deviation teeth are: the middle of what is allowed."""
+        return sum(self.thickness_mm) / 2.0
 
 
 class CutterKind(Enum):

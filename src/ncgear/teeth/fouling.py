@@ -20,7 +20,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.numerics.crossing import chord_crossings
+from ncgear.numerics.crossing import boxes, chord_crossings
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.curve import CurvePoints
 from ncgear.teeth.flank import Flanks, flank_name
@@ -73,7 +73,9 @@ class TipPaths:
     def in_mate(self, edge: Array) -> Array:
         """Paths of edges, given by points of shape (meetings, 2), in the mate's frame; shape (meetings, points, 2)."""
         arm = edge[:, None, :] - self.at.position
-        along, outwards = np.sum(arm * self.at.tangent, axis=2), np.sum(arm * self.at.normal, axis=2)
+        along, outwards = (
+            arm[..., 0] * way[..., 0] + arm[..., 1] * way[..., 1] for way in (self.at.tangent, self.at.normal)
+        )
         path: Array = self.there.position
         path = path + along[..., None] * self.there.tangent - outwards[..., None] * self.there.normal
         return path
@@ -213,7 +215,7 @@ def _running_into(path: Array, teeth: Array, tooth: IndexArray, neighbours: int)
     hit = np.zeros(len(path), dtype=bool)
     beside = (tooth[:, None] + np.arange(-neighbours, neighbours + 1)) % len(teeth)
     # Most teeth are out of reach: their boxes do not meet the path's.
-    (low, high), (least, most) = ((points.min(axis=1), points.max(axis=1)) for points in (path, teeth))
+    (low, high), (least, most) = boxes(path), boxes(teeth)
     near = np.all((high[:, None] >= least[beside]) & (low[:, None] <= most[beside]), axis=2)
     row, column = np.nonzero(near)
     hit[row[chord_crossings(path[row], teeth[beside[row, column]])[0]]] = True

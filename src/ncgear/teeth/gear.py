@@ -130,8 +130,8 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     quarter = form.rack.pitch_mm / 4.0
     pushing, idle = ((racks[0].shift_mm - racks[1].shift_mm) / 2.0 * tan(angle) for angle in form.rack.angles_rad)
     turn = -pitch.mesh.sense * play.driven_rad
-    first = quarter + pushing, quarter + idle - play.setback_mm
-    second = quarter - idle + play.setback_mm, quarter - pushing
+    first = quarter + pushing, quarter + idle - play.setback_mm + play.thicker_mm
+    second = quarter - idle + play.setback_mm + play.thicker_mm, quarter - pushing
     arc = pitch.toothed
     first_mm = advance_mm - (arc.before * form.rack.pitch_mm if arc else 0.0)
     start = first_mm, first_mm + 2.0 * quarter

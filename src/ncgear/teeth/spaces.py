@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered, searched_for
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points
@@ -122,7 +122,8 @@ def _fitted(flanks: Flanks, radii: Array, depth_of: ByRadius) -> Array:
         slope, steeper = (np.subtract(*values.reshape(2, -1)[::-1]) for values in (trial.depth_mm, rates[1]))
         return last + turn[number] - first - np.abs(slope), rate - np.sign(slope) * steeper
 
-    fitting = _largest_fitting(flats, radii[front], LEAST_FLAT * module, AGREEMENT * module)
+    with searched_for(lambda number: flank_name(flanks, int(front[number])), "gears.teeth"):
+        fitting = _largest_fitting(flats, radii[front], LEAST_FLAT * module, AGREEMENT * module)
     if np.isnan(fitting).any():
         raise _pointed(flanks, int(front[np.isnan(fitting)][0]))
     fitted = np.empty(flanks.count)
@@ -158,7 +159,10 @@ def _largest_fitting(flats: ByRadius, most_mm: Array, least_mm: float, within_mm
         return flat - least_mm, rate
 
     ends = np.zeros(tight.size), most_mm[tight]
-    radii[tight] = zeros_by_slope(excess, *ends, (sharp, most[tight]), within_mm)
+    try:
+        radii[tight] = zeros_by_slope(excess, *ends, (sharp, most[tight]), within_mm)
+    except Unanswered as error:
+        raise Unanswered(error.problem, rows=tight[list(error.rows)].tolist()) from error
     return radii
 
 
@@ -189,6 +193,10 @@ LEAST_COSINE = 0.2
 """Least cosine of the edge's slope that a step is divided by; tips slope by 45 degrees at most."""
 
 
+FOOT_IN_MODULES = 1e-9
+"""Distance along the pitch curve at which a foot counts as found; the height is off by the square of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Roots:
     """The edges that leave root lands, in the tool's frame, and where lands begin and end.
@@ -210,6 +218,17 @@ class Roots:
     def lands(self) -> tuple[Array, Array]:
         """Arc lengths at which the land after each tooth begins and ends, shape (z,) each."""
         return self.end_mm[1::2], np.append(self.end_mm[2::2], self.end_mm[0] + self.flanks.curve.length_mm)
+
+    def feet(self) -> tuple[Array, Array]:
+        """Arc lengths of the pitch curve that both ends of the lands stand over without play, and their heights.
+
+        The shape is (z, 2) each; NaN where they stand over no place.
+        """
+        ends, tooth = np.stack(self.lands(), axis=1), np.arange(len(self.center_mm))
+        points = as_complex(self.unturned.land(tooth[:, None], ends)[0]).ravel()
+        within = FOOT_IN_MODULES * self.flanks.rack.module_mm
+        foot, height = self.flanks.curve.feet(points, ends.ravel(), within)
+        return foot.reshape(ends.shape), height.reshape(ends.shape)
 
     def land(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
         """Points of the lands after teeth (numbered from 0) at arc lengths, and derivatives; shapes broadcast.

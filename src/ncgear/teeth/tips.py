@@ -13,7 +13,7 @@ from math import degrees
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, searched_for
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
@@ -31,8 +31,10 @@ PROBES = 17
 """Points on the way to a crossing at which the flank must be regular, where bounds of the curvature do not prove it;
 fitted tips are held against the exact cusp."""
 
-FAR = 3.0
-"""Flanks are followed up to this many tip heights; they lean so much that they reach the tip land before."""
+FAR, FARTHEST = 3.0, 8.0
+"""Flanks are followed up to so many tip heights; those of low tips step by step up to the second number, but no farther
+than those of full tips.  On a circle they lean so much that they reach the tip land within two; where the curvature
+changes on the way they may need more."""
 
 LOWEST = 0.05
 """Share of a pointed tip's height at which the search for the height of the least land begins."""
@@ -267,11 +269,10 @@ def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array
 
 
 def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
-    """Crossings in brackets from the pitch curve up to the cusps."""
-    tip = flanks.tip_height_mm[which]
-    high = regular_height(flanks, np.maximum(FAR * tip, 0.0), which)
-
-    lost = np.zeros(which.size, dtype=bool)
+    """The first crossings on the way from the pitch curve up to the cusps, by steps and then in brackets."""
+    tip, every = flanks.tip_height_mm[which], np.arange(which.size)
+    far = np.clip(FAR * flanks.rack.tip_height_mm, FAR * tip, FARTHEST * tip)
+    high, lost = regular_height(flanks, np.maximum(far, 0.0), which), np.zeros(which.size, dtype=bool)
 
     def excess(height: Array, row: IndexArray) -> Array:
         distance = _foot(flanks, which[row], height)[1] - tip[row]
@@ -279,9 +280,15 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
         lost[row] |= np.isnan(distance)
         return np.nan_to_num(distance)
 
-    met = (tip > 0.0) & (excess(high, np.arange(which.size)) >= 0.0) & ~lost
+    before, after, met = np.zeros(which.size), np.zeros(which.size), np.zeros(which.size, dtype=bool)
+    for share in np.linspace(0.0, 1.0, PROBES)[1:]:
+        rows = every[(tip > 0.0) & ~met & ~lost]
+        before[rows], after[rows] = after[rows], share * high[rows]
+        met[rows] = excess(after[rows], rows) >= 0.0
+        met &= ~lost
     rows, height = np.nonzero(met)[0], np.full(which.size, np.nan)
-    height[rows] = zeros_between(lambda trial: excess(trial, rows), np.zeros(rows.size), high[rows])
+    with searched_for(lambda row: flank_name(flanks, int(which[rows[row]])), "gears.teeth"):
+        height[rows] = zeros_between(lambda trial: excess(trial, rows), before[rows], after[rows])
     height[lost] = np.nan
     sigma = _foot(flanks, which, height)[0]
     return height, sigma, np.isfinite(height) & np.isfinite(sigma)
@@ -299,7 +306,7 @@ def _with_lands(edges: _Edges, least: float) -> tuple[_Edges, Mask]:
     lands, found, met = _newton_lands(edges, back, least)
     lost = back[~met]
     if lost.size:
-        lands[~met] = _height_of_land(flanks, lost, least)
+        lands[~met] = _height_of_land(flanks, lost, least, width[lost // 2])
     most[back] = most[back + 1] = lands
     wide, both = np.minimum(height, most), np.repeat(met, 2)
     chosen = np.column_stack([back, back + 1]).ravel()[both]
@@ -355,8 +362,12 @@ def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array,
     return land, (height, sigma), found
 
 
-def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
-    """Greatest tip heights at which the lands of the teeth with back flanks ``back`` have the width ``least``."""
+def _height_of_land(flanks: Flanks, back: IndexArray, least: float, known: Array) -> Array:
+    """Greatest tip heights at which the lands of the teeth with back flanks ``back`` have the width ``least``.
+
+    ``known`` are their widths at full height, which are less.  Where an edge is hardly met there, rounding may tell
+    another width the next time: the height is then that from which on it is met.
+    """
 
     def excess(height: Array) -> Array:
         most = np.full(flanks.count, np.inf)
@@ -369,7 +380,8 @@ def _height_of_land(flanks: Flanks, back: IndexArray, least: float) -> Array:
     thick = excess(low)
     if not np.all(thick > 0.0):
         raise no_tip(flanks, int(back[~(thick > 0.0)][0]))
-    return zeros_between(excess, low, high, (thick, excess(high)))
+    with searched_for(lambda row: flank_name(flanks, int(back[row])), "gears.teeth"):
+        return zeros_between(excess, low, high, (thick, np.minimum(excess(high), known - least)))
 
 
 def _land(flanks: Flanks, back: IndexArray) -> Array:

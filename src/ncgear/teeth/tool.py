@@ -12,7 +12,7 @@ pitch point where Q is nearest to the tool's curve, and reaches one radius deepe
 
 from __future__ import annotations
 
-from math import pi
+from math import ceil, cos, pi, sin
 
 import numpy as np
 
@@ -177,8 +177,8 @@ def chosen_tools(pitch: PitchPair, form: ToothForm) -> tuple[CutterKind, tuple[T
     """The kind of tool, and what cuts the driving and what cuts the driven gear.
 
     Where no kind is asked for it is a rack for convex curves, else the mating gear, since no rack goes into a concave
-    stretch.  Raises NoSuchMechanism for a rack on a concave curve, whose hollow flanks no straight edge can cut, and
-    for a pinion cutter that is larger than a concave stretch.
+    stretch.  Raises NoSuchMechanism for a rack whose straight edge would cut more than HARMLESS modules into the hollow
+    flanks of a concave stretch, and for a pinion cutter that is as much too large for it.
     """
     kind = form.cutter.kind
     if kind is CutterKind.AUTO:
@@ -186,12 +186,13 @@ def chosen_tools(pitch: PitchPair, form: ToothForm) -> tuple[CutterKind, tuple[T
     if kind is CutterKind.MATE:
         return kind, (pitch.driven, pitch.driving)
     if kind is CutterKind.RACK:
-        _refuse_gouging(pitch, 0.0, "a rack", "kind: mate, or kind: pinion, is needed", "gears.cutter.kind")
+        _refuse_gouging(pitch, form.rack, 0.0, "a rack", "kind: mate, or kind: pinion, is needed", "gears.cutter.kind")
         return kind, (RackLine(), RackLine())
     teeth = form.cutter.teeth if form.cutter.teeth is not None else max(most_teeth(pitch, form.rack), 3)
     pinion = PinionCircle(teeth, form.rack.module_mm)
     _refuse_gouging(
         pitch,
+        form.rack,
         1.0 / pinion.radius_mm,
         f"a pinion cutter of {teeth} teeth (pitch radius {pinion.radius_mm:.4g} mm)",
         "fewer cutter teeth, kind: mate, or more teeth of a smaller module are needed",
@@ -215,13 +216,53 @@ def most_teeth(pitch: PitchPair, rack: BasicRack) -> int:
     return MOST_TEETH if radius is None else min(MOST_TEETH, int(2.0 * radius / rack.module_mm) - FEWER_TEETH)
 
 
-def _refuse_gouging(pitch: PitchPair, curvature: float, cutter: str, remedy: str, key: str) -> None:
-    """Refuse a cutter that is flatter than a concave stretch: its flanks would be flatter than the gear's there."""
+HARMLESS = 1e-3
+"""Depth in modules to which a tool may cut into hollow flanks: a micrometre at module 1, where the finest usual
+tolerances of a profile's form are twice as much."""
+
+PER_MODULE = 16
+"""Points of a pitch curve per module at which that depth is computed; its curvature is smooth over a module."""
+
+
+def gouged_mm(curve: PitchCurve, rack: BasicRack, curvature: float = 0.0) -> float:
+    """How deep a tool of a curvature in 1/mm (a rack's is 0) cuts into the flanks of a curve's concave stretches.
+
+    While the tool rolls from x to y it turns against the gear by the integral of K = k + curvature, and the place where
+    its edge touches moves along the flank by about sin(alpha) for each mm.  So the edge that touches at x is below the
+    point that is touched at y by sin(alpha) times the integral of (y - z) (-K(z)) from x to y.  Both places lie between
+    the tip and the end of the straight edge, which takes a way of height / (sin(alpha) cos(alpha)).
+    """
+    if curve.curvature_bounds[0] + curvature >= 0.0:
+        return 0.0
+    step, depths = rack.module_mm / PER_MODULE, [0.0]
+    for angle in dict.fromkeys(rack.angles_rad):
+        way = ceil((rack.tip_height_mm + rack.flank_depth_mm) / (sin(angle) * cos(angle)) / step)
+        around = step * np.arange(-way, ceil(curve.length_mm / step) + way + 1.0)
+        turned = _summed(curve.at_length(around).curvature + curvature) * step
+        sunk = _summed(turned) * step
+        for steps in range(1, way + 1):
+            farther = sunk[steps:] - sunk[:-steps]
+            onwards, back = (at * steps * step - farther for at in (turned[:-steps], turned[steps:]))
+            depths.append(sin(angle) * float(max(onwards.max(), -back.min())))
+    return max(depths)
+
+
+def _summed(values: Array) -> Array:
+    """Integrals from the first of evenly spaced values to each, in steps, by trapezia."""
+    return np.concatenate([[0.0], np.cumsum((values[1:] + values[:-1]) / 2.0)])
+
+
+def _refuse_gouging(pitch: PitchPair, rack: BasicRack, curvature: float, cutter: str, remedy: str, key: str) -> None:
+    """Refuse a cutter that is flatter than a concave stretch, and so cuts too deep into the hollow flanks there."""
     for gear in Gear:
         low = pitch.curvature_range[gear][0]
-        if (curvature + low.value) * pitch.center_distance_mm < -STRAIGHT:
+        if (curvature + low.value) * pitch.center_distance_mm >= -STRAIGHT:
+            continue
+        depth = gouged_mm(pitch.of(gear), rack, curvature)
+        if not depth <= HARMLESS * rack.module_mm:
             raise NoSuchMechanism(
                 f"{cutter} does not go into the {gear.value} pitch curve, which is concave with a radius of "
-                f"{-1.0 / low.value:.4g} mm at phi1 = {in_words(low.at)}; {remedy}",
+                f"{-1.0 / low.value:.4g} mm at phi1 = {in_words(low.at)}: it would cut {depth:.3g} mm deep into the "
+                f"flanks there, and {HARMLESS * rack.module_mm:.3g} mm is the most; {remedy}",
                 key=key,
             )

@@ -17,7 +17,7 @@ from ncgear.tolerances.drawn import COUNT, Source, spread
 from ncgear.workers import finished
 
 JAMMED_RAD = 1e-9
-"""Overlap of the driven gear's angle from which teeth jam: rounding errors are less."""
+"""Overlap of the driven gear's angle from which teeth jam, and spread of an angle that counts: rounding is less."""
 
 ALONE = 3e9
 """Places of contact times assemblies up to which this process computes alone, unless processes are asked for: some
@@ -150,17 +150,20 @@ def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
 def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
     """The indices of each of INDEXED from the assemblies of ``sobol_tasks``, the greatest first.
 
-    What does not vary has none.
+    What does not vary has none, and all of the variance is a single source's.
     """
     from scipy.stats import sobol_indices
 
-    sources = lot.sources
+    sources, follower = lot.sources, lot.follower
     count = found.count // (len(sources) + 2)
-    indices = {}
+    turned = dict.fromkeys(INDEXED[:2], follower.radius_mm) | {"motion_error": follower.slope}
+    indices: dict[str, tuple[Index, ...]] = {}
     for name in INDEXED:
         values = getattr(found, name).reshape(len(sources) + 2, 1, count)
-        size = float(np.abs(values).max())
-        if np.ptp(values) <= 1e-9 * max(size, 1e-9):
+        if np.ptp(values) <= JAMMED_RAD * float(np.abs(turned.get(name, values)).max()):
+            continue
+        if len(sources) == 1:
+            indices[name] = (Index(sources[0], 1.0, 1.0, 0.0),)
             continue
         result = sobol_indices(func={"f_A": values[0], "f_B": values[1], "f_AB": values[2:]}, n=count)
         squared = (values[0] - values[2:])[:, 0] ** 2 / (2.0 * values[:2].var())
@@ -184,8 +187,9 @@ class FirstOrder:
 
     @property
     def difference(self) -> float:
-        """Largest difference of both, as a share of the largest of those drawn."""
-        return float(np.abs(self.linear_mm - self.drawn_mm).max() / self.drawn_mm.max())
+        """Largest difference of both, as a share of the largest of those drawn; 0 where nothing is spread."""
+        largest = float(self.drawn_mm.max())
+        return float(np.abs(self.linear_mm - self.drawn_mm).max() / largest) if largest else 0.0
 
 
 def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
@@ -210,4 +214,5 @@ def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
         )
     plays = np.concatenate([-mesh.leads(lot.drawn(task)[number]).sum(axis=0) for task in tasks], axis=1)
     by_source = {source: np.sqrt(one) * arm for source, one in variance.items()}
-    return FirstOrder(np.sqrt(sum(variance.values())) * arm, plays.std(axis=1) * arm, by_source)
+    spread_rad = np.where(np.ptp(plays, axis=1) > JAMMED_RAD, plays.std(axis=1), 0.0)
+    return FirstOrder(np.sqrt(sum(variance.values())) * arm, spread_rad * arm, by_source)

@@ -10,7 +10,13 @@ import numpy as np
 from ncgear.contact.designed.clearance import TipClearance, tip_clearances
 from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
 from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits, first_edge_contacts
-from ncgear.contact.designed.flanks import TOUCHING_MM, FlankContacts, PairsInContact, flank_contacts, foremost_two
+from ncgear.contact.designed.flanks import (
+    TOUCHING_IN_PITCHES,
+    FlankContacts,
+    PairsInContact,
+    flank_contacts,
+    foremost_two,
+)
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, URGE, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
@@ -188,8 +194,9 @@ def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
     paths = _paths_of(teeth)
 
     def touch(placement: Placement) -> PairTouch:
-        found = _candidates(teeth, paths, placement, single_meetings(teeth, placement), TOUCHING_MM)
-        contacts = _contacts_among(found, TOUCHING_MM)
+        touching_mm = TOUCHING_IN_PITCHES * placement.pitch_mm
+        found = _candidates(teeth, paths, placement, single_meetings(teeth, placement), touching_mm)
+        contacts = _contacts_among(found, touching_mm)
         return PairTouch(placement, *_touch(contacts, foremost_two(contacts, placement), placement))
 
     return touch
@@ -262,11 +269,12 @@ def _contacts_among(found: _Candidates, within_mm: Array | float) -> Contacts:
 
 def _rigid_contacts(found: _Candidates, placement: Placement) -> tuple[Contacts, Array]:
     """All contacts that touch or tell where flanks begin to, and the values of ``foremost_two``."""
-    contacts = _contacts_among(found, TOUCHING_MM)
+    touching_mm = TOUCHING_IN_PITCHES * placement.pitch_mm
+    contacts = _contacts_among(found, touching_mm)
     foremost = foremost_two(contacts, placement)
     beside = found.flanks.beside_parted(foremost)
     if beside.any():
-        within_mm = np.where(beside, BESIDE_IN_PITCHES * placement.pitch_mm, TOUCHING_MM)
+        within_mm = np.where(beside, BESIDE_IN_PITCHES * placement.pitch_mm, touching_mm)
         contacts = _contacts_among(found, within_mm)
         foremost = foremost_two(contacts, placement)
     return contacts, foremost
@@ -275,7 +283,8 @@ def _rigid_contacts(found: _Candidates, placement: Placement) -> tuple[Contacts,
 def _touch(contacts: Contacts, foremost: Array, placement: Placement) -> tuple[SideTouch, SideTouch]:
     """The first contacts among all, on pushing flanks and on their backs, by the values of ``foremost_two``."""
     later = foremost[0, contacts.side, contacts.position] - contacts.lead_rad
-    first, touching = _foremost(contacts, later <= ALIKE_RAD, placement), later * contacts.lever_mm <= TOUCHING_MM
+    first = _foremost(contacts, later <= ALIKE_RAD, placement)
+    touching = later * contacts.lever_mm <= TOUCHING_IN_PITCHES * placement.pitch_mm
     pushing, back = (
         SideTouch(side, contacts.kept(first[side]), contacts.kept(touching & (contacts.side == side)))
         for side in BOTH_SIDES

@@ -1,10 +1,11 @@
 """Clearance as designed: how far a gear's tips stay from the other's roots as they stand over the pitch point.
 
-Tip and root lands are parallel to pitch curves that roll on each other: over the pitch point they have the normal in
-common.  There the corners of a tip are nearest to fillets; farther on they go over into contact with flanks.
+Tip and root lands are about parallel to pitch curves that roll on each other: over the pitch point they have the normal
+in common.  There the corners of a tip are nearest to fillets; farther on they go over into contact with flanks.
 
 The ends of the teeth's sides tell where the lands end at each flank, how wide they are and how far they are from the
-pitch curve.  So all this holds for tips of any height and roots of any depth.
+pitch curve.  So all this holds for tips of any height and roots of any depth.  Lands that slope change their height
+evenly from end to end, so that a tip is nearest to a root at an end of the part that both have in common.
 """
 
 from __future__ import annotations
@@ -13,9 +14,12 @@ import numpy as np
 
 from ncgear.contact.designed.curves import SidePaths
 from ncgear.contact.placement import BACK, PUSHING, Meetings
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
-from ncgear.numerics.plane import across, along, as_complex, square
+from ncgear.numerics.plane import across, as_complex, square
+from ncgear.teeth.flank import flank_name
+from ncgear.teeth.spaces import FOOT_IN_MODULES
 
 
 @dataclass(frozen=True)
@@ -74,12 +78,12 @@ def _tip_clearances(facing: _Facing, side: IndexArray) -> tuple[TipClearance, Ti
 def _over_lands(facing: _Facing, tips: _Lands) -> Array:
     """Distances of tip lands from root lands, infinite where the tip land does not come over the root land."""
     roots, back = _root_lands(facing.roots), -facing.sense
-    tip_end = back * tips.from_crossing_mm[facing.flank]
-    root_end = back * (roots.from_crossing_mm[facing.other] + facing.lead_mm)
-    above = tip_end <= root_end + roots.width_mm[facing.other]
-    above &= root_end <= tip_end + tips.width_mm[facing.flank]
-    distance = -roots.height_mm[facing.other] - tips.height_mm[facing.flank]
-    return np.where(above, distance, np.inf)
+    tip, root = tips.of(facing.flank), roots.of(facing.other)
+    tip_end = back * tip.from_crossing_mm
+    root_end = back * (root.from_crossing_mm + facing.lead_mm)
+    low, high = np.maximum(tip_end, root_end), np.minimum(tip_end + tip.width_mm, root_end + root.width_mm)
+    nearest = [-root.height_at(place - root_end) - tip.height_at(place - tip_end) for place in (low, high)]
+    return np.where(low <= high, np.minimum(*nearest), np.inf)
 
 
 def _over_fillets(facing: _Facing, tips: _Lands) -> Array:
@@ -131,49 +135,53 @@ def _nearest(
     return found[nearest], slope[nearest]
 
 
-FOOT_STEPS = 12
-"""Steps of Newton's method to a foot on the pitch curve; two do where a tooth has a tip land."""
-
-FOOT_IN_MODULES = 1e-9
-"""Distance along the pitch curve at which a foot counts as found; the height is off by the square of it."""
-
-
 @dataclass(frozen=True, eq=False)
 class _Lands:
     """The tip or root land at each of a gear's f flanks, shape (f,) each.
 
     ``from_crossing_mm`` is the arc length from the flank's crossing of the pitch curve to the land's end at this flank,
-    ``width_mm`` the land's length along the pitch curve, ``height_mm`` its height over the pitch curve, which is
-    negative for roots.
+    ``width_mm`` the land's length along the pitch curve, ``height_mm`` its height over the pitch curve at this end and
+    ``far_mm`` at the other one; heights are negative for roots.  Values are NaN where they were not found.
     """
 
     from_crossing_mm: Array
     width_mm: Array
     height_mm: Array
+    far_mm: Array
+
+    @classmethod
+    def ending(cls, from_crossing_mm: Array, feet_mm: Array, height_mm: Array, first: int) -> _Lands:
+        """Lands by feet and heights of both their ends, shape (n, 2); flank ``first`` is the one at the first end."""
+        far, width = height_mm[:, ::-1], np.repeat(feet_mm[:, 1] - feet_mm[:, 0], 2)
+        columns = (np.roll(values.ravel(), first) for values in (width, height_mm, far))
+        return cls(from_crossing_mm, *columns)
+
+    def of(self, flank: IndexArray) -> _Lands:
+        """Those at the given flanks."""
+        return _Lands(*(values[flank] for values in vars(self).values()))
+
+    def height_at(self, along_mm: Array) -> Array:
+        """Heights at arc lengths from the ends at their flanks."""
+        share = along_mm / np.where(self.width_mm > 0.0, self.width_mm, 1.0)
+        return self.height_mm + (self.far_mm - self.height_mm) * share
 
 
 def _tip_lands(paths: SidePaths) -> _Lands:
     """The tips of all teeth; a pointed one has no width.
 
-    Raises ArithmeticError where the point of the pitch curve that a pointed tooth's tip stands over is not found.
+    Raises Unanswered where the point of the pitch curve that a pointed tooth's tip stands over is not found.
     """
-    foot, unturned = paths.sides.tip_mm, paths.corner[:, 0] * np.exp(-1j * paths.flanks.turn_rad)
-    for _ in range(FOOT_STEPS):
-        at = paths.flanks.curve.at_length(foot)
-        arm = unturned - as_complex(at.position)
-        height = along(as_complex(at.normal), arm)
-        step = along(as_complex(at.tangent), arm) / (1.0 + height * at.curvature)
-        if np.all(np.abs(step) <= FOOT_IN_MODULES * paths.flanks.rack.module_mm):
-            return _Lands(foot - paths.flanks.crossing_mm, np.repeat(foot[1::2] - foot[0::2], 2), height)
-        foot = foot + step
-    raise ArithmeticError("the foot of a tooth's tip on the pitch curve was not found")
+    flanks, unturned = paths.flanks, paths.corner[:, 0] * np.exp(-1j * paths.flanks.turn_rad)
+    foot, height = flanks.curve.feet(unturned, paths.sides.tip_mm, FOOT_IN_MODULES * flanks.rack.module_mm)
+    if np.isnan(foot).any():
+        name = flank_name(flanks, int(np.argmax(np.isnan(foot))))
+        raise Unanswered(f"{name}: the foot of its tip on the pitch curve was not found")
+    return _Lands.ending(foot - flanks.crossing_mm, foot.reshape(-1, 2), height.reshape(-1, 2), 0)
 
 
 def _root_lands(paths: SidePaths) -> _Lands:
-    """The roots of all spaces, which begin where the fillets end, right under the pitch curve's points."""
-    roots = paths.sides.roots
-    # The back flank of a space belongs to the next tooth.
-    ends = np.stack(roots.lands(), axis=1)
-    height = np.roll(roots.height(np.arange(len(ends))[:, None], ends).ravel(), 1)
-    width = np.roll(np.repeat(ends[:, 1] - ends[:, 0], 2), 1)
-    return _Lands(roots.end_mm - paths.flanks.crossing_mm, width, height)
+    """The roots of all spaces, as they are without play."""
+    (feet, height), crossing = paths.sides.roots.feet(), paths.flanks.crossing_mm
+    # The back flank of a space belongs to the next tooth, which for the last space is beyond the seam.
+    beside = np.append(crossing[1:], crossing[0] + paths.flanks.curve.length_mm)
+    return _Lands.ending(np.roll(feet.ravel() - beside, 1), feet, height, 1)

@@ -14,10 +14,12 @@ import numpy as np
 
 from ncgear.contact.designed.curves import TINY, Contacts, SeenGear, SidePaths
 from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement
+from ncgear.errors import Unanswered, searched_for
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
 from ncgear.numerics.crossing import circle_crossings
 from ncgear.numerics.plane import along, angle_between, square
+from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
 from ncgear.teeth.tool import AGREEMENT
 
@@ -84,6 +86,12 @@ class EdgeHits(Columns):
         """Parameters of the curves at both ends of each chord."""
         parameter = self.curves.paths.parameter
         return parameter[self.run, self.chord], parameter[self.run, self.chord + 1]
+
+    def named(self, number: int) -> str:
+        """A hit in the words of messages."""
+        driving, driven = self.driving[number] // 2 + 1, self.driven[number] // 2 + 1
+        phi1 = in_words(float(self.curves.placement.phi1_rad[self.position[number]]))
+        return f"the contact of driving tooth {driving} and driven tooth {driven} at phi1 = {phi1}"
 
 
 def edge_hits(
@@ -154,7 +162,7 @@ def edge_contacts(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array 
     """Corners that touch before anything else does, or at most ``within_mm`` behind it, and a few that are farther.
 
     ``first_rad`` is as in ``edge_hits``; ``within_mm`` broadcasts with it and is nowhere greater than there.  Depths
-    are measured across the chords.  Raises ArithmeticError if a corner that comes near is not found on its curve.
+    are measured across the chords.  Raises Unanswered if a corner that comes near is not found on its curve.
     """
     return Contacts.joined([_touching(hits) for hits in _hits_within(found, first_rad, within_mm)])
 
@@ -262,12 +270,12 @@ def _bracketed(hits: EdgeHits) -> Array:
     def missing(parameter: Array) -> Array:
         return square(hits.curves.curve(hits.run, parameter, hits.position)[0]) - square(hits.corner)
 
-    parameter = zeros_between(missing, *hits.ends)
+    with searched_for(hits.named, "gears.teeth"):
+        parameter = zeros_between(missing, *hits.ends)
     radius = np.abs(hits.corner)
-    if not np.all(
-        np.abs(np.abs(hits.curves.curve(hits.run, parameter, hits.position)[0]) - radius) <= ON_CIRCLE * radius
-    ):
-        raise ArithmeticError("a tooth's corner was not found on the curve that it touches")
+    off = np.abs(np.abs(hits.curves.curve(hits.run, parameter, hits.position)[0]) - radius)
+    if lost := np.flatnonzero(~(off <= ON_CIRCLE * radius)).tolist():
+        raise Unanswered(f"{hits.named(lost[0])}: the corner was not found on the curve that it touches")
     return parameter
 
 

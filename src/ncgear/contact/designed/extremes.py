@@ -41,7 +41,8 @@ class Range:
 class ContactExtremes:
     """Extremes over a whole cycle, ``at`` driving angles in rad; quantities as in ``AsDesigned``.
 
-    ``overlap_mm`` is 0 where teeth never run into each other; ``overlap_teeth`` are the numbers of the driving and the
+    ``least_lever_mm`` is that of the first contact of pushing flanks about the driven axis.  ``overlap_mm`` is 0 where
+    teeth never run into each other; ``overlap_teeth`` are the numbers of the driving and the
     driven tooth at the pitch point where they do so most.
     """
 
@@ -51,6 +52,7 @@ class ContactExtremes:
     pushing_pressure_angle_rad: Range
     back_pressure_angle_rad: Range
     sliding_mm_s: Extremum
+    least_lever_mm: Extremum
     overlap_mm: Extremum
     overlap_teeth: tuple[int, int]
 
@@ -75,11 +77,11 @@ def contact_extremes(
     if even.toothed is None:
         places, values = np.append(places, even.pitch_mm * even.meetings), np.hstack([known, known[:, :1]])
     found = largest_from(quantities, places, values, KNOWN * np.ptp(values, axis=1))
-    *ranges, sliding, ahead = found
+    *ranges, sliding, lever, ahead = found
     spans = [Range(at_angle(low, -1.0), at_angle(high)) for high, low in zip(ranges[0::2], ranges[1::2], strict=True)]
     overlap, deepest = Extremum(max(ahead.value, 0.0), ahead.at), placed_at(pitch, even, np.array([ahead.at]))
     pushing, back, backlash, pushing_angle, back_angle = spans
-    found_at = pushing_angle, back_angle, at_angle(sliding), at_angle(overlap)
+    found_at = pushing_angle, back_angle, at_angle(sliding), at_angle(lever, -1.0), at_angle(overlap)
     return ContactExtremes(pushing, back, backlash, *found_at, deepest.teeth_at(0))
 
 
@@ -89,9 +91,12 @@ def _quantities(touch: PairTouch, speed_rad_s: Callable[[Array], Array]) -> Arra
     errors = [_told(side.error_rad) for side in sides]
     angles = [side.first.pressure_angle_rad for side in sides]
     ranges = [*errors, errors[1] - errors[0], *angles]
+    lever = touch.pushing.first.lever_mm
     sliding = touch.largest_sliding_mm * speed_rad_s(touch.placement.phi1_rad)
     ahead = [np.where(error == 0.0, 0.0, side.ahead_mm) for error, side in zip(errors, sides, strict=True)]
-    return np.stack([*(sign * values for values in ranges for sign in (1.0, -1.0)), sliding, np.maximum(*ahead)])
+    return np.stack(
+        [*(sign * values for values in ranges for sign in (1.0, -1.0)), sliding, -lever, np.maximum(*ahead)]
+    )
 
 
 def _told(error_rad: Array) -> Array:

@@ -21,15 +21,16 @@ is three positions long, which also covers what backlash shifts."""
 END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
 
-TOUCHING_MM = 1e-3
-"""Distance at which teeth count as touching along with the first ones: a micrometre, which the lightest load closes."""
+TOUCHING_IN_PITCHES = 1e-4
+"""Distance at which teeth count as touching along with the first ones, which the lightest load closes: a micrometre of
+teeth of module 3."""
 
 GAP = 1e-3
 """Share of a step between positions by which one pair must part before the next one meets to count as a gap.  Beside
 tip relief the lead is no straight line between positions; half a hundredth of a per cent of a pitch matters nowhere."""
 
 NOWHERE_MM = 1e9
-"""Height that no flank reaches; finite, so that differences of two are numbers."""
+"""Height that no flank reaches, whatever its size; finite, so that differences of two are numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +132,10 @@ class FlankContacts:
         first, second = foremost[:, near.side, near.position]
         # The lead over the others goes smoothly through zero where flanks part, so that it may be interpolated.
         others = np.where((near.lead_rad >= first) & np.isfinite(second), second, first)
-        closer = TOUCHING_MM - np.where(np.isfinite(others), others - near.lead_rad, 0.0) * near.lever_mm
+        closer = (
+            TOUCHING_IN_PITCHES * self.placement.pitch_mm
+            - np.where(np.isfinite(others), others - near.lead_rad, 0.0) * near.lever_mm
+        )
         if error_rad is not None:
             pressed_mm = (near.lead_rad - near.urge * error_rad[near.position]) * near.lever_mm
             closer = np.maximum(closer, pressed_mm)
@@ -207,7 +211,7 @@ class FlankContacts:
         """At which positions or next to which flanks near contact do not touch, shape (2, n)."""
         near, parted = self.near, np.zeros(foremost.shape[1:], dtype=bool)
         behind_mm = (foremost[0, near.side, near.position] - near.lead_rad) * near.lever_mm
-        apart = ~(near.flanks & (behind_mm <= TOUCHING_MM))
+        apart = ~(near.flanks & (behind_mm <= TOUCHING_IN_PITCHES * self.placement.pitch_mm))
         parted[near.side[apart], near.position[apart]] = True
         beside: Mask = parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
         return beside

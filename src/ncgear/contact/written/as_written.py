@@ -18,7 +18,7 @@ from ncgear.contact.written.play import outline_play
 from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, ComplexArray, counted_up
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, counted_up
 from ncgear.numerics.plane import across, along, as_complex
 from ncgear.pitch.internal import passed_mm
 from ncgear.pitch.pair import PitchPair
@@ -42,7 +42,8 @@ class AsWritten:
 
     ``pushing_rad`` and ``back_rad`` are the driven angles beyond the law's at which pushing flanks and their backs
     touch; ``overlap_mm`` is how deep the outlines overlap at the law's angle, shape (n,) each.  ``driving_tips_mm`` and
-    ``driven_tips_mm`` are the least clearances of these gears' tips over the other gear's roots.
+    ``driven_tips_mm`` are the least clearances of these gears' tip lands over the other gear's root lands, infinite
+    where none stands over one.
     """
 
     source: str
@@ -70,7 +71,7 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
     """
     play = outline_play(outlines.driving_mm, outlines.driven_mm, placement, reach_mm)
     tips = _tip_clearances(outlines, teeth, placement)
-    if not all(np.isfinite(values).all() for values in (play.up_rad, play.down_rad, tips)):
+    if not (np.isfinite(play.up_rad).all() and np.isfinite(play.down_rad).all()) or np.isnan(tips).any():
         raise NoSuchMechanism(
             f"the outlines written as {outlines.source} do not reach each other at some angles; less backlash_mm, "
             "taller teeth (rack), or a smaller chord_tolerance_mm are needed",
@@ -80,43 +81,54 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
     return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
 
 
+SHARES = np.linspace(0.001, 0.999, 9)
+"""Places of a tip that are held against the root below it: next to both ends, where lands that slope are nearest, and
+between them, where chords are a little off."""
+
+SECTOR_IN_PITCHES = 1.0
+"""Arc to either side of a pitch point within which its normal is followed: longer than any tooth is high."""
+
+
 def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement) -> tuple[float, float]:
     """Least clearance in mm of the driving gear's tips and of the driven gear's, tooth over space.
 
     Driving tooth n stands in the driven space before driven tooth n, driven tooth n in the space after driving tooth n.
     """
-    driving_tips, driving_roots = _tips_and_roots(outlines.driving_mm, teeth.driving.flanks)
-    driven_tips, driven_roots = _tips_and_roots(outlines.driven_mm, teeth.driven.flanks)
     number = np.arange(placement.meetings)
     if placement.toothed is not None:
         # Both teeth of a meeting, and the one before, are made.
         number = np.arange(1, min(teeth.driving.teeth, teeth.driven.teeth))
     own, other = number % teeth.driving.teeth, number % teeth.driven.teeth
     before = (number - 1) % teeth.driven.teeth
-    return (
-        float(np.min(driven_roots[before] - driving_tips[own])),
-        float(np.min(driving_roots[own] - driven_tips[other])),
-    )
+    driving, driven = (outlines.driving_mm, teeth.driving), (outlines.driven_mm, teeth.driven)
+    return _least_clearance(driving, own, driven, before), _least_clearance(driven, other, driving, own)
 
 
-SECTOR_IN_PITCHES = 1.0
-"""Arc to either side of a pitch point within which its normal is followed: longer than any tooth is high."""
+Written = tuple[Array, ToothedGear]
+"""A gear's outline as written, and the gear."""
 
 
-def _tips_and_roots(outline_mm: Array, flanks: Flanks) -> tuple[Array, Array]:
-    """Height in mm of the outline over the pitch curve at each tooth's middle, and depth below it, shape (z,) each.
+def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: IndexArray) -> float:
+    """Least distance of tip lands from the root lands that they stand over, along the pitch curves' normals.
 
-    The depth is that in the middle of the space after each tooth.
+    It is infinite where no tip land stands over a root land, and no number where an outline is not met.
     """
-    crossing = flanks.crossing_mm
-    following = np.append(crossing[2::2], crossing[0] + flanks.curve.length_mm)
-    middle = np.concatenate([crossing[0::2] + crossing[1::2], crossing[1::2] + following]) / 2.0
-    sense = np.repeat([1.0, -1.0], following.size)
-    height, depth = np.split(_along_normals(outline_mm, flanks, middle, sense), 2)
-    return height, depth
+    (tip_mm, gear), (root_mm, mate) = tips, roots
+    crossing, after = gear.flanks.crossing_mm.reshape(-1, 2), mate.flanks.crossing_mm
+    following = np.append(after[2::2], after[0] + mate.flanks.curve.length_mm)
+    ahead = ((after[1::2] + following) / 2.0)[space] - crossing.mean(axis=1)[tooth]
+    first, last = gear.sides.tip_mm.reshape(-1, 2)[tooth].T
+    begin, end = (mate.sides.roots.feet()[0][space] - ahead[:, None]).T
+    low, high = np.maximum(first, begin), np.minimum(last, end)
+    over = np.flatnonzero(high > low)
+    at = low[over, None] + (high - low)[over, None] * SHARES
+    height = _along_normals(tip_mm, gear.flanks, at.ravel(), 1.0)
+    depth = _along_normals(root_mm, mate.flanks, (at + ahead[over, None]).ravel(), -1.0)
+    met = np.isfinite(height) & np.isfinite(depth)
+    return float(np.min(np.where(met, depth - height, np.nan), initial=np.inf))
 
 
-def _along_normals(outline_mm: Array, flanks: Flanks, sigma_mm: Array, sense: Array) -> Array:
+def _along_normals(outline_mm: Array, flanks: Flanks, sigma_mm: Array, sense: float) -> Array:
     """Distances from points of the pitch curve to the outline, outwards (``sense`` +1) or inwards (-1), shape (n,).
 
     Infinite where the outline is not met.

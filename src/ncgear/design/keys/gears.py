@@ -181,8 +181,11 @@ class Helix(Model):
     )
 
 
+Fit = Literal["H6", "H7", "H8", "H9", "H11"]
+
+
 class Tolerances(Model):
-    """What the data sheet says of accuracy, as given; only the limits of the measurements follow from it."""
+    """What drawings and the data sheet say of accuracy; teeth are made in the middle of their thickness's limits."""
 
     standard: str = Field(default="", max_length=200, description="standard that the grade belongs to, as text")
     grade: str = Field(default="", max_length=200, description="accuracy grade, as text")
@@ -191,7 +194,7 @@ class Tolerances(Model):
         ge=-10.0,
         le=10.0,
         description="greatest deviation of the tooth thickness along the pitch curve in mm, of both gears; thinner "
-        "teeth have a negative one",
+        "teeth have a negative one. All outlines stand in the middle of both limits, by their idle flanks",
     )
     tooth_thickness_lower_mm: float | None = Field(
         default=None,
@@ -199,6 +202,20 @@ class Tolerances(Model):
         le=10.0,
         description="least deviation of the tooth thickness along the pitch curve in mm, of both gears",
     )
+    center_distance_mm: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=10.0,
+        description="largest deviation of the centre distance in mm on drawings, either way; left out: that of the "
+        "section tolerances or, where it has none, JS7 of ISO 286",
+    )
+    bore_fit: Fit = Field(default="H7", description="fit of both bores, of ISO 286")
+    index_hole_fit: Fit = Field(default="H7", description="fit of both index holes, of ISO 286")
+    general: Literal["f", "m", "c", "v"] = Field(
+        default="m", description="class of ISO 2768-1 for sizes without a tolerance: f (fine), m, c or v (very coarse)"
+    )
+    flank_ra_um: float = Field(default=1.6, gt=0.0, le=100.0, description="roughness Ra of the flanks in um")
+    ra_um: float = Field(default=6.3, gt=0.0, le=100.0, description="roughness Ra of all other surfaces in um")
     note: str = Field(default="", max_length=2000, description="more for the data sheet, as text: runout, hardness")
 
     @model_validator(mode="after")
@@ -314,8 +331,8 @@ class Gears(Model):
         default=None,
         description="diameter in mm of the pins or balls in the data sheet; left out: one that is sold and fits",
     )
-    tolerances: Tolerances | None = Field(
-        default=None, description="what the data sheet says of accuracy; left out: nothing"
+    tolerances: Tolerances = Field(
+        default_factory=Tolerances, description="what drawings and the data sheet say of accuracy"
     )
     first_layer_chamfer_mm: float = Field(
         default=0.0,

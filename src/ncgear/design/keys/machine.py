@@ -21,6 +21,7 @@ from ncgear.design.keys.base import (
     listed,
     require_one,
 )
+from ncgear.errors import WrongInput
 from ncgear.numerics.units import label_and_unit
 
 FIGURES = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
@@ -192,7 +193,9 @@ class TurningLoad(Load):
         default=None, description="coefficients of the torque in N m, in rising powers of the output's angle in rad"
     )
     table: TorqueTable | None = Field(
-        default=None, description="the torque point by point; it keeps its end values beyond the table's ends"
+        default=None,
+        description="the torque point by point, joined by monotone cubics (PCHIP), which never overshoot the points; "
+        "it keeps its end values beyond the table's ends",
     )
     expression_n_m: Expression | None = Field(
         default=None,
@@ -218,7 +221,9 @@ class StrokeForce(Load):
         default=None, description="coefficients of the force in N, in rising powers of the displacement in mm"
     )
     table: ResistanceTable | None = Field(
-        default=None, description="the force point by point; it keeps its end values beyond the table's ends"
+        default=None,
+        description="the force point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it "
+        "keeps its end values beyond the table's ends",
     )
     expression_n: Expression | None = Field(
         default=None,
@@ -272,12 +277,37 @@ class RockerTorque(TurningLoad):
         return self
 
 
+CHORD_MM = 0.005
+"""Chord tolerance in mm where none is given: finer than any printer, laser or wire follows."""
+
+CHORD_IN_MODULES = 0.002
+"""The same of small teeth, so that they turn as large ones do: from a module of 2.5 mm down this is less."""
+
+FINEST_IN_MODULES, COARSEST_IN_MODULES = 1e-7, 0.05
+"""Chord tolerances that may be given: finer ones are lost in single precision, as STL has it, and with coarser ones
+outlines, which may overlap by as much, are no teeth: a fifth of a usual tip clearance."""
+
+
 class Output(Model):
     """How finely the results are written."""
 
-    chord_tolerance_mm: float = Field(
-        default=0.005,
-        ge=1e-5,
-        le=0.5,
-        description="greatest distance in mm of a written outline's chords from the exact curve",
+    chord_tolerance_mm: Length | None = Field(
+        default=None,
+        description="greatest distance in mm of a written outline's chords from the exact curve, "
+        f"{FINEST_IN_MODULES:g} to {COARSEST_IN_MODULES:g} modules; left out: {CHORD_MM:g} mm, and "
+        f"{CHORD_IN_MODULES:g} modules where that is less",
     )
+
+    def chord_mm(self, module_mm: float) -> float:
+        """The chord tolerance of teeth of a module; WrongInput where what is given is out of proportion to them."""
+        given = self.chord_tolerance_mm
+        if given is None:
+            return min(CHORD_MM, CHORD_IN_MODULES * module_mm)
+        if not FINEST_IN_MODULES <= given / module_mm <= COARSEST_IN_MODULES:
+            finest, coarsest = FINEST_IN_MODULES * module_mm, COARSEST_IN_MODULES * module_mm
+            raise WrongInput(
+                f"{given:g} mm are {given / module_mm:.3g} of the module of {module_mm:.4g} mm; {finest:.3g} to "
+                f"{coarsest:.3g} mm is right",
+                key="output.chord_tolerance_mm",
+            )
+        return given

@@ -28,7 +28,7 @@ from ncgear.drawings.page.page_charts import motion_charts, ratio_chart
 from ncgear.drawings.page.tables import comparison_tables, typeset
 from ncgear.drawings.plots.frontier_plot import frontier
 from ncgear.drawings.scene.scene import scene_of
-from ncgear.figures.advice.collected import check_advice
+from ncgear.figures.advice.verdict import Known, judged
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.balance.parts import figures_of
 from ncgear.figures.best_law import figures_summary
@@ -114,9 +114,17 @@ def _drive(drive: Drive) -> Iterator[Markup]:
         lambda: running(scene_of(drive)),
         lambda: charts(motion_charts(drive, drive.transmission.cycle_rad)[1:]),
         lambda: NOTHING.join(map(table, comparison_tables(drive))),
-        lambda: NOTHING.join(refusal(f"warning: {one.line}") for one in check_advice(drive) if one.matters),
+        lambda: _verdict(drive),
     ]
     yield from dict.fromkeys(map(made, pieces))
+
+
+def _verdict(drive: Drive) -> Markup:
+    """What a check judges of a machine: its warnings, and what it cannot judge."""
+    verdict = judged(drive, Known.MOTION)
+    warnings = [refusal(f"warning: {one.line}") for one in verdict.warnings]
+    left = facts([("not judged", verdict.not_judged.removeprefix("Not judged: "))]) if verdict.not_judged else NOTHING
+    return NOTHING.join([*warnings, left])
 
 
 def _about_pair(pair: Drive) -> Markup:

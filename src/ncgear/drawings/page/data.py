@@ -7,7 +7,7 @@ the samples of each chart and the places of its scales in its SVG.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import degrees, pi
+from math import ceil, degrees, log10, pi
 from typing import Any
 
 import numpy as np
@@ -67,13 +67,13 @@ FIRST_STEPS = 16
 """Number of steps on each piece of a law before any step is halved."""
 
 TOOTH_DECIMALS = 5
-"""Decimals of places of teeth in mm: those of a drawing and two more."""
+"""Decimals of places of teeth in mm: those of a drawing and two more; of modules under a millimetre in modules."""
 
 NUMBER_IN_MODULES = 0.85
 """Height of a tooth's number in modules: two digits are narrower than a tooth."""
 
 LINK_DECIMALS = 9
-"""Decimals of places in mm and angles in rad of links: finer by far than the error of their tables."""
+"""Decimals of places in mm and angles in rad of links, of short cranks in cranks: finer than their tables' error."""
 
 
 def scene_data(scene: Scene) -> dict[str, Any]:
@@ -156,16 +156,21 @@ def _gear(gear: SceneGear, module_mm: float) -> dict[str, Any]:
         "shaft": gear.shaft,
         "facing": gear.facing_rad,
         "teeth": {
-            "at": _places(gear.teeth_mm),
-            "label": _places(gear.numbers_mm),
+            "at": _places(gear.teeth_mm, module_mm),
+            "label": _places(gear.numbers_mm, module_mm),
             "size": NUMBER_IN_MODULES * module_mm,
         },
     }
 
 
-def _places(points_mm: Array) -> list[list[float]]:
-    rounded: list[list[float]] = np.round(points_mm, TOOTH_DECIMALS).tolist()
+def _places(points_mm: Array, module_mm: float) -> list[list[float]]:
+    rounded: list[list[float]] = np.round(points_mm, TOOTH_DECIMALS + _more(module_mm)).tolist()
     return rounded
+
+
+def _more(size: float) -> int:
+    """Decimals more than those of sizes of 1 and over."""
+    return max(0, ceil(-log10(size)))
 
 
 def _pair(pair: ScenePair) -> dict[str, Any]:
@@ -204,8 +209,8 @@ def _link_tables(linkage: Mechanism, name: str) -> dict[str, Any]:
             at, value, slope = (column[[0, -1]] for column in (at, value, slope))
         value, slope = scale * value, scale * slope
         rise = float(value[-1] - value[0])
-        columns = {"at": at.tolist(), "value": _rounded(value, LINK_DECIMALS), "slope": _rounded(slope, LINK_DECIMALS)}
-        return {"period": 2.0 * pi, "rise": rise, **columns}
+        values, slopes = (_rounded(column, LINK_DECIMALS + _more(scale)) for column in (value, slope))
+        return {"period": 2.0 * pi, "rise": rise, "at": at.tolist(), "value": values, "slope": slopes}
 
     crank = linkage.crank_mm
     return {

@@ -34,8 +34,7 @@ from ncgear.drawings.page.teeth import ToothLinks
 from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
-from ncgear.figures.advice.collected import build_advice, check_advice
-from ncgear.figures.advice.values import Advice
+from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
@@ -56,18 +55,18 @@ def report_page(
     loaded: LoadedDesign,
     contacts: Sequence[PairContact],
     drawer: Drawer = HERE,
-    advices: Sequence[tuple[Advice, ...]] | None = None,
+    verdict: Verdict | None = None,
 ) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 
-    ``drawer`` draws the charts; ``advices`` are those of the pairs, where they are known.  The same design gives the
+    ``drawer`` draws the charts; ``verdict`` is that on the machine, where it is known.  The same design gives the
     same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     scene = scene_of(drive)
     charts = [*motion_charts(drive, scene.loop_rad), *chain.from_iterable(gear_charts(*pair) for pair in pairs)]
     drawn = drawer.begun(PAGE_CHARTS, charts)
-    of_pairs = [build_advice(pair) for pair, _ in pairs] if advices is None else advices
+    verdict = verdict or judged(drive, Known.TEETH if pairs else Known.MOTION)
     about_pairs = {
         "facts": [
             *typeset(machine_facts(drive)),
@@ -83,13 +82,8 @@ def report_page(
             }
             for pair, found in pairs
         ],
-        "advices": [
-            ("", ToothLinks(), check_advice(drive)),
-            *(
-                (stage_name(pair), ToothLinks(pair.stage), told)
-                for (pair, _), told in zip(pairs, of_pairs, strict=True)
-            ),
-        ],
+        "verdict": verdict,
+        "advices": [(row.of, ToothLinks(row.stage), row.advices) for row in verdict.rows],
     }
     about_design = {
         "design": drive.design,

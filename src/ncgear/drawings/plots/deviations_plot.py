@@ -46,15 +46,15 @@ MANY_TEETH = 40
 BELOW_IN_MODULES = 3.2
 """Distance of a tooth's number from its tip, into the gear."""
 
-NOISE_MM = 1e-6
-"""Deviations up to a nanometre are drawn on the scale of one: rounding is no deviation."""
+NOISE_IN_MODULES = 3e-7
+"""Deviations up to this, a nanometre of teeth of module 3, are drawn on the scale of it: rounding is no deviation."""
 
 
 def deviations_png(one: ComparedGear, title: str) -> bytes:
     """The gear in its own frame, points on working flanks coloured by their deviation, and bars for every flank."""
     made = figure(WIDTH_IN, HEIGHT_IN, title)
     counted = one.fit.feet.kept(one.fit.counted)
-    worst = max(float(np.abs(counted.distance_mm).max()), NOISE_MM)
+    worst = max(float(np.abs(counted.distance_mm).max()), NOISE_IN_MODULES * one.outline.gear.flanks.rack.module_mm)
     _draw_gear(made, one, worst)
     _draw_bars(made.add_axes((0.1, 0.06, 0.86, 0.2)), one)
     return png(made)

@@ -25,6 +25,9 @@ from ncgear.numerics.arrays import Array
 
 BINS = 60
 
+ROUNDING = 1e-9
+"""Share of a figure that is rounding: bins that are no wider than that cannot be told apart."""
+
 COLORS = DRIVING, DRIVEN, REFERENCE, HIGHLIGHT
 """Colours of the figures whose sources are shown."""
 
@@ -56,7 +59,9 @@ def spreads(of: Sequence[Spread], title: str) -> bytes:
 
 
 def _histogram(axes: Axes, one: Spread) -> None:
-    edges = np.histogram_bin_edges(one.values, BINS)
+    low, high = one.values.min(), one.values.max()
+    room = ROUNDING * max(abs(low), abs(high))
+    edges = np.histogram_bin_edges(one.values, BINS, (low - room, high + room))
     counts, _ = np.histogram(one.values, edges)
     shares = 100.0 * counts / one.values.size
     middles = (edges[1:] + edges[:-1]) / 2.0

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import cos, degrees, floor, radians
+from collections.abc import Callable, Sequence
+from math import cos, degrees, floor, isclose, radians
 
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
-from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
-from ncgear.figures.numbers import drawn, fixed, to_digits
+from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
+from ncgear.figures.numbers import drawn, fixed, micrometres, to_digits
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
@@ -161,14 +161,12 @@ def ring(drive: Drive) -> Advice | None:
     )
 
 
-def crank_pin(drive: Drive) -> list[Advice]:
+def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
     """A crank pin that comes near to the driving shaft, or to the hub or shaft that carries it.
 
     The crank is carried by the last driven shaft.  Where the design does not say how thick its pin is, it is taken to
     be as thick as that shaft or, where that has no bore, as the driving one.
     """
-    if drive.stage not in (None, drive.design.stages) or not drive.linkage.RETURNS:
-        return []
     gears, crank, fit = drive.gears, drive.linkage.crank_mm, drive.design.fit
     thick = (gears.driven.crank_pin and gears.driven.crank_pin.diameter_mm) or gears.driven.bore_mm
     pin = (thick or gears.driving.bore_mm or 0.0) / 2.0
@@ -176,19 +174,27 @@ def crank_pin(drive: Drive) -> list[Advice]:
     bodies = {Gear.DRIVING: gears.driving, Gear.DRIVEN: gears.driven}
     judged = [gear for gear in Gear if gear is Gear.DRIVEN or fit is None or fit.driving_shaft == "through"]
     near = [(gear, *about_axis(bodies[gear])) for gear in judged]
+    unknown = [gear for gear, _, radius in near if radius is None]
     return [
-        Advice(
-            Kind.CRANK_PIN,
-            (Where(gear.value),),
-            f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, about "
-            f"which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
-            f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the gears",
-            (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
-            brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
-        )
-        for gear, part, radius in near
-        if radius is not None and passing[gear] < radius + pin
+        *(
+            Advice(
+                Kind.CRANK_PIN,
+                (Where(gear.value),),
+                f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, "
+                f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
+                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
+                "gears",
+                (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
+                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
+            )
+            for gear, part, radius in near
+            if radius is not None and passing[gear] < radius + pin
+        ),
+        *([NO_BORE] if unknown else []),
     ]
+
+
+NO_BORE = NotJudged("a gear has no bore_mm, and so no shaft of known size")
 
 
 NO_MEETING = {
@@ -198,21 +204,28 @@ NO_MEETING = {
 }
 
 
-def rods(drive: Drive) -> list[Advice]:
-    """Rods that meet what stands in their plane; judged only where the design says what, by its section ``fit``."""
+def rods(drive: Drive) -> list[Advice | NotJudged]:
+    """Rods that meet what stands in their plane, however thin they are where the file gives no width of them.
+
+    The driving shaft stands there unless the section ``fit`` says that it ends below.
+    """
     fit = drive.design.fit
-    if fit is None:
-        return []
-    found = []
+    found: list[Advice | NotJudged] = []
     for one in drive.passings:
-        ends = fit.driving_shaft == "ends" and one.standing.name.startswith("driving")
+        ends = fit is not None and fit.driving_shaft == "ends" and one.standing.name.startswith("driving")
         room, half, radius = one.room_mm, one.half_mm or 0.0, one.standing.radius_mm
-        if one.part == CRANK_PIN or ends or room is None or radius is None or room >= 2.0 * half:
+        if one.part == CRANK_PIN or ends:
+            continue
+        if room is None or radius is None:
+            found.append(NO_BORE)
+            continue
+        if not one.meets:
             continue
         at, wide = degrees(one.phi1_rad), f"{drawn(2.0 * half, 'mm')} mm wide" if half else "however thin it is"
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
         lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
         taken = drawn(radius, "mm")
+        shaft = one.standing.name.startswith("driving")
         found.append(
             Advice(
                 Kind.ROD,
@@ -220,7 +233,12 @@ def rods(drive: Drive) -> list[Advice]:
                 f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
                 f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {to_digits(at, 4)} deg, and {taken} mm of it are taken",
                 f"a {one.part}, {wide}, cannot pass there",
-                (Remedy(f"{lower}let the {one.standing.name} end below the {one.part}"),),
+                (
+                    Remedy(
+                        f"{lower}let the {one.standing.name} end below the {one.part}",
+                        changed({"fit.driving_shaft": "ends"}) if shaft else (),
+                    ),
+                ),
                 brief=f"the {one.part} meets the {one.standing.name} at phi1 = {to_digits(at, 4)} deg",
             )
         )
@@ -230,7 +248,7 @@ def rods(drive: Drive) -> list[Advice]:
 def pin_beside_hub(drive: Drive) -> Advice | None:
     """A remark about a crank pin in a gear with a hub on the same face: what the pin moves must run above the hub."""
     driven = drive.gears.driven
-    if driven.crank_pin is None or driven.hub is None or not drive.turns_crank:
+    if driven.crank_pin is None or driven.hub is None:
         return None
     height = drawn(driven.hub.height_mm, "mm")
     return Advice(
@@ -244,22 +262,53 @@ def pin_beside_hub(drive: Drive) -> Advice | None:
 
 
 def concave(drive: Drive, gear: Gear) -> Advice | None:
-    """A pitch curve that is dented."""
+    """A pitch curve that is dented; where a hob does no harm to its flanks, that is only a remark."""
+    # A check needs no module that makes teeth.
+    from ncgear.teeth.tool import HARMLESS, gouged_mm
+
     radius = drive.pitch.least_concave_radius_mm(gear)
     if radius is None:
         return None
     stretches = tuple((degrees(a), degrees(b)) for a, b in drive.pitch.concave_ranges(gear))
-    named = ", ".join(f"{fixed(a, 0)}..{fixed(b, 0)}" for a, b in stretches)
+    named = stretches_in_words(stretches, degrees(drive.pitch.transmission.lobes.driving_period_rad))
+    where = (Where(gear.value, angles_deg=stretches),)
+    what = f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {to_digits(radius, 4)} mm)"
+    depth = gouged_mm(drive.pitch.of(gear), drive.rack)
+    if not drive.pitch.of(gear).is_ring and depth <= HARMLESS * drive.rack.module_mm:
+        harm = f"a hob cuts {micrometres(depth)} into the flanks there, which does not matter"
+        return Advice(Kind.CONCAVE, where, what, harm, matters=False, brief=f"the {gear.value} gear is hardly concave")
     return Advice(
         Kind.CONCAVE,
-        (Where(gear.value, angles_deg=stretches),),
-        f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {to_digits(radius, 4)} mm): no "
-        "hob can cut it",
+        where,
+        f"{what}: no hob can cut it",
         "wire, mill, print, or a shaper with a smaller cutter can; the mate's teeth stand close together there and "
         "their tips may have to be shortened",
         _convex(drive, gear),
         brief=f"the {gear.value} gear is concave and no hob cuts it: wire, mill, print or shape it",
     )
+
+
+def stretches_in_words(stretches_deg: Sequence[tuple[float, float]], period_deg: float) -> str:
+    """Stretches of the driving angle within a period in whole degrees, or in as many digits as tell their ends apart.
+
+    One that goes on over the end of the period is one: 350..20.  What is too narrow for six decimals is left out,
+    unless nothing else is there.
+    """
+    told = [one for one in stretches_deg if fixed(one[0], MOST_DECIMALS) != fixed(one[1], MOST_DECIMALS)]
+    told = told or list(stretches_deg)
+    if len(told) > 1 and told[0][0] == 0.0 and isclose(told[-1][1], period_deg):
+        told = [*told[1:-1], (told[-1][0], told[0][1])]
+    return ", ".join(map(_stretch, told))
+
+
+MOST_DECIMALS = 6
+"""Decimals of degrees in words: far below what any gear shows."""
+
+
+def _stretch(ends_deg: tuple[float, float]) -> str:
+    decimals = (count for count in range(MOST_DECIMALS) if len({fixed(end, count) for end in ends_deg}) > 1)
+    count = next(decimals, MOST_DECIMALS)
+    return "..".join(fixed(end, count) for end in ends_deg)
 
 
 def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:

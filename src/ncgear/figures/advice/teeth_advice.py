@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from math import degrees
 from typing import NamedTuple
@@ -242,3 +242,14 @@ def thrust(drive: Drive) -> Advice | None:
         (Remedy("herringbone teeth cancel it", (Change("gears.helix.kind", "herringbone"),)),),
         brief=f"an axial thrust of {to_digits(helix.thrust_share, 3)} of the tangential force bears on both shafts",
     )
+
+
+JUDGES: dict[Kind, Callable[[Drive], Iterable[Advice | None]]] = {
+    Kind.CONTACT_RATIO: lambda drive: (contact_ratio(drive),),
+    Kind.UNDERCUT: lambda drive: (undercut(drive),),
+    Kind.POINTED: lambda drive: (pointed(drive),),
+    Kind.SHORTENED: shortened,
+    Kind.THRUST: lambda drive: (thrust(drive),),
+    Kind.IDLE_FLANKS: lambda drive: (idle_flanks(drive),),
+}
+"""What judges the conditions of teeth."""

@@ -18,15 +18,18 @@ class Kind(StrEnum):
     work to make.
     """
 
+    MADE = "made"
     STRENGTH = "strength"
     JAMS = "jams"
     CONTACT_RATIO = "contact_ratio"
     PRESSURE_ANGLE = "pressure_angle"
     CRANK_PIN = "crank_pin"
     ROD = "rod"
+    DRIVETRAIN = "drivetrain"
     MISSED_WISH = "missed_wish"
     SPEEDS = "speeds"
     NEGATIVE_RESISTANCE = "negative_resistance"
+    WITHOUT_EFFECT = "without_effect"
     RATIO_RANGE = "ratio_range"
     UNDERCUT = "undercut"
     POINTED = "pointed"
@@ -122,15 +125,19 @@ class Advice:
     @property
     def line(self) -> str:
         """The whole advice in one line of text."""
-        said = f"{self.what}; {self.meaning}"
+        said = f"{self.what}; {self.meaning}" if self.meaning else self.what
         return f"{said}. To change it: {'; or '.join(map(str, self.remedies))}" if self.remedies else said
 
 
 @dataclass(frozen=True)
 class NotJudged:
-    """A condition that was not judged, and why not, in words that follow "because"."""
+    """A condition that was not judged, and why not."""
 
     why: str
+
+
+ONLY_TEETH = "only teeth can tell: ncgear build"
+"""Why a condition is not judged before teeth are made."""
 
 
 def _written(value: Setting) -> str:

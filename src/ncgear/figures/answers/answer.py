@@ -7,15 +7,18 @@ files are, what to do next.  Every figure beyond that is printed with ``--verbos
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from textwrap import shorten, wrap
+from typing import TYPE_CHECKING
 
-from ncgear.figures.advice.values import Advice, Kind
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.frozen import dataclass
+
+if TYPE_CHECKING:
+    from ncgear.figures.advice.verdict import Verdict
 
 LINES, COLUMNS = 24, 100
 """One screen: a terminal opens with 24 lines, and a hundred characters are what a line can have and still be read at a
@@ -56,8 +59,8 @@ class Answer:
 
     ``head`` says what it is, ``about`` more of it, ``notes`` what has to be known before all that.  ``rows`` are the
     figures, the most telling first, those under ``heads`` before those with one text.  ``faults`` are what is wrong,
-    the most serious first, below ``wrong`` or their number; where nothing is, ``good`` says so.  ``then`` is what to
-    do next.
+    the most serious first, below ``wrong`` or their number; where nothing is, ``good`` says so.  ``not_judged`` names
+    what nothing is known of.  ``then`` is what to do next.
     """
 
     head: str
@@ -66,8 +69,9 @@ class Answer:
     about: str = ""
     notes: tuple[str, ...] = ()
     heads: tuple[str, ...] = ()
-    good: str = "No warnings."
+    good: str = ""
     wrong: str = ""
+    not_judged: str = ""
     then: str = ""
 
 
@@ -87,17 +91,14 @@ def difference(own: float, other: float) -> str:
     return "the same" if percent == "0.0" else f"{percent} % {'lower' if share < 1.0 else 'higher'}"
 
 
-def faults_of(advices: Iterable[tuple[str, Advice]]) -> tuple[Fault, ...]:
-    """What the advices that matter say is wrong, the most serious first, each behind the name of its stage."""
-    serious = list(Kind)
-    said = sorted((one for one in advices if one[1].matters), key=lambda one: serious.index(one[1].kind))
-    return tuple(Fault(f"{of}{advice.brief}", tuple(remedy.brief for remedy in advice.remedies)) for of, advice in said)
-
-
-def faults_in_words(sentences: Iterable[str]) -> tuple[Fault, ...]:
-    """The same of sentences that say what is wrong and, behind the last colon, what would help."""
-    parts = (sentence.rpartition(": ") for sentence in sentences)
-    return tuple(Fault(what, (cure,)) if what else Fault(cure) for what, _, cure in parts)
+def faults_of(verdict: Verdict) -> tuple[Fault, ...]:
+    """What breaks conditions, the most serious first, each behind the name of its stage."""
+    return tuple(
+        Fault(f"{row.of}{advice.brief}", tuple(remedy.brief for remedy in advice.remedies))
+        for row in verdict.rows
+        for advice in row.advices
+        if advice.matters
+    )
 
 
 def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path] = ()) -> str:
@@ -106,13 +107,14 @@ def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path]
     top += [*([""] if top else []), answer.head, *([answer.about] if answer.about else [])]
     last = [*_written(paths), *_kept(kept), _next(answer.then)]
     rows, faults = answer.rows, answer.faults
-    left = LINES - len(top) - bool(answer.heads) - len(last) - 3
+    unknown = _in_two_lines(answer.not_judged)
+    left = LINES - len(top) - bool(answer.heads) - len(unknown) - len(last) - 3
     wrong = min(len(faults), FAULTS) + 1
     rows = rows[: left - wrong]
     blocks = [
         top,
         _aligned(replace(answer, rows=rows)),
-        _wrong(answer, left - len(rows) - 1),
+        [*_wrong(answer, left - len(rows) - 1), *unknown],
         last,
     ]
     return "\n\n".join("\n".join(map(_cut, block)) for block in blocks if block)

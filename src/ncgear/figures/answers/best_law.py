@@ -10,13 +10,14 @@ from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.best_law import (
     felt_keys,
     felt_text,
+    limits_not_reached,
     not_closed,
     other_mechanisms,
     points_of,
     starts_text,
     unit_of_goal,
 )
-from ncgear.figures.numbers import finite, fixed, shown
+from ncgear.figures.numbers import finite, fixed, shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.makeable.wishes import Goal
@@ -46,6 +47,7 @@ def optimized_answer(best: BestLaw, then: str) -> Answer:
         _lost(best),
         _limit(best),
         heads=tuple(found),
+        good="Every hard wish and limit is kept; ncgear check judges the rest.",
         then=then,
     )
 
@@ -87,6 +89,9 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
         rows.append(Row("the limit", (distance,)))
     if best.not_covered:
         rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
+    if far := limits_not_reached(best):
+        named = (f"{key} {shown(limit)} ({to_digits(value, 4)})" for key, (limit, value) in far.items())
+        rows.append(Row("not reached", (f"by this law: {listed(list(named), 'and')}",)))
     if best.task.masses is not None:
         gear = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
         relaxed = "" if distance is None else ", and may lie higher"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.compared import SIDES, gear_figures, length_words, turned_words
+from ncgear.figures.compared import SIDES, alone_points, gear_figures, length_words, turned_words
 from ncgear.figures.numbers import fixed, micrometres, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.project.compared import ComparedGear, ComparedPair, Fit
@@ -54,7 +54,7 @@ def compared_answer(pair: ComparedPair, name: str, fit: Fit, then: str) -> Answe
     return Answer(
         f"{name}: measured gears against the exact ones, best fit by {fit.value}",
         rows,
-        (*_jams(pair), *(fault for one in pair.gears for fault in _missing(one))),
+        (*_jams(pair), *(fault for one in pair.gears for fault in (*_missing(one), *_alone(one)))),
         "Deviations are positive where there is metal in excess; back and front flanks are told apart",
         heads=heads,
         good="The pair as measured turns; all flanks were measured.",
@@ -107,3 +107,15 @@ def _missing(one: ComparedGear) -> list[Fault]:
     named = ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
     what = f"{one.gear.value} gear: flanks without points at {len(teeth)} teeth ({named}), taken as exact"
     return [Fault(what, ("measure them",))]
+
+
+def _alone(one: ComparedGear) -> list[Fault]:
+    points = alone_points(one)
+    if not points:
+        return []
+    teeth = list(dict.fromkeys(point.tooth for point in points))
+    named = ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
+    many = f"{len(points)} points stand" if len(points) > 1 else "1 point stands"
+    off, at = micrometres(abs(points[0].off_mm)), "teeth" if len(teeth) > 1 else "tooth"
+    what = f"{one.gear.value} gear: {many} alone, by up to {off} at {at} {named}; not counted"
+    return [Fault(what, ("clean it and measure again", "measured.json has each"))]

@@ -8,9 +8,8 @@ from math import degrees, pi, radians
 from typing import TYPE_CHECKING
 
 from ncgear.errors import DesignError
-from ncgear.figures.advice.collected import check_advice
 from ncgear.figures.advice.law_advice import speeds
-from ncgear.figures.advice.values import Advice
+from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -37,16 +36,19 @@ PUBLISHED = 2
 THIS = "this design"
 
 
-def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tuple[str, ...] = ()) -> Answer:
-    """What a check found; ``advices`` are its own, and ``file`` is what a build of it is given."""
+def check_answer(drive: Drive, file: str, notes: tuple[str, ...] = ()) -> Answer:
+    """What a check found; ``file`` is what a build of it is given."""
+    verdict = judged(drive, Known.MOTION)
     then = f"ncgear build {file}" if drive.design.gears is not None else "give gears in the file: ncgear explain gears"
     return Answer(
         head_of(drive),
         (*compared_rows(drive), *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)),
-        faults_of(("", advice) for advice in advices),
+        faults_of(verdict),
         in_one_line(drive.design.description),
         notes,
         (THIS, drive.linkage.UNIFORM),
+        verdict.good,
+        not_judged=verdict.not_judged,
         then=then,
     )
 
@@ -54,29 +56,25 @@ def check_answer(drive: Drive, advices: Sequence[Advice], file: str, notes: tupl
 def build_answer(
     drive: Drive,
     contacts: Sequence[PairContact],
-    advices: Sequence[Sequence[Advice]],
+    verdict: Verdict,
     then: str,
     notes: tuple[str, ...] = (),
 ) -> Answer:
     """What a build found; ``then`` is what to do next.
 
-    ``contacts`` and ``advices`` are those of ``drive.by_stage``: contacts as read back from what was written, and the
-    advices of ``build_advice``.
+    ``contacts`` are those of ``drive.by_stage`` as read back from what was written, ``verdict`` is that of all pairs.
     """
     pairs = zip(drive.by_stage, contacts, strict=True)
-    of_pairs = [
-        ("" if pair.stage is None else f"stage {pair.stage}: ", advice)
-        for pair, found in zip(drive.by_stage, advices, strict=True)
-        for advice in found
-    ]
     gears = [one for pair, contact in pairs for one in _gears(pair, contact)]
     return Answer(
         head_of(drive),
         (*compared_rows(drive), *gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]),
-        faults_of([*(("", advice) for advice in check_advice(drive)), *of_pairs]),
+        faults_of(verdict),
         in_one_line(drive.design.description),
         notes,
         (THIS, drive.linkage.UNIFORM),
+        verdict.good,
+        not_judged=verdict.not_judged,
         then=then,
     )
 

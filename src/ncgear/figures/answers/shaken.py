@@ -31,7 +31,7 @@ def balance_answer(figures: Mapping[str, Any]) -> Answer:
         tuple(rows),
         tuple(faults),
         heads=HEADS,
-        good="No frequency is near a natural one." if excitations else "No warnings.",
+        good="No frequency is near a natural one." if excitations else "",
         then="move a speed or a stiffness; campbell.png shows where" if any(one["near"] for one in excitations) else "",
     )
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from ncgear.dynamics.level import Level
-from ncgear.figures.answers.answer import Answer, Fault, Row, difference, row
+from ncgear.figures.advice.verdict import Verdict
+from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, row
 from ncgear.figures.answers.machine import THIS, head_of
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -60,10 +61,8 @@ MOVED = (
 """What is told of the motion in time, besides the output and the bearings."""
 
 
-def simulated_answer(
-    drive: Drive, level: Level, figures: Mapping[str, Any], faults: Sequence[Fault], file: str
-) -> Answer:
-    """What a simulation of a design ``file`` found; ``figures`` are all of it, ``faults`` what does not hold."""
+def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], verdict: Verdict, file: str) -> Answer:
+    """What a simulation of a design ``file`` found; ``figures`` are all of it."""
     heads: tuple[str, ...] = ()
     match level:
         case Level.RIGID:
@@ -75,21 +74,33 @@ def simulated_answer(
             loaded, band = figures["loaded_contact"], figures["band_of_stiffness"]
             shares = [one["stiffness_factor"] for one in (band["softer"], band["stiffer"])]
             heads = "as computed", *(f"stiffness x {share:g}" for share in shares)
-            rows = [row(key, loaded[key], band["softer"][key], band["stiffer"][key]) for key in IN_BAND]
-            rows += [row(key, loaded[key]) for key in LOADED]
+            rows = [row(key, loaded[key], *(one.get(key) for one in band.values())) for key in IN_BAND]
+            rows += [row(key, loaded[key]) for key in LOADED] + _not_followed(band)
         case Level.DYNAMIC:
             sections = drive.linkage.OUTPUT.name.replace(" ", "_"), "bearings"
             told = [_told(figures[section]) for section in sections]
             rows = [one for part in told for one in part]
             rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
+            rows += _not_followed(figures["band_of_stiffness"])
     return Answer(
         head_of(drive),
         tuple(rows),
-        tuple(faults),
+        faults_of(verdict),
         LEVELS[level],
         heads=heads,
+        good=verdict.good,
+        not_judged=verdict.not_judged,
         then=AFTER[level].format(file=file) if drive.design.gears is not None else "",
     )
+
+
+def _not_followed(band: Mapping[str, Any]) -> list[Row]:
+    """What is said of a band of stiffness that could not be computed to one side."""
+    return [
+        Row("band", (f"with {one['stiffness_factor']:g} times their stiffness the teeth cannot be followed",))
+        for one in band.values()
+        if "not_followed" in one
+    ]
 
 
 def _compared(own: Mapping[str, Any], other: Mapping[str, Any]) -> list[Row]:

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ncgear.design.keys.base import listed
-from ncgear.figures.advice.values import Remedy, changed
-from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.advice.values import Kind, Remedy, changed
+from ncgear.figures.advice.verdict import Verdict as MachineVerdict
+from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.sized import sized_rows
@@ -24,8 +25,13 @@ METHODS = {"estimate": "local estimate after ISO 6336 and VDI 2736", "elements":
 """A method in a part of a line."""
 
 
-def strength_answer(pairs: Sequence[tuple[Drive, Verdict, Sequence[Remedy], Verdict | None]], then: str = "") -> Answer:
-    """Whether the teeth of all pairs hold: each with its verdict, its remedies, and the verdict of another method."""
+def strength_answer(
+    pairs: Sequence[tuple[Drive, Verdict, Sequence[Remedy], Verdict | None]], machine: MachineVerdict, then: str = ""
+) -> Answer:
+    """Whether the teeth of all pairs hold: each with its verdict, its remedies, and the verdict of another method.
+
+    ``machine`` is the verdict on the whole machine; its other warnings follow.
+    """
     drive, first, _, beside = pairs[0]
     heads = [f"{head.label}, {head.unit}" if head.unit else head.label for head in HEADS[2:]]
     if beside is not None:
@@ -42,14 +48,16 @@ def strength_answer(pairs: Sequence[tuple[Drive, Verdict, Sequence[Remedy], Verd
         ]
         about += _about(of, pair, verdict)
     design = drive.design
+    others = faults_of(machine.without(Kind.STRENGTH))
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
         (*rows, Row("method", (METHODS[first.strength.method],)), *about),
-        tuple(faults),
+        (*faults, *others),
         f"Load: {LOADS[first.strength.load]}",
         heads=tuple(heads),
-        good=HOLD,
-        wrong=HOLD_NOT,
+        good=f"{HOLD} {machine.good}",
+        wrong=HOLD_NOT if faults else f"{HOLD} Other warnings",
+        not_judged=machine.not_judged,
         then=then if faults else "",
     )
 

@@ -62,7 +62,7 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         about=f"Tolerances: {limits}" if tolerated.process is None else "",
         notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
         heads=HEADS,
-        good=f"No warnings: {_turning(tolerated)} of the assemblies turn, and none knocks.",
+        good=f"{_turning(tolerated).capitalize()} of the assemblies turn, and none knocks.",
         then="tolerance.json has every figure, assemblies.csv every assembly",
     )
 

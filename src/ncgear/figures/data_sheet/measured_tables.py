@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ncgear.figures.numbers import drawn, shown
-from ncgear.figures.tables import Column, Table, Value
+from ncgear.figures.tables import Column, Table, Value, cell_text
 from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
 from ncgear.metrology.span import Spans
 from ncgear.project.measured import MeasuredGear
@@ -53,6 +55,11 @@ def two_pin_table(gear: MeasuredGear) -> Table:
     rows = tuple((*pair, distance, *_among(limits, pair)) for pair, distance in nominal.items())
     title = f"Measurement {word} two pins of {drawn(gear.pins.diameter_mm, 'mm')} mm, {gear.gear.value} gear"
     return Table(title, (*columns, *(LIMITS if limits else ())), rows, long=True)
+
+
+def allowed_texts(values: Sequence[Value]) -> list[str]:
+    """A length, or where its limits follow it, these alone; empty where they could not be computed."""
+    return [cell_text(value, "mm") for value in (values[1:] or values)]
 
 
 def _over_one(pins: Pins) -> Readings:

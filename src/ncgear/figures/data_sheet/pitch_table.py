@@ -10,6 +10,7 @@ from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.tables import Column, Table
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.highest import largest_from
 from ncgear.pitch.pair import PitchPair
 from ncgear.project.drive import Drive
 
@@ -64,15 +65,30 @@ def pitch_columns(pitch: PitchPair, phi1_rad: Array) -> Array:
     return np.stack([phi1_rad, driven.value, 1.0 / driven.derivative(1), *radii])
 
 
+OFF = [1, 3, 4]
+"""The columns whose interpolation is judged: phi2 and both radii."""
+
+PROBES, KNOWN = 4, 1e-3
+"""Places between two rows from which the greatest error is looked for, and the share to which it is known."""
+
+
 def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:
-    """A note on the error of straight interpolation half way between two rows."""
-    half = np.radians((phi1_deg[1:] + phi1_deg[:-1]) / 2.0)
-    rows, between = pitch_columns(pitch, np.radians(phi1_deg)), pitch_columns(pitch, half)
-    off = np.abs((rows[:, 1:] + rows[:, :-1]) / 2.0 - between).max(axis=1)
-    turned, moved = to_digits(degrees(off[1]), 2), to_digits(max(off[3:]), 2)
+    """A note on the greatest error of straight interpolation between two rows."""
+    rows = pitch_columns(pitch, np.radians(phi1_deg))
+
+    def off(phi1_rad: Array) -> Array:
+        found = pitch_columns(pitch, phi1_rad)
+        straight = [np.interp(phi1_rad, rows[0], rows[column]) for column in OFF]
+        return np.asarray(np.abs(straight - found[OFF]))
+
+    inner = np.linspace(0.0, 1.0, PROBES, endpoint=False)
+    places = np.append((rows[0, :-1, None] + np.diff(rows[0])[:, None] * inner).ravel(), rows[0, -1])
+    values = off(places)
+    angle, *radii = largest_from(off, places, values, KNOWN * values.max(axis=1))
+    turned, moved = to_digits(degrees(angle.value), 2), to_digits(max(radius.value for radius in radii), 2)
     return (
-        f"half way between two rows straight interpolation is off by up to {turned} deg of phi2 and {moved} mm of the "
-        "radii; pitch.csv has more rows"
+        f"between two rows straight interpolation is off by up to {turned} deg of phi2 and {moved} mm of the radii; "
+        "pitch.csv has more rows"
     )
 
 

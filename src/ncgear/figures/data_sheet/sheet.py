@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
+from ncgear.figures.data_sheet.accuracy import tolerances
 from ncgear.figures.data_sheet.bodies import bodies
 from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.data_sheet.entry import Entry
@@ -19,8 +20,8 @@ from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.passed import passed_rows
 from ncgear.figures.quantities import OF_GEAR, figure, name_of
 from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
+from ncgear.figures.thickness import TITLE, band_table
 from ncgear.frozen import dataclass
-from ncgear.metrology.working import root_radii_mm, tip_radii_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
@@ -28,6 +29,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.measured import MeasuredGear, cut_gears
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
+from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
 from ncgear.teeth.shifts import thickness_mm
 from ncgear.teeth.tips import Limit
 
@@ -69,11 +71,12 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Teeth": partial(tooth_data, pair),
         "Bodies": partial(bodies, pair),
         "Beside the gears": partial(passed_rows, pair),
-        "Tolerances, as given": partial(tolerances, pair),
+        "Tolerances": partial(tolerances, pair),
         "Measurements of the teeth": lambda: measurements(pair, pair.measured),
     }
     groups = (Group(title, rows_or_why(of)) for title, of in rows.items())
     tables: dict[str, Callable[[], tuple[Table, ...]]] = {
+        TITLE: lambda: band_table(pair),
         "Cut by": lambda: tuple(map(cut_table, cut_gears(pair))),
         "Teeth of their own shift": lambda: shifted_teeth(pair),
         "Pitch curves": lambda: (pitch_table(pair),),
@@ -162,11 +165,14 @@ def _of_both(label: str, driving: float, driven: float) -> Entry:
 
 
 def _radii(drive: Drive) -> list[Entry]:
-    gears = drive.teeth.driving, drive.teeth.driven
+    gears, over_all, housing = (drive.teeth.driving, drive.teeth.driven), drive.outer_radii_mm, drive.housing_radii_mm
+    section = ", in the section at z = 0" if drive.helix else ""
     return [
         *_ends("pitch radius", *(drive.pitch.radius_range_mm(gear) for gear in Gear)),
-        *_ends("radius of tips", *(_range(tip_radii_mm(gear)) for gear in gears)),
-        *_ends("radius of roots", *(_range(root_radii_mm(gear)) for gear in gears)),
+        *_ends(f"radius of tips{section}", *(_range(tip_radii_mm(gear)) for gear in gears)),
+        *_ends(f"radius of roots{section}", *(_range(root_radii_mm(gear)) for gear in gears)),
+        _of_both("greatest radius over all", over_all[Gear.DRIVING], over_all[Gear.DRIVEN]),
+        *([_of_both("bore of the housing", *(2.0 * radius for radius in housing.values()))] if housing else []),
     ]
 
 
@@ -231,10 +237,21 @@ def rack_data(drive: Drive) -> tuple[Entry, ...]:
         _shifts(drive),
         Entry(name_of("backlash_mm"), "mm", pair=drive.play.least_normal_mm.value),
         Entry(name_of("backlash_max_mm"), "mm", pair=drive.play.largest_normal_mm.value),
-        Entry(name_of("play_rad"), "deg", pair=degrees(drive.play.driven_rad)),
+        *_play(drive),
         *_helix(drive),
         Entry("cutter", pair=_cutter(drive)),
     )
+
+
+def _play(drive: Drive) -> list[Entry]:
+    """The play of the driven gear: one angle, or the least and the greatest."""
+    least, greatest = map(degrees, drive.play_range_rad)
+    if drive.play.thicker_mm == 0.0:
+        return [Entry(name_of("play_rad"), "deg", pair=least)]
+    return [
+        Entry(f"{word} {name_of('play_rad')}", "deg", pair=value)
+        for word, value in (("least", least), ("greatest", greatest))
+    ]
 
 
 def _angles(drive: Drive) -> list[Entry]:
@@ -335,21 +352,6 @@ def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: 
         return shown(numbers)
     found = loss(gear)
     return f"{shown(numbers)}, by up to {micrometres(found.amount_mm)} (tooth {found.tooth})"
-
-
-def tolerances(drive: Drive) -> tuple[Entry, ...]:
-    """The tolerances; empty where the design gives none."""
-    given = drive.gears.tolerances
-    if given is None:
-        return ()
-    rows = (
-        Entry("standard", pair=given.standard or None),
-        Entry("accuracy grade", pair=given.grade or None),
-        Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
-        Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
-        Entry("note", pair=given.note or None),
-    )
-    return tuple(row for row in rows if row.of_pair)
 
 
 def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tuple[Entry, ...]:

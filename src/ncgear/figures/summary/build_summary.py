@@ -5,7 +5,7 @@ The sections are those of a check, and pitch curves, teeth, contact and bodies o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from math import degrees, isfinite, pi, radians
 from typing import TYPE_CHECKING, Any
@@ -19,11 +19,11 @@ from ncgear.contact.pair import PairContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
 from ncgear.errors import DesignError
-from ncgear.figures.advice.collected import check_advice
-from ncgear.figures.advice.values import Advice
+from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.passed import passed_summary
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
+from ncgear.figures.thickness import play_figures, thickness_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import CM3_PER_MM3
@@ -47,15 +47,10 @@ Smooth joints differ by rounding, 1e-8 at most; others differ by 1e-3 and more.
 """
 
 
-def build_summary(drive: Drive, contact: PairContact, advices: Sequence[Advice]) -> dict[str, Any]:
-    """The summary of the check, and pitch curves, teeth, contact and bodies; files and timings are left empty.
-
-    ``advices`` are those of ``build_advice``.
-    """
-    summary = check_summary(drive)
-    comparison, _ = summary.pop("comparison"), summary.pop("warnings")
-    # Not those of the check: with teeth their strength is known better than roughly.
-    advices = (*check_advice(drive), *advices)
+def build_summary(drive: Drive, contact: PairContact, verdict: Verdict) -> dict[str, Any]:
+    """The summary of the check, and pitch curves, teeth, contact and bodies; files and timings are left empty."""
+    summary = check_summary(drive, verdict)
+    last = {key: summary.pop(key) for key in ("comparison", "warnings", "remarks", "verdict")}
     return {
         **summary,
         "pitch": pitch_summary(drive),
@@ -65,14 +60,13 @@ def build_summary(drive: Drive, contact: PairContact, advices: Sequence[Advice])
             **_under_load(drive),
             **_overlap(drive, contact),
         },
+        **({"thickness": thickness_summary(drive)} if drive.thickness_band else {}),
         **_strength(drive),
         **_pumped(drive),
         "bodies": bodies_summary(drive),
         **passed_summary(drive),
         "files": {},
-        "comparison": comparison,
-        "warnings": [advice.line for advice in advices if advice.matters],
-        "remarks": [advice.line for advice in advices if not advice.matters],
+        **last,
         "timing_s": {},
     }
 
@@ -103,8 +97,8 @@ L_PER_MM3 = 1e-3 * CM3_PER_MM3
 
 def _pumped(drive: Drive) -> dict[str, Any]:
     """What the gears displace in their housing; nothing where the design has none."""
-    found = drive.pumped
-    if found is None:
+    found, radii = drive.pumped, drive.housing_radii_mm
+    if found is None or radii is None:
         return {}
     per_minute = L_PER_MM3 * drive.design.operation.speed_rpm
     return {
@@ -116,6 +110,7 @@ def _pumped(drive: Drive) -> dict[str, Any]:
             "largest_flow_l_min": per_minute * 2.0 * pi * found.most.value,
             "largest_flow_at_rad": found.most.at,
             "pulsation_percent": 100.0 * found.pulsation,
+            **{f"housing_bore_{gear.value}_mm": 2.0 * radius for gear, radius in radii.items()},
         }
     }
 
@@ -188,9 +183,7 @@ def teeth_summary(drive: Drive) -> dict[str, Any]:
         "driven": size.driven_teeth,
         "module_mm": size.module_mm,
         **({"pitches_in_range": toothed.covered_mm / drive.rack.pitch_mm} if toothed else {}),
-        "backlash_mm": drive.play.least_normal_mm.value,
-        "backlash_max_mm": drive.play.largest_normal_mm.value,
-        "play_rad": drive.play.driven_rad,
+        **play_figures(drive.play, *drive.play_range_rad),
         **_helix(drive),
         "undercut_driving": teeth.driving.undercut,
         "undercut_driven": teeth.driven.undercut,
@@ -217,7 +210,7 @@ def _free_of_undercut(drive: Drive) -> dict[str, Any]:
 
 
 DECIMALS = 9
-"""Decimals of shifts that are told: a millionth of a micrometre is rounding."""
+"""Decimals of shifts that are told, in modules: what comes after is rounding."""
 
 
 def _flank_angles(drive: Drive) -> dict[str, Any]:
@@ -233,7 +226,7 @@ def _shifts(drive: Drive) -> dict[str, Any]:
         if not drive.teeth.driving.flanks.has_own_shifts:
             result[f"profile_shift_{name}_mm"] = flanks.rack.shift_mm
             continue
-        shift = np.round(flanks.full_tip_mm[::2] - rack.addendum_mm, DECIMALS)
+        shift = rack.module_mm * np.round((flanks.full_tip_mm[::2] - rack.addendum_mm) / rack.module_mm, DECIMALS)
         result[f"profile_shift_{name}_mm"] = shift.tolist()
         result[f"tooth_thickness_{name}_mm"] = thickness_mm(rack.module_mm, shift, rack.angles_rad).tolist()
     return result
@@ -346,8 +339,10 @@ def _as_written(written: AsWritten, designed: AsDesigned) -> dict[str, Any]:
         **_greatest("from_design_max", "rad", astray, designed.placement),
         **_range("backlash", "rad", written.backlash_rad, designed.placement),
         **_penetration(written.overlap_mm, designed.placement),
-        "clearance_driving_tips_mm": written.driving_tips_mm,
-        "clearance_driven_tips_mm": written.driven_tips_mm,
+        **{
+            f"clearance_{gear}_tips_mm": clearance if isfinite(clearance) else None
+            for gear, clearance in (("driving", written.driving_tips_mm), ("driven", written.driven_tips_mm))
+        },
     }
 
 
@@ -390,13 +385,13 @@ def bodies_summary(drive: Drive) -> dict[str, Any]:
     A negative clearance is half a kerf: what is written is larger than the gears, and does not go together uncut.
     """
     clearance, solids = drive.gears.process_clearance_mm, drive.solids
-    lever_mm = drive.designed_contact.pushing.first.lever_mm
+    lever_mm = drive.contact_extremes.least_lever_mm.value
     return {
         "process_clearance_mm": clearance,
         **(
             {"kerf_mm": -2.0 * clearance}
             if clearance < 0.0
-            else {"lag_max_without_process_rad": float((2.0 * clearance / lever_mm).max())}
+            else {"lag_max_without_process_rad": 2.0 * clearance / lever_mm}
         ),
         "first_layer_chamfer_mm": drive.gears.first_layer_chamfer_mm,
         "driving": _body(solids.driving),

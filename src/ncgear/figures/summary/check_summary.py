@@ -6,7 +6,7 @@ from math import degrees
 from typing import Any
 
 from ncgear.design.keys.machine import Published
-from ncgear.figures.advice.collected import check_advice, rough_advice
+from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.figures.wished import motion_summary, wish_rows
 from ncgear.kinematics.check import KinematicCheck, power_figures
@@ -15,8 +15,12 @@ from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
 
 
-def check_summary(drive: Drive) -> dict[str, Any]:
-    """Kinematics and power, without pitch curves.  The ratio is that of the drive's own stage, or else of the whole."""
+def check_summary(drive: Drive, verdict: Verdict | None = None) -> dict[str, Any]:
+    """Kinematics and power.  The ratio is that of the drive's own stage, or else of the whole.
+
+    ``verdict`` is another one than what a check can judge.
+    """
+    verdict = verdict or judged(drive, Known.MOTION)
     of_ratio = drive.transmission if drive.stage is None else drive.pair.transmission
     low, high = of_ratio.ratio_range
     return {
@@ -28,7 +32,16 @@ def check_summary(drive: Drive) -> dict[str, Any]:
         "check": _check(drive),
         **_achieved(drive),
         "comparison": comparison_rows(drive),
-        "warnings": [advice.line for advice in (*check_advice(drive), *rough_advice(drive))],
+        **verdict_summary(verdict),
+    }
+
+
+def verdict_summary(verdict: Verdict) -> dict[str, Any]:
+    """The verdict in full: warnings and remarks as sentences, and a row for each condition."""
+    return {
+        "warnings": [advice.line for advice in verdict.warnings],
+        "remarks": [advice.line for advice in verdict.remarks],
+        "verdict": verdict.table,
     }
 
 

@@ -5,27 +5,30 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from enum import Enum
+from math import ceil, log10
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import bow_middles
 
-DECIMALS = 6
-"""Decimals of coordinates in mm: a millionth of a millimetre, far below any chord tolerance."""
+DECIMALS, FINER = 6, 8
+"""Decimals of coordinates in mm: a millionth of a millimetre, or about a hundred-millionth of what is smaller than
+100 mm: far below any chord tolerance."""
 
 BULGE_DECIMALS = 9
 """Decimals of bulges: on a chord of a metre the arc stays within a millionth of a millimetre."""
 
 
-def written(values: Array | float, decimals: int = DECIMALS) -> Array:
+def written(values: Array | float, decimals: int) -> Array:
     """Numbers as DXF and SVG files have them: without rounding errors, and without a minus before a zero.
 
-    Raises ArithmeticError for what is no finite number.
+    Raises Unanswered for what is no finite number.
     """
     if not np.isfinite(values).all():
-        raise ArithmeticError("a drawing holds a coordinate that is no finite number")
+        raise Unanswered("a drawing holds a coordinate that is no finite number")
     return np.asarray(np.round(values, decimals) + 0.0)
 
 
@@ -152,6 +155,12 @@ class PairDrawings:
     driven: Drawing
     center_distance_mm: float
     notes: tuple[str, ...]
+
+
+def decimals_for(drawings: Iterable[Drawing]) -> int:
+    """The decimals that coordinates of drawings have in a file."""
+    low, high = box_around(drawings)
+    return max(DECIMALS, FINER - ceil(log10(float(np.max(high - low)))))
 
 
 def box_around(drawings: Iterable[Drawing]) -> tuple[Array, Array]:

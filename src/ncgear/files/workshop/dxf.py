@@ -16,6 +16,7 @@ from ezdxf.layouts import BlockLayout, Modelspace
 from ezdxf.lldxf.types import DXFTag
 from ezdxf.sections.classes import REQ_R2004
 
+from ncgear.errors import Unanswered
 from ncgear.files.workshop.drawing import (
     BULGE_DECIMALS,
     Circle,
@@ -26,6 +27,7 @@ from ncgear.files.workshop.drawing import (
     Shape,
     Use,
     box_around,
+    decimals_for,
     written,
 )
 from ncgear.numerics.arrays import Array
@@ -65,17 +67,18 @@ def dxf_files(shown: PairDrawings) -> dict[str, bytes]:
 def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
     """One file with drawings, each by the prefix of its layers' names; the same drawings give the same bytes.
 
-    The notes are below the drawings, and among the properties of the file.  Raises RuntimeError, a fault of ncgear, for
+    The notes are below the drawings, and among the properties of the file.  Raises Unanswered for
     a file in which the library's audit finds a fault.
     """
     with without_clock():
         document = ezdxf.new(VERSION, units=units.MM)
         document.linetypes.add("CENTER", CENTER_LINE, description="Center ____ _ ____")
+        decimals = decimals_for(drawings.values())
         for prefix, drawing in drawings.items():
-            _draw(document, drawing, prefix)
-        _write(document, notes, *box_around(drawings.values()))
+            _draw(document, drawing, prefix, decimals)
+        _write(document, notes, *box_around(drawings.values()), decimals)
         if document.audit().has_issues:
-            raise RuntimeError(f"the DXF file of {notes[0]} has faults")
+            raise Unanswered(f"the DXF file of {notes[0]} has faults")
         # Otherwise the library lists the classes in the order of a set, which differs from process to process.
         for name in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
             document.classes.add_class(name)
@@ -96,27 +99,29 @@ def without_clock() -> Iterator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def _draw(document: Document, drawing: Drawing, prefix: str) -> None:
+def _draw(document: Document, drawing: Drawing, prefix: str, decimals: int) -> None:
     """Add a drawing's layers, with their use as a property, and the shapes on them."""
     for layer, shapes in drawing.layers.items():
         line = "CENTER" if layer.use is Use.REFERENCE else "Continuous"
         made = document.layers.add(f"{prefix}{layer.name}", color=COLORS[layer.use], linetype=line)
         made.description = layer.words
         for shape in shapes:
-            _add(document.modelspace(), shape, made.dxf.name)
+            _add(document.modelspace(), shape, made.dxf.name, decimals)
 
 
-def _add(space: Modelspace, shape: Shape, layer: str) -> None:
+def _add(space: Modelspace, shape: Shape, layer: str, decimals: int) -> None:
     attributes = {"layer": layer}
     match shape:
         case Polyline():
             bulges = written(shape.bulges, BULGE_DECIMALS)
-            add_chain(space, written(shape.points), {**attributes, "flags": WHOLE_PATTERN}, bulges, closed=True)
+            add_chain(
+                space, written(shape.points, decimals), {**attributes, "flags": WHOLE_PATTERN}, bulges, closed=True
+            )
         case Circle():
-            x, y, radius = written(np.array([shape.x_mm, shape.y_mm, shape.radius_mm])).tolist()
+            x, y, radius = written(np.array([shape.x_mm, shape.y_mm, shape.radius_mm]), decimals).tolist()
             space.add_circle((x, y), radius, dxfattribs=attributes)
         case Cross():
-            for start, end in written(shape.lines).tolist():
+            for start, end in written(shape.lines, decimals).tolist():
                 space.add_line(start, end, dxfattribs=attributes)
 
 
@@ -152,18 +157,21 @@ def add_chain(
     chain.lwpoints.set(rows)
 
 
-def _write(document: Document, notes: Sequence[str], low: Array, high: Array) -> None:
+def _write(document: Document, notes: Sequence[str], low: Array, high: Array, decimals: int) -> None:
     """Write notes below the box of the drawings, line by line, and set the view that shows all of it at opening."""
     document.layers.add(NOTES, color=COLORS[Use.THROUGH])
-    low, high = written(low), written(high)
-    letter = float(written((high[0] - low[0]) / LETTERS_ACROSS))
+    low, high = written(low, decimals), written(high, decimals)
+    letter = float(written((high[0] - low[0]) / LETTERS_ACROSS, decimals))
     foot = low - np.array([0.0, LINE_SPACING * letter * (len(notes) + 1)])
     for number, note in enumerate(notes, 1):
         document.header.custom_vars.append(f"note {number}", note)
         place = low - np.array([0.0, LINE_SPACING * letter * (number + 0.5)])
         document.modelspace().add_text(
-            note, height=letter, dxfattribs={"layer": NOTES, "insert": tuple(written(place).tolist())}
+            note, height=letter, dxfattribs={"layer": NOTES, "insert": tuple(written(place, decimals).tolist())}
         )
-    document.header["$EXTMIN"], document.header["$EXTMAX"] = (*written(foot).tolist(), 0.0), (*high.tolist(), 0.0)
-    center = tuple(written((foot + high) / 2.0).tolist())
-    document.set_modelspace_vport(float(written(SLACK * (high[1] - foot[1]))), center)
+    document.header["$EXTMIN"], document.header["$EXTMAX"] = (
+        (*written(foot, decimals).tolist(), 0.0),
+        (*high.tolist(), 0.0),
+    )
+    center = tuple(written((foot + high) / 2.0, decimals).tolist())
+    document.set_modelspace_vport(float(written(SLACK * (high[1] - foot[1]), decimals)), center)

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import Circle, Cross, Drawing, Layer, PairDrawings, Polyline, Shape, polygon
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
@@ -144,7 +145,7 @@ def pair_notes(drive: Drive) -> tuple[str, ...]:
     return (
         f"{_title(drive)}: both gears assembled at phi1 = 0",
         _scale(drive),
-        f"driving axis at the origin, driven axis at x = {drive.pitch.center_distance_mm:.4f} mm",
+        f"driving axis at the origin, driven axis at x = {drawn(drive.pitch.center_distance_mm, 'mm')} mm",
     )
 
 
@@ -153,6 +154,6 @@ def _title(drive: Drive) -> str:
 
 
 def _scale(drive: Drive) -> str:
-    tolerance = drive.design.output.chord_tolerance_mm
-    arcs = f"arcs of the teeth no farther than {CURVES_SHARE * tolerance:g} mm and " if drive.tooth_arcs else ""
-    return f"1:1 in mm; {arcs}chords no farther than {tolerance:g} mm from the exact curve, round holes exact"
+    tolerance = drive.chord_tolerance_mm
+    arcs = f"arcs of the teeth no farther than {CURVES_SHARE * tolerance:.4g} mm and " if drive.tooth_arcs else ""
+    return f"1:1 in mm; {arcs}chords no farther than {tolerance:.4g} mm from the exact curve, round holes exact"

@@ -13,8 +13,9 @@ from ncgear.numerics.arrays import Array, counted_up
 from ncgear.numerics.plane import as_complex, as_points
 from ncgear.pitch.shape import Gear
 
-FLAT_MM = 5e-6
-"""Distance from an arc of the chords by which it is measured: a thousandth of a usual chord tolerance."""
+FLAT = 1e-7
+"""Distance from an arc of the chords by which it is measured, as a share of the largest coordinate: a thousandth of a
+usual chord tolerance."""
 
 
 def read_outlines(files: Mapping[str, bytes]) -> dict[str, tuple[Array, Array]]:
@@ -62,11 +63,11 @@ READERS: dict[str, Callable[[bytes], Array]] = {"dxf": outline_of_dxf, "svg": ou
 
 
 def flattened(points_mm: Array, bulges: Array) -> Array:
-    """A closed chain of lines and arcs (see ``ArcOutline``) as chords that stray from arcs by ``FLAT_MM`` at most."""
+    """A closed chain of lines and arcs (see ``ArcOutline``) as chords that stray from arcs by ``FLAT`` at most."""
     start = as_complex(points_mm)
     chord, turn = np.roll(start, -1) - start, 4.0 * np.arctan(bulges)
     height = np.abs(bulges) * np.abs(chord) / 2.0
-    count = np.maximum(np.ceil(np.sqrt(height / FLAT_MM)), 1).astype(int)
+    count = np.maximum(np.ceil(np.sqrt(height / (FLAT * np.abs(start).max()))), 1).astype(int)
     row, number = counted_up(np.zeros(count.size, dtype=int), count)
     share, turn = number / count[row], turn[row]
     bent = turn != 0.0

@@ -25,6 +25,7 @@ from OCP.TDocStd import TDocStd_Document
 from OCP.TopoDS import TopoDS_Shape
 from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -64,13 +65,13 @@ def solids_of_drive(drive: Drive) -> dict[Gear, ExactSolid]:
     drive.require_sound_teeth()
     if drive.helix is None:
         return {gear: _straight(drive, gear) for gear in Gear}
-    sections = Sections(drive.pitch, drive.tooth_form, drive.helix, drive.design.output.chord_tolerance_mm)
+    sections = Sections(drive.pitch, drive.tooth_form, drive.helix, drive.chord_tolerance_mm)
     return {gear: _helical(drive, sections, drive.helix, gear) for gear in Gear}
 
 
 def _straight(drive: Drive, gear: Gear) -> ExactSolid:
     own = drive.teeth.of(gear)
-    contour = contour_of(own, CURVES_SHARE * drive.design.output.chord_tolerance_mm)
+    contour = contour_of(own, CURVES_SHARE * drive.chord_tolerance_mm)
     plan = drive.solids.of(gear).plan
     if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
         return ExactSolid(gear_shape(contour, plan), contour.deviation_mm)
@@ -79,7 +80,7 @@ def _straight(drive: Drive, gear: Gear) -> ExactSolid:
 
 
 def _helical(drive: Drive, sections: Sections, helix: Helix, gear: Gear) -> ExactSolid:
-    patches = patches_of(sections, gear, CURVES_SHARE * drive.design.output.chord_tolerance_mm)
+    patches = patches_of(sections, gear, CURVES_SHARE * drive.chord_tolerance_mm)
     shape = helical_gear_shape(patches, drive.solids.of(gear).plan, herringbone=helix.herringbone)
     return ExactSolid(shape, patches.deviation_mm)
 
@@ -123,7 +124,7 @@ def _named(label: TDF_Label, name: str) -> TDF_Label:
 
 
 def _written(document: TDocStd_Document, name: str, description: str) -> bytes:
-    """The document as a file; raises RuntimeError, a fault of ncgear, when the kernel cannot write it."""
+    """The document as a file; raises Unanswered when the kernel cannot write it."""
     # The messages of the kernel about its work stay off the terminal; its alarms still appear.
     for printer in Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(Message_Gravity.Message_Alarm)
@@ -132,11 +133,11 @@ def _written(document: TDocStd_Document, name: str, description: str) -> bytes:
     Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
     writer = STEPCAFControl_Writer()
     if not writer.Transfer(document):
-        raise RuntimeError(f"{name} cannot be put into a STEP file")
+        raise Unanswered(f"{name} cannot be put into a STEP file")
     _reproducible(writer.ChangeWriter().Model(), name, description)
     stream = BytesIO()
     if writer.WriteStream(stream) != IFSelect_ReturnStatus.IFSelect_RetDone:
-        raise RuntimeError(f"the STEP file of {name} was not written")
+        raise Unanswered(f"the STEP file of {name} was not written")
     return stream.getvalue()
 
 
@@ -162,24 +163,24 @@ def _text(words: str) -> TCollection_HAsciiString:
 
 
 def require_same(data: bytes, shapes: Sequence[TopoDS_Shape]) -> None:
-    """Raise RuntimeError, a fault of ncgear, unless a file holds valid solids with faces and volumes of ``shapes``."""
+    """Raise Unanswered unless a file holds valid solids with faces and volumes of ``shapes``."""
     whole = read_back(data)
     if not BRepCheck_Analyzer(whole).IsValid():
-        raise RuntimeError("a STEP file holds solids that are not valid")
+        raise Unanswered("a STEP file holds solids that are not valid")
     for shape, found in zip(shapes, solids_of(whole), strict=True):
         faces, faces_found = (len(faces_of(one)) for one in (shape, found))
         volume, volume_found = volume_mm3(shape), volume_mm3(found)
         if faces != faces_found or not abs(volume_found - volume) <= VOLUME_TOLERANCE * volume:
-            raise RuntimeError(
+            raise Unanswered(
                 f"a STEP file holds {faces_found} faces about {volume_found:.9g} mm3, "
                 f"not {faces} about {volume:.9g} mm3"
             )
 
 
 def read_back(data: bytes) -> TopoDS_Shape:
-    """The shape that a file holds; raises RuntimeError where it cannot be read."""
+    """The shape that a file holds; raises Unanswered where it cannot be read."""
     reader = STEPControl_Reader()
     if reader.ReadStream("step", BytesIO(data)) != IFSelect_ReturnStatus.IFSelect_RetDone:
-        raise RuntimeError("a STEP file cannot be read back")
+        raise Unanswered("a STEP file cannot be read back")
     reader.TransferRoots()
     return reader.OneShape()

@@ -9,7 +9,6 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 
 from ncgear.files.workshop.drawing import (
-    DECIMALS,
     Circle,
     Cross,
     Drawing,
@@ -18,6 +17,7 @@ from ncgear.files.workshop.drawing import (
     Shape,
     Use,
     box_around,
+    decimals_for,
     written,
 )
 from ncgear.numerics.arrays import Array
@@ -39,7 +39,8 @@ def svg_files(shown: PairDrawings) -> dict[str, bytes]:
 
 def svg_bytes(drawing: Drawing) -> bytes:
     """A drawing with a group for each layer, as large on paper as the gear is."""
-    root = Xml.Element("svg", {"xmlns": NAMESPACE, "version": "1.1", **_size(drawing)})
+    decimals = decimals_for([drawing])
+    root = Xml.Element("svg", {"xmlns": NAMESPACE, "version": "1.1", **_size(drawing, decimals)})
     Xml.SubElement(root, "title").text = drawing.notes[0]
     Xml.SubElement(root, "desc").text = "; ".join(drawing.notes[1:])
     upward = Xml.SubElement(root, "g", {"transform": "scale(1,-1)", "fill": "none", "stroke-width": f"{HAIRLINE_MM}"})
@@ -47,54 +48,52 @@ def svg_bytes(drawing: Drawing) -> bytes:
         group = Xml.SubElement(upward, "g", {"id": layer.name, "stroke": COLORS[layer.use]})
         Xml.SubElement(group, "title").text = layer.words
         for shape in shapes:
-            Xml.SubElement(group, "path", {"d": _path(shape)})
+            Xml.SubElement(group, "path", {"d": _path(shape, decimals)})
     Xml.indent(root)
     text: bytes = Xml.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
 
 
-def _size(drawing: Drawing) -> dict[str, str]:
+def _size(drawing: Drawing, decimals: int) -> dict[str, str]:
     """Attributes that give a drawing with its margin its true size on paper."""
     box_low, box_high = box_around([drawing])
     low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
     width, height = high - low
-    box = " ".join(map(_number, (low[0], -high[1], width, height)))
-    return {"width": f"{_number(width)}mm", "height": f"{_number(height)}mm", "viewBox": box}
+    box = " ".join(_numbers(np.array([low[0], -high[1], width, height]), decimals))
+    across, up = _numbers(np.array([width, height]), decimals)
+    return {"width": f"{across}mm", "height": f"{up}mm", "viewBox": box}
 
 
-def _path(shape: Shape) -> str:
+def _path(shape: Shape, decimals: int) -> str:
     """The ``d`` attribute of a path that draws a shape."""
     match shape:
         case Polyline():
-            return f"M{_coordinates(shape.points[:1])[0]}{''.join(_steps(shape))}Z"
+            return f"M{_coordinates(shape.points[:1], decimals)[0]}{''.join(_steps(shape, decimals))}Z"
         case Circle():
             reach = shape.radius_mm * np.array([[-1.0, 0.0], [1.0, 0.0]])
-            left, right = _coordinates(np.array([shape.x_mm, shape.y_mm]) + reach)
-            half = f"A{_number(shape.radius_mm)},{_number(shape.radius_mm)} 0 0 1 "
+            left, right = _coordinates(np.array([shape.x_mm, shape.y_mm]) + reach, decimals)
+            (radius,) = _numbers(np.array([shape.radius_mm]), decimals)
+            half = f"A{radius},{radius} 0 0 1 "
             return f"M{left}{half}{right}{half}{left}Z"
         case Cross():
-            return "".join(f"M{start}L{end}" for start, end in map(_coordinates, shape.lines))
+            return "".join(f"M{start}L{end}" for start, end in (_coordinates(line, decimals) for line in shape.lines))
 
 
-def _steps(chain: Polyline) -> Iterator[str]:
+def _steps(chain: Polyline, decimals: int) -> Iterator[str]:
     """Its lines and arcs; an arc of over half a turn is the larger one of the two with its radius."""
     ends, turned = np.roll(chain.points, -1, axis=0), 4.0 * np.arctan(chain.bulges)
     # Lines have no radius; theirs is not written.
     sine = np.where(turned == 0.0, 1.0, np.sin(np.abs(turned) / 2.0))
-    radii = _numbers(np.hypot(*(ends - chain.points).T) / 2.0 / sine)
-    for end, radius, turn in zip(_coordinates(ends), radii, turned.tolist(), strict=True):
+    radii = _numbers(np.hypot(*(ends - chain.points).T) / 2.0 / sine, decimals)
+    for end, radius, turn in zip(_coordinates(ends, decimals), radii, turned.tolist(), strict=True):
         yield f"A{radius},{radius} 0 {int(abs(turn) > pi)} {int(turn > 0.0)} {end}" if turn else f"L{end}"
 
 
-def _coordinates(points: Array) -> list[str]:
+def _coordinates(points: Array, decimals: int) -> list[str]:
     """Points of shape (n, 2) as a path has them."""
-    return [f"{x},{y}" for x, y in zip(*map(_numbers, points.T), strict=True)]
+    return [f"{x},{y}" for x, y in zip(*(_numbers(column, decimals) for column in points.T), strict=True)]
 
 
-def _number(value: float) -> str:
-    return _numbers(np.array([value]))[0]
-
-
-def _numbers(values: Array) -> list[str]:
+def _numbers(values: Array, decimals: int) -> list[str]:
     """Numbers without needless zeros, and without a minus before a zero."""
-    return [f"{value:.{DECIMALS}f}".rstrip("0").rstrip(".") for value in written(values).tolist()]
+    return [f"{value:.{decimals}f}".rstrip("0").rstrip(".") for value in written(values, decimals).tolist()]

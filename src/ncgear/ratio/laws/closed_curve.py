@@ -39,8 +39,8 @@ JOINED = 1e-6
 SLIVER_RAD = 1e-9
 """Stretches of a smaller angle are left out: rounding errors where a curve is cut next to a joint."""
 
-FINEST_TABLE = 12
-"""Most halvings of a table of angles: a curve that turns by a radian in so short a stretch meets its axis."""
+FINEST_TABLE = 40
+"""Most halvings of a table of angles where it turns by over a radian: in so short a stretch a curve meets its axis."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,17 +272,18 @@ def _backwards(stretch: Stretch) -> Stretch:
 
 
 def _polar(point: PointFunction, breaks: Array, key: str) -> PolarFunction:
-    """Angle and radius of points; the angle counts on over whole turns, by a table of it."""
-    for halving in range(FINEST_TABLE):
-        each = 16 << halving
-        shares = np.arange(each) / each
-        grid = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * shares).ravel(), breaks[-1])
+    """Angle and radius of points; the angle counts on over whole turns, by a table of it, finer where it turns fast."""
+    shares = np.arange(16) / 16
+    grid = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * shares).ravel(), breaks[-1])
+    for _ in range(FINEST_TABLE):
         x, y = (part.value for part in point(grid, 0))
         if not (np.isfinite(x).all() and np.isfinite(y).all()) or np.min(np.hypot(x, y)) == 0.0:
             break
         table = np.unwrap(np.arctan2(y, x))
-        if np.max(np.abs(np.diff(table))) <= 1.0:
+        fast = np.flatnonzero(np.abs(np.diff(table)) > 1.0)
+        if not fast.size:
             return _counted(point, grid, table)
+        grid = np.insert(grid, fast + 1, (grid[fast] + grid[fast + 1]) / 2.0)
     raise NoSuchMechanism("the pitch curve meets its axis; it must go round it", key=key)
 
 

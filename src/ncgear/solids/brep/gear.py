@@ -20,6 +20,7 @@ from OCP.TopAbs import TopAbs_SHELL
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Wire
 from shapely import LinearRing
 
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array
 from ncgear.solids.brep.shapes import (
     bore_wire,
@@ -35,7 +36,7 @@ from ncgear.solids.brep.shapes import (
 )
 from ncgear.solids.helical.patches import Patches
 from ncgear.solids.plan.body import BodyPlan
-from ncgear.teeth.contour import DEGREE, SAME_MM, Contour, Spline, ring_of_arcs
+from ncgear.teeth.contour import DEGREE, Contour, Spline, ring_of_arcs
 
 AT_CORNERS = 8.0 / 17.0
 """Share of the chord tolerance within which walls of pockets pass the polygon's corners: they then keep to the whole of
@@ -44,8 +45,11 @@ it everywhere."""
 SHORT_OF_HUB = 4.0
 """Chord tolerances: a pocket that goes round a hub stops three short of it, for its chords' sake."""
 
-BEYOND_MM = 1.0
-"""How far tools go on beyond what they cut, so that no two faces coincide."""
+BEYOND = 0.1
+"""How far tools go on beyond what they cut, as a share of the face width, so that no two faces coincide."""
+
+SAME_MM = 1e-7
+"""Distance at which the kernel takes two points as one, whatever the size of what it is given (its confusion)."""
 
 SEWN_MM = 10.0 * SAME_MM
 """Distance at which edges are sewn: both have the same poles, and the kernel's own points stray by 1e-7 mm."""
@@ -54,7 +58,7 @@ SEWN_MM = 10.0 * SAME_MM
 def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
     """A gear from z = 0 up to its upper face or its hub's, as its plan says, but for chamfer and clearance.
 
-    Raises RuntimeError, a fault of ncgear, unless the kernel finds one valid solid.
+    Raises Unanswered unless the kernel finds one valid solid.
     """
     outer, holes = wire_of(contour.curves), _holes(plan)
     if plan.hub is not None or plan.web is not None:
@@ -65,7 +69,8 @@ def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
 
 def helical_gear_shape(patches: Patches, plan: BodyPlan, *, herringbone: bool) -> TopoDS_Shape:
     """A gear with helical teeth, as ``gear_shape``."""
-    drills = [prism(hole, [], -BEYOND_MM, plan.face_width_mm + BEYOND_MM) for hole in _holes(plan)]
+    beyond = BEYOND * plan.face_width_mm
+    drills = [prism(hole, [], -beyond, plan.face_width_mm + beyond) for hole in _holes(plan)]
     return _sound(_cut_and_bored(cut(_helical_shape(patches, herringbone=herringbone), drills), plan))
 
 
@@ -83,7 +88,7 @@ def _holes(plan: BodyPlan) -> list[TopoDS_Wire]:
 
 def _sound(shape: TopoDS_Shape) -> TopoDS_Shape:
     if not BRepCheck_Analyzer(shape).IsValid():
-        raise RuntimeError("a gear's solid is not valid")
+        raise Unanswered("a gear's solid is not valid")
     return shape
 
 
@@ -96,7 +101,8 @@ def _cut_and_bored(shape: TopoDS_Shape, plan: BodyPlan) -> TopoDS_Shape:
     if plan.hub is not None:
         circle = circle_wire(0.0, 0.0, plan.hub.diameter_mm / 2.0)
         shape = fused(shape, prism(circle, [], plan.face_width_mm, plan.height_mm))
-    bore = [] if plan.bore is None else [prism(bore_wire(plan.bore), [], -BEYOND_MM, plan.height_mm + BEYOND_MM)]
+    beyond = BEYOND * plan.face_width_mm
+    bore = [] if plan.bore is None else [prism(bore_wire(plan.bore), [], -beyond, plan.height_mm + beyond)]
     return cut(shape, [*bore, *_screw_drill(plan)])
 
 
@@ -107,7 +113,7 @@ def _pocket_tools(plan: BodyPlan) -> list[TopoDS_Shape]:
     tools = []
     for pocket in plan.web.pockets:
         outer, *inner = (_round(ring, plan) for ring in (pocket.exterior, *pocket.interiors))
-        tools.append(prism(outer, inner, plan.web.thickness_mm, plan.face_width_mm + BEYOND_MM))
+        tools.append(prism(outer, inner, plan.web.thickness_mm, (1.0 + BEYOND) * plan.face_width_mm))
     return tools
 
 
@@ -130,13 +136,13 @@ def _screw_drill(plan: BodyPlan) -> list[TopoDS_Shape]:
     screw = plan.hub.set_screw
     start = np.array([0.0, 0.0, screw.height_mm])
     direction = np.array([cos(screw.direction_rad), sin(screw.direction_rad), 0.0])
-    return [cylinder(start, direction, screw.diameter_mm / 2.0, plan.hub.diameter_mm / 2.0 + BEYOND_MM)]
+    return [cylinder(start, direction, screw.diameter_mm / 2.0, (0.5 + BEYOND) * plan.hub.diameter_mm)]
 
 
 def _helical_shape(patches: Patches, *, herringbone: bool) -> TopoDS_Shape:
     """The toothed solid without anything cut into it, from z = 0 up.
 
-    Raises RuntimeError, a fault of ncgear, where the surfaces do not close.
+    Raises Unanswered where the surfaces do not close.
     """
     halves = [patches.poles_mm]
     if herringbone:
@@ -165,14 +171,14 @@ def _end(patches: Patches, poles: Array) -> TopoDS_Face:
 
 
 def _sewn(faces: list[TopoDS_Face]) -> TopoDS_Shape:
-    """The solid that the faces enclose; raises RuntimeError where they do not close."""
+    """The solid that the faces enclose; raises Unanswered where they do not close."""
     sewing = BRepBuilderAPI_Sewing(SEWN_MM)
     for face in faces:
         sewing.Add(face)
     sewing.Perform()
     shells = parts_of(sewing.SewedShape(), TopAbs_SHELL)
     if len(shells) != 1 or sewing.NbFreeEdges():
-        raise RuntimeError(f"the surfaces of helical teeth do not close: {sewing.NbFreeEdges()} free edges")
+        raise Unanswered(f"the surfaces of helical teeth do not close: {sewing.NbFreeEdges()} free edges")
     solid = BRepBuilderAPI_MakeSolid(TopoDS.Shell(shells[0])).Solid()
     BRepLib.OrientClosedSolid_s(solid)
     return solid

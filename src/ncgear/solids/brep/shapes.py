@@ -31,6 +31,7 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape, TopoDS_Wire
 
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import bow_middles
 from ncgear.solids.plan.body import ArcSlot, Bore
@@ -42,7 +43,7 @@ UP = gp_Dir(0.0, 0.0, 1.0)
 def wire_of(curves: Sequence[Curve], height_mm: float = 0.0) -> TopoDS_Wire:
     """A closed wire of curves, each of which begins where the last one ends; they share vertices there.
 
-    Raises RuntimeError, a fault of ncgear, where the kernel finds them apart.
+    Raises Unanswered where the kernel finds them apart.
     """
     vertices = [BRepBuilderAPI_MakeVertex(_point(curve.start, height_mm)).Vertex() for curve in curves]
     maker = BRepBuilderAPI_MakeWire()
@@ -51,7 +52,7 @@ def wire_of(curves: Sequence[Curve], height_mm: float = 0.0) -> TopoDS_Wire:
         edge = BRepBuilderAPI_MakeEdge(geometry, start, end, geometry.FirstParameter(), geometry.LastParameter())
         maker.Add(edge.Edge())
         if not maker.IsDone():
-            raise RuntimeError(f"a curve that begins at {curve.start.tolist()} mm does not close an outline")
+            raise Unanswered(f"a curve that begins at {curve.start.tolist()} mm does not close an outline")
     return maker.Wire()
 
 
@@ -147,10 +148,10 @@ def cut(shape: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Shape:
 
 
 def _one(done: BRepAlgoAPI_BooleanOperation) -> TopoDS_Shape:
-    """The solid that an operation leaves; raises RuntimeError, a fault of ncgear, unless it is a single one."""
+    """The solid that an operation leaves; raises Unanswered unless it is a single one."""
     solids = solids_of(done.Shape()) if done.IsDone() else []
     if len(solids) != 1:
-        raise RuntimeError(f"a gear's body falls into {len(solids)} solids")
+        raise Unanswered(f"a gear's body falls into {len(solids)} solids")
     return solids[0]
 
 

@@ -62,8 +62,8 @@ def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance
 def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> TriangleMesh:
     """The solid through rings (l, c, 2) at rising heights (l,), with holes (n, 2) along z, all counter-clockwise.
 
-    Neighbouring points of a ring that single precision cannot tell apart become one.  Raises RuntimeError if the mesh
-    is not sound, a fault of ncgear.
+    Neighbouring points of a ring that single precision cannot tell apart become one.  Raises Unanswered if the mesh
+    is not sound.
     """
     tubes = [_tube(rings_mm, heights_mm, 0)]
     for hole in holes_mm:

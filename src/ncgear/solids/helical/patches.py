@@ -10,12 +10,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
-from ncgear.errors import WrongInput
+from ncgear.errors import Unanswered, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.sections import Sections
-from ncgear.teeth.contour import DEGREE, INSIDE, PROBES, SHORTEST_MM
+from ncgear.teeth.contour import DEGREE, INSIDE, PROBES, SHORTEST_IN_MODULES
 from ncgear.teeth.outline import whole_curves
 from ncgear.teeth.stretch import Stretch
 
@@ -62,7 +62,8 @@ def _interpolated(sections: Sections, gear: Gear, up: int, along: int) -> Patche
     """Surfaces with these numbers of spans, held against exact sections half way between those they go through."""
     heights, share = np.linspace(0.0, sections.helix.rise_mm, up + 1), np.linspace(0.0, 1.0, along + 1)
     curves = [_curves(sections, gear, float(height)) for height in heights]
-    _require_alike(curves, gear)
+    shortest_mm = SHORTEST_IN_MODULES * sections.at(0.0).of(gear).flanks.rack.module_mm
+    _require_alike(curves, gear, shortest_mm)
     lengthwise = _lengthwise(curves, heights, share)
     poles = make_interp_spline(heights, lengthwise.c.swapaxes(0, 1), k=DEGREE)
     probes = (np.arange(along)[:, None] + PROBES).ravel() / along
@@ -70,7 +71,7 @@ def _interpolated(sections: Sections, gear: Gear, up: int, along: int) -> Patche
     middles = [float(height) for height in (heights[1:] + heights[:-1]) / 2.0]
     apart = _apart(found, [(height, _curves(sections, gear, height)) for height in middles], probes)
     # Poles come in the order (up, along, patches, 3).
-    return Patches(lengthwise.t, poles.t, _sharing_edges(poles.c.transpose(2, 1, 0, 3)), apart)
+    return Patches(lengthwise.t, poles.t, _sharing_edges(poles.c.transpose(2, 1, 0, 3), shortest_mm), apart)
 
 
 def _lengthwise(curves: list[list[Stretch]], heights: Array, share: Array) -> BSpline:
@@ -95,13 +96,13 @@ def _curves(sections: Sections, gear: Gear, height: float) -> list[Stretch]:
     return whole_curves(own.tips, own.sides)
 
 
-def _require_alike(curves: list[list[Stretch]], gear: Gear) -> None:
+def _require_alike(curves: list[list[Stretch]], gear: Gear, shortest_mm: float) -> None:
     """Raise WrongInput unless every section has the same curves, and none of them vanishes."""
     for stretches in zip(*curves, strict=True):
         if any(not np.array_equal(one.owner, stretches[0].owner) for one in stretches):
             raise _rough(gear, "some are undercut at one height and not at another")
         points = np.stack([_rows(stretch, np.array([0.0, 1.0]))[0] for stretch in stretches])
-        if np.linalg.norm(points[:, :, 1] - points[:, :, 0], axis=2).min() <= SHORTEST_MM:
+        if np.linalg.norm(points[:, :, 1] - points[:, :, 0], axis=2).min() <= shortest_mm:
             raise _rough(gear, "a land vanishes with height")
 
 
@@ -127,12 +128,12 @@ def _rows(stretch: Stretch, share: Array) -> tuple[Array, Array]:
     return stretch.at(np.arange(stretch.owner.size)[:, None], share)
 
 
-def _sharing_edges(poles: Array) -> Array:
+def _sharing_edges(poles: Array, shortest_mm: float) -> Array:
     """Poles with each patch's last edge replaced by the next one's first; they differ by rounding errors."""
     following = np.roll(poles[:, 0], -1, axis=0)
     gap = float(np.abs(poles[:, -1] - following).max())
-    if not gap <= SHORTEST_MM:
-        raise RuntimeError(f"two surfaces of a gear are {gap:.3g} mm apart where they should meet")
+    if not gap <= shortest_mm:
+        raise Unanswered(f"two surfaces of a gear are {gap:.3g} mm apart where they should meet")
     poles = poles.copy()
     poles[:, -1] = following
     return poles

@@ -20,7 +20,7 @@ import numpy as np
 
 from ncgear.contact.designed.flanks import least_arc
 from ncgear.contact.placement import placed
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import signed_area
@@ -144,7 +144,7 @@ class Pieces:
 def pieces_of(gear: ToothedGear) -> Pieces:
     """The outline of a gear cut at its teeth's places.
 
-    Raises RuntimeError, a fault of ncgear, where these are not found on it in their order.
+    Raises Unanswered where these are not found on it in their order.
     """
     from scipy.spatial import cKDTree
 
@@ -152,10 +152,10 @@ def pieces_of(gear: ToothedGear) -> Pieces:
     outline = gear.outline_mm if signed_area(places) > 0.0 else gear.outline_mm[::-1]
     distance, vertex = cKDTree(outline).query(places)
     if np.max(distance) > AGREEMENT * gear.flanks.rack.module_mm:
-        raise RuntimeError(f"a tooth's corner is {np.max(distance):.3g} mm away from its outline")
+        raise Unanswered(f"a tooth's corner is {np.max(distance):.3g} mm away from its outline")
     cut = np.append(np.mod(vertex - vertex[0], len(outline)), len(outline))
     if np.any(np.diff(cut) < 0):
-        raise RuntimeError(f"the corners of tooth {int(np.argmin(np.diff(cut))) // PER_TOOTH + 1} are out of order")
+        raise Unanswered(f"the corners of tooth {int(np.argmin(np.diff(cut))) // PER_TOOTH + 1} are out of order")
     points = np.roll(outline, -vertex[0], axis=0)
     closed = np.concatenate([points, points[:1]])
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import signed_area
@@ -270,14 +270,14 @@ def spread_columns(sections: Sequence[Pieces], limits: Limits) -> Columns:
 def close_columns(columns: Columns, sections: Sequence[Pieces], limits: Limits) -> Columns:
     """The columns with others halfway between them until the limits are kept on all sections.
 
-    Raises RuntimeError, a fault of ncgear, if they cannot be kept so.
+    Raises Unanswered if they cannot be kept so.
     """
     for _ in range(COLUMN_HALVINGS):
         wide = _wanted(columns, sections, limits) > 1.0
         if not wide.any():
             return columns
         columns = columns.halved(wide)
-    raise RuntimeError(f"a section's outline strays from its chords even after {COLUMN_HALVINGS} halvings")
+    raise Unanswered(f"a section's outline strays from its chords even after {COLUMN_HALVINGS} halvings")
 
 
 def _wanted(columns: Columns, sections: Sequence[Pieces], limits: Limits) -> Array:

@@ -16,6 +16,7 @@ from shapely import Polygon
 from shapely.affinity import rotate
 from shapely.geometry.base import BaseGeometry
 
+from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, require_sound, slab_mesh
 from ncgear.solids.mesh.triangles import TriangleMesh, merged
@@ -29,13 +30,13 @@ GAUSS_POINTS = 8
 """Points of the quadrature between the heights of two corners of the hole's polygon."""
 
 LEVEL_DIGITS = 9
-"""Corners of the hole's polygon whose heights in mm agree to this many decimals are at one height."""
+"""Corners of the hole's polygon whose heights, as shares of the greatest, agree to so many decimals are at one."""
 
 
 def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
     """A toothed mesh of the plan's face width and through cuts with the plan's pockets, hub and set screw.
 
-    Raises RuntimeError if the mesh is not sound, a fault of ncgear.
+    Raises Unanswered if the mesh is not sound.
     """
     if plan.is_plate:
         return toothed
@@ -57,7 +58,7 @@ def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
 
 
 def drilled_hub(mesh: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
-    """The gear with the hole of its set screw; raises RuntimeError if the mesh is not sound, a fault of ncgear."""
+    """The gear with the hole of its set screw; raises Unanswered if the mesh is not sound."""
     hub = plan.hub
     if hub is None or hub.set_screw is None:
         return mesh
@@ -92,7 +93,8 @@ def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
     """Ends of the line across a convex ring (n, 2) at each Gauss point of its height, with the point's weight."""
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     start, end = ring, np.roll(ring, -1, axis=0)
-    for low, high in pairwise(distinct(np.round(ring[:, 1], LEVEL_DIGITS))):
+    top = float(np.abs(ring[:, 1]).max())
+    for low, high in pairwise(top * distinct(np.round(ring[:, 1] / top, LEVEL_DIGITS))):
         half = (high - low) / 2.0
         for height, weight in zip(low + half * (1.0 + nodes), half * weights, strict=True):
             crossing = (start[:, 1] > height) != (end[:, 1] > height)
@@ -102,10 +104,10 @@ def _strips(ring: Array) -> Iterator[tuple[float, float, float]]:
 
 
 def _solid_of(mesh: TriangleMesh) -> manifold3d.Manifold:
-    """A mesh for booleans, in double precision; raises RuntimeError where it is no closed solid."""
+    """A mesh for booleans, in double precision; raises Unanswered where it is no closed solid."""
     solid = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices, mesh.faces.astype(np.uint64)))
     if solid.status() != manifold3d.Error.NoError:
-        raise RuntimeError(f"a gear's mesh is no solid: {solid.status()}")
+        raise Unanswered(f"a gear's mesh is no solid: {solid.status()}")
     return solid
 
 

@@ -17,6 +17,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.plane import as_complex, signed_area
@@ -53,8 +54,8 @@ def slab_mesh(slabs: Sequence[Slab], bevel: Bevel | None = None) -> TriangleMesh
     """The slabs from the lowest up, each within the one below it; all in mm.
 
     A ``bevel`` is that of the first slab's section, which then begins at z = 0; it is lower than this slab.  Between
-    two slabs there is a face only where the lower one ends, so that nothing lies within the body.  Raises RuntimeError
-    if the mesh is not sound, a fault of ncgear.
+    two slabs there is a face only where the lower one ends, so that nothing lies within the body.  Raises Unanswered
+    if the mesh is not sound.
     """
     lowest, top = slabs[0], slabs[-1]
     sheets = [
@@ -76,13 +77,13 @@ def slab_mesh(slabs: Sequence[Slab], bevel: Bevel | None = None) -> TriangleMesh
 
 
 def require_sound(mesh: TriangleMesh, volume_mm3: float, tolerance: float) -> None:
-    """Raise RuntimeError unless a mesh is closed, evenly wound, and of the volume given to a relative tolerance."""
+    """Raise Unanswered unless a mesh is closed, evenly wound, and of the volume given to a relative tolerance."""
     if not mesh.is_watertight:
-        raise RuntimeError("a gear's mesh is not watertight")
+        raise Unanswered("a gear's mesh is not watertight")
     if not mesh.is_winding_consistent:
-        raise RuntimeError("a gear's mesh has facets that face the wrong way")
+        raise Unanswered("a gear's mesh has facets that face the wrong way")
     if not abs(float(mesh.volume) - volume_mm3) <= tolerance * volume_mm3:
-        raise RuntimeError(f"a gear's mesh holds {mesh.volume:.9g} mm3 instead of {volume_mm3:.9g} mm3")
+        raise Unanswered(f"a gear's mesh holds {mesh.volume:.9g} mm3 instead of {volume_mm3:.9g} mm3")
 
 
 def faces(area: BaseGeometry, height_mm: float, *, up: bool) -> list[TriangleMesh]:

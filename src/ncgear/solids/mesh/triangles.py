@@ -7,6 +7,7 @@ that asks for it as one of trimesh, which takes long to load and judges these fi
 from __future__ import annotations
 
 from functools import cached_property
+from math import ceil, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,11 +18,15 @@ from ncgear.numerics.arrays import Array, IndexArray
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
-MERGED_DIGITS = 8
-"""Points whose coordinates in mm agree to this many decimals are one vertex: far below single precision."""
+MERGED = 1e-10
+"""Points whose coordinates agree to about this share of the largest one are one vertex: far below single precision."""
 
-FLAT_MM2 = 1e-13
-"""A triangle of less than half this area has no normal: rounding alone would point it."""
+TINY = 1e-200
+"""Less than any length; a mesh of one point has a grain by it."""
+
+FLAT = 1e-16
+"""A triangle of less than half this share of the square of the largest coordinate has no normal: rounding alone would
+point it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +54,8 @@ class TriangleMesh:
     def normals(self) -> Array:
         """Unit normals, shape (t, 3); zero for a triangle without area."""
         length = np.sqrt(np.dot(self._crosses * self._crosses, np.ones(3)))
-        share = np.where(length > FLAT_MM2, 1.0 / np.where(length > FLAT_MM2, length, 1.0), 0.0)
+        real = length > FLAT * float(np.abs(self.bounds).max()) ** 2
+        share = np.where(real, 1.0 / np.where(real, length, 1.0), 0.0)
         return np.asarray(self._crosses * share[:, None])
 
     @cached_property
@@ -104,12 +110,14 @@ def with_used_vertices(mesh: TriangleMesh) -> TriangleMesh:
 
 
 def merged(vertices: Array, faces: IndexArray) -> TriangleMesh:
-    """The mesh with vertices at the same place, to ``MERGED_DIGITS``, as one: the first of them.
+    """The mesh with vertices at the same place, to ``MERGED``, as one: the first of them.
 
     Vertices keep their order; those that no triangle has are left out.
     """
     mesh = with_used_vertices(TriangleMesh(vertices, faces))
-    keys = np.round(mesh.vertices * 10.0**MERGED_DIGITS).astype(np.int64)
+    # Powers of ten: what is written in decimals is rounded as it stands.
+    grain = MERGED * 10.0 ** ceil(log10(max(float(np.abs(mesh.vertices).max(initial=0.0)), TINY)))
+    keys = np.round(mesh.vertices / grain).astype(np.int64)
     order = np.lexsort(keys.T)
     new = np.ones(order.size, dtype=bool)
     new[1:] = np.any(keys[order[1:]] != keys[order[:-1]], axis=1)

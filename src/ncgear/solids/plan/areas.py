@@ -11,7 +11,7 @@ the fillets.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import floor
+from math import floor, log10
 
 import numpy as np
 import shapely
@@ -27,8 +27,8 @@ from ncgear.numerics.plane import as_complex
 SHARPEST = 10.0
 """A corner is prolonged by up to this many times the distance moved: corners down to 12 degrees stay corners."""
 
-RESOLUTION_MM = 1e-4
-"""Accuracy to which the largest size is found: a hundredth of the last digit in a message."""
+RESOLUTION, NEXT_TO_NOTHING = 1e-4, 1e-6
+"""Accuracy to which the largest size is found, as a share of it, and as a share of the largest one tried."""
 
 
 def polygons(area: BaseGeometry) -> list[Polygon]:
@@ -138,8 +138,8 @@ def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float
 
     Every size smaller than a fitting one must fit as well; ``low_mm`` itself is not tried.
     """
-    fitting = 0.0
-    while high_mm - low_mm > RESOLUTION_MM:
+    fitting, least = 0.0, NEXT_TO_NOTHING * high_mm
+    while high_mm - low_mm > max(RESOLUTION * high_mm, least):
         middle = (low_mm + high_mm) / 2.0
         if fits(middle):
             low_mm = fitting = middle
@@ -149,8 +149,9 @@ def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float
 
 
 def floored(size_mm: float) -> float:
-    """A size rounded down to 0.01 mm, so that the stated size itself fits; a size below 0.01 mm as it is."""
-    return floor(size_mm * 100.0) / 100.0 or size_mm
+    """A size rounded down to 0.01 mm, so that the stated size itself fits; one below 1 mm to two digits."""
+    decimals = max(2, 1 - floor(log10(size_mm))) if size_mm > 0.0 else 2
+    return floor(size_mm * 10.0**decimals) / 10.0**decimals
 
 
 def said_largest(largest_mm: float, otherwise: str) -> str:

@@ -120,6 +120,11 @@ class EndStop:
     clearance_mm: float
     turned_rad: float
 
+    @property
+    def width_mm(self) -> float:
+        """The width of the slot."""
+        return self.pin_mm + self.clearance_mm
+
     def pin_rad(self, middle_rad: float) -> float:
         """Polar angle of the pin in the frame, for a slot about ``middle_rad`` in the pose of phi1 = 0."""
         return middle_rad + self.turned_rad / 2.0
@@ -131,7 +136,7 @@ class EndStop:
         """
         beyond = 2.0 * asin(self.clearance_mm / 4.0 / self.radius_mm)
         half = abs(self.turned_rad) / 2.0 - beyond
-        return ArcSlot(self.radius_mm, self.pin_mm + self.clearance_mm, middle_rad - half, middle_rad + half)
+        return ArcSlot(self.radius_mm, self.width_mm, middle_rad - half, middle_rad + half)
 
 
 @dataclass(frozen=True)

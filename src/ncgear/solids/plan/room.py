@@ -113,8 +113,10 @@ def require_slot_room(
     """
 
     def fits(radius_mm: float) -> bool:
+        if radius_mm <= stop.width_mm / 2.0:
+            return False
         slot = replace(stop, radius_mm=radius_mm).slot(middle_rad)
-        if not slot.low_rad < slot.high_rad or slot.radius_mm <= slot.width_mm / 2.0:
+        if not slot.low_rad < slot.high_rad:
             return False
         if 2.0 * radius_mm * sin(pi - (slot.high_rad - slot.low_rad) / 2.0) < slot.width_mm + wall_mm:
             return False
@@ -128,12 +130,11 @@ def require_slot_room(
     right = (
         f"{floored(min(fitting, key=lambda radius: abs(radius - stop.radius_mm))):g} mm fits"
         if fitting
-        else ("no radius fits; a thinner pin, a smaller bore or a larger gear is needed")
+        else ("no radius fits; a thinner pin, less clearance_mm, a smaller bore or a larger gear is needed")
     )
-    slot = stop.slot(middle_rad)
     turned = degrees(abs(stop.turned_rad))
     problem = (
-        f"a slot of {slot.width_mm:g} mm for a turn of {turned:.5g} deg, {stop.radius_mm:g} mm from the axis, leaves "
+        f"a slot of {stop.width_mm:g} mm for a turn of {turned:.5g} deg, {stop.radius_mm:g} mm from the axis, leaves "
         f"less than {wall_mm:g} mm, one module, to the teeth, to what is about the axis, or between its ends; {right}"
     )
     raise WrongInput(problem, key=f"{key}.end_stop.radius_mm")

@@ -13,6 +13,7 @@ from skfem import ElementQuad1, ElementQuad2
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import along, square
@@ -132,7 +133,7 @@ def displacements(
         groups = range(0, len(at), AT_ONCE)
         solved = np.concatenate([solver.solve(load[:, first : first + AT_ONCE]) for first in groups], axis=1)
         if not np.abs(matrix @ solved - load).max() <= RESIDUAL * np.abs(load).max():
-            raise ArithmeticError("the displacements of a tooth do not balance its load")
+            raise Unanswered("the displacements of a tooth do not balance its load")
         found = np.zeros((len(at), 2 * topology.held.size))
         found[:, pattern.free] = solved.T
         moved[mesh] = found.view(complex)

@@ -59,7 +59,7 @@ class Board:
     def __init__(self, box: tuple[float, float, float, float]) -> None:
         self.box = shapely.box(*box)
         self.items: list[Item] = []
-        self._lines, self._texts = _Shapes(), _Shapes()
+        self._lines, self._texts, self._holes = _Shapes(), _Shapes(), _Shapes()
 
     def add(self, *items: Item) -> None:
         """Put items on the board; it is not asked whether there is room."""
@@ -71,13 +71,17 @@ class Board:
                 else:
                     self._lines.add(_pieces(part))
 
+    def keep_clear(self, holes: Iterable[Line | Ring]) -> None:
+        """Let no text lie in holes, whose edges are given; lines may cross them."""
+        self._holes.add([Polygon(hole.points) for hole in holes])
+
     def has_room(self, text: Text) -> bool:
         """Whether a text is inside the box and covers nothing."""
         return bool(self._roomy([Polygon(_widened(text.corners))])[0])
 
     def _roomy(self, areas: Sequence[Polygon]) -> Mask:
         """Which of the areas are inside the box and cover nothing, shape (n,)."""
-        free = shapely.covers(self.box, areas) & ~self._texts.meet(areas)
+        free = shapely.covers(self.box, areas) & ~self._texts.meet(areas) & ~self._holes.meet(areas)
         free[free] = ~self._lines.meet(np.asarray(areas)[free])
         return np.asarray(free)
 

@@ -23,7 +23,8 @@ from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedGear
 
 STRAY_MM = 0.004
-"""How far lines of a drawing may be from those of the outline's table, which itself keeps the chord tolerance."""
+"""How far lines of a drawing may be from those of the outline's table, which itself keeps the chord tolerance: in mm of
+paper where the gear is enlarged."""
 
 ARC_STEP_RAD = np.radians(3.0)
 """Largest angle between points of an arc that is drawn in chords: 0.003 mm off on a radius of 10 mm."""
@@ -80,11 +81,21 @@ def drawn_body(drive: Drive, gear: Gear, plan: BodyPlan, view: View, name: str =
     yield Line(view.on_paper(curve), Pen.CHAIN, closed=True)
 
 
+HOLES = Layer.BORE, Layer.CRANK_PIN, Layer.INDEX_HOLE, Layer.END_STOP, Layer.LIGHTENING_HOLES
+
+
+def drawn_holes(plan: BodyPlan, view: View) -> Iterator[Line | Ring]:
+    """The edges of all that goes through a body."""
+    shapes = body_shapes(plan)
+    for shape in (shape for layer in HOLES for shape in shapes[layer]):
+        yield from drawn_shape(shape, view, Pen.VISIBLE)
+
+
 def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[Line | Ring]:
     """The lines of a shape."""
     match shape:
         case Polyline():
-            ring = shapely.simplify(shapely.LinearRing(flattened(shape)), STRAY_MM)
+            ring = shapely.simplify(shapely.LinearRing(flattened(shape)), STRAY_MM / max(view.scale, 1.0))
             yield Line(view.on_paper(shapely.get_coordinates(ring)[:-1]), pen, closed=True, name=name)
         case Circle():
             x, y = view.on_paper(np.array([shape.x_mm, shape.y_mm])).tolist()

@@ -7,7 +7,7 @@ the layout ``A4`` shows it on paper.  A dimension in a view of another scale has
 from __future__ import annotations
 
 from io import StringIO
-from math import degrees
+from math import ceil, degrees, log10
 
 import ezdxf
 import numpy as np
@@ -17,8 +17,9 @@ from ezdxf.entities import Dimension as DimensionEntity
 from ezdxf.layouts import BlockLayout, Modelspace
 from ezdxf.sections.classes import REQ_R2004
 
+from ncgear.errors import Unanswered
 from ncgear.figures.numbers import drawn
-from ncgear.files.workshop.drawing import written
+from ncgear.files.workshop.drawing import DECIMALS, written
 from ncgear.files.workshop.dxf import VERSION, WHOLE_PATTERN, add_chain, without_clock
 from ncgear.files.workshop.sheets.sheet import (
     ARROW_MM,
@@ -52,7 +53,7 @@ OWN_BLOCK = 32
 def dxf_bytes(sheet: Sheet) -> bytes:
     """The file; the same sheet gives the same bytes.
 
-    Raises RuntimeError, a fault of ncgear, for a file in which the library's audit finds a fault.
+    Raises Unanswered for a file in which the library's audit finds a fault.
     """
     with without_clock():
         document = ezdxf.new(VERSION, units=units.MM)
@@ -65,7 +66,7 @@ def dxf_bytes(sheet: Sheet) -> bytes:
                 _add(space, item, sheet)
         _show(document, sheet)
         if document.audit().has_issues:
-            raise RuntimeError(f"the DXF file of {sheet.title} has faults")
+            raise Unanswered(f"the DXF file of {sheet.title} has faults")
         # Otherwise the library lists the classes in the order of a set, which differs from process to process.
         for name in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
             document.classes.add_class(name)
@@ -97,7 +98,12 @@ def _prepare(document: Document, sheet: Sheet) -> None:
 
 def _true(points: Array, sheet: Sheet) -> Array:
     """Points of the sheet (..., 2) at true size about the origin of the main view."""
-    return written((points - np.asarray(sheet.origin)) / sheet.scale)
+    return written((points - np.asarray(sheet.origin)) / sheet.scale, _decimals(sheet))
+
+
+def _decimals(sheet: Sheet) -> int:
+    """Decimals of coordinates of true size: as many on paper as any drawing has."""
+    return DECIMALS + max(0, ceil(log10(sheet.scale)))
 
 
 def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet) -> None:
@@ -113,7 +119,9 @@ def _add(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
             space.add_text(item.words, height=item.letter_mm / sheet.scale, dxfattribs=attributes)
         case Ring():
             center = _true(np.asarray(item.center), sheet).tolist()
-            space.add_circle(center, float(written(item.radius / sheet.scale)), dxfattribs={"layer": item.pen.name})
+            space.add_circle(
+                center, float(written(item.radius / sheet.scale, _decimals(sheet))), dxfattribs={"layer": item.pen.name}
+            )
         case Line():
             points, layer = _true(item.points, sheet), {"layer": item.pen.name}
             if item.filled:
@@ -144,7 +152,7 @@ def _measure(document: Document, space: Modelspace, item: Dimension, sheet: Shee
             "dimtype": TYPES[item.measured] | OWN_BLOCK,
             "text": item.text.words.replace(drawn(item.value_mm, "mm"), "<>", 1),
             "text_midpoint": (*_true(item.text.corners.mean(axis=0), sheet).tolist(), 0.0),
-            "actual_measurement": float(written(item.value_mm)),
+            "actual_measurement": float(written(item.value_mm, _decimals(sheet))),
             "geometry": block.name,
         },
     )
@@ -160,7 +168,7 @@ def _show(document: Document, sheet: Sheet) -> None:
     size = np.asarray(sheet.size_mm)
     low, high = _true(np.zeros(2), sheet), _true(size, sheet)
     document.header["$EXTMIN"], document.header["$EXTMAX"] = (*low.tolist(), 0.0), (*high.tolist(), 0.0)
-    middle, height = tuple(written((low + high) / 2.0).tolist()), float(written(high[1] - low[1]))
+    middle, height = tuple(((low + high) / 2.0).tolist()), float(high[1] - low[1])
     document.set_modelspace_vport(height, middle)
     document.layouts.rename("Layout1", "A4")
     paper = document.paperspace("A4")

@@ -71,6 +71,7 @@ class Titles:
     material: str
     view: str
     scale: float
+    general: str
 
 
 def inside(size_mm: tuple[float, float]) -> Box:
@@ -99,7 +100,7 @@ def framed(size_mm: tuple[float, float], titles: Titles) -> Iterator[Item]:
     cells = [
         (titles.view, "Date", f"ncgear {__version__}"),
         (f"Material {titles.material}", "Drawn", "Checked"),
-        (titles.design, "Lengths in mm", "Sheet A4"),
+        (titles.design, f"mm, {titles.general}", "Sheet A4"),
         (titles.part, f"Scale {scale_text(titles.scale)}", ""),
     ]
     for row, (words, y) in enumerate(zip(cells, rows[:-1], strict=True)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ncgear.figures.data_sheet.accuracy import general_text
 from ncgear.figures.tables import Table
 from ncgear.files.workshop.sheets.body import (
     finished,
@@ -47,6 +48,7 @@ def gear_sheet(drive: Drive, measured: MeasuredGear, pitch_radii: Table) -> Shee
         material_of(drive, gear),
         "seen from z > 0, pose of phi1 = 0" + (", section of teeth at z = 0" if drive.helix else ""),
         view.scale,
+        general_text(drive),
     )
     return Sheet(f"{name}: {gear.value} gear", A4_MM, view.scale, view.origin, (*framed(A4_MM, titles), *items))
 

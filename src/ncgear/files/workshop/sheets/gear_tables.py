@@ -8,12 +8,13 @@ from math import radians
 
 import numpy as np
 
+from ncgear.figures.data_sheet.accuracy import bore_text, tolerances
 from ncgear.figures.data_sheet.bodies import bodies
 from ncgear.figures.data_sheet.entry import Entry
-from ncgear.figures.data_sheet.measured_tables import one_pin_table, span_table, two_pin_table
-from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes, tolerances
+from ncgear.figures.data_sheet.measured_tables import allowed_texts, one_pin_table, span_table, two_pin_table
+from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes
 from ncgear.figures.numbers import drawn
-from ncgear.figures.tables import Table, Value, cell_text
+from ncgear.figures.tables import Table, cell_text
 from ncgear.files.workshop.drawing import Circle, Cross
 from ncgear.files.workshop.gear_drawing import bore_shape
 from ncgear.files.workshop.sheets.board import Board
@@ -50,8 +51,6 @@ DETAIL_MM, GAP_MM = 42.0, 2.0
 """Height of the view of the bore, and what is left free between tables."""
 
 SHORTER = {
-    "least normal backlash": "normal backlash, least",
-    "greatest normal backlash": "normal backlash, greatest",
     "pressure angle of the rack": "pressure angle",
     "pressure angle of the rack, flanks that push": "pressure angle, pushing flanks",
     "pressure angle of the rack, idle flanks": "pressure angle, idle flanks",
@@ -59,13 +58,20 @@ SHORTER = {
     "helix angle at the pitch curve": "helix angle",
     "kerf that drawings allow for, half on each side of the lines": "kerf in files for cutting",
     "clearance for the process": "clearance in files for printing",
-    "upper deviation of tooth thickness": "tooth thickness, upper deviation",
-    "lower deviation of tooth thickness": "tooth thickness, lower deviation",
+    "roughness Ra of flanks; elsewhere": "roughness Ra, flanks; others",
     "centre of index hole, x and y": "index hole, x and y",
+    **{
+        f"{end} radius of {place}, in the section at z = 0": f"{end} radius of {place}, z = 0"
+        for end in ("least", "greatest")
+        for place in ("tips", "roots")
+    },
 }
 """Labels that are shorter on paper."""
 
-LEFT_OUT = {"play of the driven gear, the same at every position", "bore", "diameter of index hole", "tip relief"}
+LEFT_OUT = {
+    *("bore", "diameter of index hole", "tip relief", "fit of the bore", "fit of the index hole"),
+    *("deviation of the centre distance", "sizes without a tolerance"),
+}
 """Rows of the data sheet that the sheet has elsewhere or does not need."""
 
 NOTHING = ("helix angle", "0")
@@ -85,7 +91,7 @@ def gear_tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, pitch_radi
         items += table.drawn(left, box.high)
         box = Box(box.left, box.low, box.right, box.high - table.height_mm())
     if plan.bore:
-        items += _bore_view(plan.bore, Box(left, box.low, box.right, box.high))
+        items += _bore_view(drive, plan.bore, Box(left, box.low, box.right, box.high))
     return items
 
 
@@ -93,7 +99,7 @@ def _data(drive: Drive, gear: Gear, height_mm: float) -> PaperTable:
     """The rows of the data sheet that belong to the gear, as many as there is room for."""
     groups = [rows_or_why(partial(rows, drive)) for rows in (sizes, rack_data, tolerances, bodies)]
     found = [row for group in groups for entry in group if (row := _row(entry, gear))]
-    rows = _least_and_greatest(found)
+    rows = _coefficients(_least_and_greatest(found))
     if drive.helix is not None:
         rows.append(("measured in the section z", f"{drawn(drive.helix.rise_mm / 2.0, 'mm')} mm"))
     while len(rows) > 1:
@@ -117,15 +123,29 @@ def _row(entry: Entry, gear: Gear) -> tuple[str, str] | None:
 
 
 def _least_and_greatest(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """The rows, with the least and the greatest of a size in one row."""
+    """The rows, with the least and the greatest of a size in one row, and so its lower and upper deviation."""
     found: list[tuple[str, str]] = []
     for label, value in rows:
-        name = label.removeprefix("greatest ")
-        if found and name != label and found[-1][0] == f"least {name}":
-            found[-1] = (name, f"{found[-1][1].removesuffix(' mm')} to {value}")
-        else:
+        pairs = ((label.removeprefix(high), low) for low, high in (("least ", "greatest "), ("lower ", "upper ")))
+        name = next((name for name, low in pairs if name != label and found and found[-1][0] == low + name), None)
+        if name is None:
             found.append((label, value))
+            continue
+        least, unit = found[-1][1], value.rpartition(" ")[2]
+        found[-1] = (name, value if least == value else f"{least.removesuffix(f' {unit}')} to {value}")
     return found
+
+
+COEFFICIENT = " coefficient"
+
+
+def _coefficients(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The rows, with all coefficients in one."""
+    chosen = [(label.removesuffix(COEFFICIENT), value) for label, value in rows if label.endswith(COEFFICIENT)]
+    names, values = (", ".join(texts) for texts in zip(*chosen, strict=True))
+    found = [row for row in rows if not row[0].endswith(COEFFICIENT)]
+    first = next(place for place, (label, _) in enumerate(rows) if label.endswith(COEFFICIENT))
+    return [*found[:first], (f"{names}, in modules", values), *found[first:]]
 
 
 def _pitch(drive: Drive, gear: Gear, pitch_radii: Table, height_mm: float) -> PaperTable:
@@ -163,12 +183,12 @@ def _measurements(measured: MeasuredGear, tool: str, width_mm: float, height_mm:
     if two or one:
         size = f"\u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
         over_two = f"{'Between' if measured.working.is_ring else 'Over'} two {tool} {size}"
-        two_rows = [(f"{row[0]}, {row[1]}", *_numbers(row[2:])) for row in two]
-        one_rows = [(f"{row[0]}", *_numbers(row[3:])) for row in one]
+        two_rows = [(f"{row[0]}, {row[1]}", *allowed_texts(row[2:])) for row in two]
+        one_rows = [(f"{row[0]}", *allowed_texts(row[3:])) for row in one]
         of_one = f"Axis to {tool[:-1]} {size}", "space after tooth", one_rows
         found.append((over_two, "spaces after teeth", two_rows) if two else of_one)
     if spans:
-        rows = [(f"{row[0]} to {row[1]}", *_numbers((row[4], *row[6:]))) for row in spans]
+        rows = [(f"{row[0]} to {row[1]}", *allowed_texts((row[4], *row[6:]))) for row in spans]
         found.append(("Span, back to front", "teeth", rows))
     lines, made = int(height_mm // ROW_MM), list[PaperTable]()
     for place, (title, head, rows) in enumerate(found):
@@ -187,16 +207,11 @@ def _alone(table: Callable[[MeasuredGear], Table], measured: MeasuredGear) -> tu
     return (table(measured),)
 
 
-def _numbers(values: Sequence[Value]) -> list[str]:
-    """A length, or where its limits follow it, these alone; empty where they could not be computed."""
-    return [cell_text(value, "mm") for value in (values[1:] or values)]
-
-
 AGAINST_KEYWAY_RAD = radians(80.0)
 """Direction in which the diameter of a bore is written."""
 
 
-def _bore_view(bore: Bore, box: Box) -> list[Item]:
+def _bore_view(drive: Drive, bore: Bore, box: Box) -> list[Item]:
     """The bore with its keyway in a scale of its own, with its dimensions."""
     room = min(box.width - 30.0, box.height - 20.0)
     size = bore.diameter_mm / 2.0 + bore.reach_mm
@@ -218,6 +233,6 @@ def _bore_view(bore: Bore, box: Box) -> list[Item]:
         across[1, 1] = across[0, 1]
         apart = scale * radius + 5.0
         board.add(length(across, -apart, drawn(radius + reach, "mm"), scale))
-    words = f"\u00d8{drawn(bore.diameter_mm, 'mm')}"
+    words = f"\u00d8{drawn(bore.diameter_mm, 'mm')} {bore_text(drive, bore.diameter_mm)}"
     point_at_circle(board, view, [Circle(0.0, 0.0, radius)], words, AGAINST_KEYWAY_RAD)
     return board.items

@@ -10,7 +10,7 @@ import shapely
 
 from ncgear.drawings.scene.geared_pairs import Mounting, mountings
 from ncgear.figures.assembly import outline_radius_mm
-from ncgear.figures.data_sheet.measured_tables import two_pin_table
+from ncgear.figures.data_sheet.measured_tables import allowed_texts, two_pin_table
 from ncgear.figures.data_sheet.sheet import rows_found
 from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import Circle, Cross, Layer
@@ -20,6 +20,7 @@ from ncgear.files.workshop.sheets.body import (
     Section,
     View,
     drawn_body,
+    drawn_holes,
     drawn_shape,
     section_of,
     tooth_places,
@@ -106,16 +107,17 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     """The gear from above, its numbers first, then what there is room for beside them."""
     gear, module = measured.gear, drive.pitch.size.module_mm
     board.add(*drawn_body(drive, gear, plan, view, "outline"))
+    board.keep_clear(drawn_holes(plan, view))
     board.add(*drawn_shape(Cross(0.0, 0.0, _cross_mm(plan, module)), view, Pen.CHAIN))
     _mark_plane(board, plan, view)
     for words, own_rad in _directions(drive, gear):
         _point_along(board, plan, view, words, own_rad)
     number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, "tooth")
-    _point_at_tip(board, plan, view)
+    _point_at_tip(board, plan, view, drive.outer_radii_mm[gear])
     if drive.helix is None:
         # Helical gears are measured in another section than the drawn one.
         _draw_pins(board, measured, view)
-    _point_at_holes(board, plan, view)
+    _point_at_holes(board, drive, plan, view)
     sense = 1.0 if gear is Gear.DRIVING else drive.pitch.mesh.sense
     draw_turning(board, view, sense, free_radius_mm(plan, view))
 
@@ -177,26 +179,26 @@ def _is_nearest(trees: Sequence[shapely.STRtree], row: int, places: Array) -> Ma
 
 
 def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
-    """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits."""
-    rows = rows_found(lambda: (two_pin_table(measured),))
-    if not rows:
-        return
+    """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits.
+
+    The dimension is what the table of the measurements says: its limits, where it has some.
+    """
+    rows = [row for row in rows_found(lambda: (two_pin_table(measured),)) if None not in row]
     pins, radius = measured.pins, measured.pins.diameter_mm / 2.0
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
-    pairs = [(places[row[0]], places[row[1]]) for row in rows]
-    pairs = [(one, other) if one[1] < other[1] else (other, one) for one, other in pairs]
+    pairs = [(*sorted((places[row[0]], places[row[1]]), key=lambda place: float(place[1])), row) for row in rows]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / np.hypot(*(pair[1] - pair[0])))
     ring = measured.working.is_ring
     outline = view.on_paper(measured.toothed.outline_mm)
-    for low, high in pairs:
+    for low, high, row in pairs:
         way = (high - low) / np.hypot(*(high - low))
         ends = view.on_paper(
             np.array(
                 [low - radius * way, high + radius * way] if not ring else [low + radius * way, high - radius * way]
             )
         )
-        over_mm = float(np.hypot(*(ends[1] - ends[0]))) / view.scale
-        words = f"{drawn(over_mm, 'mm')} {'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
+        size, pin = " to ".join(allowed_texts(row[2:])), drawn(2.0 * radius, "mm")
+        words = f"{size} {'between' if ring else 'over'} 2 pins \u00d8{pin} ({row[0]}, {row[1]})"
         reach = (outline - ends[0]) @ np.array([-way[1], way[0]])
         offsets = [float(edge + np.sign(edge) * more) for more in (6.0, 10.0) for edge in (reach.max(), reach.min())]
         offsets = [0.0] if ring else offsets
@@ -208,7 +210,7 @@ def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
             return
 
 
-def _point_at_holes(board: Board, plan: BodyPlan, view: View) -> None:
+def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: View) -> None:
     """A leader with the diameter to every kind of round holes."""
     for layer, shapes in body_shapes(plan).items():
         if layer in (Layer.RIM, Layer.HUB, Layer.BORE):
@@ -221,7 +223,8 @@ def _point_at_holes(board: Board, plan: BodyPlan, view: View) -> None:
             count = f"{len(holes)} \u00d7 " if len(holes) > 1 else ""
             # Lightening holes need no name.
             name = "" if layer is Layer.LIGHTENING_HOLES else f" {layer.content.partition(';')[0]}"
-            words = f"{count}\u00d8{drawn(size_mm, 'mm')}{name}"
+            fit = f" {drive.gears.tolerances.index_hole_fit}" if layer is Layer.INDEX_HOLE else ""
+            words = f"{count}\u00d8{drawn(size_mm, 'mm')}{fit}{name}"
             point_at_circle(board, view, holes, words)
 
 
@@ -246,21 +249,17 @@ def point_at_circle(board: Board, view: View, holes: Sequence[Circle], words: st
                     return
 
 
-def _point_at_tip(board: Board, plan: BodyPlan, view: View) -> None:
+def _point_at_tip(board: Board, plan: BodyPlan, view: View, radius_mm: float) -> None:
     """The greatest radius, or of a ring its outer one, as a dimension that points at it from outside."""
     outer = shapely.get_coordinates(plan.disc.exterior)
+    tips = [outer[int(np.argmax(np.hypot(*outer.T)))]]
     if plan.is_ring:
-        radius = float(np.hypot(*outer.T).max())
-        tips = [radius * np.array([cos(turn), sin(turn)]) for turn in np.radians(np.arange(40.0, 400.0, 15.0))]
-    else:
-        far = np.hypot(*outer.T)
-        tips = [outer[int(np.argmax(far))]]
-        radius = float(far.max())
+        tips = [radius_mm * np.array([cos(turn), sin(turn)]) for turn in np.radians(np.arange(40.0, 400.0, 15.0))]
     center = view.on_paper(np.zeros(2))
     for tip in tips:
         angle = float(np.arctan2(tip[1], tip[0]))
         target = view.on_paper(tip)
-        found = board.pointed(target, angle, f"R{drawn(radius, 'mm')} over all")
+        found = board.pointed(target, angle, f"R{drawn(radius_mm, 'mm')} over all")
         if found is not None:
             board.add(Dimension(Measured.RADIUS, np.array([center, target]), target, *found, view.scale))
             return

@@ -18,10 +18,12 @@ import shapely
 from ncgear.drawings.scene.bodies import chamber_of
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import supports_mm
+from ncgear.figures.data_sheet.accuracy import distance_text, general_text
 from ncgear.figures.numbers import drawn
+from ncgear.figures.passed import shafts_below
 from ncgear.files.workshop.drawing import Cross
 from ncgear.files.workshop.sheets.board import Board
-from ncgear.files.workshop.sheets.body import View, drawn_body, drawn_shape, finished
+from ncgear.files.workshop.sheets.body import View, drawn_body, drawn_holes, drawn_shape, finished
 from ncgear.files.workshop.sheets.frame import (
     TITLE_HEIGHT_MM,
     TITLE_WIDTH_MM,
@@ -112,7 +114,9 @@ def pair_sheet(drive: Drive) -> Sheet:
         items += _mechanism(drive, bodies, layout.mechanism)
     items += _parts(drive, list(bodies)).drawn(layout.parts.left, layout.parts.high)
     name = title_of(drive)
-    titles = Titles("Assembly", name, "see list of parts", f"{SEEN[mounting.hand]}, pose of phi1 = 0", scale)
+    titles = Titles(
+        "Assembly", name, "see list of parts", f"{SEEN[mounting.hand]}, pose of phi1 = 0", scale, general_text(drive)
+    )
     x, y = origin.tolist()
     return Sheet(f"{name}: assembly", layout.size_mm, scale, (x, y), (*framed(layout.size_mm, titles), *items))
 
@@ -153,6 +157,7 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     board, mounting = Board(box.bounds), mounting_of(drive)
     for gear, view in views.items():
         board.add(*drawn_body(drive, gear, plans[gear], view, f"{gear.value}-outline"))
+        board.keep_clear(drawn_holes(plans[gear], view))
         mark = Cross(0.0, 0.0, 2.0 * drive.pitch.size.module_mm)
         board.add(*drawn_shape(mark, view, Pen.CHAIN))
     axes = np.array([views[gear].origin for gear in Gear])
@@ -172,7 +177,8 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     offsets = [edge + np.sign(edge) * more for more in (7.0, 11.0, 15.0) for edge in (reach.min(), reach.max())]
     offsets += [sense * more for more in np.arange(6.0, float(reach.max()), 2.0) for sense in (-1.0, 1.0)]
     scale = views[Gear.DRIVING].scale
-    board.put_dimension(length(axes, float(apart), drawn(distance, "mm"), scale) for apart in offsets)
+    words = f"{drawn(distance, 'mm')} {distance_text(drive) or ''}".strip()
+    board.put_dimension(length(axes, float(apart), words, scale) for apart in offsets)
     for gear, view in views.items():
         number_teeth(board, drive.teeth.of(gear), view, gear.value, fifths=True)
         sense = mounting.sense(gear)
@@ -267,6 +273,9 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         f"Mechanism at phi1 = 0, {scale_text(scale)}; lengths: {sizes}; {linkage.CRANK} at {crank} deg, turns clockwise"
     )
     board.add(Text(fitted(words, box.width - 4.0), (box.left + 2.0, box.high - 4.5)))
+    for number, (part, shaft) in enumerate(shafts_below(drive), 1):
+        note = f"The {shaft} must end below the {part}."
+        board.add(Text(note, (box.left + 2.0, box.high - 4.5 - number * (LETTER_MM + 1.0))))
     for name, rings in bodies.items():
         for ring in rings:
             board.add(Line(view.on_paper(ring), Pen.THIN, closed=True, name=name))

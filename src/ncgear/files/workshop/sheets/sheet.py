@@ -20,8 +20,8 @@ from ncgear.numerics.arrays import Array
 A4_MM = 210.0, 297.0
 """The short and the long side of a sheet."""
 
-SCALES = (100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
-"""Size on paper divided by true size, from the largest on."""
+SCALES = tuple(step * 10.0**power for power in range(6, -6, -1) for step in (5.0, 2.0, 1.0))
+"""Size on paper divided by true size, from the largest on: the steps of ISO 5455 and their powers of ten."""
 
 LETTER_MM, TITLE_MM = 2.5, 3.5
 """Heights of capital letters: of all texts, and of names."""

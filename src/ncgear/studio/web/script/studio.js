@@ -56,7 +56,7 @@ function start() {
       state.newest = Math.max(state.newest, n);
     }
     const answers = { state: takeState, motion: takeMotion, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
-    Object.assign(answers, { advice: told.advice, strength: told.strength, chart: takeChart, job: making.show, said: say });
+    Object.assign(answers, { verdict: told.verdict, strength: told.strength, chart: takeChart, job: making.show, said: say });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
     if (is === "done") settled(message);

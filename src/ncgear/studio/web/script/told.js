@@ -22,7 +22,7 @@ function tableElement(table) {
 // `acts.set(changes)` takes a remedy, `acts.reveal(key)` shows a key of the form.
 function createTold(acts) {
   const at = (id) => document.getElementById(id);
-  const parts = { facts: [], teeth: [], advice: { motion: [], gears: [], rough: [], roughOf: 0, gearsOf: -1 }, tables: { motion: [], gears: [], strength: [] } };
+  const parts = { facts: [], teeth: [], verdict: null, verdictOf: -1, tables: { motion: [], gears: [], strength: [] } };
   let held = null;
 
   function showFacts() {
@@ -37,18 +37,19 @@ function createTold(acts) {
     at("facts").tBodies[0].replaceChildren(...rows);
   }
 
-  function showAdvice() {
-    const { motion, gears, rough, roughOf, gearsOf } = parts.advice;
-    // What is known roughly counts until every tooth is computed.
-    const all = [...motion, ...(gearsOf < roughOf ? rough : []), ...gears];
-    const items = all.map((advice) => {
-      const before = [advice.stage && `${advice.stage}: `, advice.matters ? "" : "Remark: "].join("");
+  // The newest verdict counts: that of the motion until the teeth of the same design are judged.
+  function verdict(content, message) {
+    if (message.n < parts.verdictOf) return;
+    Object.assign(parts, { verdict: content, verdictOf: message.n });
+    const items = content.advices.map((advice) => {
+      const before = `${advice.stage}${advice.matters ? "" : "Remark: "}`;
       const item = made("li", { class: advice.remedies.length ? "remediable" : "" });
       item.append(cell("p", `${before}${advice.what}`, { class: "what" }), cell("p", advice.meaning));
       item.append(...advice.remedies.map(remedyElement));
       return item;
     });
-    at("warnings").replaceChildren(...(items.length ? items : [cell("li", "No warnings.")]));
+    const said = [content.good, content.not_judged].filter(Boolean).map((text) => cell("li", text));
+    at("warnings").replaceChildren(...items, ...said);
   }
 
   function remedyElement(remedy) {
@@ -71,11 +72,10 @@ function createTold(acts) {
 
   function figures(content, message) {
     parts.facts = content.facts;
-    Object.assign(parts.advice, { motion: content.advice, rough: content.rough, roughOf: message.n });
     parts.tables.motion = content.tables;
     at("achieved").replaceChildren(...content.achieved.map((line) => cell("li", line)));
+    if (message.n > parts.verdictOf) verdict(content.verdict, message);
     showFacts();
-    showAdvice();
     showTables();
   }
 
@@ -86,11 +86,6 @@ function createTold(acts) {
     showTables();
   }
 
-  function advice(content, message) {
-    Object.assign(parts.advice, { gears: content, gearsOf: message.n });
-    showAdvice();
-  }
-
   function strength(content) {
     parts.tables.strength = content;
     showTables();
@@ -98,11 +93,9 @@ function createTold(acts) {
 
   // Parts of gears that do not exist are not shown as if they did.
   function withoutGears(after) {
-    if (!["teeth", "advice", "strength", "chart"].includes(after)) Object.assign(parts, { teeth: [] });
-    parts.advice.gears = [];
+    if (!["teeth", "verdict", "strength", "chart"].includes(after)) Object.assign(parts, { teeth: [] });
     Object.assign(parts.tables, { gears: [], strength: [] });
     showFacts();
-    showAdvice();
     showTables();
   }
 
@@ -127,5 +120,5 @@ function createTold(acts) {
     at("refusals").replaceChildren(...items);
   }
 
-  return { figures, teeth, advice, strength, withoutGears, hold, refusals };
+  return { figures, teeth, verdict, strength, withoutGears, hold, refusals };
 }

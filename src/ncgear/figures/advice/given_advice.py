@@ -1,0 +1,122 @@
+"""Advices about what a file gives that changes nothing: loads that never act, wishes that every law keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ncgear.design.keys.base import listed
+from ncgear.design.keys.machine import LoadTable
+from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
+from ncgear.figures.numbers import to_digits
+from ncgear.kinematics.wishes import EvenSpeed, Requirement, TimeWithin
+from ncgear.numerics.jet import Jet
+from ncgear.project.drive import Drive
+
+BEYOND_ALL = 20.0
+"""Ratio that no gears follow, nor its inverse: a wish that holds at any ratio between holds of every law."""
+
+POINTS = 65
+"""Points of a stretch at which slopes of the displacement are taken; between them they change by less than MARGIN."""
+
+MARGIN = 1.05
+
+
+def without_effect(drive: Drive) -> Iterator[Advice]:
+    """What is given and changes nothing; points of a table that lie beyond the stroke are a remark."""
+    silent = [key for returning, key in _curves(drive) if _is_silent(drive, returning)]
+    if silent:
+        yield _advice(
+            f"{listed(silent, 'and')} never acts: the force is zero over the whole stroke, 0..{_stroke(drive)}",
+            "power and torque count no such force",
+            f"give a force within 0..{_stroke(drive)}, in the file's displacement",
+        )
+    yield from _beyond(drive)
+    always = [f"wishes.{key}" if "." not in key else key for key in _kept_by_all(drive)]
+    if always:
+        yield _advice(
+            f"{listed(always, 'and')}: every law keeps {'it' if len(always) == 1 else 'them'}",
+            "it asks nothing of the law" if len(always) == 1 else "they ask nothing of the law",
+            "give a narrower bound, or leave it out",
+        )
+    needs = {"tolerances": "gears", "fit": "gears"} if drive.design.gears is None else {}
+    for section, missing in needs.items():
+        if getattr(drive.design, section, None) is not None:
+            yield _advice(f"{section} are given without {missing}", "no figure counts them", f"give {missing}")
+
+
+def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:
+    remedies = (Remedy(helps),) if helps else ()
+    return Advice(Kind.WITHOUT_EFFECT, (Where(),), what, meaning, remedies, matters, brief=what)
+
+
+def _stroke(drive: Drive) -> str:
+    place = drive.linkage.OUTPUT.place
+    return f"{to_digits(place.factor * drive.linkage.stroke_mm, 5)} {place.text}"
+
+
+def _curves(drive: Drive) -> list[tuple[bool, str]]:
+    """The strokes for which the file gives a force, and the keys of it."""
+    given = drive.design.resistance
+    if given is None:
+        return []
+    own = any(getattr(given, form, None) is not None for form in given.FORMS)
+    back = getattr(given, "returning", None) is not None
+    return [*([(False, "resistance")] if own else []), *([(True, "resistance.returning")] if back else [])]
+
+
+def _is_silent(drive: Drive, returning: bool) -> bool:
+    """Whether a force is zero over the whole stroke: between its turns it is monotone."""
+    curve, stroke = drive.machine.load.on(returning), drive.linkage.stroke_mm
+    places = np.concatenate([[0.0], curve.turns_mm(stroke), curve.zeros_mm(stroke), [stroke]])
+    return not np.any(curve.force_n(places))
+
+
+def _beyond(drive: Drive) -> Iterator[Advice]:
+    """Points of a table that lie so far beyond the stroke that the curve within it does not know them.
+
+    The slope at a point depends on its neighbours: the third point beyond the stroke changes nothing within it.
+    """
+    given = drive.design.resistance
+    parts = {"resistance": given, "resistance.returning": getattr(given, "returning", None)}
+    for key, part in parts.items():
+        table = getattr(part, "table", None)
+        if not isinstance(table, LoadTable):
+            continue
+        places = np.array(getattr(table, table.COLUMNS[0]) or ())
+        idle = int(np.sum(places > drive.linkage.OUTPUT.place.factor * drive.linkage.stroke_mm)) - 2
+        if idle > 0:
+            yield _advice(
+                f"{idle} of {places.size} points of {key}.table lie beyond the stroke of {_stroke(drive)}",
+                "they change nothing",
+                matters=False,
+            )
+
+
+def _kept_by_all(drive: Drive) -> list[str]:
+    """The keys of wishes that ask for nothing, whatever the law is."""
+    found = []
+    for outcome in drive.achieved.outcomes if drive.achieved else ():
+        wish = outcome.wish
+        asked = wish.requirements(drive.linkage, drive.transmission.cycle_rad)
+        if asked and all(_is_empty(drive, one) for one in asked):
+            found.append(wish.key)
+    return found
+
+
+def _is_empty(drive: Drive, asked: Requirement) -> bool:
+    """Whether a requirement holds at every ratio within BEYOND_ALL."""
+    stretch, cycle = asked.stretch, drive.transmission.cycle_rad
+    if isinstance(asked, TimeWithin):
+        length, rest = stretch.end_rad - stretch.start_rad, stretch.rest.end_rad - stretch.rest.start_rad
+        least = max(length / BEYOND_ALL, cycle - rest * BEYOND_ALL)
+        most = min(length * BEYOND_ALL, cycle - rest / BEYOND_ALL)
+        return asked.least_rad <= least and asked.most_rad >= most
+    crank = np.linspace(stretch.start_rad, stretch.end_rad, POINTS)
+    slope = np.abs(drive.linkage.displacement(Jet.variable(crank, 1)).derivative(1))
+    low, high = float(slope.min()) / (BEYOND_ALL * MARGIN), float(slope.max()) * BEYOND_ALL * MARGIN
+    if isinstance(asked, EvenSpeed):
+        return low > 0.0 and asked.spread >= high / low
+    speed = drive.machine.speed_rad_s
+    return asked.least_mm_s <= speed * low and asked.most_mm_s >= speed * high

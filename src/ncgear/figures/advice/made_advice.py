@@ -1,0 +1,38 @@
+"""The advice about gears that a build refuses, as far as their curves and the bodies that were made show it."""
+
+from __future__ import annotations
+
+from textwrap import shorten
+
+from ncgear.errors import DesignError
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
+from ncgear.project.drive import Drive
+from ncgear.project.tooth_form import require_pushing_flanks
+
+BRIEF = 60
+"""Characters of a refusal that a part of a line has."""
+
+
+def made(drive: Drive) -> Advice | NotJudged:
+    """The refusal of the pitch curves, or of gears that were made for their inertia; else only teeth can tell."""
+    try:
+        require_pushing_flanks(drive.pitch, drive.gears.rack)
+    except DesignError as refusal:
+        return _refused(refusal)
+    if drive.design.masses is not None and not drive.design.motion.is_open:
+        # The masses of the machine ask for bodies where they leave out the inertia of the gears
+        _ = drive.masses
+    refused = drive.gear_refusal
+    return NotJudged(ONLY_TEETH) if refused is None else _refused(refused)
+
+
+def _refused(refusal: DesignError) -> Advice:
+    problem = refusal.problem
+    return Advice(
+        Kind.MADE,
+        (Where(),),
+        f"a build refuses these gears: {problem}",
+        "what is told here is the motion without them",
+        (Remedy("let ncgear build say what would help", short="ncgear build"),),
+        brief=f"a build refuses these gears: {shorten(problem, BRIEF, placeholder=' ...')}",
+    )

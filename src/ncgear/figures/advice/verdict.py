@@ -1,0 +1,354 @@
+"""The verdict on a machine: one list of conditions, and of each whether it is kept, broken or not judged, and why.
+
+Every command that tells whether something is wrong with a machine takes it from here.  What a condition is called, when
+it concerns a design and what judges it stands in ``CONDITIONS``; their order is that of ``Kind``.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from enum import IntEnum, StrEnum
+from itertools import groupby
+from typing import Any
+
+from ncgear.design.keys.base import listed
+from ncgear.design.keys.design import Design
+from ncgear.errors import DesignError
+from ncgear.figures.advice import drivetrain_advice, given_advice, law_advice, made_advice, strength_advice, wish_advice
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
+from ncgear.frozen import dataclass
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import is_given
+from ncgear.project.drive import Drive
+
+MEANS = ("motion", "gears")
+"""Groups of keys that say by what means a machine does its work: these are what advices are about.  All others say what
+it has to do, and what a person has given there is changed by no remedy."""
+
+
+class Known(IntEnum):
+    """What is known of a machine when it is judged: its motion and pitch curves, as a check has them, or its teeth."""
+
+    MOTION = 1
+    TEETH = 2
+
+
+class State(StrEnum):
+    """What was found of a condition."""
+
+    KEPT = "kept"
+    BROKEN = "broken"
+    NOT_JUDGED = "not judged"
+
+
+Found = Advice | NotJudged | None
+"""What a judge finds of a condition; None where it is kept."""
+
+Judge = Callable[[Drive], Iterable[Found]]
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """A condition: its name in a list, what is true where it is kept, whom it concerns, what judges it from when on.
+
+    ``roughly`` judges it where less is known; without it, such a condition is not judged then.  ``of_pair`` says that
+    it is judged of each pair of gears, else of the whole machine.
+    """
+
+    name: str
+    kept: str
+    concerns: Callable[[Drive], bool]
+    judge: Judge
+    needs: Known = Known.MOTION
+    roughly: Judge | None = None
+    of_pair: bool = True
+
+
+def _gears(drive: Drive) -> bool:
+    return drive.design.gears is not None
+
+
+def _crank(drive: Drive) -> bool:
+    return _gears(drive) and drive.turns_crank and drive.linkage.RETURNS
+
+
+def _load(drive: Drive) -> bool:
+    return drive.design.resistance is not None or drive.design.masses is not None
+
+
+def _wishes(drive: Drive) -> bool:
+    return drive.achieved is not None and bool(drive.achieved.outcomes)
+
+
+def _one(judge: Callable[[Drive], Found]) -> Judge:
+    return lambda drive: (judge(drive),)
+
+
+def _of_teeth(kind: Kind) -> Judge:
+    """What judges teeth; a check does not need the modules that make them, which are slow to import."""
+
+    def judge(drive: Drive) -> Iterable[Found]:
+        from ncgear.figures.advice.teeth_advice import JUDGES
+
+        return JUDGES[kind](drive)
+
+    return judge
+
+
+def _assembled(drive: Drive) -> Iterable[Found]:
+    from ncgear.figures.advice.assembly_advice import jams
+
+    return (jams(drive),)
+
+
+CONDITIONS: dict[Kind, Condition] = {
+    Kind.MADE: Condition(
+        "making the gears", "the gears can be made", _gears, lambda _: (), Known.TEETH, _one(made_advice.made)
+    ),
+    Kind.STRENGTH: Condition(
+        "strength",
+        "the teeth hold their load",
+        lambda drive: _gears(drive) and _load(drive),
+        _one(strength_advice.strength),
+        Known.TEETH,
+        _one(strength_advice.rough),
+    ),
+    Kind.JAMS: Condition("assembly", "the gears can be put together and turn", _gears, _assembled, Known.TEETH),
+    Kind.CONTACT_RATIO: Condition(
+        "contact", "flanks touch at every position", _gears, _of_teeth(Kind.CONTACT_RATIO), Known.TEETH
+    ),
+    Kind.PRESSURE_ANGLE: Condition(
+        "pressure angle",
+        f"the pressure angle stays within {law_advice.STEEPEST_DEG:g} deg",
+        _gears,
+        _one(law_advice.pressure_angle),
+    ),
+    Kind.CRANK_PIN: Condition(
+        "crank pin",
+        "the crank pin passes shafts and hubs",
+        _crank,
+        lambda drive: (*law_advice.crank_pin(drive), law_advice.pin_beside_hub(drive)),
+    ),
+    Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _crank, law_advice.rods),
+    Kind.DRIVETRAIN: Condition(
+        "drivetrain",
+        "shafts, keys, bearings, motor and couplings hold",
+        lambda drive: drive.design.drivetrain is not None,
+        drivetrain_advice.around,
+        Known.TEETH,
+        of_pair=False,
+    ),
+    Kind.MISSED_WISH: Condition(
+        "wishes",
+        "the motion keeps every hard wish",
+        _wishes,
+        _one(wish_advice.missed_wishes),
+        of_pair=False,
+    ),
+    Kind.SPEEDS: Condition(
+        "speed",
+        "the machine runs at the speed at which its law's velocities hold",
+        lambda drive: drive.law.stroke is not None,
+        _one(law_advice.speeds),
+        of_pair=False,
+    ),
+    Kind.NEGATIVE_RESISTANCE: Condition(
+        "resistance",
+        "the resistance is nowhere negative",
+        lambda drive: drive.design.resistance is not None,
+        lambda drive: [law_advice.negative_resistance(drive, returning) for returning in (False, True)],
+        of_pair=False,
+    ),
+    Kind.WITHOUT_EFFECT: Condition(
+        "what is given",
+        "loads and wishes that are given change something",
+        lambda drive: _load(drive) or _wishes(drive) or drive.design.tolerances is not None,
+        given_advice.without_effect,
+        of_pair=False,
+    ),
+    Kind.RATIO_RANGE: Condition(
+        "ratio",
+        f"the ratio stays within 1:{law_advice.WIDEST_RATIO:g} and {law_advice.WIDEST_RATIO:g}:1",
+        lambda _: True,
+        _one(law_advice.ratio_range),
+    ),
+    Kind.UNDERCUT: Condition("undercut", "no tooth is undercut", _gears, _of_teeth(Kind.UNDERCUT), Known.TEETH),
+    Kind.POINTED: Condition("points", "no tip is pointed", _gears, _of_teeth(Kind.POINTED), Known.TEETH),
+    Kind.SHORTENED: Condition("tips", "tips have their height", _gears, _of_teeth(Kind.SHORTENED), Known.TEETH),
+    Kind.CONCAVE: Condition(
+        "hob",
+        "no pitch curve is concave",
+        _gears,
+        lambda drive: [law_advice.concave(drive, gear) for gear in Gear],
+    ),
+    Kind.RING: Condition(
+        "ring",
+        "no gear is internal",
+        lambda drive: _gears(drive) and drive.gears.mesh == "internal",
+        _one(law_advice.ring),
+    ),
+    Kind.THRUST: Condition(
+        "thrust",
+        "no thrust bears on the shafts",
+        lambda drive: _gears(drive) and drive.helix is not None,
+        _of_teeth(Kind.THRUST),
+    ),
+    Kind.IDLE_FLANKS: Condition(
+        "idle flanks",
+        "idle flanks hold as pushing ones do",
+        lambda drive: _gears(drive) and drive.gears.drives != "both_ways",
+        _of_teeth(Kind.IDLE_FLANKS),
+        Known.TEETH,
+    ),
+}
+"""All conditions, the most serious first, as ``Kind`` has them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """What was found of a condition, of one pair where there are two; ``why`` it was not judged, else empty."""
+
+    kind: Kind
+    stage: int | None
+    advices: tuple[Advice, ...]
+    why: str = ""
+
+    @property
+    def state(self) -> State:
+        """Broken where something matters, whatever else was not judged."""
+        if any(advice.matters for advice in self.advices):
+            return State.BROKEN
+        return State.NOT_JUDGED if self.why else State.KEPT
+
+    @property
+    def of(self) -> str:
+        """The beginning of what is said of the pair of a stage."""
+        return "" if self.stage is None else f"stage {self.stage}: "
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What was found of every condition that concerns a design, the most serious first."""
+
+    rows: tuple[Judged, ...]
+
+    @property
+    def advices(self) -> list[Advice]:
+        """All that was found."""
+        return [advice for row in self.rows for advice in row.advices]
+
+    @property
+    def warnings(self) -> list[Advice]:
+        """What matters."""
+        return [advice for advice in self.advices if advice.matters]
+
+    @property
+    def remarks(self) -> list[Advice]:
+        """What does not matter."""
+        return [advice for advice in self.advices if not advice.matters]
+
+    def without(self, kind: Kind) -> Verdict:
+        """The same but for one condition."""
+        return Verdict(tuple(row for row in self.rows if row.kind is not kind))
+
+    @property
+    def not_judged(self) -> str:
+        """What was not judged, and why, in a sentence; empty where all was."""
+        left = [row for row in self.rows if row.state is State.NOT_JUDGED]
+        parts = [f"{listed(self._names(group), 'and')} ({why})" for why, group in _grouped(left)]
+        return f"Not judged: {'; '.join(parts)}" if parts else ""
+
+    def _names(self, rows: Sequence[Judged]) -> list[str]:
+        """The names of conditions, each once where it was found so of all pairs."""
+        pairs = Counter(row.kind for row in self.rows)
+        of_all = Counter(row.kind for row in rows)
+        names = (
+            CONDITIONS[row.kind].name if pairs[row.kind] == of_all[row.kind] else f"{row.of}{CONDITIONS[row.kind].name}"
+            for row in rows
+        )
+        return list(dict.fromkeys(names))
+
+    @property
+    def good(self) -> str:
+        """What is said where no condition is broken."""
+        return "No warnings of what was judged." if self.not_judged else "No warnings."
+
+    @property
+    def table(self) -> list[dict[str, Any]]:
+        """A row for each condition, for files; ``because`` says what broke it, why it was not judged, or a remark."""
+        return [
+            {
+                "condition": str(row.kind),
+                "stage": row.stage,
+                "says": CONDITIONS[row.kind].kept,
+                "verdict": str(row.state),
+                "because": "; ".join(advice.brief for advice in row.advices) or row.why,
+            }
+            for row in self.rows
+        ]
+
+
+def together(verdicts: Iterable[Verdict]) -> Verdict:
+    """The verdict on a machine from those of its pairs, each of which says the same of the whole machine."""
+    rows = {(row.kind, row.stage): row for verdict in verdicts for row in verdict.rows}
+    serious = list(CONDITIONS)
+    return Verdict(tuple(sorted(rows.values(), key=lambda row: (serious.index(row.kind), row.stage or 0))))
+
+
+def _grouped(rows: Sequence[Judged]) -> list[tuple[str, list[Judged]]]:
+    """Rows by why they were not judged, in the order of the first of each."""
+    reasons = list(dict.fromkeys(row.why for row in rows))
+    ordered = sorted(rows, key=lambda row: reasons.index(row.why))
+    return [(why, list(group)) for why, group in groupby(ordered, key=lambda row: row.why)]
+
+
+def judged(drive: Drive, known: Known, found: Sequence[Advice] = ()) -> Verdict:
+    """The verdict on a machine and its pairs of gears, or that of one pair with what it says of the whole machine.
+
+    ``found`` is what a command itself has found of the whole machine.  Raises as the drive does where teeth are known.
+    """
+    rows = []
+    for kind, condition in CONDITIONS.items():
+        also = tuple(advice for advice in found if advice.kind is kind)
+        for one in drive.by_stage if condition.of_pair else (drive,):
+            if condition.concerns(one):
+                row = _judged(one, kind, condition, known)
+                rows.append(replace(row, advices=(*row.advices, *also)))
+    return Verdict(tuple(rows))
+
+
+NO_CURVES = "there are no such pitch curves"
+"""Why a condition is not judged where pitch curves are refused."""
+
+
+def _judged(drive: Drive, kind: Kind, condition: Condition, known: Known) -> Judged:
+    stage = drive.stage if condition.of_pair else None
+    judge = condition.judge if known >= condition.needs else condition.roughly
+    if judge is None:
+        return Judged(kind, stage, (), ONLY_TEETH)
+    try:
+        found = [one for one in judge(drive) if one is not None]
+    except DesignError:
+        if known is Known.TEETH:
+            raise
+        return Judged(kind, stage, (), NO_CURVES)
+    advices = tuple(_within_what_is_asked(one, drive.design) for one in found if isinstance(one, Advice))
+    return Judged(kind, stage, advices, "; ".join(one.why for one in found if isinstance(one, NotJudged)))
+
+
+def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
+    """The advice without remedies that undo what is asked of the machine; first those that leave every given key."""
+    kept = [remedy for remedy in advice.remedies if not any(map(_is_asked, _overwritten(remedy, design)))]
+    kept.sort(key=lambda remedy: bool(_overwritten(remedy, design)))
+    return replace(advice, remedies=tuple(kept))
+
+
+def _is_asked(key: str) -> bool:
+    return key.partition(".")[0] not in MEANS
+
+
+def _overwritten(remedy: Remedy, design: Design) -> list[str]:
+    """The keys of a remedy's changes that the file gives."""
+    return [change.key for change in remedy.changes if is_given(design, change.key)]

@@ -1,0 +1,49 @@
+"""What the data sheet and the drawings say of accuracy: the tolerances of the file, and those that follow from it."""
+
+from __future__ import annotations
+
+from ncgear.figures.data_sheet.entry import Entry
+from ncgear.figures.numbers import drawn
+from ncgear.project.drive import Drive
+from ncgear.tolerances.iso286 import hole_text, standard_tolerance_mm
+
+
+def tolerances(drive: Drive) -> tuple[Entry, ...]:
+    """The tolerances of a pair."""
+    given, gears = drive.gears.tolerances, drive.gears
+    driving, driven = (
+        None if body.bore_mm is None else bore_text(drive, body.bore_mm) for body in (gears.driving, gears.driven)
+    )
+    rows = (
+        Entry("standard", pair=given.standard or None),
+        Entry("accuracy grade", pair=given.grade or None),
+        Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
+        Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
+        Entry("deviation of the centre distance", "mm", pair=distance_text(drive)),
+        Entry("fit of the bore", "mm", driving=driving, driven=driven),
+        Entry("fit of the index hole", pair=given.index_hole_fit if gears.index_holes else None),
+        Entry("sizes without a tolerance", pair=general_text(drive)),
+        Entry("roughness Ra of flanks; elsewhere", "\u00b5m", pair=f"{given.flank_ra_um:g}; {given.ra_um:g}"),
+        Entry("note", pair=given.note or None),
+    )
+    return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
+
+
+def distance_text(drive: Drive) -> str | None:
+    """How far the centre distance may be off, either way, in mm; None where neither the file nor the standard says."""
+    given, assembly, size_mm = drive.gears.tolerances, drive.design.tolerances, drive.pitch.center_distance_mm
+    own = given.center_distance_mm or (assembly.center_distance_mm if assembly else 0.0)
+    standard = standard_tolerance_mm(7, size_mm)
+    if not own and standard is None:
+        return None
+    return f"\u00b1{drawn(own or (standard or 0.0) / 2.0, 'mm')}"
+
+
+def bore_text(drive: Drive, diameter_mm: float) -> str:
+    """The fit of a bore."""
+    return hole_text(drive.gears.tolerances.bore_fit, diameter_mm)
+
+
+def general_text(drive: Drive) -> str:
+    """The class of sizes without a tolerance of their own."""
+    return f"ISO 2768-{drive.gears.tolerances.general}"

@@ -1,0 +1,52 @@
+"""A pair over the band of tooth thickness that its file allows: play and contact at both ends and in the middle.
+
+All that is written or said of the teeth beside this is of the middle: outlines, strength, simulation, the gears that
+measured ones are held against, and the assemblies of ``tolerance``, whose own deviations come on top.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ncgear.contact.designed.as_designed import AsDesigned, as_designed
+from ncgear.contact.designed.extremes import ContactExtremes
+from ncgear.contact.pair import refuse_overlap, sound_extremes
+from ncgear.contact.placement import placed
+from ncgear.frozen import dataclass
+from ncgear.project.geared import Geared
+from ncgear.project.tooth_form import thickness_limits_mm
+from ncgear.teeth.backlash import Play, play_of
+from ncgear.teeth.gear import toothed_pair
+
+
+@dataclass(frozen=True, eq=False)
+class AtThickness:
+    """A pair whose teeth all deviate by ``deviation_mm`` along the pitch curve: its play and its contact."""
+
+    deviation_mm: float
+    play: Play
+    contact: AsDesigned
+    extremes: ContactExtremes
+
+
+def thickness_band(pair: Geared, contact: AsDesigned, extremes: ContactExtremes) -> tuple[AtThickness, ...]:
+    """The pair with the thinnest teeth, with those of its outlines, and with the thickest; empty without limits.
+
+    ``contact`` and ``extremes`` are those of its outlines.  Raises NoSuchMechanism where the thickest teeth overlap.
+    """
+    limits = thickness_limits_mm(pair.gears)
+    if limits is None:
+        return ()
+    middle = AtThickness(sum(limits) / 2.0, pair.play, contact, extremes)
+    thinnest, thickest = (_at(pair, limit) for limit in limits)
+    return thinnest, middle, thickest
+
+
+def _at(pair: Geared, deviation_mm: float) -> AtThickness:
+    pitch, form, tolerance_mm = pair.pitch, pair.tooth_form, pair.chord_tolerance_mm
+    backlash = replace(form.backlash, thickness_mm=(deviation_mm, deviation_mm))
+    teeth = toothed_pair(pitch, replace(form, backlash=backlash), tolerance_mm)
+    contact = as_designed(teeth, placed(pitch))
+    refuse_overlap(contact, tolerance_mm)
+    extremes = sound_extremes(pitch, teeth, contact, pair.pair_speed_rad_s, tolerance_mm)
+    return AtThickness(deviation_mm, play_of(pitch, pair.rack, backlash), contact, extremes)

@@ -1,0 +1,294 @@
+"""The verdict: one list of conditions for every command, what is judged when, and what was not judged."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from commands import Run, on_text
+from drives import drive, drive_of_text
+from ncgear.figures.advice.law_advice import NO_BORE
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind
+from ncgear.figures.advice.verdict import CONDITIONS, Judged, Known, State, Verdict, judged, together
+from ncgear.files.workshop.sheets.pair_sheet import pair_sheet
+from ncgear.files.workshop.sheets.sheet import Text
+
+pytestmark = pytest.mark.judges("figures")
+
+DESIGNS = sorted(path.stem for path in (Path(__file__).parents[1] / "designs").glob("*.yaml"))
+
+PLAIN: dict[str, Any] = {
+    "name": "plain",
+    "linkage": {"crank_mm": 34, "rod_mm": 130},
+    "operation": {"speed_rpm": 45},
+    "motion": {"law": "harmonic_ratio", "cosine": [0.1], "sine": [0.12]},
+    "gears": {
+        "teeth": 42,
+        "module_mm": 2,
+        "face_width_mm": 16,
+        "backlash_mm": 0.15,
+        "driving_axis_deg": 180,
+        "driving": {"bore_mm": 12},
+        "driven": {"bore_mm": 14},
+    },
+    "resistance": {"polynomial_n": [60]},
+}
+
+
+def text_of(**changed: Any) -> str:
+    data = {**PLAIN, **changed}
+    return yaml.safe_dump({key: value for key, value in data.items() if value is not None})
+
+
+def verdict_of(known: Known, **changed: Any) -> Verdict:
+    return judged(drive_of_text(text_of(**changed)), known)
+
+
+def states(verdict: Verdict) -> dict[Kind, State]:
+    return {row.kind: row.state for row in verdict.rows}
+
+
+def found(verdict: Verdict, kind: Kind) -> list[str]:
+    return [advice.line for advice in verdict.advices if advice.kind is kind]
+
+
+# --- the list --------------------------------------------------------------------------------------------------------
+
+
+def test_every_kind_of_advice_is_a_condition_in_the_same_order() -> None:
+    assert list(CONDITIONS) == list(Kind)
+    assert len({condition.name for condition in CONDITIONS.values()}) == len(CONDITIONS)
+
+
+@pytest.mark.tiers(quick=["ellipse", "pusher", "feeder-wishes"], rest="slow")
+@pytest.mark.parametrize("name", DESIGNS)
+def test_no_warnings_is_said_only_where_all_was_judged(name: str) -> None:
+    one = drive(name)
+    for known in Known if one.design.gears else [Known.MOTION]:
+        if name == "baler-a1-at-law-speed" and known is Known.TEETH:
+            continue
+        verdict = judged(one, known)
+        open_rows = [row for row in verdict.rows if row.state is State.NOT_JUDGED]
+        assert (verdict.good == "No warnings.") is not bool(open_rows)
+        assert bool(verdict.not_judged) is bool(open_rows)
+        for row in open_rows:
+            assert CONDITIONS[row.kind].name in verdict.not_judged
+            assert row.why in verdict.not_judged
+        assert len(verdict.table) == len(verdict.rows)
+        assert len(verdict.warnings) + len(verdict.remarks) == sum(len(row.advices) for row in verdict.rows)
+
+
+def test_a_check_names_what_only_teeth_can_tell() -> None:
+    before, after = verdict_of(Known.MOTION), verdict_of(Known.TEETH)
+    only_teeth = {row.kind for row in before.rows if row.why == ONLY_TEETH}
+    assert only_teeth >= {Kind.MADE, Kind.CONTACT_RATIO, Kind.UNDERCUT, Kind.POINTED, Kind.SHORTENED}
+    assert all(states(after)[kind] is not State.NOT_JUDGED for kind in only_teeth)
+    assert set(states(before)) == set(states(after))
+
+
+def test_without_gears_nothing_is_said_of_them() -> None:
+    kinds = set(states(verdict_of(Known.MOTION, gears=None)))
+    assert kinds == {Kind.NEGATIVE_RESISTANCE, Kind.WITHOUT_EFFECT, Kind.RATIO_RANGE}
+
+
+def test_a_condition_is_broken_whatever_else_was_not_judged() -> None:
+    wrong = found_advice(Kind.ROD)
+    assert Judged(Kind.ROD, None, (wrong,), "of something").state is State.BROKEN
+    assert Judged(Kind.ROD, None, (), "of something").state is State.NOT_JUDGED
+    assert Judged(Kind.ROD, None, ()).state is State.KEPT
+
+
+def found_advice(kind: Kind) -> Advice:
+    return Advice(kind, (), "it is wrong", "it breaks", brief="it is wrong")
+
+
+def test_pairs_say_once_what_is_of_the_whole_machine() -> None:
+    whole = Judged(Kind.MISSED_WISH, None, (found_advice(Kind.MISSED_WISH),))
+    pairs = [Verdict((Judged(Kind.UNDERCUT, stage, (), ONLY_TEETH), whole)) for stage in (1, 2)]
+    verdict = together(pairs)
+    assert [(row.kind, row.stage) for row in verdict.rows] == [
+        (Kind.MISSED_WISH, None),
+        (Kind.UNDERCUT, 1),
+        (Kind.UNDERCUT, 2),
+    ]
+    # What is so of both pairs is named once, else with its stage
+    assert verdict.not_judged == f"Not judged: undercut ({ONLY_TEETH})"
+    one = together([pairs[0], Verdict((Judged(Kind.UNDERCUT, 2, ()), whole))])
+    assert one.not_judged == f"Not judged: stage 1: undercut ({ONLY_TEETH})"
+
+
+# --- the commands ----------------------------------------------------------------------------------------------------
+
+
+COMMANDS = {
+    "check": ("check",),
+    "build": ("build", "--format", "svg"),
+    "strength": ("strength",),
+    "rigid": ("simulate",),
+    "quasi-static": ("simulate", "--level", "quasi_static"),
+}
+MASSES = {
+    "slider_kg": 2,
+    "rod": {"mass_kg": 0.4, "center_mm": 50, "inertia_kg_mm2": 800},
+    "crank": {"mass_kg": 0.3, "center_mm": 8, "inertia_kg_mm2": 300},
+}
+
+
+@pytest.mark.tiers(thorough=["check", "rigid"], rest="slow")
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_ends_in_the_same_verdict(run: Run, command: str) -> None:
+    """What a command prints and what its JSON has are the rows of one list."""
+    name, *more = COMMANDS[command]
+    text = text_of(masses=MASSES)
+    known = Known.MOTION if command in ("check", "rigid") else Known.TEETH
+    verdict = judged(drive_of_text(text), known)
+    status, out, err = on_text(run, name)(text, *more)
+    assert status == 0, err
+    said = re.sub(r"\s+", " ", out)
+    assert (verdict.not_judged or verdict.good) in said
+    status, out, err = on_text(run, name)(text, *more, "--json")
+    assert status == 0, err
+    assert json.loads(out)["verdict"] == verdict.table
+    status, out, err = on_text(run, name)(text, *more, "--verbose")
+    assert status == 0, err
+    for row in verdict.table:
+        assert f"  {row['verdict']:10}  {row['says']}" in out
+
+
+def test_the_report_has_the_verdict(run: Run) -> None:
+    text = text_of()
+    assert on_text(run, "report")(text)[0] == 0
+    page = Path("export/plain/report.html").read_text(encoding="utf-8")
+    for row in judged(drive_of_text(text), Known.TEETH).table:
+        assert f"<li>{row['verdict']}: {row['says']}" in page
+
+
+# --- gears that a build refuses --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("motion", "said"),
+    [
+        ({"law": "ratio_expression", "ratio": "1 + 0.2*max(0, cos(phi))", "scale_to_close": True}, "have a corner of"),
+        ({"law": "harmonic_ratio", "cosine": [0.2, 0.2], "sine": [1.6, 1.0]}, "pressure angle reaches"),
+    ],
+)
+def test_a_check_says_what_a_build_refuses(run: Run, motion: dict[str, Any], said: str) -> None:
+    verdict = verdict_of(Known.MOTION, motion=motion, resistance=None)
+    assert states(verdict)[Kind.MADE] is State.BROKEN
+    (line,) = found(verdict, Kind.MADE)
+    assert line.startswith("a build refuses these gears")
+    assert said in line
+    status, _, err = on_text(run, "build")(text_of(motion=motion, resistance=None), "--format", "svg")
+    assert status == 3
+    assert said in err
+    # Negative control: a smooth law that is built
+    assert states(verdict_of(Known.MOTION))[Kind.MADE] is State.NOT_JUDGED
+
+
+# --- what stands in the plane of the rods ----------------------------------------------------------------------------
+
+
+def test_a_rod_that_runs_through_the_shaft_is_told_without_any_fit() -> None:
+    beside = {**PLAIN["gears"], "driving_axis_deg": 0}
+    verdict = verdict_of(Known.MOTION, gears=beside)
+    (advice,) = [one for one in verdict.advices if one.kind is Kind.ROD]
+    assert "the rod meets the driving shaft" in advice.what
+    assert {change.key: change.value for remedy in advice.remedies for change in remedy.changes} == {
+        "fit.driving_shaft": "ends"
+    }
+    ends = verdict_of(Known.MOTION, gears=beside, fit={"driving_shaft": "ends"})
+    assert states(ends)[Kind.ROD] is State.KEPT
+    # Negative control: on the other side nothing meets
+    assert states(verdict_of(Known.MOTION))[Kind.ROD] is State.KEPT
+    # A shaft of unknown size is not judged
+    unknown = verdict_of(Known.MOTION, gears={**beside, "driving": {}})
+    assert states(unknown)[Kind.ROD] is State.NOT_JUDGED
+    assert NO_BORE.why in unknown.not_judged
+
+
+@pytest.mark.thorough
+def test_the_sheet_of_the_assembly_says_where_the_shaft_ends() -> None:
+    """Whether the file says so or not: the workshop needs it either way."""
+    note = "The driving shaft must end below the rod."
+
+    def texts(axis_deg: float, **fit: str) -> list[str]:
+        gears = {**PLAIN["gears"], "driving_axis_deg": axis_deg}
+        sheet = pair_sheet(drive_of_text(text_of(gears=gears, fit=fit or None)))
+        return [item.words for item in sheet.items if isinstance(item, Text)]
+
+    assert note in texts(0.0)
+    assert note in texts(0.0, driving_shaft="ends")
+    assert note not in texts(180.0)
+
+
+# --- what changes nothing --------------------------------------------------------------------------------------------
+
+
+STROKE_MM = 2.0 * PLAIN["linkage"]["crank_mm"]
+
+SILENT: dict[str, dict[str, Any]] = {
+    "formula": {"resistance": {"expression_n": "20*max(0, x - 90)"}},
+    "table": {"resistance": {"table": {"displacement_mm": [0, 70, 90, 120], "force_n": [0, 0, 0, 500]}}},
+    "returning": {"resistance": {"polynomial_n": [60], "returning": {"expression_n": "max(0, 5*x - 400)"}}},
+    "zero": {"resistance": {"polynomial_n": [0, 0]}},
+    "negative": {"resistance": {"expression_n": "-3 - x"}},
+    "fast enough": {"wishes": {"speed_at": [{"at_mm": 30, "at_most_mm_s": 1e6}]}},
+    "slow enough": {"wishes": {"speed_at": [{"at_mm": 30, "at_least_mm_s": 0.5}]}},
+    "any time": {"wishes": {"working_stroke": {"angle_deg": 180, "tolerance_deg": 179}}},
+    "no gears": {"gears": None, "tolerances": {"grade": 8}},
+}
+ACTING: dict[str, dict[str, Any]] = {
+    "formula": {"resistance": {"expression_n": "20*max(0, x - 60)"}},
+    "table": {"resistance": {"table": {"displacement_mm": [0, 50, 90, 120], "force_n": [0, 0, 1, 500]}}},
+    "returning": {"resistance": {"polynomial_n": [60], "returning": {"expression_n": "max(0, 5*x - 300)"}}},
+    "kept": {"resistance": {"expression_n": "-3 - x", "where_negative": "keep"}},
+    "speed": {"wishes": {"speed_at": [{"at_mm": 30, "at_most_mm_s": 300}]}},
+    "time": {"wishes": {"working_stroke": {"angle_deg": 180, "tolerance_deg": 60}}},
+    "end": {"resistance": {"table": {"displacement_mm": [0, 30, 70, 90], "force_n": [9, 0, 0, 500]}}},
+}
+
+
+@pytest.mark.parametrize("name", SILENT)
+def test_what_is_given_and_changes_nothing_is_told(name: str) -> None:
+    verdict = verdict_of(Known.MOTION, **SILENT[name])
+    assert states(verdict)[Kind.WITHOUT_EFFECT] is State.BROKEN
+
+
+@pytest.mark.parametrize("name", ACTING)
+def test_what_changes_something_is_not(name: str) -> None:
+    """Negative control."""
+    verdict = verdict_of(Known.MOTION, **ACTING[name])
+    assert states(verdict).get(Kind.WITHOUT_EFFECT, State.KEPT) is State.KEPT
+
+
+def test_a_silent_force_leaves_the_power_as_it_is_without_it() -> None:
+    """The judge of the judge: figures of the machine with and without what is told to change nothing."""
+    for name, acts in (*((one, False) for one in ("formula", "table", "negative")), ("acting", True)):
+        changed = ACTING["formula"] if acts else SILENT[name]
+        power = drive_of_text(text_of(**changed)).check.peak_power_w.value
+        assert (power > 0.0) is acts
+
+
+def test_points_beyond_the_stroke_are_a_remark() -> None:
+    """The curve within the stroke is the same without them, and another without one more of them."""
+    places, forces = (
+        [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0],
+        [10.0, 30.0, 35.0, 80.0, 90.0, 300.0, 310.0, 9.0],
+    )
+    verdict = verdict_of(Known.MOTION, resistance={"table": {"displacement_mm": places, "force_n": forces}}, gears=None)
+    (remark,) = verdict.remarks
+    assert f"2 of 8 points of resistance.table lie beyond the stroke of {STROKE_MM:g} mm" in remark.what
+    assert not verdict.warnings
+
+    def work(count: int) -> float:
+        table = {"displacement_mm": places[:count], "force_n": forces[:count]}
+        return drive_of_text(text_of(resistance={"table": table}, gears=None)).check.mean_power_w
+
+    assert work(6) == pytest.approx(work(8), rel=1e-14)
+    assert work(5) != pytest.approx(work(8), rel=1e-9)
