@@ -208,6 +208,15 @@ def test_gears_without_backlash_jam_and_with_the_advised_one_do_not() -> None:
 
 
 @pytest.mark.thorough
+def test_teeth_that_are_made_thinner_need_no_backlash() -> None:
+    """Where the limits of their thickness leave more room than the advised backlash; with a tenth of it they jam."""
+    enough_mm = jamming_of(small()).enough
+    for share, turns in ((1.0, True), (0.1, False)):
+        thickness = {"tooth_thickness_upper_mm": -share * enough_mm, "tooth_thickness_lower_mm": -share * enough_mm}
+        assert (jams(small(tolerances=thickness)) is None) is turns
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize("key", ["backlash_mm", "backlash_deg"])
 def test_a_backlash_of_0_that_is_written_down_is_wanted(key: str) -> None:
     found = jams(small(**{key: 0.0}))
