@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.stiffness import LinearTeeth
-    from ncgear.tolerances.estimate import Needed
 
 
 class Drive(Geared):
@@ -149,13 +148,6 @@ class Drive(Geared):
             return self.play.driven_rad, self.play.driven_rad
         found = self.contact_extremes.backlash_rad
         return found.low.value, found.high.value
-
-    @computed
-    def backlash_needed(self) -> tuple[Needed, ...]:
-        """What assemblies of every pair need of the backlash, as ``ncgear.project.jamming`` estimates it."""
-        from ncgear.project.jamming import backlash_needed
-
-        return backlash_needed(self)
 
     @computed
     def passings(self) -> tuple[Passing, ...]:
