@@ -161,7 +161,7 @@ def test_random_machines_beside_the_estimate_with_teeth() -> None:
 @pytest.mark.parametrize(
     "gears",
     [
-        "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {tip_relief: {amount: 0.025}}",
+        "teeth: 70, module_mm: 2, face_width_mm: 12, rack: {tip_relief: {amount: 0.025}}",
         "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {pressure_angle_deg: 24, profile: C}",
         "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {addendum: 1.15, dedendum: 1.4}",
         "teeth: 26, module_mm: 2, face_width_mm: 12, profile_shift: {driving: 0.35}",
