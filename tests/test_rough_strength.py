@@ -13,7 +13,7 @@ from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.values import Advice, NotJudged
 from ncgear.figures.answers.machine import build_answer
 from ncgear.project.drive import Drive
-from ncgear.project.rough_strength import RoughStrength, rolled_load, rough_strength, tooth_plan
+from ncgear.project.rough_strength import RoughStrength, beside_refusal, rolled_load, rough_strength, tooth_plan
 from ncgear.project.strengthening import known_verdict, verdict_of
 from ncgear.strength.conditions import FASTEST_M_S, Running, VibrationUnknown, dynamic_factor, face_load_factor_of_roots
 from ncgear.strength.holding import Damage
@@ -291,10 +291,14 @@ def test_teeth_too_fast_for_the_dynamic_factor_are_judged_without_it() -> None:
     """As the same file with a dynamic factor of 1 has them: the largest tension of each gear, and K_V in its range is
     what it was."""
     made, still = drive_of_text(FAST), drive_of_text(FAST + "strength: {dynamic_factor: 1.0}\n")
-    assert isinstance(known_verdict(made), VibrationUnknown)
+    refusal = known_verdict(made)
+    assert isinstance(refusal, VibrationUnknown)
     told = strength_advice.strength(made)
     assert isinstance(told, NotJudged)
     strength = verdict_of(still).strength
+    judged = beside_refusal(made, refusal)
+    assert judged is not None
+    assert [one.stress_mpa for one in judged.safeties] == pytest.approx(strength.stresses.tension_mpa.max(axis=1))
     static = 2.5 * 629.0 * 0.95 / strength.stresses.tension_mpa.max()
     assert float(told.why.partition("about ")[2].split()[0]) == pytest.approx(static, rel=0.06)
     assert isinstance(strength_advice.rough(made), NotJudged)
