@@ -27,7 +27,7 @@ from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
 
 SAMPLES = 2048
-SHARE_OFF, BACKLASH_OFF = 0.07, 0.10
+SHARE_OFF, BACKLASH_OFF = 0.08, 0.10
 """How far the estimate may be off the drawn assemblies: in the share, at every backlash, and in the part of what is
 enough for 99 in a hundred, or by NEAR_MM where that is little."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import to_digits
-from ncgear.figures.toleranced import limit_words
+from ncgear.figures.tolerance_words import limit_words
 from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import Jamming, jamming_of

@@ -7,12 +7,11 @@ from collections.abc import Mapping
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.tolerance_words import assumed_words, limit_words
 from ncgear.figures.toleranced import (
-    assumed_words,
     index_rows,
     jam_words,
     knock_words,
-    limit_words,
     needed_words,
     pair_percentiles,
     percentiles,
