@@ -17,7 +17,7 @@ from ncgear.figures.toleranced import (
     percentiles,
 )
 from ncgear.project.tolerance import Tolerated
-from ncgear.project.tolerance_limits import TURNING
+from ncgear.project.tolerance_limits import MOST_JAMMED
 
 HEADS = "as designed", "median", "99 % keep"
 SHOWN = "as_designed", "median", "of_99_percent"
@@ -77,7 +77,7 @@ def _row(of: str, key: str, values: Mapping[str, float]) -> Row:
 
 def _faults(tolerated: Tolerated) -> tuple[Fault, ...]:
     needed, faults = tolerated.needed, []
-    if tolerated.jam.value > 1.0 - TURNING:
+    if tolerated.jam.value > MOST_JAMMED:
         cures = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
         faults.append(Fault(f"{to_digits(100.0 * tolerated.jam.value, 3)} % of the assemblies jam", cures))
     if tolerated.knock is not None and tolerated.knock.value > 0.0:
