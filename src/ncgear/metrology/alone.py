@@ -57,9 +57,9 @@ def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
         if points.size >= FEWEST_PLACES:
             among = feet.distance_mm[points]
             middle = _medians(among)
-            change = np.abs(np.diff(middle, append=middle[-1]))
+            change = maximum_filter1d(np.abs(np.diff(middle, append=middle[-1])), TOGETHER + 1, mode="nearest")
             off[points] = among - middle
-            least[points] = STEEP * maximum_filter1d(change, TOGETHER + 1, mode="nearest")
+            least[points] = STEEP * change[_about(among.size, min(TOGETHER, among.size))]
             steps.append(np.diff(among))
     # Of independent errors a step between neighbours has twice the variance.
     steps_mm = np.concatenate(steps)
@@ -84,10 +84,13 @@ def _medians(among: Array) -> Array:
 
     width = min(TOGETHER, among.size)
     ordered = np.sort(sliding_window_view(among, width), axis=1)
-    before = (among.size - ordered.shape[0]) // 2
-    around = (before, among.size - ordered.shape[0] - before)
-    low, high = (np.pad(ordered[:, column], around, mode="edge") for column in ((width - 1) // 2, width // 2))
-    return np.clip(among, low, high)
+    about = _about(among.size, width) - width // 2
+    return np.clip(among, ordered[about, (width - 1) // 2], ordered[about, width // 2])
+
+
+def _about(count: int, width: int) -> IndexArray:
+    """The middle of the window of each of some points: the point itself, or the nearest whose window is whole."""
+    return np.clip(np.arange(count), width // 2, count - (width + 1) // 2)
 
 
 def _places(feet: Feet) -> tuple[IndexArray, IndexArray]:
