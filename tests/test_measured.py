@@ -20,6 +20,7 @@ from drives import DESIGNS, drive
 from ncgear.design.reading.measured_file import MeasuredFile, read_measured
 from ncgear.errors import WrongInput
 from ncgear.figures.answers.answer import COLUMNS, LINES
+from ncgear.figures.answers.compared import compared_answer
 from ncgear.figures.compared import alone_points, gear_figures
 from ncgear.metrology import best_fit as best_fit_module
 from ncgear.metrology.alone import alone_mm, are_judged
@@ -280,6 +281,16 @@ class TestPointsThatStandAlone:
         outlines = {gear: outline_of("asymmetric-ellipse", gear) for gear in Gear}
         one = compared_gear(outlines, Gear.DRIVING, file_of(points), Fit.ROTATION, 0.0)
         assert gear_figures(one)["points_not_judged"] == 3
+
+    def test_a_spike_in_few_points_is_said_to_be_not_judged(self) -> None:
+        own = drive("ellipse")
+        for count, said in ((2, True), (3, False)):
+            at, _, normal = flank_points(own.teeth.driving, count)
+            at[7] += 0.12 * normal[7]
+            pair = compared_pair(own, {Gear.DRIVING: file_of(at)}, Fit.ROTATION, 0.0)
+            told = f"Not judged: whether points stand alone on flanks with fewer than 3: {at.size} of the driving gear"
+            assert compared_answer(pair, "ellipse", Fit.ROTATION, "").not_judged == (told if said else "")
+            assert pair.gears[0].fit.alone.any() != said
 
 
 @pytest.mark.slow

@@ -129,4 +129,4 @@ def _not_judged(pair: ComparedPair, found: list[dict[str, Any]]) -> str:
     """Points that are taken as metal since too few are beside them."""
     few = [(one.gear.value, told["points_not_judged"]) for one, told in zip(pair.gears, found, strict=True)]
     named = ", ".join(f"{many} of the {gear} gear" for gear, many in few if many)
-    return named and f"whether points stand alone on flanks with fewer than {FEWEST_PLACES}: {named}"
+    return named and f"Not judged: whether points stand alone on flanks with fewer than {FEWEST_PLACES}: {named}"
