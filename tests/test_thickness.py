@@ -131,7 +131,7 @@ def with_chords(band: tuple[float, float], chord_mm: float | None, module_mm: fl
 
 @pytest.mark.judges("files")
 @pytest.mark.slow
-@pytest.mark.parametrize("band", [(-0.068, -0.046), (-0.031, -0.027)])
+@pytest.mark.parametrize("band", [(-0.062, -0.047), (-0.031, -0.027)])
 def test_chords_that_are_left_out_keep_pins_in_the_middle_half_of_the_band(band: tuple[float, float]) -> None:
     drive, folder = with_chords(band, None), Path(mkdtemp(prefix="ncgear-test-"))
     build(drive, folder, lambda step: None, [Format.DXF])
@@ -140,10 +140,10 @@ def test_chords_that_are_left_out_keep_pins_in_the_middle_half_of_the_band(band:
     for gear in ("driving", "driven"):
         for read in READERS.values():
             assert np.abs(off_the_middle(folder, gear, read(folder, gear), ring=False)).max() < 0.5
-    # The negative control: the same thickness in the chords of a design without a band is outside at some places.
+    # The negative control: the same thickness in the chords of a design without a band is outside of that half.
     form, pitch = drive.tooth_form, drive.pitch
     coarse = toothed_pair(pitch, form, plain.chord_tolerance_mm).driving.outline_mm
-    assert np.abs(off_the_middle(folder, "driving", coarse, ring=False)).max() > 1.0
+    assert np.abs(off_the_middle(folder, "driving", coarse, ring=False)).max() > 0.7
 
 
 @pytest.mark.parametrize(
