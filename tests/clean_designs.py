@@ -168,7 +168,7 @@ def _loaded(random: np.random.Generator, data: Data, kind: str, lobes: tuple[int
         return
     omega = data["operation"]["speed_rpm"] * pi / 30.0 * lobes[0] / lobes[1]
     mass = float(f"{size / (1e-3 * crank * omega**2) * random.uniform(0.05, 0.6):.3g}")
-    data["masses"] = {"slider_kg": mass, "crank": _link(0.2 * mass, 0.3 * crank)}
+    data["masses"] = {"slider_kg": mass, "crank": _link(0.2 * mass, 0.3 * crank), "density_kg_m3": 7850}
     if kind != "yoke":
         data["masses"]["rod"] = _link(0.3 * mass, 0.4 * data["linkage"]["rod_mm"])
 
