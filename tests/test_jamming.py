@@ -19,7 +19,7 @@ from ncgear.figures.advice.assembly_advice import jams
 from ncgear.figures.advice.values import Advice, Kind, NotJudged
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-from ncgear.project.jamming import STEP_MM, jamming_of
+from ncgear.project.jamming import backlash_needed, jamming_of
 from ncgear.project.tolerance import lot_of
 from ncgear.project.tolerance_limits import left_of_backlash, limits_of, rounded_up
 from ncgear.project.usual_tolerances import Process, process_of, tolerances_of
@@ -29,7 +29,9 @@ from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
 SAMPLES = 2048
 SHARE_OFF, BACKLASH_OFF = 0.07, 0.10
 """How far the estimate may be off the drawn assemblies: in the share, at every backlash, and in the part of what is
-enough for 99 in a hundred, or by STEP_MM, to which it is rounded up anyway."""
+enough for 99 in a hundred, or by NEAR_MM where that is little."""
+
+NEAR_MM = 0.007
 
 
 def toleranced(name: str, tolerances: AssemblyTolerances | None) -> Drive:
@@ -53,7 +55,7 @@ def off(of_pairs: tuple[Needed, ...], drawn: Array) -> tuple[float, float]:
     shares = [1.0 - np.prod([1.0 - one.jammed(given) for one in of_pairs]) for given in places]
     true = np.array([np.mean(drawn > given) for given in places])
     size = float(np.quantile(drawn, 0.99))
-    return float(np.abs(shares - true).max()), abs(enough(of_pairs, 0.99) - size) / max(size, STEP_MM / BACKLASH_OFF)
+    return float(np.abs(shares - true).max()), abs(enough(of_pairs, 0.99) - size) / max(size, NEAR_MM / BACKLASH_OFF)
 
 
 def both(**own: float) -> dict[str, GearTolerances]:
@@ -109,7 +111,7 @@ OTHER_CASES = [
 )
 def test_the_estimate_is_near_to_what_is_drawn(name: str, kind: str) -> None:
     one = toleranced(name, OTHERS.get(kind))
-    share, backlash = off(one.backlash_needed, drawn_needs(one))
+    share, backlash = off(backlash_needed(one), drawn_needs(one))
     assert share < SHARE_OFF
     assert backlash < BACKLASH_OFF
 
@@ -203,6 +205,15 @@ def test_gears_without_backlash_jam_and_with_the_advised_one_do_not() -> None:
     assert isinstance(change.value, float)
     assert jams(small(backlash_mm=change.value)) is None
     assert isinstance(jams(small(backlash_mm=0.5 * change.value)), Advice)
+
+
+@pytest.mark.thorough
+def test_teeth_that_are_made_thinner_need_no_backlash() -> None:
+    """Where the limits of their thickness leave more room than the advised backlash; with a tenth of it they jam."""
+    enough_mm = jamming_of(small()).enough
+    for share, turns in ((1.0, True), (0.1, False)):
+        thickness = {"tooth_thickness_upper_mm": -share * enough_mm, "tooth_thickness_lower_mm": -share * enough_mm}
+        assert (jams(small(tolerances=thickness)) is None) is turns
 
 
 @pytest.mark.thorough

@@ -1,20 +1,34 @@
-"""The rough strength at the pitch point, which a check tells: against ISO 6336 and against the estimate with teeth."""
+"""The strength without teeth, which a check tells: against ISO 6336, finite elements and the estimate with teeth."""
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin
+from math import pi, radians
 
 import numpy as np
 import pytest
 
 from commands import Run, on_text
 from drives import drive, drive_of_text
-from ncgear.project.rough_strength import rough_strength
-from ncgear.project.strengthening import verdict_of
-from ncgear.strength.at_pitch_point import RoughSafety
-from ncgear.strength.conditions import Running, face_load_factor_of_roots
+from ncgear.figures.advice import strength_advice
+from ncgear.figures.advice.values import Advice, NotJudged
+from ncgear.figures.answers.machine import build_answer
+from ncgear.project.drive import Drive
+from ncgear.project.rough_strength import RoughStrength, rough_strength
+from ncgear.project.strengthening import known_verdict, verdict_of
+from ncgear.strength.conditions import FASTEST_M_S, Running, VibrationUnknown, dynamic_factor, face_load_factor_of_roots
 from ncgear.strength.holding import Damage
-from ncgear.strength.iso6336 import CylindricalPair, contact_ratio_factor, elasticity_factor, nominal_contact_stress_mpa
+from ncgear.strength.iso6336 import (
+    CylindricalPair,
+    RackTip,
+    contact_ratio_factor,
+    elasticity_factor,
+    nominal_contact_stress_mpa,
+    root_factors,
+    root_section,
+    single_contact_diameter,
+    single_contact_factors,
+)
+from ncgear.strength.without_teeth import RoughSafety
 
 TEXT = """\
 name: press
@@ -27,64 +41,298 @@ strength: {dynamic_factor: 1.0}
 """
 
 ELLIPSE = TEXT.replace("law: uniform_crank", "law: ellipse, eccentricity: 0.3")
+HELICAL = ELLIPSE.replace("12}", "12, helix: {angle_deg: 18, kind: herringbone, hand: left}}")
+FAST = TEXT.replace("speed_rpm: 60", "speed_rpm: 4000").replace("strength: {dynamic_factor: 1.0}", "")
+DRY = TEXT.replace("1500", "80").replace("dynamic_factor: 1.0", "dynamic_factor: 1.0, lubrication: dry")
 
 
-def least(found: list[RoughSafety], damage: Damage) -> RoughSafety:
-    return min((one for one in found if one.damage is damage), key=lambda one: one.safety)
+def least(found: RoughStrength | None, damage: Damage) -> RoughSafety:
+    assert found is not None
+    return min((one for one in found.safeties if one.damage is damage), key=lambda one: one.safety)
+
+
+def line_load_n_mm(text: str) -> float:
+    """The largest tooth force of circular gears for each mm of width: from the crank's torque on a fine grid."""
+    force = float(text.partition("polynomial_n: [")[2].partition("]")[0])
+    crank = np.linspace(0.0, pi, 20001)
+    slide = 38.0 * np.cos(crank) + np.sqrt(96.0**2 - (38.0 * np.sin(crank)) ** 2)
+    return force * float(np.abs(np.gradient(slide, crank)).max()) / 40.0 / 12.0
 
 
 @pytest.mark.judges("strength")
 def test_the_pressure_of_circular_gears_is_that_of_iso_6336_2() -> None:
-    """sigma_H0 without Z_epsilon, times the root of K_Hbeta, for the crank's largest torque, found on a fine grid."""
-    made = drive_of_text(TEXT)
-    crank = np.linspace(0.0, pi, 20001)
-    slide = 38.0 * np.cos(crank) + np.sqrt(96.0**2 - (38.0 * np.sin(crank)) ** 2)
-    torque = 1500.0 * np.abs(np.gradient(slide, crank)).max()
+    """sigma_H0 without Z_epsilon, times the root of K_Hbeta, and up to Z_B times that, where a pair begins to bear
+    all of the load alone."""
     pair = CylindricalPair(2.0, (40, 40), 12.0)
-    nominal = nominal_contact_stress_mpa(pair, torque / 40.0, elasticity_factor(206e3, 0.3), 1.0)
-    found = least(rough_strength(made), Damage.CONTACT)
-    assert found.stress_mpa == pytest.approx(nominal / contact_ratio_factor(pair) * 1.3**0.5, rel=1e-4)
+    tangential = 12.0 * line_load_n_mm(TEXT)
+    nominal = nominal_contact_stress_mpa(pair, tangential, elasticity_factor(206e3, 0.3), 1.0)
+    pitch_point = nominal / contact_ratio_factor(pair) * 1.3**0.5
+    found = least(rough_strength(drive_of_text(TEXT)), Damage.CONTACT)
+    assert 0.998 * pitch_point <= found.stress_mpa <= 1.001 * single_contact_factors(pair)[0] * pitch_point
+
+
+@pytest.mark.judges("strength")
+def test_the_root_stress_of_circular_gears_is_that_of_iso_6336_3() -> None:
+    """F_t / (b m) Y_F Y_S at the outer point of single contact: method B, under a load that hardly bends the teeth."""
+    text, angle = TEXT.replace("1500", "15"), radians(20.0)
+    ratio = CylindricalPair(2.0, (40, 40), 12.0).transverse_contact_ratio
+    outer = single_contact_diameter(40.0, 42.0, ratio, angle)
+    factors = root_factors(root_section(40.0, 0.0, RackTip(1.25, 0.38), angle), 40.0, 0.0, outer, angle)
+    roots = face_load_factor_of_roots(Running(2.0, (40, 40), 12.0, 2.0 * pi), 1.3)
+    nominal = roots * line_load_n_mm(text) / 2.0
+    found = least(rough_strength(drive_of_text(text)), Damage.BENDING)
+    assert found.stress_mpa == pytest.approx(nominal * factors.form * factors.notch, rel=0.02)
+
+
+def random_text(seed: int) -> str:
+    """A machine of module 1 to 6 and 20 to 120 teeth, whose load leaves a safety of 0.4 to 4."""
+    of = np.random.default_rng(seed)
+    module, teeth, width = of.choice([1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0]), of.integers(20, 121), 8.0
+    crank = of.uniform(0.3, 0.9) * module * teeth / 2.0
+    linkage = (
+        f"{{crank_mm: {crank:.4g}, rod_mm: {of.uniform(1.8, 4.0) * crank:.4g}}}",
+        f"{{kind: scotch_yoke, crank_mm: {crank:.4g}}}",
+    )[of.integers(2)]
+    motion = (
+        "{law: uniform_crank}",
+        f"{{law: ellipse, eccentricity: {of.uniform(0.05, 0.45):.3g}}}",
+        f"{{law: harmonic_ratio, cosine: [{of.uniform(-0.3, 0.3):.3g}, {of.uniform(-0.1, 0.1):.3g}]}}",
+        f"{{law: ratio_expression, ratio: '2 + {of.uniform(0.1, 0.8):.3g}*sin(phi)', scale_to_close: true}}",
+    )[of.integers(4)]
+    material, endured = (("16MnCr5", 850.0), ("C45", 417.0), ("42CrMo4", 629.0), ("POM", 60.0))[of.integers(4)]
+    force = endured / 10 ** of.uniform(-0.4, 0.6) / 3.8 * width * module**3 * teeth / 2.0 / crank
+    return f"""
+linkage: {linkage}
+operation: {{speed_rpm: {of.integers(5, 80)}}}
+motion: {motion}
+gears: {{teeth: {teeth}, module_mm: {module}, face_width_mm: {width * module}, material: {material}}}
+resistance: {{polynomial_n: [{force * of.uniform(0.1, 1.0):.4g}, {force / 2.0 / crank:.4g}]}}
+strength: {{lubrication: {("oil", "grease")[of.integers(2)]}}}
+name: seed-{seed}
+"""
+
+
+RANDOM = range(30)
+
+LOADED = ["baler-66", "baler-86", "baler-drivetrain", "baler-half-dynamics", "baler-half", "baler-holds", "baler-real"]
+LOADED += ["baler-smooth", "baler-dynamics", "baler", "printed-pump", "pump-1-2", "pump-both-ways", "pusher"]
+LOADED += ["quick-return-shaper", "rocker-drive", "scotch-yoke-pump", "uniform-crank", "baler-66-two-stage"]
+"""Every design whose strength is computed."""
+
+
+def ratios(made: Drive) -> dict[Damage | None, float]:
+    """Rough over known least safety, by damage, and by None that of the least share of the wanted safeties."""
+    rough, known = rough_strength(made), verdict_of(made, "estimate").weakest
+    assert rough is not None
+    assert not rough.unjudged
+    if rough.needs_teeth:
+        return {}
+    shares = min(one.safety / one.wanted for one in rough.safeties) / min(one.share for one in known)
+    each = {one.damage: min(other.safety for other in known if other.damage is one.damage) for one in known}
+    return {None: shares, **{damage: least(rough, damage).safety / safety for damage, safety in each.items()}}
+
+
+def within(found: dict[Damage | None, float]) -> bool:
+    return all(0.8 <= ratio <= 1.1 for ratio in found.values())
 
 
 @pytest.mark.slow
 @pytest.mark.judges("strength")
-@pytest.mark.parametrize("text", [TEXT, ELLIPSE], ids=["circles", "ellipses"])
-def test_beside_the_estimate_with_teeth(text: str) -> None:
-    """Pressure within a tenth, being largest near the pitch point; roots bear up to 40 % less where pairs share."""
-    made = drive_of_text(text)
+@pytest.mark.parametrize("name", LOADED)
+def test_a_design_beside_the_estimate_with_teeth(name: str) -> None:
+    """Within 0.8 to 1.1, but of the published baler, whose curvature leaps within a tooth."""
+    for pair in drive(name).by_stage:
+        found = ratios(pair)
+        assert within(found), found
+        assert bool(found) is (name not in {"baler", "baler-dynamics"})
+
+
+@pytest.mark.long
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+def test_random_machines_beside_the_estimate_with_teeth() -> None:
+    found = {seed: ratios(drive_of_text(random_text(seed))) for seed in RANDOM}
+    assert {seed: one for seed, one in found.items() if not within(one)} == {}
+    assert sum(not one for one in found.values()) <= len(RANDOM) // 6
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+@pytest.mark.parametrize(
+    "gears",
+    [
+        "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {tip_relief: {amount: 0.025}}",
+        "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {pressure_angle_deg: 24, profile: C}",
+        "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {addendum: 1.15, dedendum: 1.4}",
+        "teeth: 26, module_mm: 2, face_width_mm: 12, profile_shift: {driving: 0.35}",
+        "teeth: 23, module_mm: 2, face_width_mm: 12, profile_shift: {driving: -0.1}",
+    ],
+)
+def test_other_teeth_beside_the_estimate_with_teeth(gears: str) -> None:
+    """Each gear by itself: a shift makes the teeth of one stronger and those of the other weaker."""
+    made = drive_of_text(ELLIPSE.replace("teeth: 40, module_mm: 2, face_width_mm: 12", gears))
     rough, known = rough_strength(made), verdict_of(made, "estimate").weakest
-    for damage, low, high in ((Damage.CONTACT, 0.9, 1.1), (Damage.BENDING, 0.6, 1.05)):
-        exact = min((one for one in known if one.damage is damage), key=lambda one: one.safety)
-        assert low <= least(rough, damage).safety / exact.safety <= high
+    assert rough is not None
+    assert not rough.needs_teeth
+    for one, other in zip(rough.safeties, known, strict=True):
+        assert (one.gear, one.damage) == (other.gear, other.damage)
+        assert 0.8 <= one.safety / other.safety <= 1.1
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+def test_dry_plastics_are_as_warm_as_with_teeth() -> None:
+    """Friction takes a fifth of the strength that they have in oil, and more."""
+    text = ELLIPSE.replace("width_mm: 12", "width_mm: 24, material: PA66").replace("1500", "900").replace(" 60", " 900")
+    dry, oiled = (drive_of_text(text.replace("1.0", f"1.0, lubrication: {one}")) for one in ("dry", "oil"))
+    assert within(ratios(dry))
+    cooler, warmer = (least(rough_strength(one), Damage.BENDING).safety for one in (oiled, dry))
+    assert warmer < 0.8 * cooler
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "gears",
+    [
+        "teeth: 20, module_mm: 2, profile_shift: {driving: 0.2, driven: 0.2}",
+        "teeth: 20, module_mm: 2, mesh: internal, lobes: {driving: 1, driven: 2}",
+        "teeth: 20, module_mm: 2, material: PA66",
+    ],
+    ids=["shifts", "ring", "soft"],
+)
+def test_what_only_teeth_tell_is_said(gears: str) -> None:
+    text = TEXT.replace("teeth: 40, module_mm: 2", gears)
+    if "internal" in gears:
+        text = text.replace(
+            "law: uniform_crank", 'law: ratio_expression, ratio: "2 + 0.1*cos(phi)", scale_to_close: true'
+        )
+    found = rough_strength(drive_of_text(text))
+    assert found is not None
+    assert found.needs_teeth.startswith("it needs the teeth to tell")
+    light = strength_advice.rough(drive_of_text(text.replace("1500", "1")))
+    assert light is None if "PA66" in gears else isinstance(light, NotJudged)
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+@pytest.mark.parametrize(("teeth", "module", "load"), [(33, 2.0, 900), (52, 1.5, 2600)])
+def test_the_static_root_stress_of_helical_teeth_beside_finite_elements(teeth: int, module: float, load: int) -> None:
+    """Plane elements on the outlines of straight teeth of the same section."""
+    text = HELICAL.replace("teeth: 40, module_mm: 2", f"teeth: {teeth}, module_mm: {module}").replace("1500", str(load))
+    found = rough_strength(drive_of_text(text))
+    assert found is not None
+    assert found.at_once
+    straight = drive_of_text(text.replace(text[text.index(", helix") : text.index("left}") + 5], ""))
+    exact = straight.judged_teeth("elements").strength.stresses.tension_mpa.max(axis=1)
+    for one, stress in zip(found.safeties, exact, strict=True):
+        assert 0.92 <= one.stress_mpa / stress <= 1.1
+
+
+OPEN = """\
+name: press
+linkage: {kind: rack_pinion, radius_mm: 30}
+operation: {speed_rpm: 20}
+motion: {law: function_generator, function: "x", x_from: 0, x_to: 1, driving_range_deg: 200, driven_range_deg: 200}
+gears: {module_mm: 2.5, center_distance_mm: 100, face_width_mm: 18}
+resistance: {polynomial_n: [700]}
+"""
 
 
 @pytest.mark.judges("strength")
-def test_root_stress_by_hand() -> None:
-    """Y_F and Y_S of 40 teeth at the outer point of single contact, from the chord and radius of the real 30 degrees.
-
-    A rack with h_fP 1.25 and rho_fP 0.38: Y_F about 1.6 and Y_S about 1.85 at a contact ratio of 1.5 (tables of DIN
-    3990-3, from secondary sources, for loads at the tip: 2.4 and 1.67).
-    """
-    made = drive_of_text(TEXT)
-    found = least(rough_strength(made), Damage.BENDING)
-    pressed = least(rough_strength(made), Damage.CONTACT)
-    # Back from Hertz's pressure to the normal force for each mm, K_Hbeta taken off.
-    modulus, relative = 206e3 / (2.0 * (1.0 - 0.3**2)), 2.0 / (40.0 * sin(radians(20.0)))
-    line_load = pressed.stress_mpa**2 * pi / (relative * modulus) / 1.3
-    roots = face_load_factor_of_roots(Running(2.0, (40, 40), 12.0, 2.0 * pi), 1.3)
-    factors = found.stress_mpa / (roots * line_load * cos(radians(20.0)) / 2.0)
-    assert 1.5 * 1.7 < factors < 1.75 * 2.1
+def test_the_static_root_stress_of_open_gears_is_that_of_iso_6336_3() -> None:
+    """Circular sectors of 40 teeth under an even torque; the static strength is 2.5 times that of endurance."""
+    found, angle = rough_strength(drive_of_text(OPEN)), radians(20.0)
+    assert found is not None
+    assert "to and fro" in found.unjudged
+    ratio = CylindricalPair(2.5, (40, 40), 18.0).transverse_contact_ratio
+    outer = single_contact_diameter(40.0, 42.0, ratio, angle)
+    factors = root_factors(root_section(40.0, 0.0, RackTip(1.25, 0.38), angle), 40.0, 0.0, outer, angle)
+    roots = face_load_factor_of_roots(Running(2.5, (40, 40), 18.0, 1.0), 1.3)
+    stress = roots * 700.0 * 30.0 / 50.0 / 18.0 / 2.5 * factors.form * factors.notch
+    one = least(found, Damage.BENDING)
+    assert one.stress_mpa == pytest.approx(stress, rel=0.04)
+    assert one.safety * one.stress_mpa == pytest.approx(2.5 * 629.0, rel=0.05)
 
 
-def test_twice_the_load_halves_the_safety_of_roots() -> None:
+@pytest.mark.slow
+def test_helical_and_open_gears_that_break_are_warned_of_and_others_are_not_judged() -> None:
+    for text, load in ((HELICAL, "1500"), (OPEN, "700")):
+        for said in (strength_advice.rough, strength_advice.strength):
+            weak = said(drive_of_text(text.replace(load, "80000")))
+            assert isinstance(weak, Advice)
+            assert "against breaking at once" in weak.brief
+            assert "ncgear size" not in weak.line
+            strong = said(drive_of_text(text.replace(load, "10")))
+            assert isinstance(strong, NotJudged)
+            assert "against breaking at once" in strong.why
+
+
+@pytest.mark.thorough
+def test_teeth_too_fast_for_the_dynamic_factor_are_judged_without_it() -> None:
+    """As the same file with a dynamic factor of 1 has them: the largest tension of each gear, and K_V in its range is
+    what it was."""
+    made, still = drive_of_text(FAST), drive_of_text(FAST + "strength: {dynamic_factor: 1.0}\n")
+    assert isinstance(known_verdict(made), VibrationUnknown)
+    told = strength_advice.strength(made)
+    assert isinstance(told, NotJudged)
+    strength = verdict_of(still).strength
+    static = 2.5 * 629.0 * 0.95 / strength.stresses.tension_mpa.max()
+    assert float(told.why.partition("about ")[2].split()[0]) == pytest.approx(static, rel=0.06)
+    assert isinstance(strength_advice.rough(made), NotJudged)
+    for load in ("8000", "20000"):
+        for said in (strength_advice.rough, strength_advice.strength):
+            weak = said(drive_of_text(FAST.replace("1500", load)))
+            assert isinstance(weak, Advice) is (load == "20000")
+
+
+def test_the_dynamic_factor_is_told_apart_at_the_end_of_its_range_alone() -> None:
+    """s = v z1 / 100 / sqrt(2) of even teeth."""
+    speed = FASTEST_M_S * 100.0 * 2**0.5 / 40.0 / (2.0 * 40 / 2000.0)
+    assert dynamic_factor(Running(2.0, (40, 40), 12.0, speed * 0.9999), 200.0) > 1.5
+    with pytest.raises(VibrationUnknown, match=r"^strength.dynamic_factor: left out"):
+        dynamic_factor(Running(2.0, (40, 40), 12.0, speed * 1.0001), 200.0)
+
+
+@pytest.mark.slow
+def test_dry_metal_is_not_said_to_hold(run: Run) -> None:
+    dry, oiled = drive_of_text(DRY), drive_of_text(DRY.replace("dry", "oil"))
+    for said in (strength_advice.rough, strength_advice.strength):
+        found = said(dry)
+        assert isinstance(found, NotJudged)
+        assert "wear" in found.why
+        assert said(oiled) is None
+        assert said(drive_of_text(DRY.replace("12}", "12, material: {driving: C45, driven: POM}}"))) is None
+    _, told, _ = on_text(run, "strength")(DRY)
+    assert "no end" not in told
+    assert "The teeth hold" not in told
+    assert "dry metal wears, which is not judged" in told
+    _, told, _ = on_text(run, "strength")(DRY.replace("dry", "oil"))
+    assert "until worn" not in told
+
+
+@pytest.mark.slow
+def test_a_build_tells_a_safety_where_its_strength_is_refused() -> None:
+    """And never points to a warning that may not be there."""
+    for text in (FAST, HELICAL.replace("1500", "40")):
+        made = drive_of_text(text)
+        rows = build_answer(made, [made.designed_contact], [[]], "").rows
+        safety = next(row.texts[0] for row in rows if row.name == "safety")
+        assert safety.startswith("about ")
+        assert safety.endswith(" against breaking at once (1.4 wanted)")
+
+
+def test_twice_the_load_leaves_half_the_safety_or_a_little_more() -> None:
+    """Of roots; teeth that bend more share the load with others."""
     one, two = (rough_strength(drive_of_text(TEXT.replace("1500", load))) for load in ("1500", "3000"))
-    assert least(one, Damage.BENDING).safety == pytest.approx(2.0 * least(two, Damage.BENDING).safety, rel=1e-9)
-    assert least(one, Damage.CONTACT).safety == pytest.approx(2**0.5 * least(two, Damage.CONTACT).safety, rel=1e-9)
+    assert 1.8 <= least(one, Damage.BENDING).safety / least(two, Damage.BENDING).safety <= 2.0
+    assert least(one, Damage.CONTACT).safety == pytest.approx(2**0.5 * least(two, Damage.CONTACT).safety, rel=0.05)
 
 
-@pytest.mark.parametrize("name", ["ellipse", "helical-ellipse", "baler-66-two-stage", "internal-1-2"])
+@pytest.mark.parametrize("name", ["ellipse", "helical-ellipse", "internal-1-2"])
 def test_nothing_is_said_where_no_load_is_known(name: str) -> None:
-    assert rough_strength(drive(name)) == []
+    assert rough_strength(drive(name)) is None
+    assert strength_advice.rough(drive(name)) is None
+    assert strength_advice.strength(drive(name)) is None
 
 
 @pytest.mark.slow
@@ -99,15 +347,7 @@ def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
 
 
 @pytest.mark.thorough
-def test_a_check_of_gears_too_fast_for_the_dynamic_factor_says_nothing_of_strength(run: Run) -> None:
-    fast = TEXT.replace("speed_rpm: 60", "speed_rpm: 10000").replace("dynamic_factor: 1.0", "life_h: 1000")
-    status, out, _ = on_text(run, "check", "--verbose")(fast)
-    assert status == 0
-    assert "hold" not in out
-
-
-@pytest.mark.thorough
 def test_a_load_that_no_gears_of_usual_size_bear_asks_for_others(run: Run) -> None:
-    _, weak, _ = on_text(run, "check", "--verbose")(TEXT.replace("1500", "1e9"))
+    _, weak, _ = on_text(run, "check", "--verbose")(TEXT.replace("1500", "1e11"))
     assert "To change it: take a stronger material or more pairs of gears" in " ".join(weak.split())
     assert "ncgear size" not in weak

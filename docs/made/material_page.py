@@ -68,7 +68,8 @@ mean speed along the pitch curves and the radius of circular gears of the same t
 runs against a hard one of R<sub>z</sub> 6 &micro;m or less; and Z<sub>X</sub> of the size. Roots have
 Y<sub>RrelT</sub> of their roughness and Y<sub>X</sub> of the size; Y<sub>deltarelT</sub> is taken as 1. A root whose
 tooth is loaded on both flanks counts 0.357 of the compression as tension, so that equal loads both ways leave 0.7 of
-the stress, as in the annex of ISO 6336-3. Dry metal wears; of its flanks no life is told.
+the stress, as in the annex of ISO 6336-3. Dry metal wears, which is not judged: it is never said to
+hold, nor that its life has no end.
 
 All stresses are divided by Y<sub>Z</sub> for the share of gears that shall live so long (AGMA 2101), 1 at the 99 % that
 the figures of ISO 6336 are for:

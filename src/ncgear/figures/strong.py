@@ -55,8 +55,8 @@ def strength_figures(
 ) -> dict[str, Any]:
     """The figures of a strength as sections of plain values whose keys end in their unit.
 
-    A life is None where the tooth lasts for ever.  ``machine`` is the verdict on the pair and what it is part of,
-    ``beside`` that on the teeth by another method, to compare with.
+    A life is None where the tooth lasts for ever, or until it is worn.  ``machine`` is the verdict on the pair and what
+    it is part of, ``beside`` that on the teeth by another method, to compare with.
     """
     strength, size = verdict.strength, drive.pitch.size
     contacts = strength.contacts
@@ -85,7 +85,8 @@ def strength_summary(verdict: Verdict) -> dict[str, Any]:
     for one in verdict.weakest:
         least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
         least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
-    return {"method": verdict.strength.method, "load": verdict.strength.load, **least}
+    unjudged = {"wear": "not judged"} if verdict.strength.wears else {}
+    return {"method": verdict.strength.method, "load": verdict.strength.load, **unjudged, **least}
 
 
 def _gear_figures(verdict: Verdict, gear: Gear) -> dict[str, Any]:
@@ -130,10 +131,10 @@ def _or_none(value: float) -> float | None:
     return value if isfinite(value) else None
 
 
-def life_words(hours: float) -> str:
-    """Hours of life, to two digits, or the words for none and for no end of it."""
+def life_words(hours: float, wears: bool = False) -> str:
+    """Hours of life, to two digits, or the words for none and for no end of it, which teeth that wear have."""
     if not isfinite(hours):
-        return "no end"
+        return "until worn" if wears else "no end"
     return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if hours >= 0.01 else "none"
 
 
@@ -165,13 +166,14 @@ def strength_text(
     lines = [f"{name}{of_stage}: strength of the teeth at {speed:g} r/min"]
     for label, words in about.items():
         lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
-    rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *(list(weakest_cells(one)) for one in found)]
+    cells = [list(weakest_cells(one, verdict.strength.wears)) for one in found]
+    rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *cells]
     if beside is not None:
         others = [f"by {beside.strength.method}", "", *(to_digits(one.safety, 3) for one in beside.weakest)]
         for row, other in zip(rows, others, strict=True):
             row.insert(3, other)
     table = aligned(rows, left=2)
-    return "\n".join([*lines, "", *table, "", *_verdict(found, remedies), "", *verdict_lines(machine.table)])
+    return "\n".join([*lines, "", *table, "", *_verdict(verdict, remedies), "", *verdict_lines(machine.table)])
 
 
 def materials_words(drive: Drive, strength: Strength) -> str:
@@ -205,12 +207,18 @@ def weakest_table(drive: Drive, verdict: Verdict) -> Table:
     strength = verdict.strength
     notes = LOADS[strength.load], METHODS[strength.method], ERRORS[strength.method], materials_words(drive, strength)
     return Table(
-        "Weakest teeth", HEADS, tuple(map(weakest_cells, verdict.weakest)), tuple(f"{note}." for note in notes)
+        "Weakest teeth",
+        HEADS,
+        tuple(weakest_cells(one, verdict.strength.wears) for one in verdict.weakest),
+        (
+            *(f"{note}." for note in notes),
+            *(["Dry metal wears, which is not judged."] if verdict.strength.wears else []),
+        ),
     )
 
 
-def weakest_cells(one: Weakest) -> tuple[str, ...]:
-    """The texts below ``HEADS``."""
+def weakest_cells(one: Weakest, wears: bool) -> tuple[str, ...]:
+    """The texts below ``HEADS``; ``wears`` as of the strength."""
     return (
         one.gear.value,
         one.damage.words,
@@ -220,14 +228,23 @@ def weakest_cells(one: Weakest) -> tuple[str, ...]:
         _degrees(one.phi1_rad),
         to_digits(one.stress_mpa, 3),
         to_digits(one.endured_mpa, 3),
-        life_words(one.life_h),
+        life_words(one.life_h, wears),
     )
 
 
-def _verdict(found: Sequence[Weakest], remedies: Sequence[Remedy]) -> list[str]:
-    weak = [one for one in found if not one.holds]
+HOLD = "The teeth hold: no safety is under the wanted one."
+WEAR = "No tooth breaks, but dry metal wears, which is not judged: no safety is under the wanted one."
+
+
+def holding_words(wears: bool) -> str:
+    """What is said of teeth of which no safety is under the wanted one; ``wears`` as of the strength."""
+    return WEAR if wears else HOLD
+
+
+def _verdict(verdict: Verdict, remedies: Sequence[Remedy]) -> list[str]:
+    weak = [one for one in verdict.weakest if not one.holds]
     if not weak:
-        return ["The teeth hold: no safety is under the wanted one."]
+        return [holding_words(verdict.strength.wears)]
     lines = ["The teeth do not hold. Under the wanted safety:"]
     for one in weak:
         words = f"{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}"

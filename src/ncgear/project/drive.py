@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -31,11 +32,11 @@ if TYPE_CHECKING:
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.strength.answer import Strength
+    from ncgear.strength.conditions import Conditions
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.stiffness import LinearTeeth
-    from ncgear.tolerances.estimate import Needed
 
 
 class Drive(Geared):
@@ -147,13 +148,6 @@ class Drive(Geared):
             return self.play.driven_rad, self.play.driven_rad
         found = self.contact_extremes.backlash_rad
         return found.low.value, found.high.value
-
-    @computed
-    def backlash_needed(self) -> tuple[Needed, ...]:
-        """What assemblies of every pair need of the backlash, as ``ncgear.project.jamming`` estimates it."""
-        from ncgear.project.jamming import backlash_needed
-
-        return backlash_needed(self)
 
     @computed
     def passings(self) -> tuple[Passing, ...]:
@@ -347,24 +341,29 @@ class Drive(Geared):
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
         """Loads and strength of the teeth by a method, and what the method knows of them; made, or refused, once."""
-        from ncgear.project.tooth_strength import judged_teeth
-
         known = self._known_strengths
-        require_whole_turns(self.design, "the strength of the teeth")
         if method not in known:
-            load, teeth = self.tooth_load.load, self.teeth
-            with self.stopwatch("strength"):
-                try:
-                    with located(self.places):
-                        known[method] = judged_teeth(
-                            method, self.gears, teeth, self.materials, self.conditions, self.running, self.loading, load
-                        )
-                except DesignError as refusal:
-                    known[method] = refusal
+            try:
+                known[method] = self._judged(method, self.conditions)
+            except DesignError as refusal:
+                known[method] = refusal
         found = known[method]
         if isinstance(found, DesignError):
             raise copy(found)
         return found
+
+    @computed
+    def still_teeth(self) -> JudgedTeeth:
+        """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: what the teeth bear at least."""
+        return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
+
+    def _judged(self, method: Literal["estimate", "elements"], conditions: Conditions) -> JudgedTeeth:
+        from ncgear.project.tooth_strength import judged_teeth
+
+        require_whole_turns(self.design, "the strength of the teeth")
+        load, teeth = self.tooth_load.load, self.teeth
+        with self.stopwatch("strength"), located(self.places):
+            return judged_teeth(method, self.gears, teeth, self.materials, conditions, self.running, self.loading, load)
 
     @computed
     def _known_strengths(self) -> dict[str, JudgedTeeth | DesignError]:

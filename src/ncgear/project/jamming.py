@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
@@ -40,7 +42,7 @@ def jamming_of(drive: Drive) -> Jamming:
     One key gives the backlash of two pairs in series, so that what is enough is enough for both.
     """
     tolerances, process = tolerances_of(drive)
-    of_pairs = drive.whole.backlash_needed
+    of_pairs = backlash_needed(drive.whole)
     key = backlash_key(drive.gears)
     given = float(getattr(drive.gears, key))
     value = rounded_up(enough(of_pairs, TURNING), STEP_MM if key == "backlash_mm" else STEP_DEG)
@@ -55,8 +57,12 @@ def jamming_of(drive: Drive) -> Jamming:
     )
 
 
+@lru_cache(maxsize=1)
 def backlash_needed(drive: Drive) -> tuple[Needed, ...]:
-    """What assemblies of every pair need of the backlash, in the unit of its key; raises as ``jamming_of``."""
+    """What assemblies of every pair need of the backlash, in the unit of its key; raises as ``jamming_of``.
+
+    That of the last machine is kept, since each of its pairs asks for it.
+    """
     tolerances, _ = tolerances_of(drive)
     return tuple(_needed(pair, tolerances, seed) for seed, pair in enumerate(drive.by_stage))
 

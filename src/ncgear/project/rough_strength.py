@@ -2,43 +2,192 @@
 
 from __future__ import annotations
 
-from math import radians
+from dataclasses import replace
+from math import ceil, lcm, pi, radians
 
 import numpy as np
 
-from ncgear.errors import DesignError
-from ncgear.kinematics.motion import sample_angles
-from ncgear.pitch.shape import Gear
+from ncgear.errors import DesignError, Unanswered
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import unknown
+from ncgear.project.service import choices_of
+from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
-from ncgear.strength.at_pitch_point import PitchPointLoad, RoughSafety, rough_safeties
+from ncgear.strength.conditions import VibrationUnknown
+from ncgear.strength.endurance import materials_of
+from ncgear.strength.holding import Damage
 from ncgear.strength.iso6336 import RackTip
+from ncgear.strength.material import Material
+from ncgear.strength.materials import Plastic
+from ncgear.strength.plastics import friction, temperatures_of
+from ncgear.strength.without_teeth import (
+    MOST_LEAP,
+    MOST_WAY,
+    PER_TOOTH,
+    RolledLoad,
+    RoughSafety,
+    SharedLoad,
+    ToothPlan,
+    rough_safeties,
+    shared_loads,
+    slid_w,
+    static_safeties,
+)
 
 
-def rough_strength(drive: Drive) -> list[RoughSafety]:
-    """Both gears' safeties, roughly; empty where no load is known, or where the formulas do not cover the gears."""
-    if unknown(drive) is not None:
-        return []
+@dataclass(frozen=True)
+class RoughStrength:
+    """Both gears' safeties, roughly.
+
+    ``unjudged`` says why the teeth are not judged for the wanted life, and ``at_once`` that the safeties are those
+    against breaking at once instead; there are none where even these are not known.  ``needs_teeth`` says why the
+    safeties are right within a factor of two only.  Both are words that follow "because", and empty where there is no
+    such reason.
+    """
+
+    safeties: tuple[RoughSafety, ...]
+    unjudged: str = ""
+    needs_teeth: str = ""
+    at_once: bool = False
+
+    @property
+    def sure(self) -> float:
+        """Share of the wanted safety under which teeth do not hold for certain."""
+        return 0.5 if self.needs_teeth else 1.0
+
+    @property
+    def weak(self) -> list[RoughSafety]:
+        """The safeties of teeth that do not hold, the weakest first."""
+        found = [one for one in self.safeties if one.safety < self.sure * one.wanted]
+        return sorted(found, key=lambda one: one.safety / one.wanted)
+
+
+def rough_strength(drive: Drive) -> RoughStrength | None:
+    """The rough strength of a pair; None where there are no gears, no load, or two pairs of which none is meant."""
+    design = drive.design
+    if design.gears is None or (design.masses is None and design.resistance is None):
+        return None
+    if design.stages > 1 and drive.stage is None:
+        return None
     try:
-        load = _load(drive)
-    except DesignError:
+        load = _rolled(drive)
+    except DesignError as error:
         # Pitch curves and forces may be refused; a check does not ask for them.
-        return []
-    gears = drive.gears
-    if not load.force_n.any() or np.any(load.force_n < 0.0):
-        return []
-    pushing, idle = gears.rack.angles_deg
-    # Roots and pressure are worse at the smaller angle.
-    angle = radians(min(pushing, idle) if gears.drives == "both_ways" else pushing)
-    tip = RackTip(gears.rack.dedendum, gears.rack.root_radius)
+        return RoughStrength((), error.problem)
+    if not load.force_n.any():
+        return None
+    if np.any(load.force_n < 0.0):
+        return RoughStrength((), "the teeth cannot push the driven gear at every angle")
+    plan, running, conditions = _plan(drive), drive.running, drive.conditions
+    sides = shared_loads(load, plan, running, drive.materials)
+    needs_teeth = _needs_teeth(drive, plan, load, sides)
+    warm = _warm(drive, sides, load.phi1_rad.size)
     try:
-        return rough_safeties(load, tip, gears.rack.addendum, angle, drive.running, drive.materials, drive.conditions)
-    except DesignError:
-        return []
+        why = _no_life(drive)
+        if not why:
+            try:
+                return RoughStrength(
+                    tuple(rough_safeties(sides, plan, running, warm, conditions)), needs_teeth=needs_teeth
+                )
+            except VibrationUnknown as error:
+                why = error.why
+        return RoughStrength(tuple(static_safeties(sides, plan, running, warm, conditions)), why, needs_teeth, True)
+    except Unanswered as error:
+        return RoughStrength((), error.problem)
 
 
-def _load(drive: Drive) -> PitchPointLoad:
-    load, angle = asked_of(drive), sample_angles(drive.pair.transmission)
-    curvature = np.stack([drive.pitch.of(gear).at_angle(angle).curvature for gear in Gear])
-    return PitchPointLoad(angle, load.mesh_force(angle).size_n.value, curvature)
+def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:
+    """The rough strength of a pair whose strength is refused, or of which none is computed (None).
+
+    With a K_V that is not known the teeth themselves tell whether they break at once.
+    """
+    if refusal is None:
+        return rough_strength(drive)
+    if isinstance(refusal, VibrationUnknown):
+        return _without_vibration(drive, refusal)
+    found = rough_strength(drive)
+    return found and replace(found, unjudged=refusal.problem)
+
+
+def _without_vibration(drive: Drive, refusal: VibrationUnknown) -> RoughStrength:
+    """Both gears' safeties against breaking at once, by the teeth under load without K_V."""
+    still = drive.still_teeth.strength
+    found = []
+    for gear, tension in zip(Gear, still.stresses.tension_mpa, strict=True):
+        row, material = int(tension.argmax()), still.of(gear).material
+        wanted, stress = drive.conditions.wanted_bending_safety(material), float(tension[row])
+        safety = float(material.bending.stress_mpa[0]) / stress
+        found.append(RoughSafety(gear, Damage.BENDING, safety, wanted, stress, float(still.contacts.phi1_rad[row])))
+    return RoughStrength(tuple(found), refusal.why, at_once=True)
+
+
+def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
+    """What happens to a tooth, in words that follow "against"."""
+    return "breaking at once" if found.at_once else one.damage.words
+
+
+def _no_life(drive: Drive) -> str:
+    """Why no life of these teeth is told, whatever they bear."""
+    if drive.helix is not None:
+        return (
+            "helical teeth are not followed under load, and only roots are judged, as of straight teeth of one section"
+        )
+    if drive.design.motion.is_open:
+        return "gears that turn to and fro, less than once, are not followed under load"
+    return ""
+
+
+def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[SharedLoad]) -> str:
+    module = drive.running.module_mm
+    if drive.pitch.mesh is Mesh.INTERNAL:
+        return "it needs the teeth to tell of a ring"
+    if abs(sum(plan.shifts)) > LEAST_SHIFT:
+        return "it needs the teeth to tell where both profile shifts are not opposite"
+    if load.leap(module) > MOST_LEAP:
+        return "it needs the teeth to tell where the curvature of the pitch curves changes so much within a tooth"
+    if max(float(one.way_mm.max()) for one in sides) > MOST_WAY * module:
+        return "it needs the teeth to tell where they give way so far under the load"
+    return ""
+
+
+LEAST_SHIFT = 1e-9
+"""Sum of both shifts in modules that is a rounding error of none."""
+
+
+def _warm(drive: Drive, sides: list[SharedLoad], positions: int) -> tuple[Material, Material]:
+    """The materials, plastics as warm as what friction takes makes them."""
+    choices, conditions, running = choices_of(drive.gears), drive.conditions, drive.running
+    if not any(isinstance(choice.entry, Plastic) for choice in choices):
+        return drive.materials
+    lost = slid_w(sides, positions, running.face_width_mm, friction(choices, conditions.lubrication))
+    return materials_of(choices, conditions, running, temperatures_of(choices, conditions, running, lost))
+
+
+def _plan(drive: Drive) -> ToothPlan:
+    rack, form = drive.gears.rack, tooth_form_of(drive.gears, drive.pitch.size.module_mm)
+    module, (pushing, idle) = form.rack.module_mm, rack.angles_deg
+    shifts = form.driving_shift_mm / module, form.driven_shift_mm / module
+    tip = RackTip(rack.dedendum, rack.root_radius)
+    return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief)
+
+
+def _rolled(drive: Drive) -> RolledLoad:
+    asked, pitch = asked_of(drive), drive.pitch
+    size, toothed = pitch.size, pitch.toothed
+    step_mm = pi * size.module_mm / PER_TOOTH
+    count, end_mm, end_rad = lcm(size.driving_teeth, size.driven_teeth) * PER_TOOTH, np.inf, np.inf
+    if toothed is not None:
+        end_mm, end_rad = toothed.covered_mm, toothed.covered_rad
+        count = ceil(end_mm / step_mm) + 1
+    rolled: Array = np.minimum(step_mm * np.arange(count, dtype=float), end_mm)
+    # Rounding errors must not put the first position before the seam of the law, or the last one beyond a range.
+    phi1 = np.clip(pitch.driving.driving_angle(rolled), 0.0, end_rad)
+    speed = pitch.transmission.driven_angle(phi1, 1).derivative(1)
+    curvature = np.stack([pitch.of(gear).at_angle(phi1).curvature for gear in Gear])
+    torque = asked.torque_n_mm(phi1)
+    urge = np.where(torque < 0.0, -1.0, 1.0)
+    turning = np.abs(drive.pair_speed_rad_s(phi1) * (1.0 - pitch.mesh.sense * speed))
+    force = asked.mesh_force(phi1, torque).size_n.value
+    return RolledLoad(phi1, force, urge, curvature, turning, toothed is None)

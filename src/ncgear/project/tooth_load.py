@@ -49,10 +49,11 @@ class ToothLoad:
         driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)
         return np.asarray(loads.driving_torque.value / driven_speed)
 
-    def mesh_force(self, angle_rad: Array) -> MeshForce:
-        """Normal force of all pairs of teeth together."""
+    def mesh_force(self, angle_rad: Array, torque_n_mm: Array | None = None) -> MeshForce:
+        """Normal force of all pairs of teeth together; ``torque_n_mm`` where it is known already."""
+        torque = self.torque_n_mm(angle_rad) if torque_n_mm is None else torque_n_mm
         slope = self.pair.transmission.driven_angle(angle_rad, 2).differentiated()
-        return mesh_force(self.place, slope, Jet(self.torque_n_mm(angle_rad)[None, :]))
+        return mesh_force(self.place, slope, Jet(torque[None, :]))
 
     @property
     def peak_n(self) -> float:
@@ -89,5 +90,6 @@ def tooth_load(drive: Geared) -> ToothLoad:
     # The pressure angle is judged where it is largest, too, which is where the curves lean most, either way.
     leaning = pair.transmission.extremes(lambda slope: tangent_slope(slope, found.place.mesh), 1)
     angle = np.append(sample_angles(pair.transmission), [extremum.at for extremum in leaning])
-    refuse_locked_at(angle, found.torque_n_mm(angle), found.mesh_force(angle).pressure_angle_rad.value)
+    torque = found.torque_n_mm(angle)
+    refuse_locked_at(angle, torque, found.mesh_force(angle, torque).pressure_angle_rad.value)
     return found

@@ -85,6 +85,11 @@ class Strength(Shown):
     driving: GearStrength
     driven: GearStrength
 
+    @property
+    def wears(self) -> bool:
+        """Whether flanks wear, which is not judged."""
+        return self.driving.material.wears or self.driven.material.wears
+
     def __repr__(self) -> str:
         return f"Strength({self.method}, load by {self.load},\n  {self.driving!r},\n  {self.driven!r})"
 

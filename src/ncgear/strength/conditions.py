@@ -72,6 +72,16 @@ GRADE_8 = 39.1, 0.0193
 
 LEAST_LINE_LOAD_N_MM = 100.0
 
+
+class VibrationUnknown(WrongInput):
+    """Gears so fast that no dynamic factor is estimated, and none is given."""
+
+    @property
+    def why(self) -> str:
+        """Why, in words that follow "because"."""
+        return f"{self.key} is {self.problem}"
+
+
 FASTEST_M_S = 2.9
 """The s of ``dynamic_factor`` up to which it grows; beyond, its parabola falls again and says nothing."""
 
@@ -82,13 +92,13 @@ def dynamic_factor(running: Running, line_load_n_mm: float) -> float:
     K_V = 1 + (K1 / (F_t K_A / b) + K2) s K3 with s = v z1 / 100 sqrt(u^2 / (1 + u^2)), K3 = 2.071 - 0.357 s and at
     most 2 (ISO 6336-1, method C, secondary source).  It is for circular gears up to s = FASTEST_M_S; a local estimate
     for others, with the mean speed along the pitch curves and the mean load per mm of width, times K_A.  Raises
-    WrongInput for faster ones.
+    VibrationUnknown for faster ones.
     """
     (first, second), (z1, z2) = GRADE_8, running.teeth
     ratio = z2 / z1
     s = running.pitch_speed_m_s * z1 / 100.0 * (ratio**2 / (1.0 + ratio**2)) ** 0.5
     if s > FASTEST_M_S:
-        raise WrongInput(
+        raise VibrationUnknown(
             f"left out, but it is estimated only up to {running.pitch_speed_m_s * FASTEST_M_S / s:.3g} m/s of these "
             f"pitch curves, which run at {running.pitch_speed_m_s:.3g} m/s; give the dynamic factor of such gears",
             key="strength.dynamic_factor",

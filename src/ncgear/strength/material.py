@@ -65,3 +65,8 @@ class Material:
     bending: EnduredStress
     source: str
     too_hot_c: float | None = None
+
+    @property
+    def wears(self) -> bool:
+        """Whether it is dry metal on metal, which wears: of all other metals the stress that flanks endure is known."""
+        return self.contact is None and self.family is not Family.PLASTIC

@@ -250,7 +250,7 @@ def _strength(strength: Strength) -> Iterator[Markup]:
             str(one.tooth),
             shown(one.stress_mpa),
             shown(one.safety),
-            life_words(one.life_h),
+            life_words(one.life_h, strength.wears),
         )
         for one in found
     )

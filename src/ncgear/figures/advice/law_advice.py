@@ -174,7 +174,10 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
     bodies = {Gear.DRIVING: gears.driving, Gear.DRIVEN: gears.driven}
     judged = [gear for gear in Gear if gear is Gear.DRIVEN or fit is None or fit.driving_shaft == "through"]
     near = [(gear, *about_axis(bodies[gear])) for gear in judged]
-    unknown = [gear for gear, _, radius in near if radius is None]
+    # A ring is carried on its rim
+    unknown = [
+        gear for gear, _, radius in near if radius is None and not (gear is Gear.DRIVEN and drive.pitch.driven.is_ring)
+    ]
     return [
         *(
             Advice(

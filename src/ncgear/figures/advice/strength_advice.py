@@ -1,15 +1,13 @@
-"""The advice about teeth that do not hold the load that is known of them."""
+"""What is said of teeth that do not hold the load that is known of them, or of which that is not judged."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import degrees
 
-from ncgear.errors import DesignError
-from ncgear.figures.advice.values import Advice, Kind, Remedy, Where, changed
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import to_digits
 from ncgear.project.drive import Drive
-from ncgear.project.rough_strength import rough_strength
+from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
 from ncgear.project.strengthening import (
     MOST_TEETH,
     SERIES_I_MM,
@@ -20,24 +18,26 @@ from ncgear.project.strengthening import (
     strong_enough,
     wide_enough,
 )
-from ncgear.strength.at_pitch_point import RoughSafety
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
 
 SIZE = "ncgear size"
 
+WEAR = "wear of dry metal is not computed, only that its teeth do not break"
+"""Why dry gears of metal are not judged where their roots hold."""
 
-def strength(drive: Drive) -> Advice | None:
+
+def strength(drive: Drive) -> Advice | NotJudged | None:
     """Teeth whose safety against breakage or pitting is under the wanted one; names the weakest of all.
 
-    Where the strength is refused, as for loads that press teeth too deep to be followed, what a check says of it.  None
-    where no load is known.
+    None where the teeth hold, and where no load is known.  Where the strength is refused or not computed, as of helical
+    and open gears, at speeds beyond what is known of vibration, or of loads that press teeth too deep to be followed,
+    they are judged roughly, if only whether they break at once.
     """
     verdict = known_verdict(drive)
-    if isinstance(verdict, DesignError):
-        refused = rough(drive)
-        return refused and replace(refused, meaning=f"this is not computed tooth by tooth: {verdict.problem}")
-    if verdict is None or verdict.holds:
-        return None
+    if not isinstance(verdict, Verdict):
+        return _roughly(drive, beside_refusal(drive, verdict))
+    if verdict.holds:
+        return NotJudged(WEAR) if verdict.strength.wears else None
     weak = [one for one in verdict.weakest if not one.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
@@ -58,33 +58,62 @@ def strength(drive: Drive) -> Advice | None:
     )
 
 
-def rough(drive: Drive) -> Advice | None:
-    """The same without teeth, by a rough estimate at the pitch point; None where that finds nothing."""
-    found = rough_strength(drive)
-    weak = [one for one in found if one.safety < one.wanted]
-    if not weak:
+def rough(drive: Drive) -> Advice | NotJudged | None:
+    """The same without teeth, by a rough estimate."""
+    return _roughly(drive, rough_strength(drive))
+
+
+def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | None:
+    if found is None:
         return None
-    first = min(weak, key=lambda one: one.safety / one.wanted)
-    at, load = degrees(first.phi1_rad), "the resistance" if drive.design.masses is None else "the masses"
-    stage = "" if drive.stage is None else f" of stage {drive.stage}"
+    weak = found.weak
+    if not weak:
+        return _not_judged(drive, found)
+    first, load = weak[0], "the resistance" if drive.design.masses is None else "the masses"
+    at, damage = degrees(first.phi1_rad), rough_damage(found, first)
+    teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
+    if found.needs_teeth:
+        said, stress = f"{teeth} will not hold", ""
+        safety = f"under half the safety of {first.wanted:g} that is wanted against {damage}"
+        more = f"; how much under is not told, since {found.needs_teeth}"
+    else:
+        said, stress = f"{teeth} will hardly hold", f" with {to_digits(first.stress_mpa, 2)} MPa"
+        safety = f"safety about {to_digits(first.safety, 2)} against {damage}, {first.wanted:g} wanted"
+        more = ""
+    meaning = "ncgear strength computes every tooth"
+    if found.unjudged:
+        meaning = f"{'their life is not judged' if found.at_once else 'the teeth are not followed'}: {found.unjudged}"
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, angles_deg=((at, at),)),),
-        f"the teeth{stage} will hardly hold the load of {load}: roughly, one pair at the pitch point has "
-        f"{to_digits(first.stress_mpa, 2)} MPa at phi1 = {to_digits(at, 4)} deg, a safety of "
-        f"{to_digits(first.safety, 2)} of the {first.gear.value} gear against {first.damage.words} where "
-        f"{first.wanted:g} is wanted",
-        "ncgear strength computes every tooth",
-        _rough_remedies(drive, weak),
-        brief=f"the teeth{stage} will hardly hold: safety about {to_digits(first.safety, 2)} against "
-        f"{first.damage.words}, {first.wanted:g} wanted",
+        f"{said} the load of {load}: roughly, the {first.gear.value} gear{stress} at phi1 = {to_digits(at, 4)} deg has "
+        f"{safety}{more}",
+        meaning,
+        _rough_remedies(drive, found),
+        brief=f"{said}: {safety}",
     )
 
 
-def _rough_remedies(drive: Drive, weak: list[RoughSafety]) -> tuple[Remedy, ...]:
-    wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in weak)
-    larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in weak)
-    return _sizes(drive, wider, larger)
+def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
+    """Why teeth that are not found too weak are not said to hold; None where they are."""
+    least = min(found.safeties, key=lambda one: one.safety / one.wanted, default=None)
+    if found.unjudged and least is None:
+        return NotJudged(found.unjudged)
+    if found.unjudged and least is not None:
+        near = "very roughly" if found.needs_teeth else "about"
+        told = f"a safety of {near} {to_digits(least.safety, 2)} against {rough_damage(found, least)}"
+        return NotJudged(f"{found.unjudged}; all that is known is {told}, {least.wanted:g} wanted")
+    if found.needs_teeth:
+        return NotJudged(found.needs_teeth)
+    return NotJudged(WEAR) if any(one.wears for one in drive.materials) else None
+
+
+def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
+    """Sizes by how stresses scale; ncgear size finds none of teeth whose strength is not computed."""
+    wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in found.weak)
+    larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found.weak)
+    sizes = _sizes(drive, wider, larger)
+    return tuple(one for one in sizes if one.short != SIZE) if found.unjudged else sizes
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import chain
 from math import degrees, pi, radians
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from ncgear.errors import DesignError
 from ncgear.figures.advice.law_advice import speeds
-from ncgear.figures.advice.verdict import Known, Verdict, judged
+from ncgear.figures.advice.verdict import Known, judged
+from ncgear.figures.advice.verdict import Verdict as MachineVerdict
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -18,7 +19,8 @@ from ncgear.figures.wished import motion_facts, wish_line, wish_rows
 from ncgear.numerics.units import CM3_PER_MM3, label_and_unit
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import known_verdict
+from ncgear.project.rough_strength import beside_refusal, rough_damage
+from ncgear.project.strengthening import Verdict, known_verdict
 from ncgear.ratio.transmission import Transmission
 
 if TYPE_CHECKING:
@@ -56,7 +58,7 @@ def check_answer(drive: Drive, file: str, notes: tuple[str, ...] = ()) -> Answer
 def build_answer(
     drive: Drive,
     contacts: Sequence[PairContact],
-    verdict: Verdict,
+    verdict: MachineVerdict,
     then: str,
     notes: tuple[str, ...] = (),
 ) -> Answer:
@@ -219,17 +221,24 @@ def _joined(facts: dict[str, str], first: str, others: Sequence[str]) -> str:
 
 
 def _safety(drive: Drive) -> str | None:
-    """The least safety against each kind of damage, where the strength is known."""
+    """The least safety against each kind of damage, or roughly; None where no load is known."""
     verdict = known_verdict(drive)
-    if verdict is None:
-        return None
-    if isinstance(verdict, DesignError):
-        return "not computed tooth by tooth, see the warning"
-    least = [
-        min((one for one in verdict.weakest if one.damage is damage), key=lambda one: one.share)
-        for damage in dict.fromkeys(one.damage for one in verdict.weakest)
-    ]
-    return ", ".join(f"{to_digits(one.safety, 3)} against {one.damage.words} ({one.wanted:g} wanted)" for one in least)
+    if isinstance(verdict, Verdict):
+        told = [(one.damage.words, one.share, to_digits(one.safety, 3), one.wanted) for one in verdict.weakest]
+    else:
+        found = beside_refusal(drive, verdict)
+        if found is None:
+            return None
+        if not found.safeties or found.needs_teeth:
+            return "not judged"
+        told = [
+            (rough_damage(found, one), one.safety / one.wanted, f"about {to_digits(one.safety, 2)}", one.wanted)
+            for one in found.safeties
+        ]
+    least = [min((one for one in told if one[0] == damage), key=itemgetter(1)) for damage, *_ in dict.fromkeys(told)]
+    return ", ".join(
+        f"{safety} against {damage} ({wanted:g} wanted)" for damage, _, safety, wanted in dict.fromkeys(least)
+    )
 
 
 SIZES = ("module_mm", "face_width_mm", "center_distance_mm")

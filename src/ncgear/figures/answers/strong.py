@@ -13,12 +13,11 @@ from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.sized import sized_rows
-from ncgear.figures.strong import HEADS, LOADS, materials_words, teeth_words, weakest_cells
+from ncgear.figures.strong import HEADS, LOADS, holding_words, materials_words, teeth_words, weakest_cells
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import Sized
 from ncgear.project.strengthening import Verdict
 
-HOLD = "The teeth hold: no safety is under the wanted one."
 HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
 
 METHODS = {"estimate": "local estimate after ISO 6336 and VDI 2736", "elements": "plane finite elements"}
@@ -49,14 +48,15 @@ def strength_answer(
         about += _about(of, pair, verdict)
     design = drive.design
     others = faults_of(machine.without(Kind.STRENGTH))
+    held = holding_words(any(verdict.strength.wears for _, verdict, *_ in pairs))
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
         (*rows, Row("method", (METHODS[first.strength.method],)), *about),
         (*faults, *others),
         f"Load: {LOADS[first.strength.load]}",
         heads=tuple(heads),
-        good=f"{HOLD} {machine.good}",
-        wrong=HOLD_NOT if faults else f"{HOLD} Other warnings",
+        good=f"{held} {machine.good}",
+        wrong=HOLD_NOT if faults else f"{held} Other warnings",
         not_judged=machine.not_judged,
         then=then if faults else "",
     )
@@ -66,7 +66,7 @@ def _rows(of: str, verdict: Verdict, beside: Verdict | None) -> list[Row]:
     """The weakest tooth of each gear for each kind of damage."""
     found = []
     for place, one in enumerate(verdict.weakest):
-        gear, damage, *cells = weakest_cells(one)
+        gear, damage, *cells = weakest_cells(one, verdict.strength.wears)
         if beside is not None:
             cells.insert(1, to_digits(beside.weakest[place].safety, 3))
         found.append(Row(f"{of}{gear}, {damage}", tuple(cells)))

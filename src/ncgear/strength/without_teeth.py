@@ -1,0 +1,306 @@
+"""Strength without teeth: where they would touch while the pitch curves roll, and what each would bear there.
+
+A rack's flank that crosses the pitch line at c touches at s = (sigma - c) cos(alpha) along the line of action when the
+curves have rolled to sigma, and the flank that it leaves has sin(alpha) / k + s as its radius of curvature there, k
+being the pitch curve's (``ncgear.teeth.flank``).  So the places of all pairs are known without a tooth, and their ends
+where the tips of circular gears of these curvatures are.  Pairs share the load as springs: each as stiff as c' of ISO
+6336-1 in its middle, softer towards its ends as the cosine of J. I. Pedrero, M. Pleguezuelos, M. Artes, J. A. Antona
+(Mech. Mach. Theory 45, 2010), and beyond its ends by the gap there, since teeth that bend touch early.  Roots have Y_F
+and Y_S of ISO 6336-3 for 2 / (k m) teeth, k being the mean over the tooth, loaded where they touch.
+
+What is left out: shortened tips, undercut flanks, fillets of other tools than a rack, and what differs between both
+sides of a tooth.  It is there to tell in milliseconds, and was compared with the teeth themselves (docs/method.md).
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import numpy as np
+
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.pitch.shape import Gear
+from ncgear.strength.conditions import Conditions, Running, dynamic_factor, face_load_factor_of_roots
+from ncgear.strength.hertz import hertz_pressure_mpa
+from ncgear.strength.holding import Damage
+from ncgear.strength.iso6336 import RackTip, root_factors, root_section, single_stiffness_theoretical
+from ncgear.strength.material import Material
+from ncgear.teeth.form import TipRelief
+
+PER_TOOTH = 32
+"""Positions in a tooth pitch, a multiple of four: flanks cross the pitch curve a quarter of it beside their teeth.
+With four times as many, safeties change by 5 % at most, where one tooth bears all for a moment, and mostly by 1 %."""
+
+PITCHES = np.arange(-3, 5)
+"""Crossings beside a position, in pitches: teeth as high as three modules touch over four pitches."""
+
+FEWEST, MOST = 12.0, 1000.0
+"""Teeth of replacement gears: of fewer, other formulas hold, and more are a rack, as hollow pitch curves are taken."""
+
+STEEL_MPA = 206_000.0
+"""Young's modulus for which ISO 6336-1 gives c'."""
+
+LEAST_SINE = 0.02
+"""Least rho k of a flank, where sin(alpha) is 0.34 as a rule: beside its base circle a flank is followed no further."""
+
+MOST_LEAP = 0.12
+"""Most change of a pitch curve's curvature within a pitch, in 1/modules, with which one curvature stands for a tooth:
+up to 0.11 safeties were 0.86 to 1.1 of those with teeth, from 0.19 on 0.8 to 1.9."""
+
+MOST_WAY = 0.12
+"""Most of a module that loaded teeth may give way: then edges touch farther off than their second order tells."""
+
+PUSHING_AND_BACK = 1.0, -1.0
+"""``RolledLoad.urge`` of the pushing flanks and of their backs."""
+
+LOADED = 0.02
+"""Share of the largest force under which a position tells nothing of the teeth."""
+
+SOFTEST_RAD = 1.3
+"""Angle at which the cosine of the stiffness ends, where a quarter is left; usual pairs end at 1.2 or less."""
+
+
+@dataclass(frozen=True, eq=False)
+class RolledLoad:
+    """The load of a pair at n positions that are PER_TOOTH to a pitch, from a tooth on the pitch point on; shape (n,).
+
+    ``force_n`` is the normal force of all pairs together and ``urge`` +1 where pushing flanks bear it, -1 where their
+    backs do.  ``curvature`` (shape (2, n)) is that of the driving and the driven pitch curve in 1/mm, positive where
+    the material is convex, and ``turning_rad_s`` how fast the gears turn against each other.  ``closed`` tells that the
+    last position leads to the first.
+    """
+
+    phi1_rad: Array
+    force_n: Array
+    urge: Array
+    curvature: Array
+    turning_rad_s: Array
+    closed: bool
+
+    def leap(self, module_mm: float) -> float:
+        """Largest change of a curvature within a pitch about a loaded position, in 1/modules."""
+        rows = np.flatnonzero(self.force_n > LOADED * self.force_n.max())
+        around = self.curvature[:, self.place(rows + np.arange(-PER_TOOTH, PER_TOOTH + 1)[:, None])]
+        return float(np.ptp(around, axis=1).max()) * module_mm
+
+    def place(self, position: IndexArray) -> IndexArray:
+        """Numbers of positions beyond the ends: round the cycle, or held at the ends of a range."""
+        count = self.phi1_rad.size
+        return position % count if self.closed else np.clip(position, 0, count - 1)
+
+
+@dataclass(frozen=True)
+class ToothPlan:
+    """How teeth would be cut: rack and both gears' shifts in modules, angles of both sides, relief in mm."""
+
+    rack: RackTip
+    addendum: float
+    shifts: tuple[float, float]
+    angles_rad: tuple[float, float]
+    relief: TipRelief | None
+
+
+@dataclass(frozen=True, eq=False)
+class SharedLoad:
+    """What each of p pairs on one side of the teeth bears at each of its n positions.
+
+    ``load`` holds those n positions, and ``angle_rad`` is the rack's angle on that side.  ``line_n_mm`` (p, n) is the
+    normal force for each mm of width and ``way_mm`` (n,) how far the teeth give way along it; ``place_mm`` (p, n) is
+    where they touch along the line of action, from the pitch point towards the driving gear's tip;
+    ``relative_curvature`` (p, n) is that of both flanks, and ``root_teeth`` (2, p, n) are the teeth of the circular
+    gears that have such roots.
+    """
+
+    load: RolledLoad
+    angle_rad: float
+    line_n_mm: Array
+    way_mm: Array
+    place_mm: Array
+    relative_curvature: Array
+    root_teeth: Array
+
+
+def shared_loads(
+    load: RolledLoad, plan: ToothPlan, running: Running, materials: tuple[Material, Material]
+) -> list[SharedLoad]:
+    """How pairs share the load, on each side of the teeth that bears any."""
+    return [
+        _shared(load, rows, (angle, urge), plan, running, materials)
+        for angle, urge in zip(plan.angles_rad, PUSHING_AND_BACK, strict=True)
+        if (rows := np.flatnonzero((load.urge == urge) & (load.force_n > 0.0))).size
+    ]
+
+
+def _shared(
+    load: RolledLoad,
+    rows: IndexArray,
+    side: tuple[float, float],
+    plan: ToothPlan,
+    running: Running,
+    materials: tuple[Material, Material],
+) -> SharedLoad:
+    (angle, urge), module = side, running.module_mm
+    base_pitch, sine, cosine = pi * module * cos(angle), sin(angle), cos(angle)
+    quarter = int(urge) * PER_TOOTH // 4
+    crossing = (rows + quarter) // PER_TOOTH * PER_TOOTH - quarter + PER_TOOTH * PITCHES[:, None]
+    rolled = urge * (rows - crossing) / PER_TOOTH * base_pitch
+    k = load.curvature[:, rows]
+    reach = np.stack([_reach_mm(k[i], k[1 - i], module * (plan.addendum + plan.shifts[i]), sine) for i in (0, 1)])
+    place = np.clip(rolled, -reach[1], reach[0])
+    turned = np.maximum(np.stack([sine + k[0] * place, sine - k[1] * place]), LEAST_SINE)
+    relative = np.maximum(k[0] / turned[0] + k[1] / turned[1], 0.0)
+    # An edge touches early or late: by how it leaves the mate's flank, to the second order.
+    edge = np.where(rolled > place, turned[0], turned[1]) / cosine
+    gap = (edge * (rolled - place)) ** 2 / 2.0 * relative + _relieved_mm(np.abs(place) * sine, plan.relief)
+    middle, ratio = (reach[0] - reach[1]) / 2.0, reach.sum(axis=0) / base_pitch
+    softening = 1.0 / np.sqrt(np.maximum((1.0 + ratio / 2.0) ** 2 / 2.0 - 1.0, 0.1))
+    softer = np.cos(np.minimum(softening * np.abs(place - middle) / base_pitch, SOFTEST_RAD))
+    first, second = (one.youngs_modulus_mpa for one in materials)
+    stiffest = 1e3 * single_stiffness_theoretical(np.sort(_teeth(k, module), axis=0), (0.0, 0.0))
+    stiffness = stiffest * 2.0 * first * second / (first + second) / STEEL_MPA * softer
+    centres = np.stack([crossing + quarter, crossing - quarter])
+    around = np.mean([load.curvature[:, load.place(np.arange(load.phi1_rad.size) + i)] for i in _ROOT], axis=0)
+    roots = np.stack([around[i][load.place(centres[i])] for i in (0, 1)])
+    way, line = _borne(load.force_n[rows] / running.face_width_mm, stiffness, gap)
+    own = RolledLoad(load.phi1_rad[rows], load.force_n[rows], load.urge[rows], k, load.turning_rad_s[rows], load.closed)
+    return SharedLoad(own, angle, line, way, place, relative, _teeth(roots, module))
+
+
+_ROOT = np.arange(-PER_TOOTH // 4, PER_TOOTH // 4 + 1)
+"""Positions about a tooth's middle over which the curvature of its root is the mean: between its own crossings."""
+
+
+def _teeth(curvature: Array, module_mm: float) -> Array:
+    return np.clip(2.0 / (np.maximum(curvature, 1e-12) * module_mm), FEWEST, MOST)
+
+
+def _reach_mm(own: Array, mate: Array, height_mm: float, sine: float) -> Array:
+    """How far from the pitch point a tip of a circular gear touches: to where the mate's involute begins at most.
+
+    (1/k + s sin(alpha))^2 + (s cos(alpha))^2 = (1/k + h)^2, solved for s without dividing by the curvature k.
+    """
+    raised = height_mm * (2.0 + own * height_mm)
+    reach = raised / (sine + np.sqrt(np.maximum(sine**2 + own * raised, 0.0)))
+    return np.asarray(np.where(mate * reach > sine, sine / np.where(mate > 0.0, mate, 1.0), reach))
+
+
+def _relieved_mm(height_mm: Array, relief: TipRelief | None) -> Array:
+    """What tip relief takes off, along the normal, at heights over the rack's pitch line of the tooth that has it."""
+    if relief is None:
+        return np.zeros_like(height_mm)
+    over = np.maximum(height_mm - relief.start_mm, 0.0) / (relief.full_mm - relief.start_mm)
+    return np.asarray(relief.amount_mm * over**2)
+
+
+def _borne(line_n_mm: Array, stiffness: Array, gap_mm: Array) -> tuple[Array, Array]:
+    """How far p pairs give way under loads, shape (n,), and the share of each, (p, n): sum(c max(0, x - gap)) = w.
+
+    Convex in x, so that Newton's method from where one pair alone would bear it comes down to the zero.
+    """
+    at = np.min(gap_mm + line_n_mm / stiffness, axis=0)
+    for _ in PITCHES:
+        borne = np.sum(stiffness * np.maximum(at - gap_mm, 0.0), axis=0)
+        at = at - (borne - line_n_mm) / np.sum(stiffness * (gap_mm <= at), axis=0)
+    return at, np.asarray(stiffness * np.maximum(at - gap_mm, 0.0))
+
+
+def slid_w(sides: list[SharedLoad], positions: int, face_width_mm: float, coefficient: float) -> float:
+    """The mean power in W that friction takes over a cycle of so many positions: places slide as fast as they turn."""
+    rubbed = sum(float(np.sum(one.line_n_mm * np.abs(one.place_mm) * one.load.turning_rad_s)) for one in sides)
+    return coefficient * face_width_mm * rubbed / positions / 1000.0
+
+
+@dataclass(frozen=True)
+class RoughSafety:
+    """The least safety of a gear against a kind of damage, roughly, and where it is."""
+
+    gear: Gear
+    damage: Damage
+    safety: float
+    wanted: float
+    stress_mpa: float
+    phi1_rad: float
+
+
+def rough_safeties(
+    sides: list[SharedLoad],
+    plan: ToothPlan,
+    running: Running,
+    materials: tuple[Material, Material],
+    conditions: Conditions,
+) -> list[RoughSafety]:
+    """Both gears' safeties against breakage and, where the material has figures, against pitting, for the life wanted.
+
+    Raises VibrationUnknown as ``dynamic_factor`` does, Unanswered for racks that the formulas do not cover.
+    """
+    lines = np.concatenate([one.line_n_mm.ravel() for one in sides]) * conditions.application_factor
+    shaken = conditions.dynamic_factor or dynamic_factor(running, float(np.sum(lines**2) / np.sum(lines)))
+    found = []
+    for gear, material in zip(Gear, materials, strict=True):
+        teeth = running.teeth[list(Gear).index(gear)]
+        turns = conditions.life_h * 3600.0 * running.speed_rad_s / (2.0 * pi) * running.teeth[0] / teeth
+        cycles, wanted = np.array(max(turns, 1.0)), conditions.wanted_bending_safety(material)
+        root = [shaken * _root_stress(one, gear, plan, running, conditions) for one in sides]
+        found.append(_least(gear, Damage.BENDING, sides, root, float(material.bending.at(cycles)), wanted))
+        if material.contact is not None:
+            wanted = conditions.wanted_contact_safety(material)
+            pressed = [shaken**0.5 * _pressure(one, materials, conditions) for one in sides]
+            found.append(_least(gear, Damage.CONTACT, sides, pressed, float(material.contact.at(cycles)), wanted))
+    return found
+
+
+def static_safeties(
+    sides: list[SharedLoad],
+    plan: ToothPlan,
+    running: Running,
+    materials: tuple[Material, Material],
+    conditions: Conditions,
+) -> list[RoughSafety]:
+    """Both gears' safeties against breaking at once: root stress over the static strength, without an estimated K_V.
+
+    Vibration only adds to that stress, and fewer cycles are endured no better: less is safe in truth, never more.
+    """
+    given = conditions.dynamic_factor or 1.0
+    return [
+        _least(
+            gear,
+            Damage.BENDING,
+            sides,
+            [given * _root_stress(one, gear, plan, running, conditions) for one in sides],
+            float(material.bending.stress_mpa[0]),
+            conditions.wanted_bending_safety(material),
+        )
+        for gear, material in zip(Gear, materials, strict=True)
+    ]
+
+
+def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running, conditions: Conditions) -> Array:
+    """The largest root stress of a gear at each position, shape (n,), with K_A and K_Fbeta, without K_V.
+
+    Below the pitch point a load is taken as there, where it bends a tooth more.
+    """
+    place, angle = list(Gear).index(gear), one.angle_rad
+    teeth, shift = one.root_teeth[place], plan.shifts[place]
+    outwards = np.maximum(one.place_mm * (1.0 - 2.0 * place), 0.0) / running.module_mm
+    diameter = 2.0 * np.hypot(teeth * sin(angle) / 2.0 + outwards, teeth * cos(angle) / 2.0)
+    factors = root_factors(root_section(teeth, shift, plan.rack, angle), teeth, shift, diameter, angle)
+    over = conditions.application_factor * face_load_factor_of_roots(running, conditions.face_load_factor)
+    nominal = over * one.line_n_mm * cos(angle) / running.module_mm
+    return np.asarray(np.max(nominal * factors.form * factors.notch, axis=0))
+
+
+def _pressure(one: SharedLoad, materials: tuple[Material, Material], conditions: Conditions) -> Array:
+    """Hertz's pressure of the pair that bears the most at each position, shape (n,), without K_V."""
+    row, column = one.line_n_mm.argmax(axis=0), np.arange(one.line_n_mm.shape[1])
+    over = conditions.application_factor * conditions.face_load_factor
+    return hertz_pressure_mpa(over * one.line_n_mm[row, column], one.relative_curvature[row, column], materials)
+
+
+def _least(
+    gear: Gear, damage: Damage, sides: list[SharedLoad], stress: list[Array], endured_mpa: float, wanted: float
+) -> RoughSafety:
+    values, angles = np.concatenate(stress), np.concatenate([one.load.phi1_rad for one in sides])
+    row = int(np.argmax(values))
+    largest = max(float(values[row]), 1e-12)
+    return RoughSafety(gear, damage, endured_mpa / largest, wanted, largest, float(angles[row]))
