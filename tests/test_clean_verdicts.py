@@ -7,7 +7,7 @@ said to be broken, the judge must not find it kept; what both allow each other s
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -16,16 +16,21 @@ import pytest
 from shapely import Polygon
 
 from clean_designs import design, ready
+from drives import design_of
 from ncgear.errors import DesignError
-from ncgear.figures.advice.values import Kind
+from ncgear.figures.advice.values import Advice, Kind
 from ncgear.figures.advice.verdict import Judged, Known, State, judged
+from ncgear.metrology.pins import over_two_pins
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.jamming import jamming_of
 from ncgear.project.strengthening import verdict_of
+from ncgear.project.tolerance_limits import limits_of
 from ncgear.project.usual_tolerances import tolerances_of
 from ncgear.strength.holding import Damage
 from oracles import conditions as outside
 from oracles.meshing import Pair
+from oracles.pins import over_pins as laid_pins
 
 SEEDS = 300
 SOON = (0, 12, 27, 101)
@@ -43,6 +48,9 @@ NEARLY = 1e-5
 
 ELEMENTS_KEPT, ELEMENTS_BROKEN = 0.9, 1.1
 """Shares of the wanted safety that plane elements find at least of teeth that hold, and at most of teeth that do not."""
+
+OFF_THE_MIDDLE = 0.15
+"""Half widths of a band of thickness by which a reading over pins may be off its middle, beside chords."""
 
 Array = np.ndarray
 
@@ -140,10 +148,7 @@ def assembly(seen: Seen, row: Judged) -> Finding:
 def _worst(seen: Seen) -> Pair:
     """Axes as near as distance and runout let them be, outlines grown by pitch and profile deviations."""
     given = tolerances_of(seen.drive)[0]
-    limits = seen.drive.whole
-    from ncgear.project.tolerance_limits import limits_of
-
-    own = limits_of(limits, given)
+    own = limits_of(seen.drive, given)
     grown = float(own.pitch_mm.max() + own.profile_mm.max()) + max(own.tilt_rad) * seen.drive.gears.face_width_mm
     near = own.center_distance_mm + sum(own.eccentricity_mm)
     pair = outside.apart(seen.pair, near if seen.internal else -near)
@@ -303,6 +308,27 @@ def power(seen: Seen) -> Finding:
     return None if abs(own - told) <= OF_POWER * abs(told) else f"peak power {told:.6g} W, and {own:.6g} W by energies"
 
 
+def over_pins(seen: Seen) -> Finding:
+    """Pins that shapely lays into the outlines read what the sheet's band has in its middle."""
+    if "tooth_thickness_upper_mm" not in seen.data["gears"].get("tolerances", {}) or seen.drive.helix is not None:
+        return None
+    for one in seen.drive.measured:
+        thin, thick = (over_two_pins(working, pins) for working, pins in one.at_limits)
+        if len(thin.first) < 3 or not np.array_equal(thin.first, thick.first):
+            continue
+        place = {int(space): at for space, at in zip(one.pins.space, one.pins.center_mm, strict=True)}
+        if not {*thin.first.tolist(), *thin.second.tolist()} <= set(place):
+            continue
+        first, second = (np.array([place[int(space)] for space in of]) for of in (thin.first, thin.second))
+        ring = one.working.is_ring
+        read = laid_pins(np.asarray(one.toothed.outline_mm), one.pins.diameter_mm, first, second, ring=ring)
+        middle, half = (thin.distance_mm + thick.distance_mm) / 2.0, np.abs(thick.distance_mm - thin.distance_mm) / 2.0
+        off = np.abs(read - middle) - 2.0 * seen.chord_mm
+        if (off > OFF_THE_MIDDLE * half).any():
+            return f"pins read {off.max():.2g} mm off the middle of a band of {2.0 * half.min():.2g} mm"
+    return None
+
+
 def findings(seed: int) -> tuple[str, list[str]]:
     """What the verdict on a design says, and all that judges hold against it."""
     data = design(seed)
@@ -312,7 +338,7 @@ def findings(seed: int) -> tuple[str, list[str]]:
     except DesignError as refusal:
         return f"refused: {refusal.problem[:80]}", []
     seen = Seen(data, drive)
-    found = {"power": power(seen)}
+    found = {"power": power(seen), "over pins": over_pins(seen)}
     for row in verdict.rows:
         if (judge := JUDGES.get(row.kind)) is not None and row.state is not State.NOT_JUDGED:
             found[f"{row.kind} {row.state}"] = judge(seen, row)
@@ -327,3 +353,124 @@ def findings(seed: int) -> tuple[str, list[str]]:
 )
 def test_nothing_outside_speaks_against_the_verdict(seed: int) -> None:
     assert findings(seed)[1] == []
+
+
+# --- what the judges can see -------------------------------------------------------------------------------------
+
+
+def row_of(seen: Seen, kind: Kind) -> Judged:
+    """A condition of a design as the verdict has it."""
+    (row,) = (row for row in judged(seen.drive, Known.TEETH).rows if row.kind is kind)
+    return row
+
+
+def kept(kind: Kind) -> Judged:
+    """What a verdict that sees nothing would say."""
+    return Judged(kind, None, ())
+
+
+def broken(kind: Kind) -> Judged:
+    """What a verdict that sees everything would say."""
+    return Judged(kind, None, (Advice(kind, (), "it is wrong", "it breaks", brief="it is wrong"),))
+
+
+def seen_of(seed: int, **gears: Any) -> Seen:
+    """A design of a seed whose gears are given otherwise; as it is given, not made ready."""
+    data = design(seed)
+    data["gears"] |= gears
+    return Seen(data, Drive(design_of(data)))
+
+
+CLEAN = 126
+"""A crank-slider with masses that keeps everything."""
+
+
+@pytest.mark.slow
+def test_gears_whose_backlash_is_taken_away_jam_for_the_judge() -> None:
+    ready_made = Seen(design(CLEAN), ready(CLEAN))
+    assert assembly(ready_made, kept(Kind.JAMS)) is None
+    assert "jams" in str(assembly(seen_of(CLEAN, backlash_mm=0.0), kept(Kind.JAMS)))
+
+
+@pytest.mark.slow
+def test_teeth_that_are_too_thin_are_out_of_mesh_for_the_judge() -> None:
+    """Axes so far apart that a tooth passes the other's tips."""
+    data = design(CLEAN)
+    data["gears"]["tolerances"] = {"center_distance_mm": min(10.0, 2.4 * data["gears"]["module_mm"])}
+    far = Seen(data, Drive(design_of(data)))
+    pair = outside.apart(far.pair, far.off_mm)
+    assert not outside.holds(pair, *far.angles(4), far.pitch_rad, far.chord_mm)
+    assert outside.holds(far.pair, *far.angles(4), far.pitch_rad, far.chord_mm)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("load", [30.0, 0.01])
+def test_elements_see_loads_that_are_wrongly_judged(load: float) -> None:
+    data = design(CLEAN)
+    data.pop("masses", None)
+    data["resistance"] = {"polynomial_n": [load * float(data["resistance"]["polynomial_n"][0])]}
+    seen = Seen(data, Drive(design_of(data)))
+    said = kept(Kind.STRENGTH) if load > 1.0 else broken(Kind.STRENGTH)
+    assert "elements find" in str(strength(seen, said))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", [Kind.PRESSURE_ANGLE, Kind.RATIO_RANGE, Kind.CRANK_PIN, Kind.ROD])
+def test_a_verdict_that_always_warns_is_seen(kind: Kind) -> None:
+    assert JUDGES[kind](seen_of(CLEAN), broken(kind)) is not None
+
+
+@pytest.mark.thorough
+def test_a_verdict_that_never_warns_is_seen() -> None:
+    data = design(CLEAN)
+    data["motion"] = {"law": "ratio_expression", "ratio": "exp(1.8*cos(phi))", "scale_to_close": True}
+    data["gears"] |= {"driving_axis_deg": 0.0, "driving": {"bore_mm": 1.2 * data["linkage"]["crank_mm"]}}
+    data["resistance"] = {"polynomial_n": [1.0, -1.0]}
+    data["wishes"] = {"time_ratio": {"at_least": 5.0}}
+    data.pop("fit", None)
+    seen = Seen(data, Drive(design_of(data)))
+    blind = (Kind.PRESSURE_ANGLE, Kind.RATIO_RANGE, Kind.ROD, Kind.CRANK_PIN, Kind.MISSED_WISH, Kind.CONCAVE)
+    assert [str(kind) for kind in (*blind, Kind.NEGATIVE_RESISTANCE) if JUDGES[kind](seen, kept(kind)) is None] == []
+
+
+@pytest.mark.thorough
+def test_masses_that_are_left_out_of_the_power_are_seen() -> None:
+    seen = seen_of(CLEAN)
+    assert power(seen) is None
+    assert power(replace(seen, data={**seen.data, "masses": {**seen.data["masses"], "slider_kg": 0.0}})) is not None
+
+
+# --- limits that only the drawing tells ---------------------------------------------------------------------------
+
+
+DRAWN: dict[str, dict[str, float]] = {
+    "distance": {"center_distance_mm": 0.14},
+    "thickness": {"tooth_thickness_upper_mm": 0.0, "tooth_thickness_lower_mm": -0.13},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.judges("tolerances")
+@pytest.mark.parametrize("name", DRAWN)
+def test_what_the_drawing_lets_through_is_judged(name: str) -> None:
+    """Gears with the backlash that is enough without a limit on the drawing jam for polygons, and the advice says so."""
+    data = {
+        "name": name,
+        "operation": {"speed_rpm": 70},
+        "motion": {"law": "ellipse", "eccentricity": 0.25},
+        "gears": {"teeth": 33, "module_mm": 2.5, "face_width_mm": 14},
+    }
+    gears = data["gears"]
+    assert isinstance(gears, dict)
+    plain = jamming_of(Drive(design_of(data))).enough
+    # Teeth in the middle of their band are thinner, so that less backlash is enough for them
+    gears |= {"tolerances": DRAWN[name], "backlash_mm": plain if name == "distance" else 0.005}
+    before = Seen(data, Drive(design_of(data)))
+    assert row_of(before, Kind.JAMS).state is State.BROKEN
+    assert "jams" in str(assembly(before, kept(Kind.JAMS)))
+    enough = jamming_of(before.drive).enough
+    assert enough > plain
+    gears["backlash_mm"] = enough
+    after = Seen(data, Drive(design_of(data)))
+    assert row_of(after, Kind.JAMS).state is State.KEPT
+    assert assembly(after, kept(Kind.JAMS)) is None

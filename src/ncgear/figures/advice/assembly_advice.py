@@ -9,6 +9,7 @@ from ncgear.figures.toleranced import limit_words
 from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import Jamming, jamming_of
+from ncgear.project.tooth_form import thickness_limits_mm
 
 MOST_JAMMED = 0.01
 """Share of the assemblies that may jam without a warning: such a one is taken apart, and other gears are tried."""
@@ -36,6 +37,8 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
     share = "nearly all" if found.share > NEARLY_ALL else f"about {to_digits(100.0 * found.share, 2)} % of the"
     unit = found.key.rpartition("_")[2]
     has = f"the backlash is {found.given:g} {unit}" if found.given else "the teeth have no backlash"
+    if thickness_limits_mm(drive.gears):
+        has += ", the teeth are the thickest that the file allows"
     return Advice(
         Kind.JAMS,
         (Where(),),
