@@ -104,7 +104,10 @@ def _gears(random: np.random.Generator, kind: str, lobes: tuple[int, int]) -> Da
     if kind == "ring":
         gears |= {"mesh": "internal", "driven": {"rim_mm": 4.0 * module}}
     if kind == "helical":
-        hand, sort = str(random.choice(["left", "right"])), str(random.choice(["herringbone", "herringbone", "helical"]))
+        hand, sort = (
+            str(random.choice(["left", "right"])),
+            str(random.choice(["herringbone", "herringbone", "helical"])),
+        )
         gears["helix"] = {"angle_deg": _even(random, 8.0, 20.0), "kind": sort, "hand": hand}
     if random.random() < 0.7:
         gears["material"] = str(random.choice(MATERIALS))
@@ -119,7 +122,10 @@ def _gears(random: np.random.Generator, kind: str, lobes: tuple[int, int]) -> Da
 
 def _motion(random: np.random.Generator, lobes: tuple[int, int], kind: str) -> Data:
     """A law whose ratio swings by up to a half, now and then by more than gears follow well."""
-    middle, swing = lobes[1] / lobes[0], float(f"{random.choice([0.1, 0.2, 0.3, 0.5, 0.9]) * random.uniform(0.3, 1):.3g}")
+    middle, swing = (
+        lobes[1] / lobes[0],
+        float(f"{random.choice([0.1, 0.2, 0.3, 0.5, 0.9]) * random.uniform(0.3, 1):.3g}"),
+    )
     swing *= min(1.0, 2.0 / lobes[0]) * (0.4 if kind == "ring" else 1.0)
     form = int(random.integers(6))
     if form == 0 and lobes[0] == lobes[1]:

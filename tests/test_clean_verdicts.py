@@ -33,7 +33,7 @@ from oracles.meshing import Pair
 from oracles.pins import over_pins as laid_pins
 
 SEEDS = 300
-SOON = (0, 12, 27, 101)
+SOON = (1, 7, 11, 19)
 """Seeds that are judged in every run of the tests."""
 
 SAMPLES = 20_001
@@ -51,6 +51,9 @@ ELEMENTS_KEPT, ELEMENTS_BROKEN = 0.9, 1.1
 
 OFF_THE_MIDDLE = 0.15
 """Half widths of a band of thickness by which a reading over pins may be off its middle, beside chords."""
+
+HARDLY_NARROWER = 0.005
+"""Modules by which straight lines across teeth on bent pitch curves find these narrower below where they are not."""
 
 Array = np.ndarray
 
@@ -109,7 +112,9 @@ class Seen:
     @property
     def pitch_rad(self) -> float:
         """A pitch at the driven gear where its radius is least."""
-        return float(np.pi * self.module_mm / outside.pitch_radii(self.law, self.distance_mm, internal=self.internal)[1].min())
+        return float(
+            np.pi * self.module_mm / outside.pitch_radii(self.law, self.distance_mm, internal=self.internal)[1].min()
+        )
 
     def thickest(self) -> Drive:
         """The same with the thickest teeth that the file allows."""
@@ -277,6 +282,38 @@ def resistance(seen: Seen, row: Judged) -> Finding:
     return f"the least resistance is {least:.4g}" if (row.state is State.BROKEN) != (least < 0.0) else None
 
 
+def undercut(seen: Seen, row: Judged) -> Finding:
+    """Teeth cut at full depth are narrower below where they are told to be undercut, and nowhere else."""
+    if seen.internal or (row.advices and row.state is State.KEPT):
+        return None
+    given = {**seen.data["gears"], "backlash_mm": seen.drive.gears.backlash_mm, "undercut": "allow"}
+    cut = Drive(design_of({**seen.data, "gears": {**given, "least_contact_ratio": 0.0}}))
+    radii = outside.pitch_radii(seen.law, seen.distance_mm, internal=False)
+    turned = (np.exp(-1j * seen.law.phi1), -np.exp(1j * seen.law.phi2))
+    found = {}
+    try:
+        _ = cut.teeth
+    except DesignError:
+        return None
+    for gear, radius, way in zip(Gear, radii, turned, strict=True):
+        place = (radius * way)[: _once(seen, gear)]
+        outline = np.asarray(cut.teeth.of(gear).outline_mm)
+        found[gear.value] = outside.narrowed_mm(outline, np.column_stack([place.real, place.imag]), seen.module_mm)
+    told = {where.gear for advice in row.advices for where in advice.where}
+    wrong = [
+        gear
+        for gear, by in found.items()
+        if (gear in told) != (by > (0.0 if gear in told else HARDLY_NARROWER * seen.module_mm))
+    ]
+    return f"teeth are narrower below by {found}, told of {sorted(told)}" if wrong else None
+
+
+def _once(seen: Seen, gear: Gear) -> int:
+    """Samples of the law in which a gear turns once."""
+    angle = seen.law.phi1 if gear is Gear.DRIVING else seen.law.phi2
+    return int(np.searchsorted(angle, 2.0 * np.pi - 1e-9))
+
+
 JUDGES: dict[Kind, Callable[[Seen, Judged], Finding]] = {
     Kind.JAMS: assembly,
     Kind.CONTACT_RATIO: contact,
@@ -284,6 +321,7 @@ JUDGES: dict[Kind, Callable[[Seen, Judged], Finding]] = {
     Kind.PRESSURE_ANGLE: pressure,
     Kind.RATIO_RANGE: ratio,
     Kind.CONCAVE: concave,
+    Kind.UNDERCUT: undercut,
     Kind.ROD: rod,
     Kind.CRANK_PIN: pin,
     Kind.MISSED_WISH: wishes,
@@ -404,7 +442,7 @@ def test_teeth_that_are_too_thin_are_out_of_mesh_for_the_judge() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("load", [30.0, 0.01])
+@pytest.mark.parametrize("load", [60.0, 0.01])
 def test_elements_see_loads_that_are_wrongly_judged(load: float) -> None:
     data = design(CLEAN)
     data.pop("masses", None)
@@ -423,7 +461,7 @@ def test_a_verdict_that_always_warns_is_seen(kind: Kind) -> None:
 @pytest.mark.thorough
 def test_a_verdict_that_never_warns_is_seen() -> None:
     data = design(CLEAN)
-    data["motion"] = {"law": "ratio_expression", "ratio": "exp(1.8*cos(phi))", "scale_to_close": True}
+    data["motion"] = {"law": "ratio_expression", "ratio": "exp(1.8*cos(2*phi))", "scale_to_close": True}
     data["gears"] |= {"driving_axis_deg": 0.0, "driving": {"bore_mm": 1.2 * data["linkage"]["crank_mm"]}}
     data["resistance"] = {"polynomial_n": [1.0, -1.0]}
     data["wishes"] = {"time_ratio": {"at_least": 5.0}}
@@ -459,6 +497,7 @@ def test_what_the_drawing_lets_through_is_judged(name: str) -> None:
         "operation": {"speed_rpm": 70},
         "motion": {"law": "ellipse", "eccentricity": 0.25},
         "gears": {"teeth": 33, "module_mm": 2.5, "face_width_mm": 14},
+        "output": {"chord_tolerance_mm": 0.001},
     }
     gears = data["gears"]
     assert isinstance(gears, dict)

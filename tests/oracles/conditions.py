@@ -12,7 +12,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import shapely
 from scipy.optimize import minimize_scalar
+from shapely import LinearRing, LineString, Polygon, contains_xy
 
 from oracles.meshing import Pair
 
@@ -151,7 +153,12 @@ def _rocker(linkage: Data, crank_rad: Array) -> Places:
     end = pin + between / far * (along + 1j * np.sqrt(coupler**2 - along**2))
     swing = np.abs(np.angle((end - ground) / -1.0))
     first = abs(np.angle((dead(coupler - crank) - ground) / -1.0))
-    return Places(pin, ((pin, end), (end, 0.0 * pin + ground)), swing - first, float((start - np.angle(dead(coupler + crank))) % (2.0 * np.pi)))
+    return Places(
+        pin,
+        ((pin, end), (end, 0.0 * pin + ground)),
+        swing - first,
+        float((start - np.angle(dead(coupler + crank))) % (2.0 * np.pi)),
+    )
 
 
 Force = Callable[[Array], Array]
@@ -213,3 +220,41 @@ def nearest_mm(at: Places, axis: complex) -> tuple[float, float]:
     lines = (start[every, None] + shares * (end - start)[every, None] for start, end in at.rods)
     rods = min((float(np.abs(line - axis).min()) for line in lines), default=np.inf)
     return float(np.abs(at.pin - axis).min()), rods
+
+
+def narrowed_mm(outline: Array, pitch: Array, module_mm: float) -> float:
+    """By how much the teeth of an outline are narrower somewhere below than above that, at most; both (n, 2).
+
+    Teeth are where the outline is half a module and more outside the pitch curve; widths are measured along the pitch
+    curve's tangent at the middle of the tip, of what is solid about that middle.
+    """
+    solid, curve = Polygon(outline), LinearRing(pitch)
+    inside = contains_xy(Polygon(pitch), *outline.T)
+    away = shapely.distance(shapely.points(outline), curve) * np.where(inside, -1.0, 1.0)
+    high = away > 0.5 * module_mm
+    starts = np.nonzero(high & ~np.roll(high, 1))[0]
+    return max(
+        (_narrowed(solid, curve, np.roll(outline, -at, axis=0), np.roll(high, -at), module_mm) for at in starts),
+        default=0.0,
+    )
+
+
+def _narrowed(solid: Polygon, curve: LinearRing, outline: Array, high: Array, module_mm: float) -> float:
+    """The same of the tooth whose points above come first."""
+    count = int(np.argmin(high)) if not high.all() else len(high)
+    if count < 2:
+        return 0.0
+    middle = (outline[0] + outline[count - 1]) / 2.0
+    at = curve.project(shapely.Point(middle))
+    foot = np.array(curve.interpolate(at).coords[0])
+    ahead = np.array(curve.interpolate((at + 1e-3 * module_mm) % curve.length).coords[0])
+    along = (ahead - foot) / np.linalg.norm(ahead - foot)
+    outwards = middle - foot - along * ((middle - foot) @ along)
+    outwards /= np.linalg.norm(outwards)
+    widths = []
+    for height in np.linspace(0.6, -1.25, 75) * module_mm:
+        center = foot + height * outwards
+        line = LineString([center - 3.0 * module_mm * along, center + 3.0 * module_mm * along]).intersection(solid)
+        parts = [part for part in shapely.get_parts(line) if part.distance(shapely.Point(center)) < 1e-9]
+        widths.append(max((part.length for part in parts), default=0.0))
+    return float((np.maximum.accumulate(widths) - widths).max())
