@@ -47,7 +47,7 @@ NEARLY = 1e-5
 """Relative error of differences and samples of curves without a jump."""
 
 ELEMENTS_KEPT, ELEMENTS_BROKEN = 0.9, 1.1
-"""Shares of the wanted safety that plane elements find at least of teeth that hold, and at most of teeth that do not."""
+"""Shares of the wanted safety that plane elements find: at least of teeth that hold, at most of those that do not."""
 
 OFF_THE_MIDDLE = 0.15
 """Half widths of a band of thickness by which a reading over pins may be off its middle, beside chords."""
@@ -491,7 +491,7 @@ DRAWN: dict[str, dict[str, float]] = {
 @pytest.mark.judges("tolerances")
 @pytest.mark.parametrize("name", DRAWN)
 def test_what_the_drawing_lets_through_is_judged(name: str) -> None:
-    """Gears with the backlash that is enough without a limit on the drawing jam for polygons, and the advice says so."""
+    """The backlash that is enough without a limit on the drawing lets gears jam for polygons, and the advice says so."""
     data = {
         "name": name,
         "operation": {"speed_rpm": 70},

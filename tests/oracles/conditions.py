@@ -112,7 +112,7 @@ def apart(pair: Pair, by_mm: float) -> Pair:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where a linkage's parts are at crank angles (n,): pin, ends of its rods as complex numbers, the output's place."""
+    """Where a linkage's parts are at crank angles (n,): the pin and its rods' ends, complex, and the output's place."""
 
     pin: Array
     rods: tuple[tuple[Array, Array], ...]
