@@ -251,10 +251,12 @@ def _narrowed(solid: Polygon, curve: LinearRing, outline: Array, high: Array, mo
     along = (ahead - foot) / np.linalg.norm(ahead - foot)
     outwards = middle - foot - along * ((middle - foot) @ along)
     outwards /= np.linalg.norm(outwards)
+    reach = 5.0 * module_mm
+    near = shapely.clip_by_rect(solid, *(foot - reach), *(foot + reach))
     widths = []
     for height in np.linspace(0.6, -1.25, 75) * module_mm:
         center = foot + height * outwards
-        line = LineString([center - 3.0 * module_mm * along, center + 3.0 * module_mm * along]).intersection(solid)
+        line = LineString([center - 3.0 * module_mm * along, center + 3.0 * module_mm * along]).intersection(near)
         parts = [part for part in shapely.get_parts(line) if part.distance(shapely.Point(center)) < 1e-9]
         widths.append(max((part.length for part in parts), default=0.0))
     return float((np.maximum.accumulate(widths) - widths).max())
