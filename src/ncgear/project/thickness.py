@@ -1,7 +1,8 @@
 """A pair over the band of tooth thickness that its file allows: play and contact at both ends and in the middle.
 
 All that is written or said of the teeth beside this is of the middle: outlines, strength, simulation, the gears that
-measured ones are held against, and the assemblies of ``tolerance``, whose own deviations come on top.
+measured ones are held against, and the assemblies of ``tolerance``, whose own deviations come on top.  Only the
+backlash that assemblies need is that of the thickest teeth, and so is the share of them that jam in a build's estimate.
 """
 
 from __future__ import annotations

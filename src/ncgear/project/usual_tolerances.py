@@ -22,6 +22,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.tolerances.iso286 import standard_tolerance_mm
 
 
 class Process(StrEnum):
@@ -74,8 +75,16 @@ def _is_convex(pair: Drive) -> bool:
 
 
 def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
-    """What the assemblies of a design may deviate by: as given, or as usual for its process, which is then told."""
-    if drive.design.tolerances is not None:
-        return drive.design.tolerances, None
-    process = process_of(drive)
-    return USUAL[process], process
+    """What the assemblies of a design may deviate by: as given, or as usual for its process, which is then told.
+
+    Housings are made by the drawing: what the file has it say of the centre distance counts before both, and where it
+    says JS7 by itself, the usual deviation is no smaller.
+    """
+    drawn_mm, given = drive.gears.tolerances.center_distance_mm, drive.design.tolerances
+    process = process_of(drive) if given is None else None
+    taken = given if process is None else USUAL[process]
+    assert taken is not None
+    if process is not None and drawn_mm is None:
+        standard = (standard_tolerance_mm(7, pair.pitch.center_distance_mm) or 0.0 for pair in drive.whole.by_stage)
+        drawn_mm = max(taken.center_distance_mm, max(standard) / 2.0)
+    return taken if drawn_mm is None else taken.model_copy(update={"center_distance_mm": drawn_mm}), process

@@ -207,8 +207,8 @@ class Tolerances(Model):
         default=None,
         gt=0.0,
         le=10.0,
-        description="largest deviation of the centre distance in mm on drawings, either way; left out: that of the "
-        "section tolerances or, where it has none, JS7 of ISO 286",
+        description="largest deviation of the centre distance in mm on drawings, either way; assemblies are judged by "
+        "it too. Left out: that of the section tolerances or, where it has none, JS7 of ISO 286",
     )
     bore_fit: Fit = Field(default="H7", description="fit of both bores, of ISO 286")
     index_hole_fit: Fit = Field(default="H7", description="fit of both index holes, of ISO 286")

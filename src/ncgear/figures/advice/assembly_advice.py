@@ -10,6 +10,7 @@ from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import Jamming, jamming_of
 from ncgear.project.tolerance_limits import MOST_JAMMED
+from ncgear.project.tooth_form import thickness_limits_mm
 
 NEARLY_ALL = 0.995
 
@@ -35,6 +36,8 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
         return NotJudged(f"a backlash of 0 is written down: {share} assemblies of the exact pair jam")
     unit = found.key.rpartition("_")[2]
     has = f"the backlash is {found.given:g} {unit}" if found.given else "the teeth have no backlash"
+    if thickness_limits_mm(drive.gears):
+        has += ", the teeth are the thickest that the file allows"
     return Advice(
         Kind.JAMS,
         (Where(),),
