@@ -11,6 +11,7 @@ from commands import Run, on_text
 from drives import drive, drive_of_text
 from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.values import Advice, NotJudged
+from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import build_answer
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rolled_load, rough_strength, tooth_plan
@@ -338,7 +339,7 @@ def test_a_build_tells_a_safety_where_its_strength_is_refused() -> None:
     """And never points to a warning that may not be there."""
     for text in (FAST, HELICAL.replace("1500", "40")):
         made = drive_of_text(text)
-        rows = build_answer(made, [made.designed_contact], [[]], "").rows
+        rows = build_answer(made, [made.designed_contact], Verdict(()), "").rows
         safety = next(row.texts[0] for row in rows if row.name == "safety")
         assert safety.startswith("about ")
         assert safety.endswith(" against breaking at once (1.4 wanted)")
@@ -366,7 +367,8 @@ def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
     assert "make the gears about" not in weak  # 31 mm would be more than 12 modules
     assert "take a module of about 3.2 mm with as many teeth" in weak
     _, strong, _ = check(TEXT.replace("1500", "100"))
-    assert "hold" not in strong
+    assert "hardly hold" not in strong
+    assert "kept        the teeth hold their load" in strong
 
 
 @pytest.mark.thorough

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import ceil, lcm, pi, radians
+from math import ceil, lcm, pi, radians, sin
 
 import numpy as np
 
@@ -43,7 +43,7 @@ class RoughStrength:
 
     ``unjudged`` says why the teeth are not judged for the wanted life, and ``at_once`` that the safeties are those
     against breaking at once instead; there are none where even these are not known.  ``needs_teeth`` says why the
-    safeties are right within a factor of two only.  Both are words that follow "because", and empty where there is no
+    safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where there is no
     such reason.
     """
 
@@ -55,7 +55,7 @@ class RoughStrength:
     @property
     def sure(self) -> float:
         """Share of the wanted safety under which teeth do not hold for certain."""
-        return 0.5 if self.needs_teeth else 1.0
+        return 0.4 if self.needs_teeth else 1.0
 
     @property
     def weak(self) -> list[RoughSafety]:
@@ -145,12 +145,27 @@ def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[Sh
         return "it needs the teeth to tell of a ring"
     if abs(sum(plan.shifts)) > LEAST_SHIFT:
         return "it needs the teeth to tell where both profile shifts are not opposite"
+    pushing, idle = plan.angles_rad
+    if abs(pushing - idle) > MOST_UNEQUAL_RAD:
+        return "it needs the teeth to tell of unequal pressure angles"
+    if _would_be_undercut(drive):
+        return "it needs the teeth to tell where they would be undercut"
     if load.leap(module) > MOST_LEAP:
         return "it needs the teeth to tell where the curvature of the pitch curves changes so much within a tooth"
     if max(float(one.way_mm.max()) for one in sides) > MOST_WAY * module:
         return "it needs the teeth to tell where they give way so far under the load"
     return ""
 
+
+def _would_be_undercut(drive: Drive) -> bool:
+    """Whether the straight edge of the rack reaches beyond where its normal meets the centre of curvature."""
+    rack, angle = drive.rack, min(drive.rack.angles_rad)
+    most = max(drive.pitch.curvature_range[gear][1].value for gear in Gear) / drive.pitch.center_distance_mm
+    return rack.flank_depth_mm * most > sin(angle) ** 2
+
+
+MOST_UNEQUAL_RAD = radians(5.0)
+"""Difference of both pressure angles from which roots are not those of a rack with either."""
 
 LEAST_SHIFT = 1e-9
 """Sum of both shifts in modules that is a rounding error of none."""

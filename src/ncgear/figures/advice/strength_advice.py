@@ -67,7 +67,7 @@ def rough(drive: Drive) -> Advice | NotJudged | None:
 
 def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | None:
     if found is None:
-        return NO_FORCE
+        return None if drive.design.resistance is None and drive.design.masses is None else NO_FORCE
     weak = found.weak
     if not weak:
         return _not_judged(drive, found)
