@@ -192,7 +192,7 @@ def test_keys_have_their_places(tmp_path: Path) -> None:
     assert place(design, "linkage.nothing.below") == f"{file}:8:1"
     assert place(design, "nothing") == f"{file}:5:1"
     assert place(design, "") == f"{file}:5:1"
-    assert place(design, "motion.theta2") == place(design, "motion.theta2_rad") == f"{file}:20:3"
+    assert place(design, "motion.theta2") == place(design, "motion.theta2_rad") == f"{file}:22:3"
     text = file.read_text(encoding="utf-8").splitlines()
     line = next(number for number, content in enumerate(text, 1) if "polynomial_n" in content)
     column = text[line - 1].index("3.447") + 1
@@ -203,7 +203,7 @@ def test_errors_get_their_place_and_keep_a_known_one(tmp_path: Path) -> None:
     design = loaded(tmp_path, template("baler"))
     with pytest.raises(NoSuchMechanism) as caught, located(design.source):
         raise NoSuchMechanism("does not exist", key="motion.theta1")
-    assert str(caught.value) == f"{tmp_path}/d.yaml:19:3: motion.theta1_pi: does not exist"
+    assert str(caught.value) == f"{tmp_path}/d.yaml:21:3: motion.theta1_pi: does not exist"
     with pytest.raises(WrongInput) as caught_elsewhere, located(design.source):
         raise WrongInput("x", key="motion", location="other:1:1")
     assert caught_elsewhere.value.location == "other:1:1"

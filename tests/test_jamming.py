@@ -27,7 +27,7 @@ from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
 
 SAMPLES = 2048
-SHARE_OFF, BACKLASH_OFF = 0.07, 0.10
+SHARE_OFF, BACKLASH_OFF = 0.08, 0.10
 """How far the estimate may be off the drawn assemblies: in the share, at every backlash, and in the part of what is
 enough for 99 in a hundred, or by NEAR_MM where that is little."""
 
@@ -220,9 +220,8 @@ def test_teeth_that_are_made_thinner_need_no_backlash() -> None:
 @pytest.mark.parametrize("key", ["backlash_mm", "backlash_deg"])
 def test_a_backlash_of_0_that_is_written_down_is_wanted(key: str) -> None:
     found = jams(small(**{key: 0.0}))
-    assert isinstance(found, Advice)
-    assert not found.matters
-    assert found.remedies == ()
+    assert isinstance(found, NotJudged)
+    assert "the exact pair jam" in found.why
 
 
 @pytest.mark.thorough

@@ -20,8 +20,10 @@ from drives import DESIGNS, drive
 from ncgear.design.reading.measured_file import MeasuredFile, read_measured
 from ncgear.errors import WrongInput
 from ncgear.figures.answers.answer import COLUMNS, LINES
-from ncgear.figures.compared import alone_points
+from ncgear.figures.answers.compared import compared_answer
+from ncgear.figures.compared import alone_points, gear_figures
 from ncgear.metrology import best_fit as best_fit_module
+from ncgear.metrology.alone import alone_mm, are_judged
 from ncgear.metrology.best_fit import best_fit
 from ncgear.metrology.deviations import deviations
 from ncgear.metrology.exact_outline import ExactOutline, exact_outline
@@ -229,6 +231,66 @@ class TestPointsThatStandAlone:
             flank == 5, 0.4 * share, 0.0
         )
         assert not best_fit(outline, at + off * normal, 0.0, rigid=False).alone.any()
+
+    def test_two_with_one_between_are_found_wherever_they_are(self) -> None:
+        """On a flank of eight points each, at all places from its lower end to its upper one; and two at each end."""
+        outline, count = outline_of("asymmetric-ellipse"), 8
+        at, _, normal = flank_points(outline.gear, count)
+        pairs = [(first, first + 2) for first in range(count - 2)]
+        rows = [(4 * number + 1) * count + place for number, pair in enumerate(pairs) for place in pair]
+        off = np.zeros(at.size)
+        off[rows] = np.where(np.arange(len(rows)) % 4 < 2, 0.09, -0.13)
+        found = alone_mm(outline, outline.feet(at + off * normal))
+        assert np.flatnonzero(found).tolist() == rows
+        assert found[rows] == pytest.approx(off[rows], abs=1e-6)
+        # Moved by one place each, there are three beside each other: of the gear.
+        off[np.array(rows[::2]) + 1] = off[rows[::2]]
+        assert not alone_mm(outline, outline.feet(at + off * normal)).any()
+
+    def test_noise_of_normal_distribution_does_not_stand_alone(self) -> None:
+        """However few points a flank has, none is named below eight standard deviations."""
+        outline = outline_of("asymmetric-ellipse")
+        for count in (3, 4, 5):
+            at, _, normal = flank_points(outline.gear, count)
+            for seed in range(6):
+                noise = np.random.default_rng(seed).normal(scale=2.0 * SIGMA_MM, size=at.size)
+                assert not alone_mm(outline, outline.feet(at + noise * normal)).any()
+                # Control: twelve of them are.
+                noise[7] = 48.0 * SIGMA_MM
+                assert np.flatnonzero(alone_mm(outline, outline.feet(at + noise * normal))).tolist() == [7]
+
+    def test_a_point_that_is_written_often_is_one(self) -> None:
+        outline, count = outline_of("asymmetric-ellipse"), 9
+        at, _, normal = flank_points(outline.gear, count)
+        off = np.random.default_rng(6).normal(scale=SIGMA_MM, size=at.size)
+        off[4 * count + 3] = -0.11
+        off[9 * count + 2 : 9 * count + 5] = 0.11
+        points = (at + off * normal) * np.exp(0.7j)
+        points = np.insert(points, 4 * count + 3, [points[4 * count + 3]] * 4)
+        fit = best_fit(outline, points, 0.0, rigid=False)
+        assert np.flatnonzero(fit.alone).tolist() == list(range(4 * count + 3, 4 * count + 8))
+
+    def test_flanks_of_two_points_are_not_judged(self) -> None:
+        """Nor are those of two places, however often they are written; three places are."""
+        outline = outline_of("asymmetric-ellipse")
+        at, flank, _ = flank_points(outline.gear, 3)
+        few = (flank == 4) & (np.arange(flank.size) % 3 == 0)
+        points = np.append(at[~few], at[(flank == 4) & ~few][:1])
+        judged = are_judged(outline, outline.feet(points))
+        assert judged.tolist() == [*(flank[~few] != 4), False]
+        outlines = {gear: outline_of("asymmetric-ellipse", gear) for gear in Gear}
+        one = compared_gear(outlines, Gear.DRIVING, file_of(points), Fit.ROTATION, 0.0)
+        assert gear_figures(one)["points_not_judged"] == 3
+
+    def test_a_spike_in_few_points_is_said_to_be_not_judged(self) -> None:
+        own = drive("ellipse")
+        for count, said in ((2, True), (3, False)):
+            at, _, normal = flank_points(own.teeth.driving, count)
+            at[7] += 0.12 * normal[7]
+            pair = compared_pair(own, {Gear.DRIVING: file_of(at)}, Fit.ROTATION, 0.0)
+            told = f"Not judged: whether points stand alone on flanks with fewer than 3: {at.size} of the driving gear"
+            assert compared_answer(pair, "ellipse", Fit.ROTATION, "").not_judged == (told if said else "")
+            assert pair.gears[0].fit.alone.any() != said
 
 
 @pytest.mark.slow

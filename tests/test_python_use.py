@@ -79,7 +79,7 @@ def test_a_value_that_cannot_be_made_names_the_place_in_the_file(tmp_path: Path)
     for value in ("law", "check", "teeth"):
         with pytest.raises(ncgear.WrongInput) as caught:
             getattr(ncgear.load(path), value)
-        assert str(caught.value).startswith(f"{path}:28:3: motion.stroke_mm: 700 mm is shorter than the linkage's")
+        assert str(caught.value).startswith(f"{path}:30:3: motion.stroke_mm: 700 mm is shorter than the linkage's")
 
 
 def test_values_of_a_design_without_a_file_name_their_key() -> None:

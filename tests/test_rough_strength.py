@@ -13,7 +13,7 @@ from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.values import Advice, NotJudged
 from ncgear.figures.answers.machine import build_answer
 from ncgear.project.drive import Drive
-from ncgear.project.rough_strength import RoughStrength, rough_strength
+from ncgear.project.rough_strength import RoughStrength, beside_refusal, rolled_load, rough_strength, tooth_plan
 from ncgear.project.strengthening import known_verdict, verdict_of
 from ncgear.strength.conditions import FASTEST_M_S, Running, VibrationUnknown, dynamic_factor, face_load_factor_of_roots
 from ncgear.strength.holding import Damage
@@ -28,7 +28,7 @@ from ncgear.strength.iso6336 import (
     single_contact_diameter,
     single_contact_factors,
 )
-from ncgear.strength.without_teeth import RoughSafety
+from ncgear.strength.without_teeth import RoughSafety, shared_loads
 
 TEXT = """\
 name: press
@@ -161,7 +161,7 @@ def test_random_machines_beside_the_estimate_with_teeth() -> None:
 @pytest.mark.parametrize(
     "gears",
     [
-        "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {tip_relief: {amount: 0.025}}",
+        "teeth: 70, module_mm: 2, face_width_mm: 12, rack: {tip_relief: {amount: 0.025}}",
         "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {pressure_angle_deg: 24, profile: C}",
         "teeth: 26, module_mm: 2, face_width_mm: 12, rack: {addendum: 1.15, dedendum: 1.4}",
         "teeth: 26, module_mm: 2, face_width_mm: 12, profile_shift: {driving: 0.35}",
@@ -177,6 +177,25 @@ def test_other_teeth_beside_the_estimate_with_teeth(gears: str) -> None:
     for one, other in zip(rough.safeties, known, strict=True):
         assert (one.gear, one.damage) == (other.gear, other.damage)
         assert 0.8 <= one.safety / other.safety <= 1.1
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+@pytest.mark.parametrize("torque", ["[1500]", "[-1500], where_negative: keep"], ids=["pushing", "backs"])
+def test_each_pair_bears_what_the_teeth_do(torque: str) -> None:
+    """At every position of the stroke that both look at, a quarter of a pitch apart: the two largest forces."""
+    made = drive_of_text(ELLIPSE.replace("teeth: 40", "teeth: 28").replace("[1500]", torque))
+    loading, load, plan = verdict_of(made).loading, rolled_load(made), tooth_plan(made)
+    contacts, compared = loading.contacts, 0
+    for one in shared_loads(load, plan, made.running, made.materials):
+        for column, phi1 in enumerate(one.load.phi1_rad):
+            same = np.isclose(contacts.phi1_rad, phi1, rtol=0.0, atol=1e-9)
+            if same.any():
+                exact = np.sort([*contacts.force_n[same], 0.0])[-2:]
+                found = 12.0 * np.sort(one.line_n_mm[:, column])[-2:]
+                assert found == pytest.approx(exact, abs=0.06 * contacts.force_n.max())
+                compared += 1
+    assert compared >= 50
 
 
 @pytest.mark.slow
@@ -272,10 +291,14 @@ def test_teeth_too_fast_for_the_dynamic_factor_are_judged_without_it() -> None:
     """As the same file with a dynamic factor of 1 has them: the largest tension of each gear, and K_V in its range is
     what it was."""
     made, still = drive_of_text(FAST), drive_of_text(FAST + "strength: {dynamic_factor: 1.0}\n")
-    assert isinstance(known_verdict(made), VibrationUnknown)
+    refusal = known_verdict(made)
+    assert isinstance(refusal, VibrationUnknown)
     told = strength_advice.strength(made)
     assert isinstance(told, NotJudged)
     strength = verdict_of(still).strength
+    judged = beside_refusal(made, refusal)
+    assert judged is not None
+    assert [one.stress_mpa for one in judged.safeties] == pytest.approx(strength.stresses.tension_mpa.max(axis=1))
     static = 2.5 * 629.0 * 0.95 / strength.stresses.tension_mpa.max()
     assert float(told.why.partition("about ")[2].split()[0]) == pytest.approx(static, rel=0.06)
     assert isinstance(strength_advice.rough(made), NotJudged)

@@ -31,7 +31,7 @@ def test_text_in_markdown_stays_text() -> None:
 
 def test_numbers_are_read_to_the_decimals_of_their_unit_on_a_drawing() -> None:
     assert [cell_text(value) for value in (1.0 / 3.0, 12345678, True, None)] == ["0.33333", "12345678", "True", ""]
-    assert [cell_text(value, "mm") for value in (74.88525421, 3.0, -3e-5, 120.0)] == ["74.8853", "3", "0", "120"]
+    assert [cell_text(value, "mm") for value in (74.88525421, 3.0, -3e-12, 120.0)] == ["74.8853", "3", "0", "120"]
     assert [cell_text(value, "deg") for value in (5.2434836, -7.1e-14)] == ["5.24348", "0"]
 
 

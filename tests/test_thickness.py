@@ -26,6 +26,7 @@ from ncgear.files.build import build
 from ncgear.files.workshop.formats import Format
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.teeth.gear import toothed_pair
 from oracles.pins import over_pins
 
 Array = np.ndarray
@@ -118,6 +119,51 @@ def test_written_outlines_lie_in_the_middle_of_the_sheets_band(name: str, gear: 
     assert np.abs(nominal).min() > 1.0
 
 
+def with_chords(band: tuple[float, float], chord_mm: float | None, module_mm: float = 3.5) -> Drive:
+    """The ellipse with a band, of another module, and with chords that are left out or given."""
+    data = loaded("ellipse").data
+    limits = {"tooth_thickness_lower_mm": band[0], "tooth_thickness_upper_mm": band[1]}
+    gears = {**data["gears"], "module_mm": module_mm, "tolerances": limits}
+    return Drive(
+        design_of({**data, "gears": gears, "output": {} if chord_mm is None else {"chord_tolerance_mm": chord_mm}})
+    )
+
+
+@pytest.mark.judges("files")
+@pytest.mark.slow
+@pytest.mark.parametrize("band", [(-0.062, -0.047), (-0.031, -0.027)])
+def test_chords_that_are_left_out_keep_pins_in_the_middle_half_of_the_band(band: tuple[float, float]) -> None:
+    drive, folder = with_chords(band, None), Path(mkdtemp(prefix="ncgear-test-"))
+    build(drive, folder, lambda step: None, [Format.DXF])
+    plain = with_chords((-0.5, 0.0), None)
+    assert plain.chord_tolerance_mm == 0.005
+    for gear in ("driving", "driven"):
+        for read in READERS.values():
+            assert np.abs(off_the_middle(folder, gear, read(folder, gear), ring=False)).max() < 0.5
+    # The negative control: the same thickness in the chords of a design without a band is outside of that half.
+    form, pitch = drive.tooth_form, drive.pitch
+    coarse = toothed_pair(pitch, form, plain.chord_tolerance_mm).driving.outline_mm
+    assert np.abs(off_the_middle(folder, "driving", coarse, ring=False)).max() > 0.7
+
+
+@pytest.mark.parametrize(
+    ("band", "chord_mm", "right"),
+    [((-0.06, -0.045), 0.004, "0.003 mm or less is right"), ((-0.03, -0.026), 0.001, "0.0008 mm or less is right")],
+)
+def test_chords_too_coarse_for_the_band_are_refused(band: tuple[float, float], chord_mm: float, right: str) -> None:
+    with pytest.raises(WrongInput) as refused:
+        _ = with_chords(band, chord_mm).chord_tolerance_mm
+    assert refused.value.key == "output.chord_tolerance_mm"
+    assert f"{chord_mm:g} mm are" in str(refused.value)
+    assert right in str(refused.value)
+    # What is told to be right is taken, and so are equal limits, which leave no band that chords could keep.
+    assert with_chords(band, 0.2 * (band[1] - band[0]) - 1e-9).chord_tolerance_mm > 0.0
+    assert with_chords((band[0], band[0]), chord_mm).chord_tolerance_mm == chord_mm
+    with pytest.raises(WrongInput, match="too narrow for chords") as narrow:
+        _ = with_chords((band[0], band[0] + 1e-6), None).chord_tolerance_mm
+    assert narrow.value.key == "gears.tolerances.tooth_thickness_lower_mm"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_the_picture_dimensions_the_band_of_the_table(gear: str) -> None:
@@ -136,7 +182,7 @@ def _texts(folder: Path, gear: str) -> str:
 @pytest.mark.thorough
 def test_without_a_deviation_outlines_are_the_same_to_the_last_bit() -> None:
     plain = Drive(loaded("ellipse").design).teeth
-    for band in (None, (0.0, 0.0), (-0.02, 0.02)):
+    for band in (None, (0.0, 0.0), (-0.03, 0.03)):
         data = loaded("ellipse").data
         limits = {} if band is None else {"tooth_thickness_lower_mm": band[0], "tooth_thickness_upper_mm": band[1]}
         tolerances = {"grade": "8", "bore_fit": "H8", **limits}

@@ -241,6 +241,8 @@ SILENT: dict[str, dict[str, Any]] = {
     "fast enough": {"wishes": {"speed_at": [{"at_mm": 30, "at_most_mm_s": 1e6}]}},
     "slow enough": {"wishes": {"speed_at": [{"at_mm": 30, "at_least_mm_s": 0.5}]}},
     "any time": {"wishes": {"working_stroke": {"angle_deg": 180, "tolerance_deg": 179}}},
+    "no friction": {"resistance": {"friction_n": 0}},
+    "any place": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 40}]}},
     "no gears": {"gears": None, "tolerances": {"grade": 8}},
 }
 ACTING: dict[str, dict[str, Any]] = {
@@ -248,6 +250,7 @@ ACTING: dict[str, dict[str, Any]] = {
     "table": {"resistance": {"table": {"displacement_mm": [0, 50, 90, 120], "force_n": [0, 0, 1, 500]}}},
     "returning": {"resistance": {"polynomial_n": [60], "returning": {"expression_n": "max(0, 5*x - 300)"}}},
     "kept": {"resistance": {"expression_n": "-3 - x", "where_negative": "keep"}},
+    "place": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 20}]}},
     "speed": {"wishes": {"speed_at": [{"at_mm": 30, "at_most_mm_s": 300}]}},
     "time": {"wishes": {"working_stroke": {"angle_deg": 180, "tolerance_deg": 60}}},
     "end": {"resistance": {"table": {"displacement_mm": [0, 30, 70, 90], "force_n": [9, 0, 0, 500]}}},
@@ -275,6 +278,21 @@ def test_a_silent_force_leaves_the_power_as_it_is_without_it() -> None:
         assert (power > 0.0) is acts
 
 
+@pytest.mark.parametrize(
+    ("places", "idle"),
+    [([90, 130], 1), ([-40, -20, -10], 2), ([75, 85, 95, 105], 3), ([-9, 80], 0), ([0, 34, 68], 0)],
+)
+def test_a_table_beside_the_stroke_is_a_constant_force(places: list[float], idle: int) -> None:
+    forces = [12.0, 48.0, 20.0, 31.0][: len(places)]
+    verdict = verdict_of(Known.MOTION, resistance={"table": {"displacement_mm": places, "force_n": forces}}, gears=None)
+    told = found(verdict, Kind.WITHOUT_EFFECT)
+    if idle == 0:
+        assert told == []
+        return
+    assert f"{idle} of {len(places)} points of resistance.table lie beyond" in told[0]
+    assert states(verdict)[Kind.WITHOUT_EFFECT] is State.BROKEN
+
+
 def test_points_beyond_the_stroke_are_a_remark() -> None:
     """The curve within the stroke is the same without them, and another without one more of them."""
     places, forces = (
@@ -292,3 +310,20 @@ def test_points_beyond_the_stroke_are_a_remark() -> None:
 
     assert work(6) == pytest.approx(work(8), rel=1e-14)
     assert work(5) != pytest.approx(work(8), rel=1e-9)
+
+
+def test_teeth_without_any_force_are_not_said_to_hold() -> None:
+    for known in Known:
+        rows = states(verdict_of(known, resistance={"friction_n": 0}))
+        assert rows[Kind.STRENGTH] is State.NOT_JUDGED
+        assert rows[Kind.WITHOUT_EFFECT] is State.BROKEN
+
+
+def test_an_exact_pair_that_is_wanted_is_not_said_to_turn() -> None:
+    exact = verdict_of(Known.TEETH, gears={**PLAIN["gears"], "backlash_mm": 0})
+    assert states(exact)[Kind.JAMS] is State.NOT_JUDGED
+    assert "assemblies of the exact pair jam" in exact.not_judged
+    # Left out, it is not wanted
+    unsaid = {key: value for key, value in PLAIN["gears"].items() if key != "backlash_mm"}
+    assert states(verdict_of(Known.TEETH, gears=unsaid))[Kind.JAMS] is State.BROKEN
+    assert states(verdict_of(Known.TEETH))[Kind.JAMS] is State.KEPT

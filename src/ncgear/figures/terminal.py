@@ -104,7 +104,8 @@ def verdict_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     for row in rows:
         of = "" if row["stage"] is None else f"stage {row['stage']}: "
         because = f": {row['because']}" if row["because"] else ""
-        lines.append(f"  {row['verdict']:10}  {of}{row['says']}{because}")
+        remark = f"; remark: {row['remark']}" if row["remark"] else ""
+        lines.append(f"  {row['verdict']:10}  {of}{row['says']}{because}{remark}")
     return ["Verdict", *lines]
 
 

@@ -2,20 +2,29 @@
 
 What is of the gear goes on from point to point: a flank that stands off does so along all of it, and wear or a burr
 along some of it.  So each point is held against the median of five, itself in their middle, along its flank, root or
-tip land: three points that stand off together are the median themselves, and are of the gear; one or two are not.  How
-far points are from these medians by the noise of the measurement is told by all of them together, as the median of
-their distances, which outliers do not move (Hampel 1974; ``scipy.stats.median_abs_deviation``).
+tip land, or at an end of it of the last five: three points that stand off together are the median themselves, and are
+of the gear; one or two are not.  The noise of the measurement is told by the steps from each point to the next, as the
+median of their distances from their median, which outliers do not move (Hampel 1974;
+``scipy.stats.median_abs_deviation``).
 """
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from ncgear.metrology.exact_outline import FLANK_CURVE, ExactOutline, Feet
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 
 TOGETHER = 5
 """Points of a median."""
+
+FEWEST_PLACES = 3
+"""Places of a curve from which on most of them tell that one stands alone."""
+
+DIGITS = 9
+"""Decimals in mm to which points at one place agree: a file has fewer, and rounding of a turned point is less."""
 
 SIGMAS = 8.0
 """Standard deviations of the noise beyond which no point of a million is by chance, nor of a tail a little heavier."""
@@ -33,24 +42,61 @@ MOST = 0.05
 def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
     """How far each point stands off alone from those beside it in mm, shape (n,); 0 of the points that do not.
 
-    Positive is away from the material.  Of a curve with fewer than three points none stands alone.
+    Positive is away from the material.  Points at one place are one.  Of a curve with fewer than three places none
+    stands alone (``are_judged``).
     """
-    from scipy.ndimage import maximum_filter1d, median_filter
+    from scipy.ndimage import maximum_filter1d
     from scipy.stats import median_abs_deviation
 
-    off, least = np.zeros(feet.row.size), np.zeros(feet.row.size)
-    order = np.lexsort((feet.place_mm, _curves(outline, feet)))
-    for points in np.split(order, np.flatnonzero(np.diff(_curves(outline, feet)[order])) + 1):
-        if points.size > TOGETHER // 2:
+    one, same = _places(feet)
+    feet = feet.kept(one)
+    off, least, steps = np.zeros(one.size), np.zeros(one.size), [np.zeros(0)]
+    curves = _curves(outline, feet)
+    order = np.lexsort((feet.place_mm, curves))
+    for points in np.split(order, np.flatnonzero(np.diff(curves[order])) + 1):
+        if points.size >= FEWEST_PLACES:
             among = feet.distance_mm[points]
-            middle = median_filter(among, TOGETHER, mode="mirror")
-            change = np.abs(np.diff(middle, append=middle[-1]))
+            middle = _medians(among)
+            change = maximum_filter1d(np.abs(np.diff(middle, append=middle[-1])), TOGETHER + 1, mode="nearest")
             off[points] = among - middle
-            least[points] = STEEP * maximum_filter1d(change, TOGETHER + 1, mode="nearest")
-    noise = float(median_abs_deviation(off, scale="normal"))
+            least[points] = STEEP * change[_about(among.size, min(TOGETHER, among.size))]
+            steps.append(np.diff(among))
+    # Of independent errors a step between neighbours has twice the variance.
+    steps_mm = np.concatenate(steps)
+    noise = float(median_abs_deviation(steps_mm, scale="normal")) / sqrt(2.0) if steps_mm.size else 0.0
     least = np.maximum(least, max(SIGMAS * noise, LEAST_IN_MODULES * outline.gear.flanks.rack.module_mm))
     alone = np.abs(off) > least
-    return np.where(alone & (np.count_nonzero(alone) <= MOST * alone.size), off, 0.0)
+    found: Array = np.where(alone & (np.count_nonzero(alone) <= MOST * alone.size), off, 0.0)[same]
+    return found
+
+
+def are_judged(outline: ExactOutline, feet: Feet) -> Mask:
+    """Which points have enough beside them on their curve to tell whether they stand alone, shape (n,)."""
+    one, same = _places(feet)
+    _, curve, places = np.unique(_curves(outline, feet.kept(one)), return_inverse=True, return_counts=True)
+    judged: Mask = (places[curve] >= FEWEST_PLACES)[same]
+    return judged
+
+
+def _medians(among: Array) -> Array:
+    """Medians of the five values about each, or of the five at an end; of four, the middle one nearest to each."""
+    from numpy.lib.stride_tricks import sliding_window_view
+
+    width = min(TOGETHER, among.size)
+    ordered = np.sort(sliding_window_view(among, width), axis=1)
+    about = _about(among.size, width) - width // 2
+    return np.clip(among, ordered[about, (width - 1) // 2], ordered[about, width // 2])
+
+
+def _about(count: int, width: int) -> IndexArray:
+    """The middle of the window of each of some points: the point itself, or the nearest whose window is whole."""
+    return np.clip(np.arange(count), width // 2, count - (width + 1) // 2)
+
+
+def _places(feet: Feet) -> tuple[IndexArray, IndexArray]:
+    """The first point at each place, and the number of the place of each point."""
+    _, one, same = np.unique(feet.point.round(DIGITS), return_index=True, return_inverse=True)
+    return one, same
 
 
 def _curves(outline: ExactOutline, feet: Feet) -> IndexArray:

@@ -112,13 +112,12 @@ def _hob(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
     if pitch.of(gear).is_ring:
         return CutBy(Tool.HOB, Verdict.NOT, "the teeth of a ring point inwards")
     rack = teeth.of(gear).flanks.rack
-    if (depth := gouged_mm(pitch.of(gear), rack)) > HARMLESS * rack.module_mm:
-        radius = pitch.least_concave_radius_mm(gear)
-        return CutBy(
-            Tool.HOB,
-            Verdict.NOT,
-            f"the pitch curve is concave with a radius of {radius:.4g} mm: a hob cuts {depth:.3g} mm too deep there",
+    radius = pitch.least_concave_radius_mm(gear)
+    if radius is not None and (depth := gouged_mm(pitch.of(gear), rack)) > HARMLESS * rack.module_mm:
+        reason = (
+            f"the pitch curve is concave with a radius of {radius:.4g} mm: a hob cuts {depth:.3g} mm too deep there"
         )
+        return CutBy(Tool.HOB, Verdict.NOT, reason)
     verdict, reason = _tried(teeth, gear, RackLine())
     return CutBy(Tool.HOB, verdict, reason)
 

@@ -29,6 +29,7 @@ from ncgear.project.tooth_form import (
     rack_of,
     reach_in_pitches,
     require_pushing_flanks,
+    thickness_limits_mm,
     tooth_form_of,
 )
 from ncgear.teeth.form import BasicRack
@@ -74,8 +75,12 @@ class Geared(Moving):
 
     @property
     def chord_tolerance_mm(self) -> float:
-        """How far chords of outlines may be from the exact curves; raises WrongInput where that is no gear any more."""
-        return self.design.output.chord_mm(self.pitch.size.module_mm)
+        """How far chords of outlines may be from the exact curves.
+
+        Raises WrongInput where that is no gear any more, or outside the band of tooth thickness.
+        """
+        lower, upper = thickness_limits_mm(self.gears) or (0.0, 0.0)
+        return self.design.output.chord_mm(self.pitch.size.module_mm, upper - lower if upper > lower else None)
 
     @property
     def turns_crank(self) -> bool:

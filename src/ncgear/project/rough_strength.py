@@ -72,7 +72,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     if design.stages > 1 and drive.stage is None:
         return None
     try:
-        load = _rolled(drive)
+        load = rolled_load(drive)
     except DesignError as error:
         # Pitch curves and forces may be refused; a check does not ask for them.
         return RoughStrength((), error.problem)
@@ -80,7 +80,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         return None
     if np.any(load.force_n < 0.0):
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
-    plan, running, conditions = _plan(drive), drive.running, drive.conditions
+    plan, running, conditions = tooth_plan(drive), drive.running, drive.conditions
     sides = shared_loads(load, plan, running, drive.materials)
     needs_teeth = _needs_teeth(drive, plan, load, sides)
     warm = _warm(drive, sides, load.phi1_rad.size)
@@ -165,7 +165,8 @@ def _warm(drive: Drive, sides: list[SharedLoad], positions: int) -> tuple[Materi
     return materials_of(choices, conditions, running, temperatures_of(choices, conditions, running, lost))
 
 
-def _plan(drive: Drive) -> ToothPlan:
+def tooth_plan(drive: Drive) -> ToothPlan:
+    """How the teeth of a pair would be cut."""
     rack, form = drive.gears.rack, tooth_form_of(drive.gears, drive.pitch.size.module_mm)
     module, (pushing, idle) = form.rack.module_mm, rack.angles_deg
     shifts = form.driving_shift_mm / module, form.driven_shift_mm / module
@@ -173,7 +174,8 @@ def _plan(drive: Drive) -> ToothPlan:
     return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief)
 
 
-def _rolled(drive: Drive) -> RolledLoad:
+def rolled_load(drive: Drive) -> RolledLoad:
+    """What a pair bears while its pitch curves roll; raises as pitch curves and forces do."""
     asked, pitch = asked_of(drive), drive.pitch
     size, toothed = pitch.size, pitch.toothed
     step_mm = pi * size.module_mm / PER_TOOTH

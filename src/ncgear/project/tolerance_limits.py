@@ -109,3 +109,7 @@ def left_of_backlash(pair: Drive, least_play_rad: Array, least_arm_mm: float) ->
 def rounded_up(value: float, step: float) -> float:
     """The least multiple of a step that is not below a value, as far as six digits of it tell."""
     return float(f"{step * ceil(round(value / step, 6)):.12g}")
+
+
+MOST_JAMMED = 0.01
+"""Share of the assemblies that may jam without a warning: such a one is taken apart, and other gears are tried."""

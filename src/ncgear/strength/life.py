@@ -208,7 +208,7 @@ def tooth_life(meetings: Meetings, endured: EnduredStress, teeth: int, life_h: f
     # The static stress itself is endured for some cycles, and rounding must not lift a stress above it.
     safe = np.where(loaded, endured.stress_mpa[-1] / np.where(loaded, top, 1.0), 1.0)
     broken = np.where(loaded, endured.stress_mpa[0] / np.where(loaded, top, 1.0), 1.0) * (1.0 + 1e-12)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         for _ in range(HALVINGS):
             middle = np.sqrt(safe * broken)
             holds = damage(middle) * (life_h / cycle_h) <= 1.0

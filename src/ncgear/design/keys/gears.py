@@ -194,7 +194,8 @@ class Tolerances(Model):
         ge=-10.0,
         le=10.0,
         description="greatest deviation of the tooth thickness along the pitch curve in mm, of both gears; thinner "
-        "teeth have a negative one. All outlines stand in the middle of both limits, by their idle flanks",
+        "teeth have a negative one. All outlines stand in the middle of both limits, by their idle flanks; "
+        "a narrow band makes the default of output.chord_tolerance_mm finer",
     )
     tooth_thickness_lower_mm: float | None = Field(
         default=None,

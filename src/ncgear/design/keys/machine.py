@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, Strict, model_validator
@@ -287,6 +288,11 @@ FINEST_IN_MODULES, COARSEST_IN_MODULES = 1e-7, 0.05
 """Chord tolerances that may be given: finer ones are lost in single precision, as STL has it, and with coarser ones
 outlines, which may overlap by as much, are no teeth: a fifth of a usual tip clearance."""
 
+COARSEST_IN_BAND = 0.2
+"""The coarsest chord tolerance, in widths of the band of tooth thickness: chords c inside both flanks of a tooth take
+2 c / cos(alpha) off its thickness and let pins sink as that does, which at alpha = 20 deg is 0.85 of half the band.
+Where no tolerance is given it is half of this, so that pins stay in the middle half of the band."""
+
 
 class Output(Model):
     """How finely the results are written."""
@@ -294,20 +300,39 @@ class Output(Model):
     chord_tolerance_mm: Length | None = Field(
         default=None,
         description="greatest distance in mm of a written outline's chords from the exact curve, "
-        f"{FINEST_IN_MODULES:g} to {COARSEST_IN_MODULES:g} modules; left out: {CHORD_MM:g} mm, and "
-        f"{CHORD_IN_MODULES:g} modules where that is less",
+        f"{FINEST_IN_MODULES:g} to {COARSEST_IN_MODULES:g} modules and up to {COARSEST_IN_BAND:g} of the width of the "
+        f"band that gears.tolerances gives the tooth thickness; left out: the least of {CHORD_MM:g} mm, "
+        f"{CHORD_IN_MODULES:g} modules and {COARSEST_IN_BAND / 2.0:g} of that width",
     )
 
-    def chord_mm(self, module_mm: float) -> float:
-        """The chord tolerance of teeth of a module; WrongInput where what is given is out of proportion to them."""
-        given = self.chord_tolerance_mm
+    def chord_mm(self, module_mm: float, band_mm: float | None = None) -> float:
+        """The chord tolerance of teeth of a module whose thickness has a band of a width, None where it has none.
+
+        Raises WrongInput where what is given is out of proportion to either.
+        """
+        given, band = self.chord_tolerance_mm, inf if band_mm is None else band_mm
+        finest, coarsest = FINEST_IN_MODULES * module_mm, COARSEST_IN_MODULES * module_mm
+        in_band = COARSEST_IN_BAND * band
+        if in_band / 2.0 < finest:
+            raise WrongInput(
+                f"the band of tooth thickness is {band:.3g} mm wide, too narrow for chords of outlines; "
+                f"{2.0 * finest / COARSEST_IN_BAND:.3g} mm or more, or twice the same limit, is right",
+                key="gears.tolerances.tooth_thickness_lower_mm",
+            )
         if given is None:
-            return min(CHORD_MM, CHORD_IN_MODULES * module_mm)
-        if not FINEST_IN_MODULES <= given / module_mm <= COARSEST_IN_MODULES:
-            finest, coarsest = FINEST_IN_MODULES * module_mm, COARSEST_IN_MODULES * module_mm
+            return min(CHORD_MM, CHORD_IN_MODULES * module_mm, in_band / 2.0)
+        if not finest <= given <= coarsest:
             raise WrongInput(
                 f"{given:g} mm are {given / module_mm:.3g} of the module of {module_mm:.4g} mm; {finest:.3g} to "
-                f"{coarsest:.3g} mm is right",
+                f"{min(coarsest, in_band):.3g} mm is right",
+                key="output.chord_tolerance_mm",
+            )
+        if given > in_band:
+            raise WrongInput(
+                f"{given:g} mm are {given / band:.3g} of the band of tooth thickness, {band:.4g} mm wide, so that pins "
+                f"in written outlines lie outside of it; {in_band:.3g} mm or less is right, or a band of "
+                f"{given / COARSEST_IN_BAND:.3g} mm or more between gears.tolerances.tooth_thickness_lower_mm and "
+                "tooth_thickness_upper_mm",
                 key="output.chord_tolerance_mm",
             )
         return given

@@ -5,14 +5,12 @@ from __future__ import annotations
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import to_digits
-from ncgear.figures.toleranced import limit_words
+from ncgear.figures.tolerance_words import limit_words
 from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import Jamming, jamming_of
+from ncgear.project.tolerance_limits import MOST_JAMMED
 from ncgear.project.tooth_form import thickness_limits_mm
-
-MOST_JAMMED = 0.01
-"""Share of the assemblies that may jam without a warning: such a one is taken apart, and other gears are tried."""
 
 NEARLY_ALL = 0.995
 
@@ -24,8 +22,8 @@ OTHER_WAYS = Remedy(
 def jams(drive: Drive) -> Advice | NotJudged | None:
     """Assemblies of a pair that jam, as estimated; None where no more than one in a hundred does.
 
-    A remark where the file gives a backlash of 0: the exact pair is wanted then.  Not judged where no grade holds for
-    the gears, and where another pair in series with these has no sound contact.
+    Not judged where the file gives a backlash of 0, since the exact pair is wanted then, where no grade holds for the
+    gears, and where another pair in series with these has no sound contact.
     """
     try:
         found = jamming_of(drive)
@@ -33,8 +31,9 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
         return NotJudged(error.problem)
     if found.share <= MOST_JAMMED:
         return None
-    wanted = found.given == 0.0 and is_given(drive.design, found.key)
     share = "nearly all" if found.share > NEARLY_ALL else f"about {to_digits(100.0 * found.share, 2)} % of the"
+    if found.given == 0.0 and is_given(drive.design, found.key):
+        return NotJudged(f"a backlash of 0 is written down: {share} assemblies of the exact pair jam")
     unit = found.key.rpartition("_")[2]
     has = f"the backlash is {found.given:g} {unit}" if found.given else "the teeth have no backlash"
     if thickness_limits_mm(drive.gears):
@@ -44,11 +43,8 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
         (Where(),),
         f"{share} assemblies jam: {has}, and with {', '.join(limit_words(found.tolerances))} "
         f"({_made(found)}) it takes {found.enough:g} {unit} for 99.9 % to turn",
-        "backlash: 0 says that the exact pair is wanted: it turns on the screen, and when teeth and shafts give way"
-        if wanted
-        else "both flanks of a tooth are pressed somewhere; ncgear tolerance draws assemblies one by one",
-        () if wanted else (_enough(found),),
-        not wanted,
+        "both flanks of a tooth are pressed somewhere; ncgear tolerance draws assemblies one by one",
+        (_enough(found),),
         brief=f"{share} assemblies jam, {_made(found)}",
     )
 

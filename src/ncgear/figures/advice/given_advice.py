@@ -10,7 +10,9 @@ from ncgear.design.keys.base import listed
 from ncgear.design.keys.machine import LoadTable
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.numbers import to_digits
-from ncgear.kinematics.wishes import EvenSpeed, Requirement, TimeWithin
+from ncgear.kinematics.wishes import EvenSpeed, Position, Requirement, TimeWithin
+from ncgear.mechanisms.resistance import TableResistance
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
 
@@ -26,6 +28,8 @@ MARGIN = 1.05
 def without_effect(drive: Drive) -> Iterator[Advice]:
     """What is given and changes nothing; points of a table that lie beyond the stroke are a remark."""
     silent = [key for returning, key in _curves(drive) if _is_silent(drive, returning)]
+    if drive.design.resistance is not None and all(_is_silent(drive, returning) for returning in (False, True)):
+        silent = ["resistance"]
     if silent:
         yield _advice(
             f"{listed(silent, 'and')} never acts: the force is zero over the whole stroke, 0..{_stroke(drive)}",
@@ -74,24 +78,40 @@ def _is_silent(drive: Drive, returning: bool) -> bool:
 
 
 def _beyond(drive: Drive) -> Iterator[Advice]:
-    """Points of a table that lie so far beyond the stroke that the curve within it does not know them.
-
-    The slope at a point depends on its neighbours: the third point beyond the stroke changes nothing within it.
-    """
-    given = drive.design.resistance
+    """Points of a table that lie so far outside the stroke that the force within it does not know them."""
+    given, stroke = drive.design.resistance, drive.linkage.OUTPUT.place.factor * drive.linkage.stroke_mm
     parts = {"resistance": given, "resistance.returning": getattr(given, "returning", None)}
     for key, part in parts.items():
         table = getattr(part, "table", None)
         if not isinstance(table, LoadTable):
             continue
-        places = np.array(getattr(table, table.COLUMNS[0]) or ())
-        idle = int(np.sum(places > drive.linkage.OUTPUT.place.factor * drive.linkage.stroke_mm)) - 2
-        if idle > 0:
+        places, forces = (tuple(getattr(table, column) or ()) for column in table.COLUMNS)
+        idle = _idle_points(places, forces, stroke)
+        if idle:
+            within = any(0.0 <= place <= stroke for place in places)
             yield _advice(
-                f"{idle} of {places.size} points of {key}.table lie beyond the stroke of {_stroke(drive)}",
-                "they change nothing",
-                matters=False,
+                f"{idle} of {len(places)} points of {key}.table lie beyond the stroke of {_stroke(drive)}",
+                "they change nothing" if within else "they change nothing: the force is that of the nearest point",
+                matters=not within,
             )
+
+
+def _idle_points(places: tuple[float, ...], forces: tuple[float, ...], stroke: float) -> int:
+    """How many points at both ends of a table may go without a change of the force within the stroke."""
+    at, count = np.linspace(0.0, stroke, POINTS), len(places)
+
+    def force(first: int, last: int) -> Array:
+        kept = slice(first, last)
+        if last - first == 1:
+            return np.full(POINTS, forces[first])
+        return TableResistance(places[kept], forces[kept], keep_negative=True).force_n(at)
+
+    whole, first, last = force(0, count), 0, count
+    while last - first > 1 and places[last - 1] > stroke and np.array_equal(force(first, last - 1), whole):
+        last -= 1
+    while last - first > 1 and places[first] < 0.0 and np.array_equal(force(first + 1, last), whole):
+        first += 1
+    return count - (last - first)
 
 
 def _kept_by_all(drive: Drive) -> list[str]:
@@ -100,7 +120,10 @@ def _kept_by_all(drive: Drive) -> list[str]:
     for outcome in drive.achieved.outcomes if drive.achieved else ():
         wish = outcome.wish
         asked = wish.requirements(drive.linkage, drive.transmission.cycle_rad)
-        if asked and all(_is_empty(drive, one) for one in asked):
+        anywhere = isinstance(wish, Position) and wish.tolerance_mm >= max(
+            wish.at_mm, drive.linkage.stroke_mm - wish.at_mm
+        )
+        if anywhere or (asked and all(_is_empty(drive, one) for one in asked)):
             found.append(wish.key)
     return found
 

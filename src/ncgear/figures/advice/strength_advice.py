@@ -22,6 +22,8 @@ from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_f
 
 SIZE = "ncgear size"
 
+NO_FORCE = NotJudged("nothing that is given presses the teeth at any angle")
+
 WEAR = "wear of dry metal is not computed, only that its teeth do not break"
 """Why dry gears of metal are not judged where their roots hold."""
 
@@ -65,7 +67,7 @@ def rough(drive: Drive) -> Advice | NotJudged | None:
 
 def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | None:
     if found is None:
-        return None
+        return NO_FORCE
     weak = found.weak
     if not weak:
         return _not_judged(drive, found)

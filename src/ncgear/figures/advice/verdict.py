@@ -149,7 +149,7 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.SPEEDS: Condition(
         "speed",
-        "the machine runs at the speed at which its law's velocities hold",
+        "the law's velocities are told at the machine's speed",
         lambda drive: drive.law.stroke is not None,
         _one(law_advice.speeds),
         of_pair=False,
@@ -163,7 +163,7 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.WITHOUT_EFFECT: Condition(
         "what is given",
-        "loads and wishes that are given change something",
+        "loads and wishes that are given act",
         lambda drive: _load(drive) or _wishes(drive) or drive.design.tolerances is not None,
         given_advice.without_effect,
         of_pair=False,
@@ -277,14 +277,15 @@ class Verdict:
 
     @property
     def table(self) -> list[dict[str, Any]]:
-        """A row for each condition, for files; ``because`` says what broke it, why it was not judged, or a remark."""
+        """A row for each condition, for files; ``because`` says what broke it or why it was not judged."""
         return [
             {
                 "condition": str(row.kind),
                 "stage": row.stage,
                 "says": CONDITIONS[row.kind].kept,
                 "verdict": str(row.state),
-                "because": "; ".join(advice.brief for advice in row.advices) or row.why,
+                "because": "; ".join(advice.brief for advice in row.advices if advice.matters) or row.why,
+                "remark": "; ".join(advice.brief for advice in row.advices if not advice.matters),
             }
             for row in self.rows
         ]

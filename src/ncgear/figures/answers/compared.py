@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.compared import SIDES, alone_points, gear_figures, length_words, turned_words
 from ncgear.figures.numbers import fixed, micrometres, to_digits
 from ncgear.figures.quantities import figure
+from ncgear.metrology.alone import FEWEST_PLACES
 from ncgear.project.compared import ComparedGear, ComparedPair, Fit
 
 MOST_TEETH = 5
@@ -58,6 +61,7 @@ def compared_answer(pair: ComparedPair, name: str, fit: Fit, then: str) -> Answe
         "Deviations are positive where there is metal in excess; back and front flanks are told apart",
         heads=heads,
         good="The pair as measured turns; all flanks were measured.",
+        not_judged=_not_judged(pair, found),
         then=then,
     )
 
@@ -119,3 +123,10 @@ def _alone(one: ComparedGear) -> list[Fault]:
     off, at = micrometres(abs(points[0].off_mm)), "teeth" if len(teeth) > 1 else "tooth"
     what = f"{one.gear.value} gear: {many} alone, by up to {off} at {at} {named}; not counted"
     return [Fault(what, ("clean it and measure again", "measured.json has each"))]
+
+
+def _not_judged(pair: ComparedPair, found: list[dict[str, Any]]) -> str:
+    """Points that are taken as metal since too few are beside them."""
+    few = [(one.gear.value, told["points_not_judged"]) for one, told in zip(pair.gears, found, strict=True)]
+    named = ", ".join(f"{many} of the {gear} gear" for gear, many in few if many)
+    return named and f"Not judged: whether points stand alone on flanks with fewer than {FEWEST_PLACES}: {named}"

@@ -7,18 +7,17 @@ from collections.abc import Mapping
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.tolerance_words import assumed_words, limit_words
 from ncgear.figures.toleranced import (
-    assumed_words,
     index_rows,
     jam_words,
     knock_words,
-    limit_words,
     needed_words,
     pair_percentiles,
     percentiles,
 )
 from ncgear.project.tolerance import Tolerated
-from ncgear.project.tolerance_limits import TURNING
+from ncgear.project.tolerance_limits import MOST_JAMMED
 
 HEADS = "as designed", "median", "99 % keep"
 SHOWN = "as_designed", "median", "of_99_percent"
@@ -78,7 +77,7 @@ def _row(of: str, key: str, values: Mapping[str, float]) -> Row:
 
 def _faults(tolerated: Tolerated) -> tuple[Fault, ...]:
     needed, faults = tolerated.needed, []
-    if tolerated.jam.value > 1.0 - TURNING:
+    if tolerated.jam.value > MOST_JAMMED:
         cures = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
         faults.append(Fault(f"{to_digits(100.0 * tolerated.jam.value, 3)} % of the assemblies jam", cures))
     if tolerated.knock is not None and tolerated.knock.value > 0.0:
