@@ -52,7 +52,7 @@ ELEMENTS_KEPT, ELEMENTS_BROKEN = 0.9, 1.1
 OFF_THE_MIDDLE = 0.15
 """Half widths of a band of thickness by which a reading over pins may be off its middle, beside chords."""
 
-HARDLY_NARROWER = 0.005
+HARDLY_NARROWER = 0.015
 """Modules by which straight lines across teeth on bent pitch curves find these narrower below where they are not."""
 
 Array = np.ndarray
@@ -302,11 +302,8 @@ def undercut(seen: Seen, row: Judged) -> Finding:
         outline = np.asarray(cut.teeth.of(gear).outline_mm)
         found[gear.value] = outside.narrowed_mm(outline, np.column_stack([place.real, place.imag]), seen.module_mm)
     told = {where.gear for advice in row.advices for where in advice.where}
-    wrong = [
-        gear
-        for gear, by in found.items()
-        if (gear in told) != (by > (0.0 if gear in told else HARDLY_NARROWER * seen.module_mm))
-    ]
+    narrower = {gear for gear, by in found.items() if by > HARDLY_NARROWER * seen.module_mm}
+    wrong = not narrower <= told or (told and not narrower)
     return f"teeth are narrower below by {found}, told of {sorted(told)}" if wrong else None
 
 
