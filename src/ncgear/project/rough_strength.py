@@ -43,8 +43,8 @@ class RoughStrength:
 
     ``unjudged`` says why the teeth are not judged for the wanted life, and ``at_once`` that the safeties are those
     against breaking at once instead; there are none where even these are not known.  ``needs_teeth`` says why the
-    safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where there is no
-    such reason.
+    safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where
+    there is no such reason.
     """
 
     safeties: tuple[RoughSafety, ...]
