@@ -308,4 +308,4 @@ def test_all_parts_come_for_every_kind_of_design(name: str) -> None:
     assert set(motion[2:]) == {"chart"}
     assert gears[0] == "scene"
     if drive(name).design.gears is not None:
-        assert gears[1:5] == ["teeth", "scene", "strength", "advice"]
+        assert gears[1:5] == ["teeth", "scene", "strength", "verdict"]

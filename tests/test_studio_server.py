@@ -117,7 +117,7 @@ def test_a_page_hears_all_parts_and_then_of_a_change(studio: Studio) -> None:
         state = page.until("state")
         assert state["content"]["saved"]
         heard = page.settled(state["n"])
-        assert {"motion", "figures", "chart", "scene", "teeth", "advice"} <= {one["is"] for one in heard}
+        assert {"motion", "figures", "chart", "scene", "teeth", "verdict"} <= {one["is"] for one in heard}
         page.send("change", changes={"operation.speed_rpm": 77})
         asked = page.until("asked")
         figures = next(one for one in page.settled(asked["n"]) if one["is"] == "figures")
