@@ -89,8 +89,8 @@ def rows_in(unit: str, sheet: str) -> str:
 NAMES = ["baler", "internal-1-2"]
 """Index holes, keyways and a law solved for; a ring with lobes, whose phi2 begins at a rounding error below zero."""
 
-NOT_IN_SUMMARY = ("face_width_mm",)
-"""Sizes that a summary does not tell."""
+NOT_IN_SUMMARY = ("face_width_mm", "play_greatest_rad", "thickness_deviation_mm")
+"""Sizes that a summary does not tell, or only where teeth have a band of thickness."""
 
 both = pytest.mark.parametrize("name", NAMES)
 
@@ -115,8 +115,9 @@ def test_the_terminal_has_no_rounding_errors(name: str) -> None:
 def test_a_data_sheet_has_the_decimals_of_a_drawing(name: str) -> None:
     text = sheet_text(data_sheet(drive(name)))
     assert noise(text) == []
-    assert (decimals(rows_in("mm", text)), decimals(rows_in("deg", text))) == (4, 5)
-    assert decimals(text) == 5
+    # Lengths of less than a tenth of a millimetre have four digits
+    assert 4 <= decimals(rows_in("mm", text)) <= 5
+    assert decimals(rows_in("deg", text)) == decimals(text) == 5
 
 
 @pytest.mark.slow
@@ -142,10 +143,10 @@ def deepest(content: Any, ending: str, key: str = "") -> int:
 
 @pytest.mark.slow
 @both
-def test_the_assembly_has_sizes_as_on_a_drawing(name: str) -> None:
+def test_the_assembly_has_eight_digits_of_its_largest_length(name: str) -> None:
     text = json_text(assembly_of(drive(name)))
     assert noise(text) == []
-    assert deepest(json.loads(text), "_mm") <= 4
+    assert deepest(json.loads(text), "_mm") <= 6
     assert deepest(json.loads(text), "_rad") <= 7
 
 

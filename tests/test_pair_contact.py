@@ -91,7 +91,7 @@ def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
 def test_clearance_over_roots_that_slope_is_that_of_the_polygons(name: str) -> None:
     """Where the mate's tips have cut them roots slope: a land then stands over another place than it was cut from."""
     one = drive(name)
-    designed, tolerance_mm = one.designed_contact, one.design.output.chord_tolerance_mm
+    designed, tolerance_mm = one.designed_contact, one.chord_tolerance_mm
     reach = reach_mm(one.pitch, one.teeth)
     found = as_written(outlines(one.teeth), one.teeth, designed.placement, reach)
     for gear in Gear:

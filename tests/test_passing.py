@@ -134,10 +134,10 @@ def meeting(more: str, axis: float = 0.0) -> list[str]:
 
 
 @pytest.mark.slow
-def test_a_rod_that_meets_the_shaft_is_told_where_the_file_says_what_stands_there() -> None:
-    assert meeting("") == []
+def test_a_rod_that_meets_the_shaft_is_told_unless_the_file_says_that_it_ends() -> None:
     assert meeting("fit: {driving_shaft: ends}") == []
     (told,) = meeting("fit: {}")
+    assert meeting("") == [told]
     assert "the rod meets the driving shaft" in told
     assert "at 0 mm, at phi1 = 0 deg" in told
     assert meeting("fit: {rod_width_mm: 20}", 180.0) == []
