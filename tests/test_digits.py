@@ -104,7 +104,7 @@ def test_the_terminal_has_no_rounding_errors(name: str) -> None:
     lines = text.splitlines()
     sizes = [line for line in lines if line.startswith(tuple(f"  {name_of(key)}  " for key in SIZES))]
     assert len(sizes) == len(SIZES) - len(NOT_IN_SUMMARY)
-    assert all(decimals(line) <= (5 if line.endswith("deg") else 4) for line in sizes)
+    assert all(decimals(line) <= 5 for line in sizes)
     assert longest("\n".join(line for line in lines if line not in sizes)) <= SIGNIFICANT
     assert re.search(r"\d rad\b", text) is None, "places are in deg; errors and play in millionths"
     assert "\u00b5rad" in text
