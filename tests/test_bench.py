@@ -167,7 +167,7 @@ def test_both_of_two_pairs_are_measured() -> None:
         assert trials[0].error == pytest.approx(curve.length_mm - chords, rel=1e-6)
         teeth = found[f"teeth of stage {pair.stage}"]
         assert teeth.recommended is not None
-        assert teeth.recommended.error <= machine.chord_tolerance_mm
+        assert teeth.recommended.error <= pair.chord_tolerance_mm
 
 
 def test_a_tolerance_that_is_asked_for_decides() -> None:

@@ -421,7 +421,7 @@ def test_laws_without_a_batch_are_computed_by_themselves(name: str, alone: list[
 @pytest.mark.slow
 def test_designs_without_gears_have_the_figures_of_a_check(alone: list[Design]) -> None:
     data, keys, values = data_of("baler"), ["operation.speed_rpm"], np.array([[20.0]])
-    del data["gears"]
+    del data["gears"], data["fit"]
     found = screened_block(data, keys, values)
     assert not alone
     assert tuple(found.figures) == CHECK_FIGURES
