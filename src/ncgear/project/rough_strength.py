@@ -159,9 +159,9 @@ def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[Sh
 
 def _would_be_undercut(drive: Drive) -> bool:
     """Whether the straight edge of the rack reaches beyond where its normal meets the centre of curvature."""
-    rack, angle = drive.rack, min(drive.rack.angles_rad)
+    rack = tooth_form_of(drive.gears, drive.pitch.size.module_mm).rack
     most = max(drive.pitch.curvature_range[gear][1].value for gear in Gear) / drive.pitch.center_distance_mm
-    return rack.flank_depth_mm * most > sin(angle) ** 2
+    return rack.flank_depth_mm * most > sin(min(rack.angles_rad)) ** 2
 
 
 MOST_UNEQUAL_RAD = radians(5.0)
