@@ -211,7 +211,7 @@ simulate(drive, Level.RIGID)
 
 @pytest.mark.slow
 def test_the_rigid_level_makes_no_tooth_and_loads_no_solver_and_no_mesh() -> None:
-    unmade = "assert not {'teeth', 'designed_contact', 'solids', 'rack'} & set(vars(drive)), vars(drive)"
+    unmade = "assert not {'teeth', 'designed_contact', 'solids'} & set(vars(drive)), vars(drive)"
     assert after_simulating(unmade) & {"trimesh", "casadi", "sympy"} == set()
 
 
