@@ -317,7 +317,7 @@ def test_tips_and_roots_are_those_of_the_written_solid(name: str, gear: str) -> 
     ends = (tips.min(), tips.max(), roots.min(), roots.max())
     labels = ("least radius of tips", "greatest radius of tips", "least radius of roots", "greatest radius of roots")
     said = [getattr(row(found, label), gear) for label in labels]
-    assert said == pytest.approx(ends, abs=drive(name).design.output.chord_tolerance_mm)
+    assert said == pytest.approx(ends, abs=drive(name).chord_tolerance_mm)
     assert max(said) == pytest.approx(tips.max(), abs=1e-5)
     # The negative control: neither the other end nor tips for roots would do.
     assert said != pytest.approx(ends[::-1], abs=module)
