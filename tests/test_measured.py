@@ -457,7 +457,7 @@ def test_a_gear_of_two_pairs_is_held_against_its_own_pair(run: Run) -> None:
     assert abs(told["driven"]["turned_rad"]) < 1e-6
     status, _, err = run("measured", str(design), "--driven", "1.csv", "--stage", "2")
     assert status == 2
-    assert "1.csv: the points are 0.57" in err
+    assert "1.csv: the points are 0.569 mm" in err
     status, _, err = run("measured", str(design), "--driven", "1.csv")
     assert status == 2
     assert "motion.second_stage: given: two pairs of gears; --stage 1 or --stage 2 says which one" in err

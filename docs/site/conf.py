@@ -58,6 +58,7 @@ CONTENTS = {
     "How far to trust it": (
         "docs/method",
         "docs/figures",
+        "docs/conditions",
         "docs/baler",
         "docs/how-it-is-tested",
         "docs/speed-against-error",
