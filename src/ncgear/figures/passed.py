@@ -48,5 +48,5 @@ def shafts_below(drive: Drive) -> list[tuple[str, str]]:
     return [
         (one.part, one.standing.name)
         for one in drive.passings
-        if one.meets and one.part != CRANK_PIN and one.standing.name.startswith("driving")
+        if one.meets and one.part != CRANK_PIN and one.standing.about_driving_axis
     ]

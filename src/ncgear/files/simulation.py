@@ -54,23 +54,18 @@ def simulate(drive: Drive, level: Level) -> Simulated:
 
     Its verdict is that of a build but for the rigid level, which makes no teeth unless a drivetrain asks for them.
     """
-    made, has_gears = _at_level(drive, level), drive.design.gears is not None
-    with_teeth = has_gears and (level is not Level.RIGID or drive.design.drivetrain is not None)
+    table, figures, pictures = _at_level(drive, level)
+    with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
     rubs = level is Level.DYNAMIC and drive.rigid.machine.guide_friction
     verdict = judged(drive, Known.TEETH if with_teeth else Known.MOTION, [SMOOTH_GUIDE] if rubs else [])
-    return Simulated(made.table, {**made.figures, **verdict_summary(verdict)}, made.pictures, verdict)
+    return Simulated(table, {**figures, **verdict_summary(verdict)}, pictures, verdict)
 
 
-@dataclass(frozen=True, eq=False)
-class _Made:
-    """The results of a level, before anything is judged."""
-
-    table: Mapping[str, Array]
-    figures: Mapping[str, Any]
-    pictures: Mapping[str, bytes]
+Results = tuple[Mapping[str, Array], Mapping[str, Any], Mapping[str, bytes]]
+"""Table, figures and pictures of a level, before anything is judged."""
 
 
-def _at_level(drive: Drive, level: Level) -> _Made:
+def _at_level(drive: Drive, level: Level) -> Results:
     match level:
         case Level.RIGID:
             phi1 = drive.motion.phi1_rad
@@ -78,11 +73,11 @@ def _at_level(drive: Drive, level: Level) -> _Made:
             figures = rigid_figures(drive)
             if drive.design.drivetrain is not None:
                 figures |= {"drivetrain": drivetrain_figures(drive.drivetrain)}
-            return _Made(rigid_table(drive, *loads), figures, rigid_pictures(drive, *loads))
+            return rigid_table(drive, *loads), figures, rigid_pictures(drive, *loads)
         case Level.QUASI_STATIC:
             rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
             pictures = quasi_static_pictures(drive, rigid)
-            return _Made(quasi_static_table(drive, rigid), quasi_static_figures(drive), pictures)
+            return quasi_static_table(drive, rigid), quasi_static_figures(drive), pictures
         case Level.DYNAMIC:
             return _dynamic(drive)
 
@@ -105,7 +100,7 @@ def simulation_text(found: Simulated, paths: Sequence[Path], kept: Sequence[Path
     return "\n".join([summary_text(alone), "", *beside, *written_lines(paths, kept)])
 
 
-def _dynamic(drive: Drive) -> _Made:
+def _dynamic(drive: Drive) -> Results:
     """The motion of a drive in time, beside its law: rows at even times, peaks from the solver's steps.
 
     Pictures have a point at each peak besides even ones, so that they show what the figures say.
@@ -115,4 +110,4 @@ def _dynamic(drive: Drive) -> _Made:
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
     apart_rad = np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1)
     table = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage)
-    return _Made(table, dynamic_figures(drive, peaks), dynamic_pictures(drive, drawn, apart_rad))
+    return table, dynamic_figures(drive, peaks), dynamic_pictures(drive, drawn, apart_rad)

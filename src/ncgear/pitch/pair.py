@@ -7,7 +7,7 @@ of gears that turn less than once need not be filled: any module suits any centr
 from __future__ import annotations
 
 from functools import cached_property, partial
-from math import atan, degrees, floor, gcd, isclose, pi
+from math import atan, degrees, floor, isclose, pi
 
 import numpy as np
 
@@ -394,7 +394,7 @@ def solved_size(
     from the law.
     """
     _require_two(teeth, module_mm, center_distance_mm)
-    each = lobes.driving // gcd(lobes.driving, lobes.driven)
+    each = lobes.teeth_step
     if teeth is None:
         assert module_mm is not None
         assert center_distance_mm is not None
@@ -435,7 +435,7 @@ def _nearest_teeth(exact: float, each: int) -> int:
 
 def _driven_teeth(teeth: int, lobes: Lobes) -> int:
     if teeth * lobes.driven % lobes.driving:
-        each = lobes.driving // gcd(lobes.driving, lobes.driven)
+        each = lobes.teeth_step
         raise WrongInput(
             f"{teeth} teeth on the driving gear make {teeth * lobes.driven / lobes.driving:.4g} on the driven gear at "
             f"{lobes.driving}:{lobes.driven} lobes; a multiple of {each} is needed, as {_nearest_teeth(teeth, each)}",

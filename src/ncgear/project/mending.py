@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from enum import StrEnum
 from functools import partial, reduce
 from itertools import product
-from math import ceil, gcd, radians
+from math import ceil, radians
 from operator import or_
 from time import process_time
 from typing import assert_never
@@ -247,8 +247,7 @@ class _Trials:
     def fewest(self) -> Mend | None:
         """The least number of teeth that works: the number before it does not, unless time ends the search earlier."""
         pair, fitted = self._drive.by_stage[0], _fitted(self._drive)
-        lobes, low = pair.transmission.lobes, pair.pitch.size.driving_teeth
-        each = lobes.driving // gcd(lobes.driving, lobes.driven)
+        each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
         most = min(MOST_FINER * low, MOST_TEETH // each * each)
         needed, high, found = _teeth_of_notches(pair), most + each, None
 

@@ -41,6 +41,11 @@ class Standing:
     center_mm: tuple[float, float]
     radius_mm: float | None
 
+    @property
+    def about_driving_axis(self) -> bool:
+        """Whether it is the driving gear's shaft or hub, which may end below what moves."""
+        return self.name.startswith("driving")
+
 
 @dataclass(frozen=True)
 class Passing:

@@ -21,6 +21,9 @@ from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tol
 TURNING = 0.999
 """Share of the assemblies that shall turn."""
 
+MOST_JAMMED = 0.01
+"""Share of the assemblies that may jam without a warning: such a one is taken apart, and other gears are tried."""
+
 
 def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
     """The limits in mm and rad; raises WrongInput where a grade does not hold for the gears."""
@@ -109,7 +112,3 @@ def left_of_backlash(pair: Drive, least_play_rad: Array, least_arm_mm: float) ->
 def rounded_up(value: float, step: float) -> float:
     """The least multiple of a step that is not below a value, as far as six digits of it tell."""
     return float(f"{step * ceil(round(value / step, 6)):.12g}")
-
-
-MOST_JAMMED = 0.01
-"""Share of the assemblies that may jam without a warning: such a one is taken apart, and other gears are tried."""

@@ -22,7 +22,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.tolerances.iso286 import standard_tolerance_mm
+from ncgear.tolerances.iso286 import distance_deviation_mm
 
 
 class Process(StrEnum):
@@ -85,6 +85,6 @@ def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
     taken = given if process is None else USUAL[process]
     assert taken is not None
     if process is not None and drawn_mm is None:
-        standard = (standard_tolerance_mm(7, pair.pitch.center_distance_mm) or 0.0 for pair in drive.whole.by_stage)
-        drawn_mm = max(taken.center_distance_mm, max(standard) / 2.0)
+        standard = (distance_deviation_mm(pair.pitch.center_distance_mm) or 0.0 for pair in drive.whole.by_stage)
+        drawn_mm = max(taken.center_distance_mm, *standard)
     return taken if drawn_mm is None else taken.model_copy(update={"center_distance_mm": drawn_mm}), process

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from functools import cached_property
 from itertools import pairwise
-from math import degrees, fsum, pi
+from math import degrees, fsum, gcd, pi
 from operator import attrgetter
 
 import numpy as np
@@ -62,6 +62,11 @@ class Lobes:
                 "which is one turn of the driven gear; 1 is right",
                 key="gears.lobes.driven",
             )
+
+    @property
+    def teeth_step(self) -> int:
+        """The number of which driving teeth are a multiple, so that the driven gear has whole teeth as well."""
+        return self.driving // gcd(self.driving, self.driven)
 
     @property
     def driving_period_rad(self) -> float:
@@ -129,6 +134,11 @@ class WholeTurns(Lobes):
     of: Range = field(kw_only=True)
     driving_turns: int = field(kw_only=True)
     driven_turns: int = field(kw_only=True)
+
+    @property
+    def teeth_step(self) -> int:
+        """The number of which driving teeth are a multiple, so that the driven gear has whole teeth as well."""
+        return self.driving // gcd(self.driving, self.driven)
 
     @property
     def driving_period_rad(self) -> float:

@@ -23,7 +23,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, counted_up
 from ncgear.teeth.gear import ToothedPair
 from ncgear.tolerances.drawn import COUNT, SIGMAS, Limits, deviating, rows_of
-from ncgear.tolerances.mesh import Deviations, Mesh, Places, places_of
+from ncgear.tolerances.mesh import Deviations, Mesh, Places, mesh_at, places_of
 
 PER_PITCH = 2
 """Positions per tooth pitch.  With twice as many the mean of what assemblies need changes by a hundredth."""
@@ -111,24 +111,7 @@ def _mesh_of(teeth: Teeth) -> Mesh:
     places = places.kept(np.argsort(places.place, kind="stable"))
     arm_mm = np.stack([side.first.lever_mm[chosen] for side in (teeth.contact.pushing, teeth.contact.back)])
     places = _overlapping(places, placement, int(PER_PITCH * teeth.overlap))
-    mesh = Mesh(
-        phi1_rad=placement.phi1_rad,
-        phi2_rad=placement.phi2_rad,
-        cycle_rad=placement.cycle_rad,
-        radius_mm=placement.driven_radius_mm,
-        arm_mm=arm_mm,
-        first=np.searchsorted(places.place, np.arange(2 * placement.count)),
-        lead=places.lead,
-        rigid=places.rigid,
-        tilt=places.tilt,
-        flank=np.ascontiguousarray(places.flank.T),
-        pitch_share=np.ascontiguousarray(places.pitch_share.T),
-        profile_share=np.ascontiguousarray(places.profile_share.T),
-        mirrored=True,
-        arcs=np.zeros(0),
-        arc_rates=np.zeros((0, 8)),
-    )
-    return _in_short(mesh)
+    return _in_short(mesh_at(places, placement, arm_mm, mirrored=True))
 
 
 Values = TypeVar("Values", Mesh, Deviations)

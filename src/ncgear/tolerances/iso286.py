@@ -32,6 +32,12 @@ def standard_tolerance_mm(grade: int, size_mm: float) -> float | None:
     return None if place == len(UP_TO_MM) else MM_PER_UM * STANDARD_UM[grade][place]
 
 
+def distance_deviation_mm(size_mm: float) -> float | None:
+    """How far a distance of JS7 may be off, either way; None beyond the sizes of the standard."""
+    width = standard_tolerance_mm(7, size_mm)
+    return None if width is None else width / 2.0
+
+
 def hole_text(fit: str, size_mm: float) -> str:
     """A fit with both its deviations: ``H7 (0 to +0.015)``; the fit alone beyond the sizes of the standard.
 

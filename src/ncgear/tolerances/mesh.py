@@ -198,12 +198,19 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
     rows = Places.joined(found)
     rows = rows.kept(np.argsort(rows.place, kind="stable"))
     arcs, rates = zip(*(arc_rates(teeth, placement, both_ways=both_ways) for teeth in face.sections), strict=True)
-    mesh = Mesh(
+    mesh = mesh_at(rows, placement, np.zeros((2, placement.count)), mirrored=face.mirrored)
+    arm_mm = rows.lever_mm[mesh.foremost]
+    return replace(mesh, arm_mm=arm_mm, arcs=np.concatenate(arcs) + face.overlap, arc_rates=np.concatenate(rates))
+
+
+def mesh_at(rows: Places, placement: Placement, arm_mm: Array, *, mirrored: bool) -> Mesh:
+    """The linear mesh of places of contact, sorted by ``place``, without arcs of contact."""
+    return Mesh(
         phi1_rad=placement.phi1_rad,
         phi2_rad=placement.phi2_rad,
         cycle_rad=placement.cycle_rad,
         radius_mm=placement.driven_radius_mm,
-        arm_mm=np.zeros((2, placement.count)),
+        arm_mm=arm_mm,
         first=np.searchsorted(rows.place, np.arange(2 * placement.count)),
         lead=rows.lead,
         rigid=rows.rigid,
@@ -211,11 +218,10 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
         flank=np.ascontiguousarray(rows.flank.T),
         pitch_share=np.ascontiguousarray(rows.pitch_share.T),
         profile_share=np.ascontiguousarray(rows.profile_share.T),
-        mirrored=face.mirrored,
-        arcs=np.concatenate(arcs) + face.overlap,
-        arc_rates=np.concatenate(rates),
+        mirrored=mirrored,
+        arcs=np.zeros(0),
+        arc_rates=np.zeros((0, DISPLACING)),
     )
-    return replace(mesh, arm_mm=rows.lever_mm[mesh.foremost])
 
 
 @dataclass(frozen=True, eq=False)

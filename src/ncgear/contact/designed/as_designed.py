@@ -11,11 +11,11 @@ from ncgear.contact.designed.clearance import TipClearance, tip_clearances
 from ncgear.contact.designed.curves import Contacts, SidePaths, side_paths
 from ncgear.contact.designed.edges import EdgeHits, edge_contacts, edge_hits, first_edge_contacts
 from ncgear.contact.designed.flanks import (
-    TOUCHING_IN_PITCHES,
     FlankContacts,
     PairsInContact,
     flank_contacts,
     foremost_two,
+    touching_mm,
 )
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, URGE, Meetings, Placement, meetings, single_meetings
 from ncgear.errors import NoSuchMechanism
@@ -194,9 +194,9 @@ def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
     paths = _paths_of(teeth)
 
     def touch(placement: Placement) -> PairTouch:
-        touching_mm = TOUCHING_IN_PITCHES * placement.pitch_mm
-        found = _candidates(teeth, paths, placement, single_meetings(teeth, placement), touching_mm)
-        contacts = _contacts_among(found, touching_mm)
+        within_mm = touching_mm(placement)
+        found = _candidates(teeth, paths, placement, single_meetings(teeth, placement), within_mm)
+        contacts = _contacts_among(found, within_mm)
         return PairTouch(placement, *_touch(contacts, foremost_two(contacts, placement), placement))
 
     return touch
@@ -269,12 +269,11 @@ def _contacts_among(found: _Candidates, within_mm: Array | float) -> Contacts:
 
 def _rigid_contacts(found: _Candidates, placement: Placement) -> tuple[Contacts, Array]:
     """All contacts that touch or tell where flanks begin to, and the values of ``foremost_two``."""
-    touching_mm = TOUCHING_IN_PITCHES * placement.pitch_mm
-    contacts = _contacts_among(found, touching_mm)
+    contacts = _contacts_among(found, touching_mm(placement))
     foremost = foremost_two(contacts, placement)
     beside = found.flanks.beside_parted(foremost)
     if beside.any():
-        within_mm = np.where(beside, BESIDE_IN_PITCHES * placement.pitch_mm, touching_mm)
+        within_mm = np.where(beside, BESIDE_IN_PITCHES * placement.pitch_mm, touching_mm(placement))
         contacts = _contacts_among(found, within_mm)
         foremost = foremost_two(contacts, placement)
     return contacts, foremost
@@ -284,7 +283,7 @@ def _touch(contacts: Contacts, foremost: Array, placement: Placement) -> tuple[S
     """The first contacts among all, on pushing flanks and on their backs, by the values of ``foremost_two``."""
     later = foremost[0, contacts.side, contacts.position] - contacts.lead_rad
     first = _foremost(contacts, later <= ALIKE_RAD, placement)
-    touching = later * contacts.lever_mm <= TOUCHING_IN_PITCHES * placement.pitch_mm
+    touching = later * contacts.lever_mm <= touching_mm(placement)
     pushing, back = (
         SideTouch(side, contacts.kept(first[side]), contacts.kept(touching & (contacts.side == side)))
         for side in BOTH_SIDES

@@ -29,6 +29,12 @@ GAP = 1e-3
 """Share of a step between positions by which one pair must part before the next one meets to count as a gap.  Beside
 tip relief the lead is no straight line between positions; half a hundredth of a per cent of a pitch matters nowhere."""
 
+
+def touching_mm(placement: Placement) -> float:
+    """That distance for the teeth of a pair."""
+    return TOUCHING_IN_PITCHES * placement.pitch_mm
+
+
 NOWHERE_MM = 1e9
 """Height that no flank reaches, whatever its size; finite, so that differences of two are numbers."""
 
@@ -133,8 +139,7 @@ class FlankContacts:
         # The lead over the others goes smoothly through zero where flanks part, so that it may be interpolated.
         others = np.where((near.lead_rad >= first) & np.isfinite(second), second, first)
         closer = (
-            TOUCHING_IN_PITCHES * self.placement.pitch_mm
-            - np.where(np.isfinite(others), others - near.lead_rad, 0.0) * near.lever_mm
+            touching_mm(self.placement) - np.where(np.isfinite(others), others - near.lead_rad, 0.0) * near.lever_mm
         )
         if error_rad is not None:
             pressed_mm = (near.lead_rad - near.urge * error_rad[near.position]) * near.lever_mm
@@ -211,7 +216,7 @@ class FlankContacts:
         """At which positions or next to which flanks near contact do not touch, shape (2, n)."""
         near, parted = self.near, np.zeros(foremost.shape[1:], dtype=bool)
         behind_mm = (foremost[0, near.side, near.position] - near.lead_rad) * near.lever_mm
-        apart = ~(near.flanks & (behind_mm <= TOUCHING_IN_PITCHES * self.placement.pitch_mm))
+        apart = ~(near.flanks & (behind_mm <= touching_mm(self.placement)))
         parted[near.side[apart], near.position[apart]] = True
         beside: Mask = parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
         return beside

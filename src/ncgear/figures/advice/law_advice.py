@@ -215,7 +215,7 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
     fit = drive.design.fit
     found: list[Advice | NotJudged] = []
     for one in drive.passings:
-        ends = fit is not None and fit.driving_shaft == "ends" and one.standing.name.startswith("driving")
+        ends = fit is not None and fit.driving_shaft == "ends" and one.standing.about_driving_axis
         room, half, radius = one.room_mm, one.half_mm or 0.0, one.standing.radius_mm
         if one.part == CRANK_PIN or ends:
             continue
@@ -228,7 +228,6 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
         lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
         taken = drawn(radius, "mm")
-        shaft = one.standing.name.startswith("driving")
         found.append(
             Advice(
                 Kind.ROD,
@@ -239,7 +238,7 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
                 (
                     Remedy(
                         f"{lower}let the {one.standing.name} end below the {one.part}",
-                        changed({"fit.driving_shaft": "ends"}) if shaft else (),
+                        changed({"fit.driving_shaft": "ends"}) if one.standing.about_driving_axis else (),
                     ),
                 ),
                 brief=f"the {one.part} meets the {one.standing.name} at phi1 = {to_digits(at, 4)} deg",

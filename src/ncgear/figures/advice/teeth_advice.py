@@ -8,8 +8,9 @@ from math import degrees
 from typing import NamedTuple
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
+from ncgear.figures.advice.assembly_advice import jams
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
-from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where, changed
+from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import MICRORAD, micrometres, to_digits
 from ncgear.numerics.arrays import Mask
 from ncgear.project.alternatives import (
@@ -244,7 +245,8 @@ def thrust(drive: Drive) -> Advice | None:
     )
 
 
-JUDGES: dict[Kind, Callable[[Drive], Iterable[Advice | None]]] = {
+JUDGES: dict[Kind, Callable[[Drive], Iterable[Advice | NotJudged | None]]] = {
+    Kind.JAMS: lambda drive: (jams(drive),),
     Kind.CONTACT_RATIO: lambda drive: (contact_ratio(drive),),
     Kind.UNDERCUT: lambda drive: (undercut(drive),),
     Kind.POINTED: lambda drive: (pointed(drive),),

@@ -10,7 +10,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from enum import IntEnum, StrEnum
-from itertools import groupby
 from typing import Any
 
 from ncgear.design.keys.base import listed
@@ -97,12 +96,6 @@ def _of_teeth(kind: Kind) -> Judge:
     return judge
 
 
-def _assembled(drive: Drive) -> Iterable[Found]:
-    from ncgear.figures.advice.assembly_advice import jams
-
-    return (jams(drive),)
-
-
 CONDITIONS: dict[Kind, Condition] = {
     Kind.MADE: Condition(
         "making the gears", "the gears can be made", _gears, lambda _: (), Known.TEETH, _one(made_advice.made)
@@ -115,7 +108,9 @@ CONDITIONS: dict[Kind, Condition] = {
         Known.TEETH,
         _one(strength_advice.rough),
     ),
-    Kind.JAMS: Condition("assembly", "the gears can be put together and turn", _gears, _assembled, Known.TEETH),
+    Kind.JAMS: Condition(
+        "assembly", "the gears can be put together and turn", _gears, _of_teeth(Kind.JAMS), Known.TEETH
+    ),
     Kind.CONTACT_RATIO: Condition(
         "contact", "flanks touch at every position", _gears, _of_teeth(Kind.CONTACT_RATIO), Known.TEETH
     ),
@@ -256,8 +251,11 @@ class Verdict:
     @property
     def not_judged(self) -> str:
         """What was not judged, and why, in a sentence; empty where all was."""
-        left = [row for row in self.rows if row.state is State.NOT_JUDGED]
-        parts = [f"{listed(self._names(group), 'and')} ({why})" for why, group in _grouped(left)]
+        left: dict[str, list[Judged]] = {}
+        for row in self.rows:
+            if row.state is State.NOT_JUDGED:
+                left.setdefault(row.why, []).append(row)
+        parts = [f"{listed(self._names(rows), 'and')} ({why})" for why, rows in left.items()]
         return f"Not judged: {'; '.join(parts)}" if parts else ""
 
     def _names(self, rows: Sequence[Judged]) -> list[str]:
@@ -296,13 +294,6 @@ def together(verdicts: Iterable[Verdict]) -> Verdict:
     rows = {(row.kind, row.stage): row for verdict in verdicts for row in verdict.rows}
     serious = list(CONDITIONS)
     return Verdict(tuple(sorted(rows.values(), key=lambda row: (serious.index(row.kind), row.stage or 0))))
-
-
-def _grouped(rows: Sequence[Judged]) -> list[tuple[str, list[Judged]]]:
-    """Rows by why they were not judged, in the order of the first of each."""
-    reasons = list(dict.fromkeys(row.why for row in rows))
-    ordered = sorted(rows, key=lambda row: reasons.index(row.why))
-    return [(why, list(group)) for why, group in groupby(ordered, key=lambda row: row.why)]
 
 
 def judged(drive: Drive, known: Known, found: Sequence[Advice] = ()) -> Verdict:

@@ -108,9 +108,13 @@ def _missing(one: ComparedGear) -> list[Fault]:
     teeth = one.deviations.missing_teeth
     if not teeth:
         return []
-    named = ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
-    what = f"{one.gear.value} gear: flanks without points at {len(teeth)} teeth ({named}), taken as exact"
+    what = f"{one.gear.value} gear: flanks without points at {len(teeth)} teeth ({_first(teeth)}), taken as exact"
     return [Fault(what, ("measure them",))]
+
+
+def _first(teeth: list[int]) -> str:
+    """The numbers of the first of some teeth."""
+    return ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
 
 
 def _alone(one: ComparedGear) -> list[Fault]:
@@ -118,10 +122,9 @@ def _alone(one: ComparedGear) -> list[Fault]:
     if not points:
         return []
     teeth = list(dict.fromkeys(point.tooth for point in points))
-    named = ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
     many = f"{len(points)} points stand" if len(points) > 1 else "1 point stands"
     off, at = micrometres(abs(points[0].off_mm)), "teeth" if len(teeth) > 1 else "tooth"
-    what = f"{one.gear.value} gear: {many} alone, by up to {off} at {at} {named}; not counted"
+    what = f"{one.gear.value} gear: {many} alone, by up to {off} at {at} {_first(teeth)}; not counted"
     return [Fault(what, ("clean it and measure again", "measured.json has each"))]
 
 

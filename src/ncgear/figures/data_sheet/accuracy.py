@@ -5,7 +5,7 @@ from __future__ import annotations
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.numbers import drawn
 from ncgear.project.drive import Drive
-from ncgear.tolerances.iso286 import hole_text, standard_tolerance_mm
+from ncgear.tolerances.iso286 import distance_deviation_mm, hole_text
 
 
 def tolerances(drive: Drive) -> tuple[Entry, ...]:
@@ -33,10 +33,8 @@ def distance_text(drive: Drive) -> str | None:
     """How far the centre distance may be off, either way, in mm; None where neither the file nor the standard says."""
     given, assembly, size_mm = drive.gears.tolerances, drive.design.tolerances, drive.pitch.center_distance_mm
     own = given.center_distance_mm or (assembly.center_distance_mm if assembly else 0.0)
-    standard = standard_tolerance_mm(7, size_mm)
-    if not own and standard is None:
-        return None
-    return f"\u00b1{drawn(own or (standard or 0.0) / 2.0, 'mm')}"
+    deviation = own or distance_deviation_mm(size_mm)
+    return None if deviation is None else f"\u00b1{drawn(deviation, 'mm')}"
 
 
 def bore_text(drive: Drive, diameter_mm: float) -> str:
