@@ -906,6 +906,10 @@ def test_all_of_the_variance_is_that_of_a_single_source(source: str, run: Run, t
         assert [(one["source"], one["first"], one["total"]) for one in found] == [(source, 1.0, 1.0)]
     assert "100 %" in said
     assert "Tolerances: none" not in said
+    # What deviates is named once
+    (named,) = (line for line in said.splitlines() if line.startswith("Tolerances: "))
+    words = [word.removeprefix("single ") for word in named.removeprefix("Tolerances: ").split(", ")]
+    assert len({word.partition(" ")[0] for word in words}) == len(words)
     # Each figure told to vary does so in the single assemblies, and no other does.
     table = np.genfromtxt(tmp_path / "made" / "assemblies.csv", delimiter=",", names=True)
     for name in ("least_play_mm", "transmission_error_mm"):

@@ -249,6 +249,7 @@ ACTING: dict[str, dict[str, Any]] = {
     "formula": {"resistance": {"expression_n": "20*max(0, x - 60)"}},
     "table": {"resistance": {"table": {"displacement_mm": [0, 50, 90, 120], "force_n": [0, 0, 1, 500]}}},
     "returning": {"resistance": {"polynomial_n": [60], "returning": {"expression_n": "max(0, 5*x - 300)"}}},
+    "friction": {"resistance": {"friction_n": 20}},
     "kept": {"resistance": {"expression_n": "-3 - x", "where_negative": "keep"}},
     "place": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 20}]}},
     "speed": {"wishes": {"speed_at": [{"at_mm": 30, "at_most_mm_s": 300}]}},
@@ -268,6 +269,13 @@ def test_what_changes_something_is_not(name: str) -> None:
     """Negative control."""
     verdict = verdict_of(Known.MOTION, **ACTING[name])
     assert states(verdict).get(Kind.WITHOUT_EFFECT, State.KEPT) is State.KEPT
+
+
+def test_a_silent_force_beside_friction_is_told_by_its_own_key() -> None:
+    silent = {"friction_n": 20, "expression_n": "20*max(0, x - 90)", "returning": {"polynomial_n": [0]}}
+    told = found(verdict_of(Known.MOTION, resistance=silent), Kind.WITHOUT_EFFECT)
+    assert len(told) == 1
+    assert told[0].startswith("resistance.expression_n and resistance.returning.polynomial_n never act: ")
 
 
 def test_a_silent_force_leaves_the_power_as_it_is_without_it() -> None:

@@ -11,8 +11,6 @@ def limit_words(given: AssemblyTolerances) -> list[str]:
     """What deviates, by its largest value."""
     driving, driven, warm = given.driving, given.driven, given.temperature
     words = [
-        _both("pitch \u00b1{} mm", driving.single_pitch_mm or 0.0, driven.single_pitch_mm or 0.0),
-        _both("profile \u00b1{} mm", driving.profile_mm or 0.0, driven.profile_mm or 0.0),
         f"centre distance \u00b1{given.center_distance_mm:g} mm" if given.center_distance_mm else "",
         _both("bores off by {} mm", driving.eccentricity_mm, driven.eccentricity_mm),
         _both("tilted by {} deg", driving.tilt_deg, driven.tilt_deg),

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ncgear.design.keys.base import listed
+from ncgear.design.keys.base import Model, listed
 from ncgear.design.keys.machine import LoadTable
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.numbers import to_digits
@@ -27,27 +27,22 @@ MARGIN = 1.05
 
 def without_effect(drive: Drive) -> Iterator[Advice]:
     """What is given and changes nothing; points of a table that lie beyond the stroke are a remark."""
-    silent = [key for returning, key in _curves(drive) if _is_silent(drive, returning)]
-    if drive.design.resistance is not None and all(_is_silent(drive, returning) for returning in (False, True)):
-        silent = ["resistance"]
-    if silent:
+    if silent := _silent(drive):
+        never = "never acts" if len(silent) == 1 else "never act"
         yield _advice(
-            f"{listed(silent, 'and')} never acts: the force is zero over the whole stroke, 0..{_stroke(drive)}",
+            f"{listed(silent, 'and')} {never}: the force is zero over the whole stroke, 0..{_stroke(drive)}",
             "power and torque count no such force",
             f"give a force within 0..{_stroke(drive)}, in the file's displacement",
         )
     yield from _beyond(drive)
-    always = [f"wishes.{key}" if "." not in key else key for key in _kept_by_all(drive)]
-    if always:
+    if always := _kept_by_all(drive):
         yield _advice(
             f"{listed(always, 'and')}: every law keeps {'it' if len(always) == 1 else 'them'}",
             "it asks nothing of the law" if len(always) == 1 else "they ask nothing of the law",
             "give a narrower bound, or leave it out",
         )
-    needs = {"tolerances": "gears", "fit": "gears"} if drive.design.gears is None else {}
-    for section, missing in needs.items():
-        if getattr(drive.design, section, None) is not None:
-            yield _advice(f"{section} are given without {missing}", "no figure counts them", f"give {missing}")
+    if drive.design.gears is None and drive.design.tolerances is not None:
+        yield _advice("tolerances are given without gears", "no figure counts them", "give gears")
 
 
 def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:
@@ -60,18 +55,25 @@ def _stroke(drive: Drive) -> str:
     return f"{to_digits(place.factor * drive.linkage.stroke_mm, 5)} {place.text}"
 
 
-def _curves(drive: Drive) -> list[tuple[bool, str]]:
-    """The strokes for which the file gives a force, and the keys of it."""
+def _forces(drive: Drive) -> list[tuple[str, bool, Model | None]]:
+    """The keys of the forces out and back, whether it is the way back, and what the file says of them."""
+    given = drive.design.resistance
+    return [("resistance", False, given), ("resistance.returning", True, getattr(given, "returning", None))]
+
+
+def _silent(drive: Drive) -> list[str]:
+    """The keys of forces that are zero over the whole stroke; the whole section's where no friction acts either."""
     given = drive.design.resistance
     if given is None:
         return []
-    own = any(getattr(given, form, None) is not None for form in given.FORMS)
-    back = getattr(given, "returning", None) is not None
-    return [*([(False, "resistance")] if own else []), *([(True, "resistance.returning")] if back else [])]
+    silent = [(key, part) for key, returning, part in _forces(drive) if _is_silent(drive, returning)]
+    if len(silent) == 2 and not drive.machine.load.friction_n:
+        return ["resistance"]
+    return [f"{key}.{form}" for key, part in silent for form in given.FORMS if getattr(part, form, None) is not None]
 
 
 def _is_silent(drive: Drive, returning: bool) -> bool:
-    """Whether a force is zero over the whole stroke: between its turns it is monotone."""
+    """Whether the force of a stroke, friction apart, is zero all over it: between its turns it is monotone."""
     curve, stroke = drive.machine.load.on(returning), drive.linkage.stroke_mm
     places = np.concatenate([[0.0], curve.turns_mm(stroke), curve.zeros_mm(stroke), [stroke]])
     return not np.any(curve.force_n(places))
@@ -79,9 +81,8 @@ def _is_silent(drive: Drive, returning: bool) -> bool:
 
 def _beyond(drive: Drive) -> Iterator[Advice]:
     """Points of a table that lie so far outside the stroke that the force within it does not know them."""
-    given, stroke = drive.design.resistance, drive.linkage.OUTPUT.place.factor * drive.linkage.stroke_mm
-    parts = {"resistance": given, "resistance.returning": getattr(given, "returning", None)}
-    for key, part in parts.items():
+    stroke = drive.linkage.OUTPUT.place.factor * drive.linkage.stroke_mm
+    for key, _, part in _forces(drive):
         table = getattr(part, "table", None)
         if not isinstance(table, LoadTable):
             continue
