@@ -11,7 +11,11 @@ import pytest
 from commands import ROOT, Outcome, Run, on_text, simulated, simulated_table
 from drives import drive_of_text
 from ncgear.dynamics.crank_load import reduced_inertia
+from ncgear.design.keys.masses import Simulation
+from ncgear.errors import WrongInput
 from ncgear.numerics.jet import Jet
+from ncgear.project.drive import Drive
+from ncgear.project.forces import require_possible_stiffness
 
 DESIGN = ROOT / "designs" / "baler-dynamics.yaml"
 
@@ -229,16 +233,53 @@ def test_a_load_too_heavy_for_the_teeth_is_refused(run: Run) -> None:
     assert "deeper than their teeth can be followed" in err
 
 
-ABSURD = {"3": "too soft", "0.002": "too soft", "5e13": "are so stiff", "1e280": "are so stiff"}
-"""Stiffnesses in N of a pair 1 mm deep in each other, and what is said of them: steel has some 1e5."""
+IMPOSSIBLE = {"0.002": "so soft", "5e7": "so stiff", "5e13": "so stiff", "1e280": "so stiff"}
+"""Stiffnesses in N of a pair 1 mm deep in each other that no teeth have: steel has some 1e5."""
 
 
-@pytest.mark.tiers(thorough=["quasi_static-3"], rest="slow")
-@pytest.mark.parametrize("given", ABSURD)
-@pytest.mark.parametrize("level", ["quasi_static"])
-def test_a_stiffness_out_of_proportion_is_named(run: Run, level: str, given: str) -> None:
-    """And not the friction, which is an ordinary one; the stiffness that is called right is."""
+@pytest.mark.parametrize("given", IMPOSSIBLE)
+@pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
+def test_a_stiffness_that_no_teeth_have_is_refused_before_teeth_are_made(
+    run: Run, level: str, given: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Drive, "teeth", property(lambda drive: pytest.fail("teeth are made")))
     status, _, err = run(f"{HEAD}simulation: {{stiffness_n_mm: {given}}}\n", level)
+    assert status == 2
+    assert f"d.yaml:8:14: simulation.stiffness_n_mm: {float(given):g} given" in err
+    assert IMPOSSIBLE[given] in err
+    right = re.search(r"; (\S+) or (more|less) is right", err)
+    assert right is not None
+    assert (float(right[1]) > float(given)) == (right[2] == "more")
+    require_possible_stiffness(Simulation(stiffness_n_mm=float(right[1])), 10.0)
+
+
+@pytest.mark.parametrize(("exponent", "most"), [(1.0, 20.0), (2.2, 20.0 * 1000.0**1.2)])
+def test_a_stiffness_is_refused_that_is_too_great_even_at_a_micrometre(exponent: float, most: float) -> None:
+    """By the stiffness of ISO 6336-1, 14 N/(mm um), of 8 mm; one per cent more is refused."""
+    stiffness = most * 14e3 * 8.0
+    require_possible_stiffness(Simulation(stiffness_n_mm=stiffness, exponent=exponent), 8.0)
+    with pytest.raises(WrongInput, match="so stiff"):
+        require_possible_stiffness(Simulation(stiffness_n_mm=1.01 * stiffness, exponent=exponent), 8.0)
+
+
+@pytest.mark.slow
+def test_teeth_of_diamond_and_of_rubber_are_possible() -> None:
+    """Of 1050 GPa and of 2 MPa: they are to teeth of steel, where these are stiffest and softest, as their moduli."""
+    steel = drive_of_text(HEAD).meshing.gaps.touching_stiffness
+    for stiffness in (float(steel.max()) * 1050e3 / 206e3, float(steel.min()) * 2.0 / 206e3):
+        require_possible_stiffness(Simulation(stiffness_n_mm=stiffness), 10.0)
+
+
+ABSURD = {"3": "too soft", "2.5e6": "are so stiff"}
+"""Stiffnesses that teeth of some material have, and not these under their load, and what is said of them."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("given", ABSURD)
+def test_a_stiffness_out_of_proportion_is_named(run: Run, given: str) -> None:
+    """And not the friction, which is an ordinary one; the stiffness that is called right is."""
+    light = HEAD if given == "3" else HEAD.replace("[400]", "[4]").replace("slider_kg: 1", "slider_kg: 0.01")
+    status, _, err = run(f"{light}simulation: {{stiffness_n_mm: {given}}}\n", "quasi_static")
     assert status == 3
     assert ": simulation.stiffness_n_mm: " in err
     assert ABSURD[given] in err
@@ -246,7 +287,8 @@ def test_a_stiffness_out_of_proportion_is_named(run: Run, level: str, given: str
     if "stiff that" in err:
         right = re.search(r"at most; (\S+) or less is right", err)
         assert right is not None
-        assert run(f"{HEAD}simulation: {{stiffness_n_mm: {right[1]}}}\n", level)[0] == 0
+        drive = drive_of_text(f"{light}simulation: {{stiffness_n_mm: {right[1]}}}\n")
+        assert drive.loaded_contact.tooth_force_n.max() > 0.0
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ncgear.cli.progress import counted
-from ncgear.errors import DesignError
+from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
@@ -116,8 +116,10 @@ def naming_what_helps(drive: Drive, option: str = OPTION) -> Iterator[None]:
 
 def _search(drive: Drive, error: DesignError) -> Mending | None:
     """The search for what helps; None where the error is not about teeth."""
-    from ncgear.project.mending import refusal_of_teeth, searched
+    from ncgear.project.mending import ROOT_RADIUS, refusal_of_teeth, searched
 
+    if isinstance(error, WrongInput) and error.key != ROOT_RADIUS:
+        return None
     try:
         refusal = refusal_of_teeth(drive)
     except DesignError:

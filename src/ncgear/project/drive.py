@@ -193,7 +193,14 @@ class Drive(Geared):
 
     @computed
     def meshing(self) -> Meshing:
-        """The straight teeth of the pair under load; raises where they are helical or their contact is not sound."""
+        """The straight teeth of the pair under load; raises where they are helical or their contact is not sound.
+
+        A stiffness is refused that no teeth have, before teeth are made.
+        """
+        from ncgear.project.forces import require_possible_stiffness
+
+        with located(self.places):
+            require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
         self.require_straight_sound_teeth()
         return self._any_meshing
 

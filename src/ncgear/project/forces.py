@@ -22,10 +22,42 @@ from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
+from ncgear.strength.stiffness import ISO_N_MM_UM
 from ncgear.teeth.gear import ToothedPair
 
 SAMPLES = 720
 """Angles of a turn over which inertias are averaged."""
+
+STIFFEST, SOFTEST = 20.0, 1e-6
+"""Stiffness of pairs of teeth that can be, in that of ISO 6336-1 for steel.  Diamond has five times the modulus of
+steel, and teeth of steel are at most 1.8 times as stiff as ISO's; rubber has some 1e-5 of the modulus."""
+
+DEPTHS_MM = (1e-3, 1.0)
+"""Depths between which teeth bear their loads: a law of impact is possible whose force is that of possible teeth at
+any of them."""
+
+
+ROUNDED = 1.005
+"""By how much a stiffness may be beyond what can be: what is told to be right is rounded to three digits."""
+
+STIFFNESS = "simulation.stiffness_n_mm"
+
+
+def require_possible_stiffness(given: Simulation, face_width_mm: float) -> None:
+    """Refuse a given stiffness that teeth of no material have; raises WrongInput with one that they may have."""
+    if (stiffness := given.stiffness_n_mm) is None:
+        return
+    steel = 1e3 * ISO_N_MM_UM * face_width_mm
+    least, most = (depth ** (1.0 - given.exponent) for depth in reversed(DEPTHS_MM))
+    least, most = SOFTEST * steel * least, STIFFEST * steel * most
+    if least <= ROUNDED * stiffness and stiffness <= ROUNDED * most:
+        return
+    never, right = ("soft", f"{least:.3g} or more") if stiffness < least else ("stiff", f"{most:.3g} or less")
+    raise WrongInput(
+        f"{stiffness:g} given, but no teeth of {face_width_mm:g} mm face width are so {never}, those of steel have "
+        f"about {steel:.2g} N/mm; {right} is right",
+        key=STIFFNESS,
+    )
 
 
 def meshing_of(
@@ -39,7 +71,7 @@ def meshing_of(
     friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
     stiffness = own if constant is None else lambda places: np.full(places.flanks.shape, constant)
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, given.full_damping_depth_mm)
-    gaps, key = gaps_of(teeth, pitch, stiffness, sides=sides), constant and "simulation.stiffness_n_mm"
+    gaps, key = gaps_of(teeth, pitch, stiffness, sides=sides), constant and STIFFNESS
     return Meshing(law_table(pitch.transmission), gaps, impact, friction, key or None)
 
 
