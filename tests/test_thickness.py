@@ -1,17 +1,21 @@
 """Teeth in the middle of the thickness that a file allows: written outlines, play and contact over the band.
 
-Judges: pins that shapely lays into outlines read back by ezdxf and trimesh, gears that shapely turns until they meet,
+Judges: pins that shapely lays into outlines read back by ezdxf and trimesh, or from XML and Part 21 text, gears that shapely turns until they meet,
 and the same designs without a deviation.
 """
 
 from __future__ import annotations
 
+import json
 import re
 from functools import cache
+from importlib.util import find_spec
 from math import cos, radians
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
+from xml.etree import ElementTree
+from zipfile import ZipFile
 
 import ezdxf
 import numpy as np
@@ -27,6 +31,7 @@ from ncgear.files.workshop.formats import Format
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.teeth.gear import toothed_pair
+from oracles.part21 import Part21
 from oracles.pins import over_pins
 
 Array = np.ndarray
@@ -52,11 +57,15 @@ def changed(name: str, band: tuple[float, float] | None, **gears: Any) -> Drive:
     return Drive(design_of({**data, "gears": own, "output": {"chord_tolerance_mm": CHORD_MM}}))
 
 
+SOLIDS = (Format.THREEMF, Format.GLB, *([Format.STEP] if find_spec("OCP") else []))
+"""Kinds of solids beside STL, as far as this installation writes them."""
+
+
 @cache
 def written(name: str, *, nominal: bool = False) -> Path:
     """The folder of a design as a user builds it, with its band or without a deviation."""
     folder = Path(mkdtemp(prefix="ncgear-test-"))
-    build(changed(name, None if nominal else BANDS[name]), folder, lambda step: None, [Format.DXF])
+    build(changed(name, None if nominal else BANDS[name]), folder, lambda step: None, [Format.DXF, *SOLIDS])
     return folder
 
 
@@ -67,12 +76,48 @@ def read_dxf(folder: Path, gear: str) -> Array:
     return points[:-1] if np.allclose(points[0], points[-1]) else points
 
 
-def read_stl(folder: Path, gear: str) -> Array:
-    """The tooth outline of a gear's STL file at the middle of its height."""
-    solid = trimesh.load(folder / f"{gear}.stl")
+def middle(solid: trimesh.Trimesh) -> Array:
+    """The tooth outline of an upright solid 2.5 mm above its lower end."""
     section = solid.section(plane_origin=[0.0, 0.0, 2.5], plane_normal=[0.0, 0.0, 1.0])
     rings = [np.asarray(ring)[:-1, :2] for ring in section.discrete]
     return max(rings, key=len)
+
+
+def read_stl(folder: Path, gear: str) -> Array:
+    return middle(trimesh.load(folder / f"{gear}.stl"))
+
+
+def read_3mf(folder: Path, gear: str) -> Array:
+    """The gear of the assembled print in its own frame, by the numbers that its XML holds."""
+    root = ElementTree.fromstring(ZipFile(folder / "pair.3mf").read("3D/3dmodel.model"))
+    assert root.get("unit") == "millimeter"
+    (place,) = (one for one in root.findall(".//{*}item") if one.get("partnumber") == gear)
+    (part,) = (one for one in root.findall(".//{*}object") if one.get("id") == place.get("objectid"))
+    turned = (place.get("transform") or "1 0 0 0 1 0 0 0 1 0 0 0").split()[:9]
+    assert [float(one) for one in turned] == np.eye(3).ravel().tolist()
+    points = [[float(one.get(axis)) for axis in "xyz"] for one in part.findall(".//{*}vertex")]
+    triangles = [[int(one.get(f"v{corner}")) for corner in (1, 2, 3)] for one in part.findall(".//{*}triangle")]
+    return middle(trimesh.Trimesh(points, triangles))
+
+
+def read_glb(folder: Path, gear: str) -> Array:
+    """The gear of the scene, which has metres and y upwards, in its own frame."""
+    distance = json.loads((folder / "summary.json").read_text())["pitch"]["center_distance_mm"]
+    scene = trimesh.load(folder / "pair.glb")
+    place, geometry = scene.graph[gear]
+    x, y, z = 1000.0 * trimesh.transform_points(scene.geometry[geometry].vertices, place).T
+    points = np.column_stack([x - (distance if gear == "driven" else 0.0), -z, y])
+    return middle(trimesh.Trimesh(points, scene.geometry[geometry].faces))
+
+
+def read_step(folder: Path, gear: str) -> Array:
+    """The loop of most points of the lower end of the gear's STEP file."""
+    file = Part21((folder / f"{gear}.step").read_bytes())
+    (solid,) = file.of("MANIFOLD_SOLID_BREP")
+    flat = [face for face in file.faces(solid) if file.surface(face).name == "PLANE"]
+    (end,) = (face for face in flat if file.height(file.surface(face)) == 0.0)
+    ring = max(file.loops(end, 33), key=len)[:, :2]
+    return ring[np.append(True, np.abs(np.diff(ring, axis=0)).max(axis=1) > 1e-9)]
 
 
 def read_csv(folder: Path, gear: str) -> Array:
@@ -80,6 +125,8 @@ def read_csv(folder: Path, gear: str) -> Array:
 
 
 READERS = {"dxf": read_dxf, "stl": read_stl, "csv": read_csv}
+
+SOLID_READERS = {Format.THREEMF: read_3mf, Format.GLB: read_glb, Format.STEP: read_step}
 
 
 def rows_of(sheet: str, title: str) -> Array:
@@ -112,7 +159,7 @@ def off_the_middle(folder: Path, gear: str, outline: Array, *, ring: bool) -> Ar
 def test_written_outlines_lie_in_the_middle_of_the_sheets_band(name: str, gear: str) -> None:
     folder, ring = written(name), name.startswith("internal") and gear == "driven"
     assert len(told(folder, gear)[2]) > 5
-    for read in READERS.values():
+    for read in (*READERS.values(), *(SOLID_READERS[kind] for kind in SOLIDS)):
         assert np.abs(off_the_middle(folder, gear, read(folder, gear), ring=ring)).max() < 0.15
     # The negative control: teeth without the deviation are outside everywhere.
     nominal = off_the_middle(folder, gear, read_csv(written(name, nominal=True), gear), ring=ring)
