@@ -22,7 +22,7 @@ from shapely import LineString, Polygon
 from svgelements import SVG, Matrix, Shape
 from svgelements import Text as SvgText
 
-from drives import drive, drive_of_text
+from drives import design_of, drive, drive_of_text, loaded
 from ncgear.drawings.plots.coloured_teeth import tooth_rows
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
@@ -30,9 +30,10 @@ from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.files import drawing_files
 from ncgear.files.workshop.sheets.pair_sheets import sheets_of
 from ncgear.files.workshop.sheets.pdf import pdf_bytes
-from ncgear.files.workshop.sheets.sheet import Ring, Sheet, Text, text_width_mm
+from ncgear.files.workshop.sheets.sheet import Dimension, Ring, Sheet, Text, text_width_mm
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
 from ncgear.project.measured import measured_gears
 from test_workshop_files import strayed_mm
 
@@ -337,6 +338,20 @@ def test_holes_of_any_kind_have_their_diameter() -> None:
         (10.0, 19.0, 8.0), abs=2e-6
     )
     assert drive("printed-pump").solids.driving.plan.bore.diameter_mm == pytest.approx(8.1)  # type: ignore[union-attr]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("asked", "limits"), [({}, "H7 (0 to +0.015)"), ({"crank_pin_fit": "H9"}, "H9 (0 to +0.036)")])
+def test_the_hole_of_the_crank_pin_has_diameter_and_fit(asked: dict[str, str], limits: str) -> None:
+    """8 mm as it shall come out, though a print makes it wider: IT7 is 15 and IT9 36 micrometres from 6 to 10 mm."""
+    data = loaded("pump-1-2").data
+    gears = {**data["gears"], "tolerances": asked, "process_clearance_mm": 0.05}
+    one = Drive(design_of({**data, "gears": gears}))
+    assert one.solids.driven.plan.crank_pin.diameter_mm == pytest.approx(8.1)  # type: ignore[union-attr]
+    items = sheets_of(one)["driven"].items
+    sizes = {item.text.words: item.value_mm for item in items if isinstance(item, Dimension)}
+    assert sizes[f"\u00d88 {limits} hole for the crank pin"] == pytest.approx(8.0, abs=1e-9)
+    assert limits in {item.words for item in items if isinstance(item, Text)}
 
 
 HOLED = """\

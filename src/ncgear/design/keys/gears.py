@@ -212,6 +212,7 @@ class Tolerances(Model):
     )
     bore_fit: Fit = Field(default="H7", description="fit of both bores, of ISO 286")
     index_hole_fit: Fit = Field(default="H7", description="fit of both index holes, of ISO 286")
+    crank_pin_fit: Fit = Field(default="H7", description="fit of the crank pin's hole in the driven gear, of ISO 286")
     general: Literal["f", "m", "c", "v"] = Field(
         default="m", description="class of ISO 2768-1 for sizes without a tolerance: f (fine), m, c or v (very coarse)"
     )

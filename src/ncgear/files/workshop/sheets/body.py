@@ -67,6 +67,9 @@ def finished(drive: Drive, gear: Gear) -> BodyPlan:
         index_hole=replace(plan.index_hole, diameter_mm=plan.index_hole.diameter_mm + wider)
         if plan.index_hole
         else None,
+        crank_pin=replace(plan.crank_pin, diameter_mm=plan.crank_pin.diameter_mm - 2.0 * off)
+        if plan.crank_pin
+        else None,
         lightening_holes=tuple(replace(hole, diameter_mm=hole.diameter_mm + wider) for hole in plan.lightening_holes),
         clearance_mm=0.0,
     )

@@ -49,6 +49,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.measured import MeasuredGear
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedGear
+from ncgear.tolerances.iso286 import hole_text
 
 SIDE_MM, ABOVE_MM = 17.0, 11.0
 """Room left and right of a gear's view, and above and below it, for numbers, leaders and dimensions."""
@@ -222,10 +223,17 @@ def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: View) -> N
         for size_mm, holes in by_size.items():
             count = f"{len(holes)} \u00d7 " if len(holes) > 1 else ""
             # Lightening holes need no name.
-            name = "" if layer is Layer.LIGHTENING_HOLES else f" {layer.content.partition(';')[0]}"
-            fit = f" {drive.gears.tolerances.index_hole_fit}" if layer is Layer.INDEX_HOLE else ""
-            words = f"{count}\u00d8{drawn(size_mm, 'mm')}{fit}{name}"
+            name = "" if layer is Layer.LIGHTENING_HOLES else f" {layer.content.partition(';')[0].partition(',')[0]}"
+            words = f"{count}\u00d8{drawn(size_mm, 'mm')}{_fit(drive, layer, size_mm)}{name}"
             point_at_circle(board, view, holes, words)
+
+
+def _fit(drive: Drive, layer: Layer, size_mm: float) -> str:
+    """The fit of holes of a layer after their diameter; empty where the general tolerance holds."""
+    given = drive.gears.tolerances
+    if layer is Layer.CRANK_PIN:
+        return f" {hole_text(given.crank_pin_fit, size_mm)}"
+    return f" {given.index_hole_fit}" if layer is Layer.INDEX_HOLE else ""
 
 
 AROUND_RAD = tuple(np.radians([45.0, -45.0, 20.0, -20.0, 70.0, -70.0, 100.0, -100.0, 140.0, -140.0, 180.0, 0.0]))
