@@ -10,7 +10,8 @@ from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.page.page import report_page
 from ncgear.drawings.page.page_charts import PageChart, motion_charts
-from ncgear.files.build import contacts_as_written
+from ncgear.figures.advice.verdict import together
+from ncgear.files.build import contacts_as_written, verdicts_of
 from ncgear.project.drive import Drive
 
 
@@ -28,10 +29,11 @@ def motion(name: str) -> list[PageChart]:
 
 @cache
 def page(name: str) -> str:
-    return report_page(drive(name), loaded(name), contacts(name)).decode()
+    return report_page(drive(name), loaded(name), contacts(name), together(verdicts_of(drive(name)))).decode()
 
 
 def page_of(path: Path) -> str:
     """The report of a file without gears."""
     found = load(path)
-    return report_page(Drive(found.design), found, []).decode()
+    one = Drive(found.design)
+    return report_page(one, found, [], together(verdicts_of(one))).decode()

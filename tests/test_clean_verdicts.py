@@ -24,7 +24,7 @@ from ncgear.metrology.pins import over_two_pins
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import jamming_of
-from ncgear.project.strengthening import verdict_of
+from ncgear.project.strengthening import rating_of
 from ncgear.project.tolerance_limits import limits_of
 from ncgear.project.usual_tolerances import tolerances_of
 from ncgear.strength.holding import Damage
@@ -187,7 +187,7 @@ def contact(seen: Seen, row: Judged) -> Finding:
 def strength(seen: Seen, row: Judged) -> Finding:
     """The safeties that plane elements find."""
     try:
-        found = verdict_of(seen.drive, "elements")
+        found = rating_of(seen.drive, "elements")
     except DesignError:
         return None
     least = min(one.share for one in found.weakest if one.damage is Damage.BENDING)

@@ -351,7 +351,7 @@ def test_the_hole_of_the_crank_pin_has_diameter_and_fit(asked: dict[str, str], l
     items = sheets_of(one)["driven"].items
     sizes = {item.text.words: item.value_mm for item in items if isinstance(item, Dimension)}
     assert sizes[f"\u00d88 {limits} hole for the crank pin"] == pytest.approx(8.0, abs=1e-9)
-    assert limits in {item.words for item in items if isinstance(item, Text)}
+    assert f"{limits} mm" in {item.words for item in items if isinstance(item, Text)}
 
 
 HOLED = """\

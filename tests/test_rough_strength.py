@@ -15,7 +15,7 @@ from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import build_answer
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rolled_load, rough_strength, tooth_plan
-from ncgear.project.strengthening import known_verdict, verdict_of
+from ncgear.project.strengthening import known_rating, rating_of
 from ncgear.strength.conditions import FASTEST_M_S, Running, VibrationUnknown, dynamic_factor, face_load_factor_of_roots
 from ncgear.strength.holding import Damage
 from ncgear.strength.iso6336 import (
@@ -123,7 +123,7 @@ LOADED += ["quick-return-shaper", "rocker-drive", "scotch-yoke-pump", "uniform-c
 
 def ratios(made: Drive) -> dict[Damage | None, float]:
     """Rough over known least safety, by damage, and by None that of the least share of the wanted safeties."""
-    rough, known = rough_strength(made), verdict_of(made, "estimate").weakest
+    rough, known = rough_strength(made), rating_of(made, "estimate").weakest
     assert rough is not None
     assert not rough.unjudged
     if rough.needs_teeth:
@@ -172,7 +172,7 @@ def test_random_machines_beside_the_estimate_with_teeth() -> None:
 def test_other_teeth_beside_the_estimate_with_teeth(gears: str) -> None:
     """Each gear by itself: a shift makes the teeth of one stronger and those of the other weaker."""
     made = drive_of_text(ELLIPSE.replace("teeth: 40, module_mm: 2, face_width_mm: 12", gears))
-    rough, known = rough_strength(made), verdict_of(made, "estimate").weakest
+    rough, known = rough_strength(made), rating_of(made, "estimate").weakest
     assert rough is not None
     assert not rough.needs_teeth
     for one, other in zip(rough.safeties, known, strict=True):
@@ -186,7 +186,7 @@ def test_other_teeth_beside_the_estimate_with_teeth(gears: str) -> None:
 def test_each_pair_bears_what_the_teeth_do(torque: str) -> None:
     """At every position of the stroke that both look at, a quarter of a pitch apart: the two largest forces."""
     made = drive_of_text(ELLIPSE.replace("teeth: 40", "teeth: 28").replace("[1500]", torque))
-    loading, load, plan = verdict_of(made).loading, rolled_load(made), tooth_plan(made)
+    loading, load, plan = rating_of(made).loading, rolled_load(made), tooth_plan(made)
     contacts, compared = loading.contacts, 0
     for one in shared_loads(load, plan, made.running, made.materials):
         for column, phi1 in enumerate(one.load.phi1_rad):
@@ -292,11 +292,11 @@ def test_teeth_too_fast_for_the_dynamic_factor_are_judged_without_it() -> None:
     """As the same file with a dynamic factor of 1 has them: the largest tension of each gear, and K_V in its range is
     what it was."""
     made, still = drive_of_text(FAST), drive_of_text(FAST + "strength: {dynamic_factor: 1.0}\n")
-    refusal = known_verdict(made)
+    refusal = known_rating(made)
     assert isinstance(refusal, VibrationUnknown)
     told = strength_advice.strength(made)
     assert isinstance(told, NotJudged)
-    strength = verdict_of(still).strength
+    strength = rating_of(still).strength
     judged = beside_refusal(made, refusal)
     assert judged is not None
     assert [one.stress_mpa for one in judged.safeties] == pytest.approx(strength.stresses.tension_mpa.max(axis=1))

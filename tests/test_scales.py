@@ -26,7 +26,7 @@ from hard.case import drive_of
 from ncgear.design.keys import machine
 from ncgear.errors import WrongInput
 from ncgear.figures.answers.answer import COLUMNS
-from ncgear.files.build import contacts_as_written, summaries_without_files
+from ncgear.files.build import contacts_as_written, summaries_without_files, verdicts_of
 from ncgear.files.meshes import stl_bytes
 from ncgear.files.workshop.dxf import dxf_files
 from ncgear.files.workshop.gear_drawing import pair_drawings
@@ -148,7 +148,7 @@ def power_of(key: str) -> int:
 def told(data: Data) -> Data:
     """The summary of a build, without files."""
     drive = drive_of(data)
-    (summary,) = summaries_without_files(drive, contacts_as_written(drive, lambda step: None))
+    (summary,) = summaries_without_files(drive, contacts_as_written(drive, lambda step: None), verdicts_of(drive))
     return summary
 
 
@@ -185,10 +185,10 @@ def test_a_scaled_design_has_the_same_figures_scaled(name: str, factor: float) -
 def test_a_figure_that_does_not_scale_is_seen() -> None:
     """Negative control: with a force that stays, and with a module a hundredth off, figures differ."""
     data = {**MACHINE, "output": {"chord_tolerance_mm": 0.002}}
-    (one,) = summaries_without_files(drive_of({**data, "gears": None}), [])
+    (one,) = summaries_without_files(plain := drive_of({**data, "gears": None}), [], verdicts_of(plain))
     other = scaled({**data, "gears": None}, 0.1)
     other["resistance"] = {"polynomial_n": [0.4e-4, 2e-5 * 1.01, -1e-6]}
-    (found,) = summaries_without_files(drive_of(other), [])
+    (found,) = summaries_without_files(drive_of(other), [], verdicts_of(drive_of(other)))
     assert any("power" in said for said in apart(one, found, 0.1))
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from commands import ROOT, Outcome, Run, on_text, simulated, simulated_table
 from drives import drive_of_text
-from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.design.keys.masses import Simulation
+from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import WrongInput
 from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive

@@ -15,7 +15,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import Space, smallest_gears
-from ncgear.project.strengthening import SERIES_I_MM, verdict_of
+from ncgear.project.strengthening import SERIES_I_MM, rating_of
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor
 from ncgear.strength.iso6336 import CylindricalPair, elasticity_factor, nominal_contact_stress_mpa
@@ -88,7 +88,7 @@ def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float)
     first = found[0]
     assert first.volume_mm3 <= 1.05 * min(every)
     for one in found:
-        assert one.verdict.holds
+        assert one.rating.holds
         assert one.drive.pitch.center_distance_mm <= space_mm
         assert one.face_width_mm == least_width(one.teeth, one.module_mm)
         assert one.module_mm in SERIES_I_MM
@@ -170,7 +170,7 @@ def test_what_is_written_builds_what_was_found(run: Run, pretend: list[int]) -> 
         "gears.face_width_mm:",
         f"{design.gears.face_width_mm:g}",
     ]
-    assert verdict_of(Drive(design), "estimate").holds
+    assert rating_of(Drive(design), "estimate").holds
 
 
 @pytest.mark.slow
@@ -212,16 +212,16 @@ def test_gears_without_a_load_are_refused(run: Run) -> None:
 def test_with_the_real_estimate() -> None:
     """The first answer holds, and with a tenth less width or the next smaller module it does not."""
     given = drive_of_text(TEXT)
-    assert not verdict_of(given, "estimate").holds
+    assert not rating_of(given, "estimate").holds
     first = smallest_gears(given, Space())[0]
-    assert first.verdict.holds
+    assert first.rating.holds
     smaller = SERIES_I_MM[SERIES_I_MM.index(first.module_mm) - 1]
     for key, value in (("face_width_mm", 0.9 * first.face_width_mm), ("module_mm", smaller)):
         less = changed_drive(first.drive, {f"gears.{key}": value})
-        assert not verdict_of(less, "estimate").holds, key
+        assert not rating_of(less, "estimate").holds, key
     # The same gears, from the design file that is asked of the command, have the same safety.
-    again = verdict_of(changed_drive(given, first.changes), "estimate")
-    assert [one.safety for one in again.weakest] == [one.safety for one in first.verdict.weakest]
+    again = rating_of(changed_drive(given, first.changes), "estimate")
+    assert [one.safety for one in again.weakest] == [one.safety for one in first.rating.weakest]
 
 
 @pytest.mark.slow
@@ -230,10 +230,10 @@ def test_the_baler_that_holds() -> None:
     holds, weak = (drive(name) for name in ("baler-holds", "baler-half-dynamics"))
     assert holds.design.masses == weak.design.masses
     assert holds.design.motion == weak.design.motion
-    least = {one.damage: one.safety for one in sorted(verdict_of(holds).weakest, key=lambda one: -one.safety)}
+    least = {one.damage: one.safety for one in sorted(rating_of(holds).weakest, key=lambda one: -one.safety)}
     assert least[Damage.BENDING] == pytest.approx(2.17, rel=0.05)
     assert least[Damage.CONTACT] == pytest.approx(1.10, rel=0.05)
-    assert not verdict_of(weak).holds
+    assert not rating_of(weak).holds
 
 
 def test_gears_are_on_a_circle_of_their_module() -> None:
@@ -270,7 +270,7 @@ def test_gears_far_too_weak_to_be_rated_are_sized_all_the_same() -> None:
     text = TEXT.replace("width_mm: 16", "width_mm: {width}").replace("module_mm: 2", "module_mm: {module}")
     weak = drive_of_text(text.replace("{width}", "0.3").replace("{module}", "0.4"))
     with pytest.raises(NoSuchMechanism, match="presses the driven gear"):
-        verdict_of(weak, "estimate")
+        rating_of(weak, "estimate")
     found, others = smallest_gears(weak, Space()), smallest_gears(drive_of_text(TEXT), Space())
-    assert all(one.verdict.holds for one in found)
+    assert all(one.rating.holds for one in found)
     assert found[0].volume_mm3 == pytest.approx(others[0].volume_mm3, rel=0.25)

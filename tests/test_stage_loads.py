@@ -22,7 +22,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
-from ncgear.project.strengthening import known_verdict, unknown, verdict_of
+from ncgear.project.strengthening import known_rating, rating_of, unknown
 from ncgear.strength.holding import Damage, lives_of
 
 TEXT = """\
@@ -101,7 +101,7 @@ def test_the_shaft_between_turns_back_to_the_driving_shaft() -> None:
 @pytest.mark.parametrize(("text", "stage"), [(FIRST_EVEN, 2), (SECOND_EVEN, 1)], ids=["first even", "second even"])
 def test_beside_a_pair_that_turns_evenly_the_other_is_a_single_one(text: str, stage: int) -> None:
     one = made(text).by_stage[stage - 1]
-    alone, stage_verdict = verdict_of(made(SINGLE), "estimate"), verdict_of(one, "estimate")
+    alone, stage_verdict = rating_of(made(SINGLE), "estimate"), rating_of(one, "estimate")
     for mine, other in zip(stage_verdict.weakest, alone.weakest, strict=True):
         assert (mine.gear, mine.damage, mine.tooth) == (other.gear, other.damage, other.tooth)
     for gear in Gear:
@@ -110,7 +110,7 @@ def test_beside_a_pair_that_turns_evenly_the_other_is_a_single_one(text: str, st
             np.testing.assert_allclose(mine[damage].stress_mpa, other[damage].stress_mpa, rtol=1e-6, atol=1e-6)
             np.testing.assert_allclose(mine[damage].safety, other[damage].safety, rtol=1e-6)
     # Negative control: the pair that turns evenly bears other loads.
-    even = verdict_of(made(text).by_stage[2 - stage], "estimate")
+    even = rating_of(made(text).by_stage[2 - stage], "estimate")
     assert abs(even.weakest[0].safety / alone.weakest[0].safety - 1.0) > 0.01
 
 
@@ -136,7 +136,7 @@ def test_flanks_slide_as_fast_as_their_shafts_turn() -> None:
 def test_the_whole_has_no_strength_but_each_stage() -> None:
     one = made(SHARED)
     assert "each with a strength of its own" in str(unknown(one))
-    assert known_verdict(one) is None
+    assert known_rating(one) is None
     assert [unknown(pair) for pair in one.by_stage] == [None, None]
     with pytest.raises(WrongInput, match="two pairs of gears") as told:
         _ = one.tooth_load
@@ -238,7 +238,7 @@ def test_the_baler_in_two_stages() -> None:
     turns against the crank itself."""
     one, most = drive("baler-66-two-stage"), []
     for pair in one.by_stage:
-        contacts = verdict_of(pair).strength.contacts
+        contacts = rating_of(pair).strength.contacts
         places = contacts.on(Gear.DRIVEN)
         arm = np.abs(np.imag(np.conj(places.point) * places.inwards))
         positions, first, row = np.unique(contacts.position, return_index=True, return_inverse=True)

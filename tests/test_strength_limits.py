@@ -8,7 +8,7 @@ import pytest
 from drives import drive_of_text
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import verdict_of
+from ncgear.project.strengthening import rating_of
 
 CIRCLES = "law: uniform_crank"
 
@@ -34,7 +34,7 @@ strength: {{dynamic_factor: 1.0}}
 def test_ellipses_of_no_eccentricity_are_circles(method: str) -> None:
     """Radii of pitch curves differ by e = 1e-4, so stresses do by as much; at e = 0.2, the control, by far more."""
     circles, ellipses, control = (
-        verdict_of(made(law), method).weakest  # type: ignore[arg-type]
+        rating_of(made(law), method).weakest  # type: ignore[arg-type]
         for law in (CIRCLES, "law: ellipse, eccentricity: 1e-4", "law: ellipse, eccentricity: 0.2")
     )
     for one, other in zip(circles, ellipses, strict=True):
@@ -49,7 +49,7 @@ def test_ellipses_of_no_eccentricity_are_circles(method: str) -> None:
 @pytest.mark.judges("strength")
 def test_all_lengths_grown_alike_and_loads_by_their_square_leave_stresses_as_they_are() -> None:
     law = "law: ellipse, eccentricity: 0.3"
-    small, large = (verdict_of(made(law, scale), "estimate").strength for scale in (1.0, 10.0))
+    small, large = (rating_of(made(law, scale), "estimate").strength for scale in (1.0, 10.0))
     for gear in Gear:
         for kind in ("bending", "contact"):
             mine, other = (getattr(strength.of(gear), kind).stress_mpa for strength in (small, large))

@@ -1,7 +1,7 @@
 """Teeth in the middle of the thickness that a file allows: written outlines, play and contact over the band.
 
-Judges: pins that shapely lays into outlines read back by ezdxf and trimesh, or from XML and Part 21 text, gears that shapely turns until they meet,
-and the same designs without a deviation.
+Judges: pins that shapely lays into outlines read back by ezdxf and trimesh, or from the text of XML and Part 21, gears
+that shapely turns until they meet, and the same designs without a deviation.
 """
 
 from __future__ import annotations

@@ -140,8 +140,9 @@ def report(
 
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.drawings.page.page import report_page
+        from ncgear.figures.advice.verdict import together
         from ncgear.figures.terminal import kept_lines, timing_text
-        from ncgear.files.build import WRITTEN_STEPS, contacts_as_written, summaries_without_files
+        from ncgear.files.build import WRITTEN_STEPS, contacts_as_written, summaries_without_files, verdicts_of
         from ncgear.files.manifest import publish_run
         from ncgear.project.drive import Drive
 
@@ -151,8 +152,9 @@ def report(
         with naming_what_helps(drive, BUILD), steps_shown(steps) as on_step:
             contacts = contacts_as_written(drive, on_step) if has_gears else []
             on_step("report")
-            page = report_page(drive, loaded, contacts, drawer)
-            figures = summaries_without_files(drive, contacts) if as_json else []
+            verdicts = verdicts_of(drive)
+            page = report_page(drive, loaded, contacts, together(verdicts), drawer)
+            figures = summaries_without_files(drive, contacts, verdicts) if as_json else []
         run = publish_run(folder, {REPORT_FILE: page}, "report")
         if as_json:
             print_figures(*figures, kept=run.kept)
@@ -288,7 +290,7 @@ def strength(
         from ncgear.files.manifest import publish_run
         from ncgear.files.strength import strength_files
         from ncgear.project.drive import Drive
-        from ncgear.project.strengthening import verdict_of
+        from ncgear.project.strengthening import rating_of
 
         drive = Drive(loaded.design)
         told, figures, files, verdicts = [], [], {}, []
@@ -296,14 +298,14 @@ def strength(
             for pair in drive.by_stage:
                 on_pair_step = naming_stage(pair, on_step)
                 on_pair_step("strength")
-                verdict = verdict_of(pair, method.value if method else None)
-                beside = None if verdict.strength.method == "estimate" else verdict_of(pair, "estimate")
+                rating = rating_of(pair, method.value if method else None)
+                beside = None if rating.strength.method == "estimate" else rating_of(pair, "estimate")
                 verdicts.append(judged(pair, Known.TEETH))
-                figures.append(strength_figures(pair, verdict, verdicts[-1], beside))
+                figures.append(strength_figures(pair, rating, verdicts[-1], beside))
                 on_pair_step("what would do")
-                told.append((pair, verdict, remedies(pair, verdict), beside))
+                told.append((pair, rating, remedies(pair, rating), beside))
                 on_pair_step("pictures")
-                files.update(strength_files(pair, verdict, figures[-1]))
+                files.update(strength_files(pair, rating, figures[-1]))
         run = publish_run(folder, files, "strength")
         if as_json:
             print_figures(*figures, kept=run.kept)

@@ -15,20 +15,20 @@ from ncgear.figures.numbers import to_digits
 from ncgear.numerics.arrays import largest_rows
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import Verdict
+from ncgear.project.strengthening import Rating
 from ncgear.strength.holding import lives_of, worst
 
 
-def strength_pictures(drive: Drive, verdict: Verdict) -> dict[str, bytes]:
+def strength_pictures(drive: Drive, rating: Rating) -> dict[str, bytes]:
     """The gears coloured by how far each tooth holds, and loads and stresses over the cycle."""
-    charts = strength_charts(verdict.strength, verdict.weakest)
+    charts = strength_charts(rating.strength, rating.weakest)
     joints = np.degrees(joints_up_to(drive.pair.transmission, np.radians(charts[0].end)))
     charts = [replace(chart, joints_deg=joints) for chart in charts]
     pictures = {
-        "strength.png": _gears(drive, verdict),
+        "strength.png": _gears(drive, rating),
         "strength-cycle.png": column_png(charts, _titled(drive, "loads of the teeth"), STRENGTH_LOOK, STRENGTH_COLUMN),
     }
-    return pictures if verdict.strength.method == "estimate" else {**pictures, "strength-stress.png": _field(drive)}
+    return pictures if rating.strength.method == "estimate" else {**pictures, "strength-stress.png": _field(drive)}
 
 
 def _field(drive: Drive) -> bytes:
@@ -51,9 +51,9 @@ def _field(drive: Drive) -> bytes:
     return stress_field_png(drive, fields, float(roots.max()), position, _titled(drive, "stress in the teeth"))
 
 
-def _gears(drive: Drive, verdict: Verdict) -> bytes:
+def _gears(drive: Drive, rating: Rating) -> bytes:
     """The pair at the driving angle at which its weakest tooth has its largest stress."""
-    strength, found = verdict.strength, verdict.weakest
+    strength, found = rating.strength, rating.weakest
     wanted = {(one.gear, one.damage): one.wanted for one in found}
     gears = {}
     for gear in Gear:

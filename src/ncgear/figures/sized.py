@@ -32,8 +32,8 @@ LONGEST_DESCRIPTION = 10_000
 def sized_text(found: Sequence[Sized]) -> str:
     """The smallest gears that hold as a table, and the keys of the first."""
     first = found[0]
-    design, strength = first.drive.design, first.verdict.strength
-    wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.verdict.weakest)
+    design, strength = first.drive.design, first.rating.strength
+    wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
     about = {
         "load": LOADS[strength.load],
         "material": materials_words(first.drive, strength),
@@ -61,9 +61,9 @@ def sized_rows(found: Sequence[Sized]) -> list[list[str]]:
 
 
 def _row(one: Sized) -> list[str]:
-    size, weak = one.drive.pitch.size, worst(one.verdict.weakest)
+    size, weak = one.drive.pitch.size, worst(one.rating.weakest)
     least = [
-        min((each.safety for each in one.verdict.weakest if each.damage is damage), default=None) for damage in Damage
+        min((each.safety for each in one.rating.weakest if each.damage is damage), default=None) for damage in Damage
     ]
     return [
         f"{size.module_mm:g}",
@@ -79,11 +79,11 @@ def _row(one: Sized) -> list[str]:
 def sized_figures(found: Sequence[Sized]) -> dict[str, Any]:
     """The smallest gears that hold as plain values whose keys end in their unit, the smallest first."""
     first = found[0]
-    design, verdict = first.drive.design, first.verdict
+    design, rating = first.drive.design, first.rating
     materials: dict[str, dict[str, Any]] = {
-        gear.value: {"material": verdict.strength.of(gear).material.name} for gear in Gear
+        gear.value: {"material": rating.strength.of(gear).material.name} for gear in Gear
     }
-    for one in verdict.weakest:
+    for one in rating.weakest:
         materials[one.gear.value][f"{one.damage}_safety_wanted"] = one.wanted
     return {
         "design": {"name": design.name, "description": design.description},
@@ -102,7 +102,7 @@ def _sizes(one: Sized) -> dict[str, Any]:
         "face_width_mm": one.face_width_mm,
         "center_distance_mm": size.center_distance_mm,
         "largest_diameter_mm": one.diameter_mm,
-        "strength": strength_summary(one.verdict),
+        "strength": strength_summary(one.rating),
         "keys": dict(one.changes),
     }
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.figures.advice.values import Remedy
-from ncgear.figures.advice.verdict import Verdict as MachineVerdict
+from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.figures.quantities import figure
@@ -19,7 +19,7 @@ from ncgear.figures.tables import Column, Table, aligned
 from ncgear.figures.terminal import INDENT, WIDTH, verdict_lines
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import Verdict
+from ncgear.project.strengthening import Rating
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, lives_of
 
@@ -50,15 +50,13 @@ ERRORS = {
 """The words for the errors that were measured (docs/method.md, tests/test_elements.py)."""
 
 
-def strength_figures(
-    drive: Drive, verdict: Verdict, machine: MachineVerdict, beside: Verdict | None = None
-) -> dict[str, Any]:
+def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rating | None = None) -> dict[str, Any]:
     """The figures of a strength as sections of plain values whose keys end in their unit.
 
-    A life is None where the tooth lasts for ever, or until it is worn.  ``machine`` is the verdict on the pair and what
+    A life is None where the tooth lasts for ever, or until it is worn.  ``verdict`` is that on the pair and what
     it is part of, ``beside`` that on the teeth by another method, to compare with.
     """
-    strength, size = verdict.strength, drive.pitch.size
+    strength, size = rating.strength, drive.pitch.size
     contacts = strength.contacts
     most = int(np.argmax(contacts.force_n))
     return {
@@ -68,31 +66,31 @@ def strength_figures(
             "speed_rpm": drive.design.operation.speed_rpm,
             "peak_tooth_force_n": float(contacts.force_n[most]),
             "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
-            "contact_ratio_under_load_mean": verdict.loading.contact_ratio,
-            "transmission_error_under_load_rad": verdict.loading.transmission_error_rad,
+            "contact_ratio_under_load_mean": rating.loading.contact_ratio,
+            "transmission_error_under_load_rad": rating.loading.transmission_error_rad,
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
-        "strength": strength_summary(verdict),
+        "strength": strength_summary(rating),
         **({} if beside is None else {"strength_beside": strength_summary(beside)}),
-        **{gear.value: _gear_figures(verdict, gear) for gear in Gear},
-        **verdict_summary(machine),
+        **{gear.value: _gear_figures(rating, gear) for gear in Gear},
+        **verdict_summary(verdict),
     }
 
 
-def strength_summary(verdict: Verdict) -> dict[str, Any]:
+def strength_summary(rating: Rating) -> dict[str, Any]:
     """The method, the load, and the least safeties of both gears with the numbers of their teeth."""
     least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
-    for one in verdict.weakest:
+    for one in rating.weakest:
         least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
         least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
-    unjudged = {"wear": "not judged"} if verdict.strength.wears else {}
-    return {"method": verdict.strength.method, "load": verdict.strength.load, **unjudged, **least}
+    unjudged = {"wear": "not judged"} if rating.strength.wears else {}
+    return {"method": rating.strength.method, "load": rating.strength.load, **unjudged, **least}
 
 
-def _gear_figures(verdict: Verdict, gear: Gear) -> dict[str, Any]:
-    material = verdict.strength.of(gear).material
+def _gear_figures(rating: Rating, gear: Gear) -> dict[str, Any]:
+    material = rating.strength.of(gear).material
     figures: dict[str, Any] = {"material": material.name, "source": material.source}
-    for one in verdict.weakest:
+    for one in rating.weakest:
         if one.gear is gear:
             name = one.damage.value
             figures |= {
@@ -139,14 +137,14 @@ def life_words(hours: float, wears: bool = False) -> str:
 
 
 def strength_text(
-    drive: Drive, verdict: Verdict, remedies: Sequence[Remedy], beside: Verdict | None, machine: MachineVerdict
+    drive: Drive, rating: Rating, remedies: Sequence[Remedy], beside: Rating | None, verdict: Verdict
 ) -> str:
     """A screen about the strength of a pair: load, method, least safeties, and what would do; then all conditions.
 
-    ``beside`` is the verdict by another method, whose safeties get a column of their own.
+    ``beside`` is the rating by another method, whose safeties get a column of their own.
     """
     name, speed, size = drive.design.name, drive.design.operation.speed_rpm, drive.pitch.size
-    strength, loading, found = verdict.strength, verdict.loading, verdict.weakest
+    strength, loading, found = rating.strength, rating.loading, rating.weakest
     forces = strength.contacts.force_n
     most = int(np.argmax(forces))
     where = f"at phi1 = {_degrees(strength.contacts.phi1_rad[most])} deg"
@@ -166,14 +164,14 @@ def strength_text(
     lines = [f"{name}{of_stage}: strength of the teeth at {speed:g} r/min"]
     for label, words in about.items():
         lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
-    cells = [list(weakest_cells(one, verdict.strength.wears)) for one in found]
+    cells = [list(weakest_cells(one, rating.strength.wears)) for one in found]
     rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *cells]
     if beside is not None:
         others = [f"by {beside.strength.method}", "", *(to_digits(one.safety, 3) for one in beside.weakest)]
         for row, other in zip(rows, others, strict=True):
             row.insert(3, other)
     table = aligned(rows, left=2)
-    return "\n".join([*lines, "", *table, "", *_verdict(verdict, remedies), "", *verdict_lines(machine.table)])
+    return "\n".join([*lines, "", *table, "", *_held(rating, remedies), "", *verdict_lines(verdict.table)])
 
 
 def materials_words(drive: Drive, strength: Strength) -> str:
@@ -202,17 +200,17 @@ HEADS = (
 """Columns of the table of weakest teeth."""
 
 
-def weakest_table(drive: Drive, verdict: Verdict) -> Table:
+def weakest_table(drive: Drive, rating: Rating) -> Table:
     """The weakest tooth of each gear for each kind of damage, with notes on load, method and material."""
-    strength = verdict.strength
+    strength = rating.strength
     notes = LOADS[strength.load], METHODS[strength.method], ERRORS[strength.method], materials_words(drive, strength)
     return Table(
         "Weakest teeth",
         HEADS,
-        tuple(weakest_cells(one, verdict.strength.wears) for one in verdict.weakest),
+        tuple(weakest_cells(one, rating.strength.wears) for one in rating.weakest),
         (
             *(f"{note}." for note in notes),
-            *(["Dry metal wears, which is not judged."] if verdict.strength.wears else []),
+            *(["Dry metal wears, which is not judged."] if rating.strength.wears else []),
         ),
     )
 
@@ -241,10 +239,10 @@ def holding_words(wears: bool) -> str:
     return WEAR if wears else HOLD
 
 
-def _verdict(verdict: Verdict, remedies: Sequence[Remedy]) -> list[str]:
-    weak = [one for one in verdict.weakest if not one.holds]
+def _held(rating: Rating, remedies: Sequence[Remedy]) -> list[str]:
+    weak = [one for one in rating.weakest if not one.holds]
     if not weak:
-        return [holding_words(verdict.strength.wears)]
+        return [holding_words(rating.strength.wears)]
     lines = ["The teeth do not hold. Under the wanted safety:"]
     for one in weak:
         words = f"{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}"

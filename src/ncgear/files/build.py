@@ -87,13 +87,8 @@ def build(
         from ncgear.drawings.page.page import report_page
 
         with _timed(drive, "report", on_step):
-            files[REPORT_FILE] = report_page(
-                drive,
-                reported,
-                [pair.contact for pair in pairs.values()],
-                drawer,
-                verdict,
-            )
+            contacts = [pair.contact for pair in pairs.values()]
+            files[REPORT_FILE] = report_page(drive, reported, contacts, verdict, drawer)
     run = publish_run(folder, files, "build")
     found = pairs.values()
     return Built(
@@ -120,16 +115,25 @@ def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[Pa
     return contacts
 
 
-def summaries_without_files(drive: Drive, contacts: Sequence[PairContact]) -> list[dict[str, Any]]:
-    """The summary of every pair, whose contacts as written are given, as a build has it but for errors of its files.
+def verdicts_of(drive: Drive) -> list[Verdict]:
+    """The verdict on every pair and what it is part of, or on a design without gears."""
+    if drive.design.gears is None:
+        return [judged(drive, Known.MOTION)]
+    return [judged(pair, Known.TEETH) for pair in drive.by_stage]
+
+
+def summaries_without_files(
+    drive: Drive, contacts: Sequence[PairContact], verdicts: Sequence[Verdict]
+) -> list[dict[str, Any]]:
+    """The summary of every pair, by contacts as written and verdicts, as a build has it but for errors of its files.
 
     Of a design without gears, which has no contacts, it is the summary of its check.
     """
     if not contacts:
-        return [check_summary(drive)]
+        return [check_summary(drive, *verdicts)]
     return [
-        with_files(build_summary(pair, contact, judged(pair, Known.TEETH)), {}, pair.timing_s)
-        for pair, contact in zip(drive.by_stage, contacts, strict=True)
+        with_files(build_summary(pair, contact, verdict), {}, pair.timing_s)
+        for pair, contact, verdict in zip(drive.by_stage, contacts, verdicts, strict=True)
     ]
 
 

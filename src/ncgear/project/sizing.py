@@ -23,7 +23,7 @@ from ncgear.dynamics.meshing import TOO_WEAK
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Verdict, sized, verdict_of
+from ncgear.project.strengthening import MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Rating, rating_of, sized
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
 
@@ -82,7 +82,7 @@ class Sized:
 
     changes: Changes
     drive: Drive
-    verdict: Verdict
+    rating: Rating
 
     @property
     def teeth(self) -> int:
@@ -137,7 +137,7 @@ def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, 
     """The smallest gears that hold for each of a few modules, by the method ``estimate``, the smallest first.
 
     Raises NoSuchMechanism where none are found, with the nearest that were computed, WrongInput where the law gives the
-    gears' size, and as ``verdict_of`` does for the design as given, but for teeth that are too weak to be rated.
+    gears' size, and as ``rating_of`` does for the design as given, but for teeth that are too weak to be rated.
     """
     motion = drive.design.motion
     if motion.gives_center_distance:
@@ -163,10 +163,10 @@ def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, 
 def _begun(drive: Drive) -> Sized:
     """The design as given or, of teeth too weak to be rated, the first of twice, four times ... the module that can be.
 
-    Raises as ``verdict_of`` does for the design as given.
+    Raises as ``rating_of`` does for the design as given.
     """
     try:
-        return Sized({}, drive, verdict_of(drive, "estimate"))
+        return Sized({}, drive, rating_of(drive, "estimate"))
     except NoSuchMechanism as error:
         if error.key != TOO_WEAK:
             raise
@@ -176,7 +176,7 @@ def _begun(drive: Drive) -> Sized:
             changes = {**sized(drive, drive.pitch.size.driving_teeth, module), "gears.face_width_mm": width}
             try:
                 larger = changed_drive(drive, changes)
-                return Sized(changes, larger, verdict_of(larger, "estimate"))
+                return Sized(changes, larger, rating_of(larger, "estimate"))
             except (DesignError, ValidationError):
                 continue
         raise
@@ -230,7 +230,7 @@ class _Search:
             made = self.made(teeth, module_mm, width)
             if made is None:
                 return best
-            if made.verdict.holds:
+            if made.rating.holds:
                 best = made
         return best
 
@@ -243,7 +243,7 @@ class _Search:
         same = [one for one in self.computed if (one.teeth, one.module_mm) == (teeth, module_mm)]
         try:
             changed = changed_drive(same[-1].drive if same else self.drive, changes)
-            made = Sized(changes, changed, verdict_of(changed, "estimate"))
+            made = Sized(changes, changed, rating_of(changed, "estimate"))
         except (DesignError, ValidationError):
             self.refused.add(teeth)
             return None
@@ -266,7 +266,7 @@ class _Search:
     def width(self, teeth: int, module_mm: float) -> float:
         """The guessed face width in whole mm, not under NARROWEST_MODULES."""
         near = self.nearest(teeth, module_mm)
-        wider = [self.wider(one, near, teeth, module_mm) for one in near.verdict.weakest]
+        wider = [self.wider(one, near, teeth, module_mm) for one in near.rating.weakest]
         return float(ceil(max(near.face_width_mm * max(wider), NARROWEST_MODULES * module_mm) - 1e-9))
 
     def wider(self, one: Weakest, near: Sized, teeth: int, module_mm: float) -> float:
@@ -295,8 +295,8 @@ class _Search:
 
 def _nothing(search: _Search) -> str:
     """The words where no gears are found: what comes nearest."""
-    near = max(search.computed, key=lambda one: min(weak.share for weak in one.verdict.weakest))
-    share = min(weak.share for weak in near.verdict.weakest)
+    near = max(search.computed, key=lambda one: min(weak.share for weak in one.rating.weakest))
+    share = min(weak.share for weak in near.rating.weakest)
     return (
         f"no gears of series I up to {search.space.width_modules:g} modules wide were found that hold in this space; "
         f"nearest of {len(search.computed)} come {near.teeth} teeth of module {near.module_mm:g} mm, "

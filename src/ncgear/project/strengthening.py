@@ -45,7 +45,7 @@ TRIALS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class Rating:
     """The strength of a drive's teeth, the loads behind it, and each gear's weakest tooth for each kind of damage."""
 
     strength: Strength
@@ -58,8 +58,8 @@ class Verdict:
         return all(one.holds for one in self.weakest)
 
 
-def verdict_of(drive: Drive, method: Literal["estimate", "elements"] | None = None) -> Verdict:
-    """The verdict on a drive's teeth by a method, or by that of its design.
+def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = None) -> Rating:
+    """The rating of a drive's teeth by a method, or by that of its design.
 
     Raises WrongInput, with what is missing, where strength is not known, and where the teeth bear no load.
     """
@@ -70,18 +70,18 @@ def verdict_of(drive: Drive, method: Literal["estimate", "elements"] | None = No
     if strength.contacts.force_n.max(initial=0.0) < NOTHING_N:
         raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
     wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
-    return Verdict(strength, loading, tuple(weakest_teeth(strength, wanted)))
+    return Rating(strength, loading, tuple(weakest_teeth(strength, wanted)))
 
 
-def known_verdict(drive: Drive) -> Verdict | DesignError | None:
-    """The verdict on a drive's teeth by its design's method; None where no load is known or no strength is computed.
+def known_rating(drive: Drive) -> Rating | DesignError | None:
+    """The rating of a drive's teeth by its design's method; None where no load is known or no strength is computed.
 
     A refusal, as of a load that teeth cannot bear at all, is the answer then.
     """
     if unknown(drive) is not None:
         return None
     try:
-        return verdict_of(drive)
+        return rating_of(drive)
     except DesignError as error:
         # Gears can be made that cannot be rated.
         return error
@@ -111,27 +111,27 @@ def unknown(drive: Drive) -> WrongInput | None:
     return None
 
 
-def wide_enough(drive: Drive, verdict: Verdict) -> Changes:
+def wide_enough(drive: Drive, rating: Rating) -> Changes:
     """The face width in whole mm with which the teeth hold; empty where it is over WIDEST_MODULES."""
     most = WIDEST_MODULES * drive.pitch.size.module_mm
 
     def changes(width_mm: float) -> Changes | None:
         return {"gears.face_width_mm": float(ceil(width_mm))} if ceil(width_mm) <= most else None
 
-    return _enough(drive, verdict, drive.gears.face_width_mm, face_width_factor, changes)
+    return _enough(drive, rating, drive.gears.face_width_mm, face_width_factor, changes)
 
 
-def large_enough(drive: Drive, verdict: Verdict) -> Changes:
+def large_enough(drive: Drive, rating: Rating) -> Changes:
     """The module of series I with which as many teeth of the same face width hold; empty where there is none."""
 
     def changes(module_mm: float) -> Changes | None:
         module = next((one for one in SERIES_I_MM if one >= module_mm), None)
         return None if module is None else sized(drive, drive.pitch.size.driving_teeth, module)
 
-    return _enough(drive, verdict, drive.pitch.size.module_mm, module_factor, changes)
+    return _enough(drive, rating, drive.pitch.size.module_mm, module_factor, changes)
 
 
-def strong_enough(drive: Drive, verdict: Verdict) -> Changes:
+def strong_enough(drive: Drive, rating: Rating) -> Changes:
     """The weakest material of STRONGER with which both gears hold; empty where none does.
 
     A material that holds is taken to hold in the place of every weaker one, so that few are computed.
@@ -144,7 +144,7 @@ def strong_enough(drive: Drive, verdict: Verdict) -> Changes:
         # The strongest first: mostly none or that one does.
         middle = high - 1 if high == len(STRONGER) and not found else (low + high) // 2
         tried: Changes = {"gears.material": STRONGER[middle]}
-        if _holds(drive, verdict, tried):
+        if _holds(drive, rating, tried):
             high, found = middle, tried
         elif found:
             low = middle + 1
@@ -153,9 +153,9 @@ def strong_enough(drive: Drive, verdict: Verdict) -> Changes:
     return found
 
 
-def _holds(drive: Drive, verdict: Verdict, changes: Changes) -> bool:
+def _holds(drive: Drive, rating: Rating, changes: Changes) -> bool:
     try:
-        return verdict_of(changed_drive(drive, changes), verdict.strength.method).holds
+        return rating_of(changed_drive(drive, changes), rating.strength.method).holds
     except (DesignError, ValidationError):
         return False
 
@@ -168,20 +168,20 @@ def sized(drive: Drive, teeth: int, module_mm: float) -> Changes:
 
 def _enough(
     drive: Drive,
-    verdict: Verdict,
+    rating: Rating,
     size_mm: float,
     factor: Callable[[tuple[Weakest, ...]], float],
     changes: Callable[[float], Changes | None],
 ) -> Changes:
     """The changes for the least size that holds, found by computing; empty where a size is not allowed or refused."""
-    found = verdict
+    found = rating
     for _ in range(TRIALS):
         size_mm *= factor(found.weakest)
         tried = changes(size_mm)
         if tried is None:
             return {}
         try:
-            found = verdict_of(changed_drive(drive, tried), verdict.strength.method)
+            found = rating_of(changed_drive(drive, tried), rating.strength.method)
         except (DesignError, ValidationError):
             # Larger teeth may be refused, and a hub may be too low for a wider gear.
             return {}

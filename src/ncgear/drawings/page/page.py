@@ -34,7 +34,7 @@ from ncgear.drawings.page.teeth import ToothLinks
 from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
-from ncgear.figures.advice.verdict import Known, Verdict, judged
+from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
@@ -54,19 +54,18 @@ def report_page(
     drive: Drive,
     loaded: LoadedDesign,
     contacts: Sequence[PairContact],
+    verdict: Verdict,
     drawer: Drawer = HERE,
-    verdict: Verdict | None = None,
 ) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 
-    ``drawer`` draws the charts; ``verdict`` is that on the machine, where it is known.  The same design gives the
+    ``verdict`` is that on the machine, ``drawer`` draws the charts.  The same design gives the
     same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     scene = scene_of(drive)
     charts = [*motion_charts(drive, scene.loop_rad), *chain.from_iterable(gear_charts(*pair) for pair in pairs)]
     drawn = drawer.begun(PAGE_CHARTS, charts)
-    verdict = verdict or judged(drive, Known.TEETH if pairs else Known.MOTION)
     about_pairs = {
         "facts": [
             *typeset(machine_facts(drive)),

@@ -23,7 +23,7 @@ from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, PageChart
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import Verdict, known_verdict
+from ncgear.project.strengthening import Rating, known_rating
 from ncgear.ratio.transmission import Transmission
 
 LEAST = 2001
@@ -109,10 +109,10 @@ def charts_of_pair(drive: Drive, written: Mapping[str, Chart], cycle_rad: float)
 
 def _strength(drive: Drive) -> dict[str, Chart]:
     """Loads and stresses of the teeth; empty where no strength is known."""
-    verdict = known_verdict(drive)
-    if not isinstance(verdict, Verdict):
+    rating = known_rating(drive)
+    if not isinstance(rating, Rating):
         return {}
-    charts = strength_charts(verdict.strength, verdict.weakest)
+    charts = strength_charts(rating.strength, rating.weakest)
     # The page names the values of the first line.
     return {
         chart.name.replace(" ", "_"): replace(

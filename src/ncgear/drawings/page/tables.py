@@ -17,7 +17,7 @@ from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, compared_columns, labelled
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import Verdict, known_verdict
+from ncgear.project.strengthening import Rating, known_rating
 
 LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
 """The libraries that compute the figures of the page, beside ncgear and Python."""
@@ -50,8 +50,8 @@ def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
 
 def strength_tables(drive: Drive) -> list[Table]:
     """The weakest teeth of both gears; empty where no strength is known."""
-    verdict = known_verdict(drive)
-    return [weakest_table(drive, verdict)] if isinstance(verdict, Verdict) else []
+    rating = known_rating(drive)
+    return [weakest_table(drive, rating)] if isinstance(rating, Rating) else []
 
 
 def _beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:

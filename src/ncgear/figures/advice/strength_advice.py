@@ -12,8 +12,8 @@ from ncgear.project.strengthening import (
     MOST_TEETH,
     SERIES_I_MM,
     WIDEST_MODULES,
-    Verdict,
-    known_verdict,
+    Rating,
+    known_rating,
     large_enough,
     strong_enough,
     wide_enough,
@@ -21,8 +21,6 @@ from ncgear.project.strengthening import (
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
 
 SIZE = "ncgear size"
-
-NO_FORCE = NotJudged("nothing that is given presses the teeth at any angle")
 
 WEAR = "wear of dry metal is not computed, only that its teeth do not break"
 """Why dry gears of metal are not judged where their roots hold."""
@@ -35,16 +33,16 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     and open gears, at speeds beyond what is known of vibration, or of loads that press teeth too deep to be followed,
     they are judged roughly, if only whether they break at once.
     """
-    verdict = known_verdict(drive)
-    if not isinstance(verdict, Verdict):
-        return _roughly(drive, beside_refusal(drive, verdict))
-    if verdict.holds:
-        return NotJudged(WEAR) if verdict.strength.wears else None
-    weak = [one for one in verdict.weakest if not one.holds]
+    rating = known_rating(drive)
+    if not isinstance(rating, Rating):
+        return _roughly(drive, beside_refusal(drive, rating))
+    if rating.holds:
+        return NotJudged(WEAR) if rating.strength.wears else None
+    weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
     also = [_least(one) for one in weak if one is not first]
-    load = "the machine with its masses" if verdict.strength.load == "masses" else "the resistance alone"
+    load = "the machine with its masses" if rating.strength.load == "masses" else "the resistance alone"
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, (first.tooth,), ((at, at),)),),
@@ -54,7 +52,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         f"{first.damage.words} where {first.wanted:g} is wanted" + (f" (also {'; '.join(also)})" if also else ""),
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
         "ncgear strength computes what would do",
-        _sizes(drive, face_width_factor(verdict.weakest), module_factor(verdict.weakest)),
+        _sizes(drive, face_width_factor(rating.weakest), module_factor(rating.weakest)),
         brief=f"the teeth do not hold: safety {to_digits(first.safety, 2)} against {first.damage.words}, "
         f"{first.wanted:g} wanted",
     )
@@ -67,7 +65,7 @@ def rough(drive: Drive) -> Advice | NotJudged | None:
 
 def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | None:
     if found is None:
-        return None if drive.design.resistance is None and drive.design.masses is None else NO_FORCE
+        return None
     weak = found.weak
     if not weak:
         return _not_judged(drive, found)
@@ -141,16 +139,16 @@ def _least(one: Weakest) -> str:
     return f"{one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
 
 
-def remedies(drive: Drive, verdict: Verdict) -> tuple[Remedy, ...]:
+def remedies(drive: Drive, rating: Rating) -> tuple[Remedy, ...]:
     """What makes the teeth hold: a face width, a module, a material, or the search for sizes together."""
-    if verdict.holds:
+    if rating.holds:
         return ()
     found = []
-    if wide := wide_enough(drive, verdict):
+    if wide := wide_enough(drive, rating):
         found.append(Remedy("make the gears wider", changed(wide)))
-    if large := large_enough(drive, verdict):
+    if large := large_enough(drive, rating):
         found.append(Remedy("take a larger module", changed(large)))
-    if strong := strong_enough(drive, verdict):
+    if strong := strong_enough(drive, rating):
         found.append(Remedy("take a stronger material", changed(strong)))
     return (*found, _together(drive))
 

@@ -9,8 +9,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.law_advice import speeds
-from ncgear.figures.advice.verdict import Known, judged
-from ncgear.figures.advice.verdict import Verdict as MachineVerdict
+from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -20,7 +19,7 @@ from ncgear.numerics.units import CM3_PER_MM3, label_and_unit
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import beside_refusal, rough_damage
-from ncgear.project.strengthening import Verdict, known_verdict
+from ncgear.project.strengthening import Rating, known_rating
 from ncgear.ratio.transmission import Transmission
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ def check_answer(drive: Drive, file: str, notes: tuple[str, ...] = ()) -> Answer
 def build_answer(
     drive: Drive,
     contacts: Sequence[PairContact],
-    verdict: MachineVerdict,
+    verdict: Verdict,
     then: str,
     notes: tuple[str, ...] = (),
 ) -> Answer:
@@ -222,11 +221,11 @@ def _joined(facts: dict[str, str], first: str, others: Sequence[str]) -> str:
 
 def _safety(drive: Drive) -> str | None:
     """The least safety against each kind of damage, or roughly; None where no load is known."""
-    verdict = known_verdict(drive)
-    if isinstance(verdict, Verdict):
-        told = [(one.damage.words, one.share, to_digits(one.safety, 3), one.wanted) for one in verdict.weakest]
+    rating = known_rating(drive)
+    if isinstance(rating, Rating):
+        told = [(one.damage.words, one.share, to_digits(one.safety, 3), one.wanted) for one in rating.weakest]
     else:
-        found = beside_refusal(drive, verdict)
+        found = beside_refusal(drive, rating)
         if found is None:
             return None
         if not found.safeties or found.needs_teeth:

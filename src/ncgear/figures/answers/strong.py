@@ -8,7 +8,7 @@ import numpy as np
 
 from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Kind, Remedy, changed
-from ncgear.figures.advice.verdict import Verdict as MachineVerdict
+from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -16,7 +16,7 @@ from ncgear.figures.sized import sized_rows
 from ncgear.figures.strong import HEADS, LOADS, holding_words, materials_words, teeth_words, weakest_cells
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import Sized
-from ncgear.project.strengthening import Verdict
+from ncgear.project.strengthening import Rating
 
 HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
 
@@ -25,57 +25,57 @@ METHODS = {"estimate": "local estimate after ISO 6336 and VDI 2736", "elements":
 
 
 def strength_answer(
-    pairs: Sequence[tuple[Drive, Verdict, Sequence[Remedy], Verdict | None]], machine: MachineVerdict, then: str = ""
+    pairs: Sequence[tuple[Drive, Rating, Sequence[Remedy], Rating | None]], verdict: Verdict, then: str = ""
 ) -> Answer:
-    """Whether the teeth of all pairs hold: each with its verdict, its remedies, and the verdict of another method.
+    """Whether the teeth of all pairs hold: each with its rating, its remedies, and the rating of another method.
 
-    ``machine`` is the verdict on the whole machine; its other warnings follow.
+    ``verdict`` is that on the whole machine; its other warnings follow.
     """
     drive, first, _, beside = pairs[0]
     heads = [f"{head.label}, {head.unit}" if head.unit else head.label for head in HEADS[2:]]
     if beside is not None:
         heads.insert(1, f"by {beside.strength.method}")
     rows, faults, about = [], list[Fault](), list[Row]()
-    for pair, verdict, remedies, other in pairs:
+    for pair, rating, remedies, other in pairs:
         of = "" if pair.stage is None else f"stage {pair.stage}: "
-        rows += _rows(of, verdict, other)
-        weak = [one for one in verdict.weakest if not one.holds]
+        rows += _rows(of, rating, other)
+        weak = [one for one in rating.weakest if not one.holds]
         cures = [remedy.brief for remedy in remedies]
         faults += [
             Fault(f"{of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}", tuple(cures[place:]))
             for place, one in enumerate(sorted(weak, key=lambda one: one.share))
         ]
-        about += _about(of, pair, verdict)
+        about += _about(of, pair, rating)
     design = drive.design
-    others = faults_of(machine.without(Kind.STRENGTH))
-    held = holding_words(any(verdict.strength.wears for _, verdict, *_ in pairs))
+    others = faults_of(verdict.without(Kind.STRENGTH))
+    held = holding_words(any(rating.strength.wears for _, rating, *_ in pairs))
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
         (*rows, Row("method", (METHODS[first.strength.method],)), *about),
         (*faults, *others),
         f"Load: {LOADS[first.strength.load]}",
         heads=tuple(heads),
-        good=f"{held} {machine.good}",
+        good=f"{held} {verdict.good}",
         wrong=HOLD_NOT if faults else f"{held} Other warnings",
-        not_judged=machine.not_judged,
+        not_judged=verdict.not_judged,
         then=then if faults else "",
     )
 
 
-def _rows(of: str, verdict: Verdict, beside: Verdict | None) -> list[Row]:
+def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
     """The weakest tooth of each gear for each kind of damage."""
     found = []
-    for place, one in enumerate(verdict.weakest):
-        gear, damage, *cells = weakest_cells(one, verdict.strength.wears)
+    for place, one in enumerate(rating.weakest):
+        gear, damage, *cells = weakest_cells(one, rating.strength.wears)
         if beside is not None:
             cells.insert(1, to_digits(beside.weakest[place].safety, 3))
         found.append(Row(f"{of}{gear}, {damage}", tuple(cells)))
     return found
 
 
-def _about(of: str, drive: Drive, verdict: Verdict) -> list[Row]:
+def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
     """The gears, their largest force, and how they touch under load."""
-    size, loading, force_n = drive.pitch.size, verdict.loading, float(np.max(verdict.strength.contacts.force_n))
+    size, loading, force_n = drive.pitch.size, rating.loading, float(np.max(rating.strength.contacts.force_n))
     gears = (
         f"{size.driving_teeth} : {size.driven_teeth}, module {figure('module_mm', size.module_mm)}, "
         f"{name_of('face_width_mm')} {figure('face_width_mm', drive.gears.face_width_mm)}"
@@ -83,7 +83,7 @@ def _about(of: str, drive: Drive, verdict: Verdict) -> list[Row]:
     error = "transmission_error_rad"
     return [
         Row(f"{of}teeth", (gears,)),
-        Row(f"{of}material", (materials_words(drive, verdict.strength),)),
+        Row(f"{of}material", (materials_words(drive, rating.strength),)),
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth",)),
         Row(
             f"{of}under load",
@@ -101,8 +101,8 @@ def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str]
     ``left_out`` are the keys of the file that hold what follows from its own gears.
     """
     first = found[0]
-    design, strength = first.drive.design, first.verdict.strength
-    wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.verdict.weakest)
+    design, strength = first.drive.design, first.rating.strength
+    wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
     return Answer(
         f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate",
         (

@@ -12,6 +12,7 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
     """The tolerances of a pair."""
     given, gears = drive.gears.tolerances, drive.gears
     pin = gears.driven.crank_pin
+    pinned = None if pin is None else hole_text(given.crank_pin_fit, pin.diameter_mm)
     driving, driven = (
         None if body.bore_mm is None else bore_text(drive, body.bore_mm) for body in (gears.driving, gears.driven)
     )
@@ -22,7 +23,7 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
         Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
         Entry("deviation of the centre distance", "mm", pair=distance_text(drive)),
         Entry("fit of the bore", "mm", driving=driving, driven=driven),
-        Entry("fit of the crank pin's hole", "mm", driven=pin and hole_text(given.crank_pin_fit, pin.diameter_mm)),
+        Entry("fit of the crank pin's hole", "mm", driven=pinned),
         Entry("fit of the index hole", pair=given.index_hole_fit if gears.index_holes else None),
         Entry("sizes without a tolerance", pair=general_text(drive)),
         Entry("roughness Ra of flanks; elsewhere", "\u00b5m", pair=f"{given.flank_ra_um:g}; {given.ra_um:g}"),

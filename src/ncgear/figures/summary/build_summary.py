@@ -30,7 +30,7 @@ from ncgear.numerics.units import CM3_PER_MM3
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import known_verdict
+from ncgear.project.strengthening import known_rating
 from ncgear.teeth.gear import ToothedGear, teeth_free_of_undercut
 from ncgear.teeth.lost import shortening, undercutting
 from ncgear.teeth.shifts import thickness_mm
@@ -86,10 +86,10 @@ def with_files(
 
 def _strength(drive: Drive) -> dict[str, Any]:
     """The section of strength: nothing where no load is known, and the refusal where there is one."""
-    verdict = known_verdict(drive)
-    if isinstance(verdict, DesignError):
-        return {"strength": {"refused": verdict.problem}}
-    return {} if verdict is None else {"strength": strength_summary(verdict)}
+    rating = known_rating(drive)
+    if isinstance(rating, DesignError):
+        return {"strength": {"refused": rating.problem}}
+    return {} if rating is None else {"strength": strength_summary(rating)}
 
 
 L_PER_MM3 = 1e-3 * CM3_PER_MM3
