@@ -11,12 +11,13 @@ import pytest
 import yaml
 
 from commands import Run, on_text
-from drives import drive, drive_of_text
+from drives import design_of, drive, drive_of_text
 from ncgear.figures.advice.law_advice import NO_BORE
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind
 from ncgear.figures.advice.verdict import CONDITIONS, Judged, Known, State, Verdict, judged, together
 from ncgear.files.workshop.sheets.pair_sheet import pair_sheet
 from ncgear.files.workshop.sheets.sheet import Text
+from ncgear.project.drive import Drive
 
 pytestmark = pytest.mark.judges("figures")
 
@@ -242,7 +243,9 @@ SILENT: dict[str, dict[str, Any]] = {
     "slow enough": {"wishes": {"speed_at": [{"at_mm": 30, "at_least_mm_s": 0.5}]}},
     "any time": {"wishes": {"working_stroke": {"angle_deg": 180, "tolerance_deg": 179}}},
     "no friction": {"resistance": {"friction_n": 0}},
-    "any place": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 40}]}},
+    "any place": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 110}]}},
+    "so soon": {"wishes": {"positions": [{"at_mm": 2, "phi1_deg": 0.5, "tolerance_mm": 10}]}},
+    "so late": {"wishes": {"positions": [{"at_mm": 1, "phi1_deg": 359.5, "tolerance_mm": 10, "stroke": "return"}]}},
     "no gears": {"gears": None, "tolerances": {"grade": 8}},
 }
 ACTING: dict[str, dict[str, Any]] = {
@@ -252,6 +255,8 @@ ACTING: dict[str, dict[str, Any]] = {
     "friction": {"resistance": {"friction_n": 20}},
     "kept": {"resistance": {"expression_n": "-3 - x", "where_negative": "keep"}},
     "place": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 20}]}},
+    "place on the way out": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 40}]}},
+    "soon": {"wishes": {"positions": [{"at_mm": 2, "phi1_deg": 5, "tolerance_mm": 10}]}},
     "speed": {"wishes": {"speed_at": [{"at_mm": 30, "at_most_mm_s": 300}]}},
     "time": {"wishes": {"working_stroke": {"angle_deg": 180, "tolerance_deg": 60}}},
     "end": {"resistance": {"table": {"displacement_mm": [0, 30, 70, 90], "force_n": [9, 0, 0, 500]}}},
@@ -269,6 +274,15 @@ def test_what_changes_something_is_not(name: str) -> None:
     """Negative control."""
     verdict = verdict_of(Known.MOTION, **ACTING[name])
     assert states(verdict).get(Kind.WITHOUT_EFFECT, State.KEPT) is State.KEPT
+
+
+def test_a_wide_position_is_missed_by_a_law_that_is_back_before() -> None:
+    """68 mm of stroke and 30 mm give or take 40 at 80 deg: on its way out it is anywhere, but not on its way back."""
+    motion = {"law": "harmonic_ratio", "cosine": [0.69], "sine": [0.69]}
+    early = {"at_mm": 30, "phi1_deg": 150, "tolerance_mm": 40}
+    achieved = Drive(design_of({**PLAIN, "motion": motion, "gears": None, "wishes": {"positions": [early]}})).achieved
+    assert achieved is not None
+    assert achieved.outcomes[0].missed_by > 5.0
 
 
 def test_a_silent_force_beside_friction_is_told_by_its_own_key() -> None:

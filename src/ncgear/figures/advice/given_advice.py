@@ -121,10 +121,8 @@ def _kept_by_all(drive: Drive) -> list[str]:
     for outcome in drive.achieved.outcomes if drive.achieved else ():
         wish = outcome.wish
         asked = wish.requirements(drive.linkage, drive.transmission.cycle_rad)
-        anywhere = isinstance(wish, Position) and wish.tolerance_mm >= max(
-            wish.at_mm, drive.linkage.stroke_mm - wish.at_mm
-        )
-        if anywhere or (asked and all(_is_empty(drive, one) for one in asked)):
+        # A position asks nothing where its tolerance is more than both strokes; of other wishes that is a goal.
+        if (asked or isinstance(wish, Position)) and all(_is_empty(drive, one) for one in asked):
             found.append(wish.key)
     return found
 
