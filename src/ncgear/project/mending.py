@@ -95,9 +95,9 @@ SHIFTED_MODULES = (0.3, -0.3)
 MOST_FINER = 10
 """Most teeth that are tried, divided by the design's: teeth a tenth as large are another pair of gears."""
 
-FINER_STEP, FINER_LEAP = 1.5, 3.0
-"""By how many times more teeth are tried until a number works, from an estimate on, and the most at once: the time
-may not do for a greater leap."""
+FINER_STEP = 1.5
+"""By how many times more teeth are tried until a number works, from an estimate on: numbers under it cost time and are
+refused."""
 
 FINER_TOGETHER = (1.5, 3.0)
 """Numbers of teeth, divided by the design's, that are tried together with another change."""
@@ -252,7 +252,7 @@ class _Trials:
         needed, high, found = _teeth_of_notches(pair), most + each, None
 
         def more(teeth: int) -> int:
-            return min(_up(min(max(needed, FINER_STEP * teeth), FINER_LEAP * teeth), each), most)
+            return min(_up(max(needed, FINER_STEP * teeth), each), most)
 
         count = more(low)
         while low < count < high:

@@ -26,7 +26,9 @@ from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
 
-FINER = Remedy("take more teeth of a smaller module", short="more, smaller teeth")
+FINER = Remedy(
+    "try more teeth of a smaller module; how many are enough is not searched", short="try more, smaller teeth"
+)
 
 LESS_HELIX = Remedy("take a smaller helix angle or face width", short="smaller helix angle or face width")
 
