@@ -211,6 +211,23 @@ def test_the_least_number_of_teeth_is_bracketed_by_trials(data: Data) -> None:
     assert problem_of(data) is not None
 
 
+def test_the_search_for_a_number_begins_where_notches_need_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A square of 100 mm with corners of 4 mm: 461 teeth, which are made, in place of three times the file's 60."""
+    tried: list[tuple[Any, float]] = []
+
+    def noted(trials: Any, equals: tuple[Any, ...], share: float = 1.0) -> None:
+        tried.append((equals[0].changes.get("gears.teeth"), share))
+
+    monkeypatch.setattr(search._Trials, "best", noted)
+    shape = {"sides": 4, "side_mm": 100.0, "corner_radius_mm": 4.0}
+    data = data_of({"law": "pitch_curve", "rounded_polygon": shape, "solve_for": "center_distance"}, teeth=60)
+    drive = drive_of({**data, "gears": {key: one for key, one in data["gears"].items() if key != "module_mm"}})
+    search.searched(drive, NoSuchMechanism("refused"))
+    kept = [share for teeth, share in tried if teeth is None]
+    assert [teeth for teeth, _ in tried if teeth is not None][0] == 461
+    assert max(kept) < search.BEFORE_FINER
+
+
 NO_HELP = ellipse(0.3, (1, 1), 12, least_contact_ratio=2.9)
 
 

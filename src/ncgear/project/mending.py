@@ -42,8 +42,9 @@ from ncgear.shown import Shown
 MOST_SECONDS = 5.0
 """Most processor time of a search: who waits for a refusal does not wait longer."""
 
-BEFORE_FINER = 0.4
-"""Share of that time for the changes that keep the number of teeth; the number takes the most trials."""
+BEFORE_FINER, AT_NOTCHES = 0.4, 0.1
+"""Share of that time for the changes that keep the number of teeth, and where notches need more: the number takes the
+most trials, and teeth as small as notches need take the longest ones."""
 
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of trials done and in all."""
@@ -216,7 +217,8 @@ def searched(
     every = list(ways(drive))
     trials = _Trials(drive, on_trial, sum(map(len, every)) + MOST_FINER, seconds)
     kept = [equals for equals in every if Kind.FINER not in equals[0].kinds]
-    found = next((mend for equals in kept if (mend := trials.best(equals, BEFORE_FINER))), None)
+    share = AT_NOTCHES if trials.needed > FINER_STEP * drive.by_stage[0].pitch.size.driving_teeth else BEFORE_FINER
+    found = next((mend for equals in kept if (mend := trials.best(equals, share))), None)
     found = found or trials.fewest()
     found = found or next((mend for equals in every[len(kept) :] if (mend := trials.best(equals))), None)
     return Mending(refusal, tuple(trials.failed), found, trials.is_whole)
@@ -228,6 +230,7 @@ class _Trials:
     def __init__(self, drive: Drive, on_trial: OnTrial, total: int, seconds: float) -> None:
         self._drive, self._on_trial, self._total, self._seconds = drive, on_trial, total, seconds
         self._begun = process_time()
+        self.needed = _teeth_of_notches(drive.by_stage[0])
         self.failed: list[Way] = []
         self.is_whole = True
 
@@ -249,10 +252,10 @@ class _Trials:
         pair, fitted = self._drive.by_stage[0], _fitted(self._drive)
         each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
         most = min(MOST_FINER * low, MOST_TEETH // each * each)
-        needed, high, found = _teeth_of_notches(pair), most + each, None
+        high, found = most + each, None
 
         def more(teeth: int) -> int:
-            return min(_up(max(needed, FINER_STEP * teeth), each), most)
+            return min(_up(max(self.needed, FINER_STEP * teeth), each), most)
 
         count = more(low)
         while low < count < high:
