@@ -224,7 +224,7 @@ def test_the_search_for_a_number_begins_where_notches_need_it(monkeypatch: pytes
     drive = drive_of({**data, "gears": {key: one for key, one in data["gears"].items() if key != "module_mm"}})
     search.searched(drive, NoSuchMechanism("refused"))
     kept = [share for teeth, share in tried if teeth is None]
-    assert [teeth for teeth, _ in tried if teeth is not None][0] == 461
+    assert next(teeth for teeth, _ in tried if teeth is not None) == 461
     assert max(kept) < search.BEFORE_FINER
 
 
