@@ -20,8 +20,10 @@ from ncgear.numerics.highest import largest_from
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
-KNOWN = 1e-3
-"""Share of its variation over the cycle to which an extreme is known at least."""
+KNOWN, CLOSELY = 1e-3, 1e-6
+"""Shares of its variation over the cycle to which an extreme is known at least: one of an error, which has a kink at
+every change of teeth, and one of a pressure angle, the sliding or the lever, which is a one-sided limit where the teeth
+change at the most."""
 
 
 @dataclass(frozen=True)
@@ -76,13 +78,18 @@ def contact_extremes(
     places, values = even.rolled_mm, known
     if even.toothed is None:
         places, values = np.append(places, even.pitch_mm * even.meetings), np.hstack([known, known[:, :1]])
-    found = largest_from(quantities, places, values, KNOWN * np.ptp(values, axis=1))
+    shares = np.repeat([KNOWN, CLOSELY, KNOWN], [ERRORS, len(known) - ERRORS - 1, 1])
+    found = largest_from(quantities, places, values, shares * np.ptp(values, axis=1))
     *ranges, sliding, lever, ahead = found
     spans = [Range(at_angle(low, -1.0), at_angle(high)) for high, low in zip(ranges[0::2], ranges[1::2], strict=True)]
     overlap, deepest = Extremum(max(ahead.value, 0.0), ahead.at), placed_at(pitch, even, np.array([ahead.at]))
     pushing, back, backlash, pushing_angle, back_angle = spans
     found_at = pushing_angle, back_angle, at_angle(sliding), at_angle(lever, -1.0), at_angle(overlap)
     return ContactExtremes(pushing, back, backlash, *found_at, deepest.teeth_at(0))
+
+
+ERRORS = 6
+"""So many of the quantities, the first, are those of errors and of the backlash; the last is the overlap."""
 
 
 def _quantities(touch: PairTouch, speed_rad_s: Callable[[Array], Array]) -> Array:
