@@ -1,0 +1,109 @@
+"""Extreme values of the contact of written outlines, between the positions of the table as well.
+
+A vertex that comes to a chord, or leaves it, is a kink of the play; there are more of them than positions.  From the
+even positions the search closes in on each extreme.  Between them outlines are placed in the middle of their play, so
+that both sides are near, and nothing overlaps where there is room.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, touch_at
+from ncgear.contact.designed.extremes import Range, at_angle, ranges_of
+from ncgear.contact.placement import Placement, placed_at
+from ncgear.contact.written.as_written import AsWritten, Outlines, require_reached
+from ncgear.contact.written.play import outline_play
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_from
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedPair
+
+KNOWN = 1e-2
+"""Share of its variation over the cycle to which an extreme is known at least: a twentieth of a chord tolerance or less,
+of the two or so by which outlines vary."""
+
+
+@dataclass(frozen=True)
+class WrittenExtremes:
+    """Extremes over a whole cycle, ``at`` driving angles in rad; quantities as in ``AsWritten``.
+
+    ``from_design_rad`` is how far from the exact teeth's contact the outlines touch at most, on either side of the
+    teeth.  ``overlap_mm`` is 0 where outlines never run into each other; ``overlap_teeth`` are the numbers of the
+    driving and the driven tooth at the pitch point where they do so most.
+    """
+
+    pushing_rad: Range
+    back_rad: Range
+    backlash_rad: Range
+    from_design_rad: Extremum
+    overlap_mm: Extremum
+    overlap_teeth: tuple[int, int]
+
+
+def written_extremes(
+    outlines: Outlines, pitch: PitchPair, teeth: ToothedPair, known: AsWritten, designed: AsDesigned, reach_mm: float
+) -> WrittenExtremes:
+    """The extremes of outlines whose contact is ``known`` at the positions of ``designed``; raises as ``as_written``."""
+    even, errors_at = designed.placement, _errors_at(pitch, teeth, designed)
+    rolled, middle = even.rolled_mm, (known.pushing_rad + known.back_rad) / 2.0
+    touch = np.stack([known.pushing_rad, known.back_rad])
+    values = _quantities(even, touch, errors_at(rolled), known.overlap_mm)
+    if even.toothed is None:
+        rolled, middle = np.append(rolled, even.cycle_mm), np.append(middle, middle[0])
+        values = np.hstack([values, values[:, :1]])
+
+    def quantities(rolled_mm: Array) -> Array:
+        # Several quantities may have their extremes in one interval.
+        places, back = np.unique(rolled_mm, return_inverse=True)
+        at = placed_at(pitch, even, places)
+        touch = _touch(outlines, at, reach_mm, np.interp(places, rolled, middle))
+        inside, overlap_mm = np.flatnonzero((touch[0] > ALIKE_RAD) | (touch[1] < -ALIKE_RAD)), np.zeros(places.size)
+        if inside.size:
+            law = placed_at(pitch, even, places[inside])
+            overlap_mm[inside] = outline_play(outlines.driving_mm, outlines.driven_mm, law, reach_mm).overlap_mm
+        return _quantities(at, touch, errors_at(places), overlap_mm)[:, back]
+
+    found = largest_from(quantities, rolled, values, KNOWN * np.ptp(values, axis=1))
+    *ranges, astray, deepest = (at_angle(pitch, even, one) for one in found)
+    overlap, where = replace(deepest, value=max(deepest.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
+    return WrittenExtremes(*ranges_of(ranges), astray, overlap, where.teeth_at(0))
+
+
+def _touch(outlines: Outlines, at: Placement, reach_mm: float, middle_rad: Array) -> Array:
+    """Driven angles beyond the law's at which pushing flanks and backs touch, seen from between them; shape (2, n)."""
+    between = replace(at, phi2_rad=at.phi2_rad + middle_rad)
+    play = outline_play(outlines.driving_mm, outlines.driven_mm, between, reach_mm)
+    require_reached(outlines, play)
+    return np.stack(at.bounds_rad(play.up_rad, play.down_rad)) + middle_rad
+
+
+def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Callable[[Array], Array]:
+    """The errors of the exact teeth on both sides at rolled lengths, shape (2, n); in most pairs there is none but play.
+
+    Teeth whose errors do not vary, but for rounding, have the same ones between the positions.
+    """
+    sides = np.stack([designed.pushing.error_rad, designed.back.error_rad])
+    if np.all(np.ptp(sides, axis=1) <= ALIKE_RAD):
+        return lambda rolled_mm: np.broadcast_to(sides.mean(axis=1)[:, None], (2, rolled_mm.size))
+    touch = touch_at(teeth)
+
+    def errors(rolled_mm: Array) -> Array:
+        found = touch(placed_at(pitch, designed.placement, rolled_mm))
+        return np.stack([found.pushing.error_rad, found.back.error_rad])
+
+    return errors
+
+
+def _quantities(at: Placement, touch_rad: Array, errors_rad: Array, overlap_mm: Array) -> Array:
+    """What the largest values are sought of, shape (q, n); where nothing overlaps, the room that is left counts."""
+    pushing, back = touch_rad
+    ranges = [pushing, back, back - pushing]
+    astray = np.abs(touch_rad - errors_rad).max(axis=0)
+    room = np.maximum(np.minimum(-pushing, back), 0.0) * at.driven_radius_mm
+    return np.stack([*(sign * values for values in ranges for sign in (1.0, -1.0)), astray, overlap_mm - room])
