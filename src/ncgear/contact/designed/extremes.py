@@ -73,9 +73,7 @@ def contact_extremes(
         return _quantities(touch(placed_at(pitch, even, rolled_mm)), speed_rad_s)
 
     known = _quantities(designed, speed_rad_s)
-    places, values = even.rolled_mm, known
-    if even.toothed is None:
-        places, values = np.append(places, even.pitch_mm * even.meetings), np.hstack([known, known[:, :1]])
+    places, values = over_cycle(even, known)
     shares = np.repeat([KNOWN, CLOSELY, KNOWN], [ERRORS, len(known) - ERRORS - 1, 1])
     found = largest_from(quantities, places, values, shares * np.ptp(values, axis=1))
     *ranges, sliding, lever, ahead = (at_angle(pitch, even, one) for one in found)
@@ -83,6 +81,13 @@ def contact_extremes(
     overlap, deepest = replace(ahead, value=max(ahead.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
     found_at = pushing_angle, back_angle, sliding, replace(lever, value=-lever.value), overlap
     return ContactExtremes(pushing, back, backlash, *found_at, deepest.teeth_at(0))
+
+
+def over_cycle(even: Placement, values: Array) -> tuple[Array, Array]:
+    """The rolled lengths of ``even`` positions and the values there, shape (q, n), up to the end of the cycle."""
+    if even.toothed is not None:
+        return even.rolled_mm, values
+    return np.append(even.rolled_mm, even.cycle_mm), np.hstack([values, values[:, :1]])
 
 
 def at_angle(pitch: PitchPair, even: Placement, found: Extremum) -> Extremum:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, touch_at
-from ncgear.contact.designed.extremes import Range, at_angle, ranges_of
+from ncgear.contact.designed.extremes import Range, at_angle, over_cycle, ranges_of
 from ncgear.contact.placement import Placement, placed_at
 from ncgear.contact.written.as_written import AsWritten, Outlines, require_reached
 from ncgear.contact.written.play import outline_play
@@ -51,23 +51,18 @@ def written_extremes(
 ) -> WrittenExtremes:
     """The extremes of outlines whose contact is ``known`` at the positions of ``designed``; raises as ``as_written``."""
     even, errors_at = designed.placement, _errors_at(pitch, teeth, designed)
-    rolled, middle = even.rolled_mm, (known.pushing_rad + known.back_rad) / 2.0
     touch = np.stack([known.pushing_rad, known.back_rad])
-    values = _quantities(even, touch, errors_at(rolled), known.overlap_mm)
-    if even.toothed is None:
-        rolled, middle = np.append(rolled, even.cycle_mm), np.append(middle, middle[0])
-        values = np.hstack([values, values[:, :1]])
+    rolled, values = over_cycle(even, _quantities(even, touch, errors_at(even.rolled_mm), known.overlap_mm))
+    middle = over_cycle(even, touch)[1].mean(axis=0)
 
     def quantities(rolled_mm: Array) -> Array:
-        # Several quantities may have their extremes in one interval.
-        places, back = np.unique(rolled_mm, return_inverse=True)
-        at = placed_at(pitch, even, places)
-        touch = _touch(outlines, at, reach_mm, np.interp(places, rolled, middle))
-        inside, overlap_mm = np.flatnonzero((touch[0] > ALIKE_RAD) | (touch[1] < -ALIKE_RAD)), np.zeros(places.size)
+        at = placed_at(pitch, even, rolled_mm)
+        touch = _touch(outlines, at, reach_mm, np.interp(rolled_mm, rolled, middle))
+        overlap_mm, inside = np.zeros(at.count), np.flatnonzero((touch[0] > ALIKE_RAD) | (touch[1] < -ALIKE_RAD))
         if inside.size:
-            law = placed_at(pitch, even, places[inside])
+            law = placed_at(pitch, even, rolled_mm[inside])
             overlap_mm[inside] = outline_play(outlines.driving_mm, outlines.driven_mm, law, reach_mm).overlap_mm
-        return _quantities(at, touch, errors_at(places), overlap_mm)[:, back]
+        return _quantities(at, touch, errors_at(rolled_mm), overlap_mm)
 
     found = largest_from(quantities, rolled, values, KNOWN * np.ptp(values, axis=1))
     *ranges, astray, deepest = (at_angle(pitch, even, one) for one in found)
