@@ -1,8 +1,8 @@
 """Extreme values of the contact of written outlines, between the positions of the table as well.
 
 A vertex that comes to a chord, or leaves it, is a kink of the play; there are more of them than positions.  From the
-even positions the search closes in on each extreme.  Between them outlines are placed in the middle of their play, so
-that both sides are near, and nothing overlaps where there is room.
+even positions the search closes in on each extreme.  Between them outlines are looked at in the middle of their play:
+both sides are near, and where there is room nothing overlaps.  Where something does, the law's angle is looked at too.
 """
 
 from __future__ import annotations
@@ -57,11 +57,15 @@ def written_extremes(
 
     def quantities(rolled_mm: Array) -> Array:
         at = placed_at(pitch, even, rolled_mm)
-        touch = _touch(outlines, at, reach_mm, np.interp(rolled_mm, rolled, middle))
-        overlap_mm, inside = np.zeros(at.count), np.flatnonzero((touch[0] > ALIKE_RAD) | (touch[1] < -ALIKE_RAD))
-        if inside.size:
-            law = placed_at(pitch, even, rolled_mm[inside])
-            overlap_mm[inside] = outline_play(outlines.driving_mm, outlines.driven_mm, law, reach_mm).overlap_mm
+        between_rad = np.interp(rolled_mm, rolled, middle)
+        touch, overlap_mm = _touch(outlines, replace(at, phi2_rad=at.phi2_rad + between_rad), reach_mm)
+        touch += between_rad
+        doubtful = np.flatnonzero((overlap_mm > 0.0) | (touch[0] > ALIKE_RAD) | (touch[1] < -ALIKE_RAD))
+        overlap_mm[:] = 0.0
+        if doubtful.size:
+            law, overlap_mm[doubtful] = _touch(outlines, placed_at(pitch, even, rolled_mm[doubtful]), reach_mm)
+            # Where a corner has passed what it would touch, it looks as if it touched; the wider play is free all along.
+            touch[:, doubtful] = np.where(law[1] - law[0] > (touch[1] - touch[0])[doubtful], law, touch[:, doubtful])
         return _quantities(at, touch, errors_at(rolled_mm), overlap_mm)
 
     found = largest_from(quantities, rolled, values, KNOWN * np.ptp(values, axis=1))
@@ -70,12 +74,11 @@ def written_extremes(
     return WrittenExtremes(*ranges_of(ranges), astray, overlap, where.teeth_at(0))
 
 
-def _touch(outlines: Outlines, at: Placement, reach_mm: float, middle_rad: Array) -> Array:
-    """Driven angles beyond the law's at which pushing flanks and backs touch, seen from between them; shape (2, n)."""
-    between = replace(at, phi2_rad=at.phi2_rad + middle_rad)
-    play = outline_play(outlines.driving_mm, outlines.driven_mm, between, reach_mm)
+def _touch(outlines: Outlines, at: Placement, reach_mm: float) -> tuple[Array, Array]:
+    """Driven angles beyond a placement's at which pushing flanks and backs touch, shape (2, n), and overlaps in it."""
+    play = outline_play(outlines.driving_mm, outlines.driven_mm, at, reach_mm)
     require_reached(outlines, play)
-    return np.stack(at.bounds_rad(play.up_rad, play.down_rad)) + middle_rad
+    return np.stack(at.bounds_rad(play.up_rad, play.down_rad)), play.overlap_mm
 
 
 def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Callable[[Array], Array]:
