@@ -160,6 +160,9 @@ def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
     for written in contact.as_written:
         _refuse(written.overlap_mm, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
         _require_as_designed(written, contact.as_designed, CHORDS_ASTRAY * tolerance_mm)
+    for found in contact.extremes:
+        if found.overlap_mm.value > CHORDS_OVERLAP * tolerance_mm:
+            raise _overlapping(found.overlap_mm, found.overlap_teeth[0], contact.as_designed.placement.mesh)
 
 
 def _refuse(overlap_mm: Array, allowed_mm: float, designed: AsDesigned) -> None:

@@ -25,8 +25,8 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
 KNOWN = 1e-2
-"""Share of its variation over the cycle to which an extreme is known at least: a twentieth of a chord tolerance or less,
-of the two or so by which outlines vary."""
+"""Share of its variation over the cycle to which an extreme is known at least: a fiftieth of a chord tolerance, as
+outlines vary by about two."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,10 @@ class WrittenExtremes:
 def written_extremes(
     outlines: Outlines, pitch: PitchPair, teeth: ToothedPair, known: AsWritten, designed: AsDesigned, reach_mm: float
 ) -> WrittenExtremes:
-    """The extremes of outlines whose contact is ``known`` at the positions of ``designed``; raises as ``as_written``."""
+    """The extremes of outlines whose contact is ``known`` at the positions of ``designed``.
+
+    Raises as ``as_written``.
+    """
     even, errors_at = designed.placement, _errors_at(pitch, teeth, designed)
     touch = np.stack([known.pushing_rad, known.back_rad])
     rolled, values = over_cycle(even, _quantities(even, touch, errors_at(even.rolled_mm), known.overlap_mm))
@@ -64,7 +67,7 @@ def written_extremes(
         overlap_mm[:] = 0.0
         if doubtful.size:
             law, overlap_mm[doubtful] = _touch(outlines, placed_at(pitch, even, rolled_mm[doubtful]), reach_mm)
-            # Where a corner has passed what it would touch, it looks as if it touched; the wider play is free all along.
+            # A corner that has passed what it would touch looks as if it touched; the wider play is free all along.
             touch[:, doubtful] = np.where(law[1] - law[0] > (touch[1] - touch[0])[doubtful], law, touch[:, doubtful])
         return _quantities(at, touch, errors_at(rolled_mm), overlap_mm)
 
@@ -82,7 +85,7 @@ def _touch(outlines: Outlines, at: Placement, reach_mm: float) -> tuple[Array, A
 
 
 def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Callable[[Array], Array]:
-    """The errors of the exact teeth on both sides at rolled lengths, shape (2, n); in most pairs there is none but play.
+    """The errors of the exact teeth on both sides at rolled lengths, shape (2, n).
 
     Teeth whose errors do not vary, but for rounding, have the same ones between the positions.
     """
