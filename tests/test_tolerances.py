@@ -394,8 +394,8 @@ def test_what_positions_miss_covers_others_that_are_not_among_them() -> None:
     play_mm = -other.leads(of).sum(axis=0) * other.arm_mm[BACK][:, None]
     told = pair.mesh.leads(of).sum(axis=0) * -pair.mesh.arm_mm[BACK][:, None]
     less, more = (told.min(axis=0) - play_mm.min(axis=0)).max(), (play_mm.max(axis=0) - told.max(axis=0)).max()
-    assert 0.0 < less <= 1.05 * found.least_play_mm + 1e-5
-    assert 0.0 < more <= 1.05 * found.largest_play_mm + 1e-5
+    assert 0.0 < less <= 1.2 * found.least_play_mm
+    assert 0.0 < more <= 1.2 * found.largest_play_mm
     # Negative control: the same positions miss nothing of themselves.
     assert between_positions(pair, pair.mesh, of).least_play_mm == 0.0
 
