@@ -193,7 +193,8 @@ def _together(placement: Placement, steps: float) -> IndexArray:
     run, part = counted_up(np.zeros_like(parts), parts)
     first, last = (begin[run] + count[run] * one // parts[run] for one in (part, part + 1))
     within = np.arange(int((last - first).max()))
-    return np.minimum(first[:, None] + within, last[:, None] - 1)
+    together: IndexArray = np.minimum(first[:, None] + within, last[:, None] - 1)
+    return together
 
 
 def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, Array, Array]:

@@ -74,7 +74,8 @@ def written_extremes(
     found = largest_from(quantities, rolled, values, KNOWN * np.ptp(values, axis=1))
     *ranges, astray, deepest = (at_angle(pitch, even, one) for one in found)
     overlap, where = replace(deepest, value=max(deepest.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
-    return WrittenExtremes(*ranges_of(ranges), astray, overlap, where.teeth_at(0))
+    pushing, back, backlash = ranges_of(ranges)
+    return WrittenExtremes(pushing, back, backlash, astray, overlap, where.teeth_at(0))
 
 
 def _touch(outlines: Outlines, at: Placement, reach_mm: float) -> tuple[Array, Array]:
