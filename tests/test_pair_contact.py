@@ -47,8 +47,9 @@ def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int)
     assert found.overlap_mm.max() <= TOLERANCE
     contact = contact_of(name, teeth, outlines(made(name, teeth)[1]))
     refuse_bad_outlines(contact, TOLERANCE)
-    assert contact.transmission_error_rad == found.transmission_error_rad
-    assert contact.penetration_mm == found.overlap_mm.max()
+    assert contact.extremes[0].from_design_rad.value <= bound.max()
+    assert found.transmission_error_rad <= contact.transmission_error_rad
+    assert found.overlap_mm.max() <= contact.penetration_mm <= TOLERANCE
 
 
 @pytest.mark.slow
@@ -177,5 +178,5 @@ def test_the_worst_of_several_outlines_counts() -> None:
     found = outlines(pair)
     coarse = Outlines("coarse", *(gear.outline_mm for gear in (made("sine", 25, 0.02)[1].driving, pair.driven)))
     contact = pair_contact(pitch, pair, designed("sine", 25), [found, coarse])
-    assert contact.transmission_error_rad == contact.as_written[1].transmission_error_rad
+    assert contact.transmission_error_rad == contact.extremes[1].pushing_rad.width
     assert contact.transmission_error_rad > written("sine", 25).transmission_error_rad

@@ -47,6 +47,7 @@ from ncgear.tolerances.outlines import exact_of, linear_errors
 from ncgear.tolerances.study import (
     Workers,
     assemblies_of,
+    between_positions,
     drawn_at_random,
     drawn_evenly,
     enough_samples,
@@ -375,6 +376,28 @@ def test_beside_an_exact_pair_that_turns_evenly_the_other_is_a_single_one() -> N
         assert getattr(mine.pairs[0], name) == pytest.approx(getattr(other.pairs[0], name), rel=1e-6, abs=1e-9)
     for name in ("transmission_error_rad", "motion_error", "peak_acceleration"):
         assert getattr(mine, name) == pytest.approx(getattr(other, name), rel=2e-3)
+
+
+# --- between the positions ---
+
+
+@pytest.mark.slow
+def test_what_positions_miss_covers_others_that_are_not_among_them() -> None:
+    """Of 112 positions a pitch 16 are among the 80; the table has 10."""
+    one = drive("ellipse")
+    lot = lot_of(one, ASSUMED)
+    (of,), (pair,) = lot.drawn(drawn_evenly(64, 1)[0]), lot.pairs
+    fine, other = (
+        mesh_of(face_of(one), placed(one.pitch, per_tooth), 0.1 * one.pitch.size.module_mm) for per_tooth in (80, 112)
+    )
+    found = between_positions(pair, fine, of)
+    play_mm = -other.leads(of).sum(axis=0) * other.arm_mm[BACK][:, None]
+    told = pair.mesh.leads(of).sum(axis=0) * -pair.mesh.arm_mm[BACK][:, None]
+    less, more = (told.min(axis=0) - play_mm.min(axis=0)).max(), (play_mm.max(axis=0) - told.max(axis=0)).max()
+    assert 0.0 < less <= 1.2 * found.least_play_mm
+    assert 0.0 < more <= 1.2 * found.largest_play_mm
+    # Negative control: the same positions miss nothing of themselves.
+    assert between_positions(pair, pair.mesh, of).least_play_mm == 0.0
 
 
 # --- gears that turn to and fro ----------------------------------------------------------------------------------

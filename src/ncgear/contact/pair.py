@@ -7,6 +7,7 @@ between which teeth, and what limits their tips.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ncgear.contact.designed.extremes import ContactExtremes, contact_extremes
 from ncgear.contact.designed.flanks import PairsInContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
+from ncgear.contact.written.extremes import WrittenExtremes, written_extremes
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -28,10 +30,13 @@ from ncgear.teeth.tips import Limit
 
 @dataclass(frozen=True, eq=False)
 class PairContact:
-    """Contact of the exact curves, and of the outlines in each of the forms in which they were written."""
+    """Contact of the exact curves, and of the ``outlines`` in each of the forms in which they were written."""
 
     as_designed: AsDesigned
     as_written: tuple[AsWritten, ...]
+    pitch: PitchPair
+    teeth: ToothedPair
+    outlines: tuple[Outlines, ...]
 
     def __repr__(self) -> str:
         return (
@@ -39,15 +44,22 @@ class PairContact:
             f"{self.transmission_error_rad:.3g} rad, overlap {self.penetration_mm:.3g} mm,\n  {self.as_designed!r})"
         )
 
+    @cached_property
+    def extremes(self) -> tuple[WrittenExtremes, ...]:
+        """The extremes of each form, between the positions as well; raises as ``as_written``."""
+        reach, forms = reach_mm(self.pitch, self.teeth), zip(self.outlines, self.as_written, strict=True)
+        fixed = self.pitch, self.teeth
+        return tuple(written_extremes(one, *fixed, found, self.as_designed, reach) for one, found in forms)
+
     @property
     def transmission_error_rad(self) -> float:
         """Peak to peak, of the worst outlines."""
-        return max(written.transmission_error_rad for written in self.as_written)
+        return max(found.pushing_rad.width for found in self.extremes)
 
     @property
     def penetration_mm(self) -> float:
         """Deepest overlap at the law's angle, of the worst outlines."""
-        return max(float(written.overlap_mm.max()) for written in self.as_written)
+        return max(found.overlap_mm.value for found in self.extremes)
 
 
 def pair_contact(
@@ -55,7 +67,8 @@ def pair_contact(
 ) -> PairContact:
     """Contact of a pair as it was designed and in each form in which it was written; raises as ``as_written``."""
     reach = reach_mm(pitch, teeth)
-    return PairContact(designed, tuple(as_written(one, teeth, designed.placement, reach) for one in written))
+    found = tuple(as_written(one, teeth, designed.placement, reach) for one in written)
+    return PairContact(designed, found, pitch, teeth, tuple(written))
 
 
 CHORDS_OVERLAP = 1.1
@@ -147,6 +160,9 @@ def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
     for written in contact.as_written:
         _refuse(written.overlap_mm, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
         _require_as_designed(written, contact.as_designed, CHORDS_ASTRAY * tolerance_mm)
+    for found in contact.extremes:
+        if found.overlap_mm.value > CHORDS_OVERLAP * tolerance_mm:
+            raise _overlapping(found.overlap_mm, found.overlap_teeth[0], contact.as_designed.placement.mesh)
 
 
 def _refuse(overlap_mm: Array, allowed_mm: float, designed: AsDesigned) -> None:

@@ -6,11 +6,16 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ncgear.contact.designed.as_designed import AsDesigned, PairTouch, touch_at
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.placement import Placement
+from ncgear.contact.designed.extremes import Range, at_angle, over_cycle, ranges_of
+from ncgear.contact.placement import Placement, placed_at
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
+from ncgear.numerics.highest import largest_from
 from ncgear.numerics.plane import along
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedPair
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,3 +68,29 @@ def pair_places(contacts: Contacts, placement: Placement) -> PairPlaces:
         into_driven * driven_back,
         contacts.flanks,
     )
+
+
+KNOWN = 1e-4
+"""Share of its variation over the cycle to which an extreme of the stiffness is known at least."""
+
+
+def stiffness_range(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, stiffness: PairStiffness) -> Range:
+    """The least and the largest stiffness of any pair that touches without load, ``at`` driving angles in rad.
+
+    From the positions of ``designed`` the search closes in on both: a pair is softest where it meets or parts.
+    """
+    touch, even = touch_at(teeth), designed.placement
+
+    def both(at: PairTouch) -> Array:
+        contacts = Contacts.joined([at.pushing.touching, at.back.touching])
+        found = stiffness(pair_places(contacts, at.placement))
+        largest = np.full((2, at.placement.count), -np.inf)
+        for row, values in zip(largest, (found, -found), strict=True):
+            np.maximum.at(row, contacts.position, values)
+        return largest
+
+    places, values = over_cycle(even, both(designed))
+    found = largest_from(
+        lambda rolled_mm: both(touch(placed_at(pitch, even, rolled_mm))), places, values, KNOWN * np.ptp(values, axis=1)
+    )
+    return ranges_of([at_angle(pitch, even, one) for one in found])[0]

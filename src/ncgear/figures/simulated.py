@@ -186,10 +186,15 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
 
 
 def _stiffness(drive: Drive) -> dict[str, float]:
-    """The least, the mean and the largest stiffness of a pair of teeth at all places."""
-    stiffness = drive.meshing.gaps.touching_stiffness
-    names = "least_pair_stiffness_n_per_mm", "mean_pair_stiffness_n_per_mm", "largest_pair_stiffness_n_per_mm"
-    return dict(zip(names, (float(of(stiffness)) for of in (np.min, np.mean, np.max)), strict=True))
+    """The least, the mean and the largest stiffness of the pairs of teeth that touch."""
+    found = drive.stiffness_range
+    return {
+        "least_pair_stiffness_n_per_mm": found.low.value,
+        "least_pair_stiffness_at_rad": found.low.at,
+        "mean_pair_stiffness_n_per_mm": float(np.mean(drive.meshing.gaps.touching_stiffness)),
+        "largest_pair_stiffness_n_per_mm": found.high.value,
+        "largest_pair_stiffness_at_rad": found.high.at,
+    }
 
 
 def _band(peaks_with: Callable[[float], dict[str, float]]) -> dict[str, dict[str, Any]]:

@@ -204,6 +204,7 @@ def _checks(pair: ToleratedPair) -> dict[str, Any]:
             "by_source_mm": {source: float(one.max()) for source, one in first.by_source.items()},
         },
         "checked_by_outlines": [vars(one) for one in pair.errors],
+        "between_positions": vars(pair.between),
     }
 
 
@@ -311,6 +312,10 @@ def _check_lines(pair: ToleratedPair) -> list[str]:
             f"{to_digits(1e3 * one.displaced_mm, 3)} \u00b5m"
             for place, one in enumerate(pair.errors)
         ),
+        f"{f'{of}b' if of else 'B'}etween the positions, {pair.between.assemblies} assemblies have up to "
+        f"{to_digits(1e3 * pair.between.least_play_mm, 3)} \u00b5m less play and "
+        f"{to_digits(1e3 * pair.between.largest_play_mm, 3)} \u00b5m more than told, and "
+        f"{to_digits(1e3 * pair.between.transmission_error_mm, 3)} \u00b5m more transmission error",
     ]
 
 

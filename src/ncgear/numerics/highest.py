@@ -100,9 +100,10 @@ def largest_from(functions: Callable[[Array], Array], places: Array, values: Arr
 
 
 def _evaluated(functions: Callable[[Array], Array], places: Array) -> Array:
-    """Values of shape (q, n), a block of places after the other."""
-    blocks = np.array_split(places, -(-places.size // BLOCK))
-    return np.concatenate([functions(block) for block in blocks], axis=1)
+    """Values of shape (q, n), a block of rising places after the other; several functions may share an interval."""
+    rising, number = np.unique(places, return_inverse=True)
+    blocks = np.array_split(rising, -(-rising.size // BLOCK))
+    return np.concatenate([functions(block) for block in blocks], axis=1)[:, number]
 
 
 def _between(places: Array, values: Array) -> _Intervals:

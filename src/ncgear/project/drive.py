@@ -19,7 +19,7 @@ from ncgear.project.law import require_whole_turns
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
-    from ncgear.contact.designed.extremes import ContactExtremes
+    from ncgear.contact.designed.extremes import ContactExtremes, Range
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.dynamics.meshing import Meshing
@@ -265,6 +265,16 @@ class Drive(Geared):
         pitch, teeth, stiffness = self.pitch, self.teeth, self.pair_stiffness
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, teeth, stiffness)
+
+    @computed
+    def stiffness_range(self) -> Range:
+        """The least and the largest stiffness in N/mm of any pair of teeth that touches, anywhere in the cycle."""
+        from ncgear.dynamics.pair_places import stiffness_range
+        from ncgear.project.forces import stiffness_of
+
+        stiffness = stiffness_of(self.design.simulation, self.pair_stiffness)
+        with self.stopwatch("gaps"):
+            return stiffness_range(self.pitch, self.teeth, self.designed_contact, stiffness)
 
     def _loaded_at(self, phi1_rad: Array, stiffness_factor: float = 1.0) -> LoadedContact:
         """The teeth, stiffer by a factor, under the rigid level's torque at driving angles in rad, shape (n,)."""

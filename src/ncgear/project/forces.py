@@ -67,12 +67,17 @@ def meshing_of(
 
     Only ``sides`` of the teeth can touch.
     """
-    rub, constant = given.friction, given.stiffness_n_mm
+    rub = given.friction
     friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
-    stiffness = own if constant is None else lambda places: np.full(places.flanks.shape, constant)
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, given.full_damping_depth_mm)
-    gaps, key = gaps_of(teeth, pitch, stiffness, sides=sides), constant and STIFFNESS
+    gaps, key = gaps_of(teeth, pitch, stiffness_of(given, own), sides=sides), given.stiffness_n_mm and STIFFNESS
     return Meshing(law_table(pitch.transmission), gaps, impact, friction, key or None)
+
+
+def stiffness_of(given: Simulation, own: PairStiffness) -> PairStiffness:
+    """The stiffness of pairs of teeth that is given, or where none is, their ``own``."""
+    constant = given.stiffness_n_mm
+    return own if constant is None else lambda places: np.full(places.flanks.shape, constant)
 
 
 def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoad) -> Meshing:

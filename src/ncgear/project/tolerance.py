@@ -27,15 +27,17 @@ from ncgear.tolerances.assemblies import (
     lot_of_pairs,
 )
 from ncgear.tolerances.drawn import Limits, reachable
-from ncgear.tolerances.mesh import Face, Mesh, mesh_of, straight_face
+from ncgear.tolerances.mesh import Deviations, Face, Mesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import LinearError, exact_of, linear_errors
 from ncgear.tolerances.study import (
+    BetweenPositions,
     FirstOrder,
     Index,
     OnDone,
     Share,
     Workers,
     assemblies_of,
+    between_positions,
     drawn_at_random,
     drawn_evenly,
     enough_samples,
@@ -50,6 +52,9 @@ from ncgear.tolerances.study import (
 PER_TOOTH = 10
 """Positions per tooth pitch: with twice as many, errors and plays of single assemblies differ by a few per cent of
 their size at most, since teeth take over from each other between positions (tests/test_tolerances.py)."""
+
+FINER, MOST_POSITIONS = 8, 20_000
+"""How many times as many positions tell what those miss, and how many these are at most; twice as many at least."""
 
 LEAST_WITHIN, MOST_WITHIN, SPARE = 0.03, 0.5, 1.5
 """Places of contact are followed to this depth at least and at most, in modules; and this many times as deep as flanks
@@ -87,7 +92,7 @@ class ToleratedPair:
     """What one pair does in the assemblies of a design.
 
     ``knock`` is None where the torque of its driven gear never turns round.  ``errors`` are those of the linear mesh
-    for its assembly with the least play and for the first ones.
+    for its assembly with the least play and for the first ones, ``between`` what the first ones do between positions.
     """
 
     drive: Drive
@@ -99,6 +104,7 @@ class ToleratedPair:
     knocking_mm: float
     first_order: FirstOrder
     errors: tuple[LinearError, ...]
+    between: BetweenPositions
 
     @property
     def flank_limits_mm(self) -> tuple[Array, Array]:
@@ -200,7 +206,14 @@ def _pair(
         knocking_mm=knocking_mm,
         first_order=first_order(lot, number, tasks[: max(len(tasks) // 4, 1)]),
         errors=_checked(drive, number, lot, own, tasks),
+        between=_between(drive, pair, lot.drawn(tasks[0])[number]),
     )
+
+
+def _between(drive: Drive, pair: PairLot, of: Deviations) -> BetweenPositions:
+    """What some assemblies of a pair do between its positions."""
+    finer = int(np.clip(MOST_POSITIONS // pair.mesh.phi1_rad.size, 2, FINER))
+    return between_positions(pair, _mesh(drive, pair.limits, finer * PER_TOOTH), of)
 
 
 def _checked(drive: Drive, number: int, lot: Lot, found: PairAssemblies, tasks: list[Task]) -> tuple[LinearError, ...]:
@@ -242,9 +255,9 @@ def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> F
     return Face(tuple(sections), tuple(above_mm), helix.herringbone, drive.overlap_ratio)
 
 
-def placement_of(drive: Drive) -> Placement:
+def placement_of(drive: Drive, per_tooth: int = PER_TOOTH) -> Placement:
     """The positions at which assemblies are looked at."""
-    return placed(drive.pitch, PER_TOOTH)
+    return placed(drive.pitch, per_tooth)
 
 
 def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
@@ -260,11 +273,16 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
 def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[Mesh, Limits]:
     """The linear mesh of one pair, and what it may deviate by."""
     _ = drive.designed_contact
-    limits, module = limits_of(drive, given), drive.pitch.size.module_mm
-    size = drive.pitch.center_distance_mm
+    limits = limits_of(drive, given)
+    return _mesh(drive, limits, PER_TOOTH), limits
+
+
+def _mesh(drive: Drive, limits: Limits, per_tooth: int) -> Mesh:
+    """The linear mesh of one pair whose deviations have limits, at so many positions per tooth pitch."""
+    size, module = drive.pitch.center_distance_mm, drive.pitch.size.module_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
     face, both = face_of(drive), drive.gears.drives == "both_ways"
-    return reachable(mesh_of(face, placement_of(drive), within, both_ways=both), limits), limits
+    return reachable(mesh_of(face, placement_of(drive, per_tooth), within, both_ways=both), limits)
 
 
 def _is_loaded(drive: Drive) -> bool:

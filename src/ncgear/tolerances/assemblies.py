@@ -292,7 +292,7 @@ class Lot:
         slow = follower.slow(error)
         slow[0] += last_rad
         return Assemblies(
-            pairs=tuple(map(_of_pair, self.pairs, of, leads)),
+            pairs=tuple(map(of_pair, self.pairs, of, leads)),
             transmission_error_rad=np.ptp(error, axis=0),
             transmission_error_mm=np.ptp(error * follower.radius_mm[:, None], axis=0),
             play_max_rad=play.max(axis=0),
@@ -301,7 +301,7 @@ class Lot:
         )
 
 
-def _of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
+def of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
     """What a pair does whose first contacts lead by so much, shape (2, q, N)."""
     mesh = pair.mesh
     error, play = lead[PUSHING], -lead[PUSHING] - lead[BACK]

@@ -12,8 +12,19 @@ import numpy as np
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.tolerances.assemblies import Assemblies, Lot, PairAssemblies, Task, computed, sobol_points, tasks_of
+from ncgear.tolerances.assemblies import (
+    Assemblies,
+    Lot,
+    PairAssemblies,
+    PairLot,
+    Task,
+    computed,
+    of_pair,
+    sobol_points,
+    tasks_of,
+)
 from ncgear.tolerances.drawn import COUNT, Source, spread
+from ncgear.tolerances.mesh import Deviations, Mesh
 from ncgear.workers import finished
 
 JAMMED_RAD = 1e-9
@@ -216,3 +227,28 @@ def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
     by_source = {source: np.sqrt(one) * arm for source, one in variance.items()}
     spread_rad = np.where(np.ptp(plays, axis=1) > JAMMED_RAD, plays.std(axis=1), 0.0)
     return FirstOrder(np.sqrt(sum(variance.values())) * arm, spread_rad * arm, by_source)
+
+
+@dataclass(frozen=True)
+class BetweenPositions:
+    """How far figures of any of some assemblies go beyond those told, between the positions, in mm at most.
+
+    Eight times as many positions tell it to a tenth or so of itself.
+    """
+
+    assemblies: int
+    least_play_mm: float
+    largest_play_mm: float
+    transmission_error_mm: float
+
+
+def between_positions(pair: PairLot, finer: Mesh, of: Deviations) -> BetweenPositions:
+    """What the positions of a pair miss of those of ``finer``, many times as many, which are its own and more."""
+    own = of_pair(pair, of, pair.mesh.leads(of))
+    found = of_pair(replace(pair, mesh=finer, reversals=pair.reversals[:0]), of, finer.leads(of))
+
+    def beyond(name: str, sign: float) -> float:
+        return float(np.max(sign * (getattr(found, name) - getattr(own, name)), initial=0.0)) + 0.0
+
+    signs = {"least_play_mm": -1.0, "largest_play_mm": 1.0, "transmission_error_mm": 1.0}
+    return BetweenPositions(own.least_arc.size, **{name: beyond(name, sign) for name, sign in signs.items()})

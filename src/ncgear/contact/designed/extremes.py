@@ -7,12 +7,13 @@ the pitch curves so narrow, and deep enough to show, is curved too much for a fl
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, PairTouch, touch_at
-from ncgear.contact.placement import placed_at
+from ncgear.contact.placement import Placement, placed_at
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
@@ -20,8 +21,10 @@ from ncgear.numerics.highest import largest_from
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
-KNOWN = 1e-3
-"""Share of its variation over the cycle to which an extreme is known at least."""
+KNOWN, CLOSELY = 1e-3, 1e-6
+"""Shares of its variation over the cycle to which an extreme is known at least: one of an error, which has a kink at
+every change of teeth, and one of a pressure angle, the sliding or the lever, which is a one-sided limit where the teeth
+change at the most."""
 
 
 @dataclass(frozen=True)
@@ -69,20 +72,37 @@ def contact_extremes(
     def quantities(rolled_mm: Array) -> Array:
         return _quantities(touch(placed_at(pitch, even, rolled_mm)), speed_rad_s)
 
-    def at_angle(found: Extremum, sign: float = 1.0) -> Extremum:
-        return Extremum(sign * found.value + 0.0, float(placed_at(pitch, even, np.array([found.at])).phi1_rad[0]))
-
     known = _quantities(designed, speed_rad_s)
-    places, values = even.rolled_mm, known
-    if even.toothed is None:
-        places, values = np.append(places, even.pitch_mm * even.meetings), np.hstack([known, known[:, :1]])
-    found = largest_from(quantities, places, values, KNOWN * np.ptp(values, axis=1))
-    *ranges, sliding, lever, ahead = found
-    spans = [Range(at_angle(low, -1.0), at_angle(high)) for high, low in zip(ranges[0::2], ranges[1::2], strict=True)]
-    overlap, deepest = Extremum(max(ahead.value, 0.0), ahead.at), placed_at(pitch, even, np.array([ahead.at]))
-    pushing, back, backlash, pushing_angle, back_angle = spans
-    found_at = pushing_angle, back_angle, at_angle(sliding), at_angle(lever, -1.0), at_angle(overlap)
+    places, values = over_cycle(even, known)
+    shares = np.repeat([KNOWN, CLOSELY, KNOWN], [ERRORS, len(known) - ERRORS - 1, 1])
+    found = largest_from(quantities, places, values, shares * np.ptp(values, axis=1))
+    *ranges, sliding, lever, ahead = (at_angle(pitch, even, one) for one in found)
+    pushing, back, backlash, pushing_angle, back_angle = ranges_of(ranges)
+    overlap, deepest = replace(ahead, value=max(ahead.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
+    found_at = pushing_angle, back_angle, sliding, replace(lever, value=-lever.value), overlap
     return ContactExtremes(pushing, back, backlash, *found_at, deepest.teeth_at(0))
+
+
+def over_cycle(even: Placement, values: Array) -> tuple[Array, Array]:
+    """The rolled lengths of ``even`` positions and the values there, shape (q, n), up to the end of the cycle."""
+    if even.toothed is not None:
+        return even.rolled_mm, values
+    return np.append(even.rolled_mm, even.cycle_mm), np.hstack([values, values[:, :1]])
+
+
+def at_angle(pitch: PitchPair, even: Placement, found: Extremum) -> Extremum:
+    """An extremum at a rolled length of the cycle of ``even`` positions, as one at the driving angle in rad."""
+    return Extremum(found.value, float(placed_at(pitch, even, np.array([found.at])).phi1_rad[0]))
+
+
+def ranges_of(largest: Sequence[Extremum]) -> list[Range]:
+    """The ranges of quantities, from the largest value of each and that of its negative, one after the other."""
+    pairs = zip(largest[0::2], largest[1::2], strict=True)
+    return [Range(replace(low, value=0.0 - low.value), high) for high, low in pairs]
+
+
+ERRORS = 6
+"""So many of the quantities, the first, are those of errors and of the backlash; the last is the overlap."""
 
 
 def _quantities(touch: PairTouch, speed_rad_s: Callable[[Array], Array]) -> Array:

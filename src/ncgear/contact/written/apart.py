@@ -34,8 +34,9 @@ CELL, MOST_CELLS = 4.0, 2000
 """Size in grains of the cells by which pairs are found, and most cells across an outline.  Smaller ones find fewer
 pairs that are not near, and take longer to make."""
 
-STRETCHES = 9, 3, 1
-"""Numbers of positions in a stretch, of which the greatest is taken that leaves chords near each other."""
+SPANS_IN_STEPS, MOST_TOGETHER = (9.0, 3.0, 1.0, 0.25), 9
+"""Steps of the cycle's even positions that a stretch spans, of which the greatest is taken that leaves chords near each
+other, and most positions in a stretch.  Where no span does, each position is a stretch of its own."""
 
 MOVED = 1.5
 """How far, in grains, chords may move within a stretch, as the other gear sees them."""
@@ -45,6 +46,9 @@ BLOCK = 128
 
 TOUCHING_IN_PITCHES = 1e-7
 """Chords that are as near as this all along, or much nearer at one end, may cross by a rounding error."""
+
+ROUNDING = 1e-9
+"""Share of a step that rounding may cost a position."""
 
 SLACK_IN_PITCHES = 1e-10
 """By this much chords count as longer, so that rounding errors leave no gap where two of them join."""
@@ -165,9 +169,8 @@ def _stretches(chords: Chords, placement: Placement, reach_mm: float, most_mm: f
     """The longest stretches within which chords move by ``most_mm`` at most, and how far in mm they do."""
     outline = polar_outline(chords.start)
     direction, half_width = placement.mesh_direction_rad, half_width_rad(placement, reach_mm)
-    for length in STRETCHES:
-        number = np.arange(-(-placement.count // length) * length).reshape(-1, length)
-        position = np.minimum(number, placement.count - 1)
+    for span in (*SPANS_IN_STEPS, 0.0):
+        position = _together(placement, span)
         low, high = (direction - half_width)[position].min(axis=1), (direction + half_width)[position].max(axis=1)
         first, count = outline.windows((low + high) / 2.0, (high - low) / 2.0)
         moving = _moving(placement, position)
@@ -176,6 +179,22 @@ def _stretches(chords: Chords, placement: Placement, reach_mm: float, most_mm: f
         if moved <= most_mm:
             break
     return stretches, moved
+
+
+def _together(placement: Placement, steps: float) -> IndexArray:
+    """Neighbouring positions within so many steps, shape (stretches, k)."""
+    number = np.arange(placement.count)
+    if steps:
+        # Rounding errors must not part a position from its step.
+        number = np.floor(placement.rolled_mm / (steps * placement.step_mm) + ROUNDING)
+    begin = np.flatnonzero(np.diff(number, prepend=-np.inf))
+    count = np.diff(np.append(begin, placement.count))
+    parts = -(-count // MOST_TOGETHER)
+    run, part = counted_up(np.zeros_like(parts), parts)
+    first, last = (begin[run] + count[run] * one // parts[run] for one in (part, part + 1))
+    within = np.arange(int((last - first).max()))
+    together: IndexArray = np.minimum(first[:, None] + within, last[:, None] - 1)
+    return together
 
 
 def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, Array, Array]:

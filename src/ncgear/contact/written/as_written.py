@@ -14,7 +14,7 @@ from math import sin
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.play import outline_play
+from ncgear.contact.written.play import Play, outline_play
 from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
@@ -71,14 +71,19 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
     """
     play = outline_play(outlines.driving_mm, outlines.driven_mm, placement, reach_mm)
     tips = _tip_clearances(outlines, teeth, placement)
-    if not (np.isfinite(play.up_rad).all() and np.isfinite(play.down_rad).all()) or np.isnan(tips).any():
+    require_reached(outlines, play, *tips)
+    bounds = placement.bounds_rad(play.up_rad, play.down_rad)
+    return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
+
+
+def require_reached(outlines: Outlines, play: Play, *tips_mm: float) -> None:
+    """Raise NoSuchMechanism where outlines do not touch, or a normal does not meet one: a clearance is no number."""
+    if not (np.isfinite(play.up_rad).all() and np.isfinite(play.down_rad).all()) or np.isnan(tips_mm).any():
         raise NoSuchMechanism(
             f"the outlines written as {outlines.source} do not reach each other at some angles; less backlash_mm, "
             "taller teeth (rack), or a smaller chord_tolerance_mm are needed",
             key="gears.teeth",
         )
-    bounds = placement.bounds_rad(play.up_rad, play.down_rad)
-    return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
 
 
 SHARES = np.linspace(0.001, 0.999, 9)

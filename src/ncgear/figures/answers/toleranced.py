@@ -46,12 +46,18 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         f"linear model off the outlines of {len(errors)} assemblies by "
         f"{to_digits(1e3 * worst.error_mm, 3)} of {to_digits(1e3 * worst.displaced_mm, 3)} \u00b5m"
     )
+    play, error = (
+        to_digits(1e3 * max(getattr(pair.between, key) for pair in tolerated.pairs), 3)
+        for key in ("least_play_mm", "transmission_error_mm")
+    )
+    between = f"up to {play} \u00b5m less play, {error} \u00b5m more transmission error than at the positions looked at"
     rows = [
         Row("jam", (jam_words(tolerated),)),
         Row("knock", (knock_words(tolerated),)),
         Row("backlash", (needed_words(tolerated),)),
         *(Row(name, (f"varies with {words}",)) for name, words in index_rows(tolerated)[:3] if words),
         Row("checked", (checked,)),
+        Row("between", (between,)),
     ]
     limits = f"{assumed_words(tolerated.process)}{', '.join(limit_words(tolerated.tolerances))}"
     return Answer(

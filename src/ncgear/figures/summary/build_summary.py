@@ -16,8 +16,8 @@ from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.designed.extremes import ContactExtremes, Range
 from ncgear.contact.designed.flanks import PairsInContact
 from ncgear.contact.pair import PairContact
-from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten
+from ncgear.contact.written.extremes import WrittenExtremes
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.passed import passed_summary
@@ -271,7 +271,10 @@ def contact_summary(contact: PairContact, extremes: ContactExtremes) -> dict[str
         "contact_ratio_min": designed.least_arc,
         "penetration_max_mm": contact.penetration_mm,
         "as_designed": designed_contact(designed, extremes),
-        "as_written": {written.source: _as_written(written, designed) for written in contact.as_written},
+        "as_written": {
+            written.source: _as_written(written, found, designed)
+            for written, found in zip(contact.as_written, contact.extremes, strict=True)
+        },
     }
 
 
@@ -328,28 +331,19 @@ def _clearances(designed: AsDesigned) -> dict[str, Any]:
     return least
 
 
-def _as_written(written: AsWritten, designed: AsDesigned) -> dict[str, Any]:
-    astray = np.maximum(
-        np.abs(written.pushing_rad - designed.pushing.error_rad), np.abs(written.back_rad - designed.back.error_rad)
-    )
+def _as_written(written: AsWritten, extremes: WrittenExtremes, designed: AsDesigned) -> dict[str, Any]:
     return {
-        "transmission_error_rad": written.transmission_error_rad,
-        "transmission_error_back_rad": float(np.ptp(written.back_rad)),
+        "transmission_error_rad": extremes.pushing_rad.width,
+        "transmission_error_back_rad": extremes.back_rad.width,
         **_by_tooth(designed.pushing, written.pushing_rad),
-        **_greatest("from_design_max", "rad", astray, designed.placement),
-        **_range("backlash", "rad", written.backlash_rad, designed.placement),
-        **_penetration(written.overlap_mm, designed.placement),
+        **_extreme("from_design_max", "rad", extremes.from_design_rad),
+        **_between("backlash", "rad", extremes.backlash_rad),
+        **_deepest(extremes.overlap_mm, extremes.overlap_teeth),
         **{
             f"clearance_{gear}_tips_mm": clearance if isfinite(clearance) else None
             for gear, clearance in (("driving", written.driving_tips_mm), ("driven", written.driven_tips_mm))
         },
     }
-
-
-def _penetration(overlap_mm: Array, placement: Placement) -> dict[str, Any]:
-    worst = int(np.argmax(overlap_mm))
-    deepest = Extremum(float(overlap_mm[worst]), float(placement.phi1_rad[worst]))
-    return _deepest(deepest, placement.teeth_at(worst))
 
 
 def _deepest(overlap_mm: Extremum, teeth: tuple[int, int]) -> dict[str, Any]:
@@ -359,22 +353,6 @@ def _deepest(overlap_mm: Extremum, teeth: tuple[int, int]) -> dict[str, Any]:
     if overlap_mm.value == 0.0:
         return {**deepest, "penetration_max_at_rad": None, **dict.fromkeys(where)}
     return {**deepest, **where}
-
-
-def _range(name: str, unit: str, values: Array, placement: Placement) -> dict[str, Any]:
-    return {
-        **_at(f"{name}_min", unit, values, int(np.argmin(values)), placement),
-        **_greatest(f"{name}_max", unit, values, placement),
-    }
-
-
-def _greatest(name: str, unit: str, values: Array, placement: Placement) -> dict[str, Any]:
-    return _at(name, unit, values, int(np.argmax(values)), placement)
-
-
-def _at(name: str, unit: str, values: Array, place: int, placement: Placement) -> dict[str, Any]:
-    """A value over the positions, and the driving angle at which it is taken."""
-    return {f"{name}_{unit}": float(values[place]), f"{name}_at_rad": float(placement.phi1_rad[place])}
 
 
 def bodies_summary(drive: Drive) -> dict[str, Any]:

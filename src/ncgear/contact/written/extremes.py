@@ -1,0 +1,111 @@
+"""Extreme values of the contact of written outlines, between the positions of the table as well.
+
+A vertex that comes to a chord, or leaves it, is a kink of the play; there are more of them than positions.  From the
+even positions the search closes in on each extreme.  Between them outlines are looked at in the middle of their play:
+both sides are near, and where there is room nothing overlaps.  Where something does, the law's angle is looked at too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, touch_at
+from ncgear.contact.designed.extremes import Range, at_angle, over_cycle, ranges_of
+from ncgear.contact.placement import Placement, placed_at
+from ncgear.contact.written.as_written import AsWritten, Outlines, require_reached
+from ncgear.contact.written.play import outline_play
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_from
+from ncgear.pitch.pair import PitchPair
+from ncgear.teeth.gear import ToothedPair
+
+KNOWN = 1e-2
+"""Share of its variation over the cycle to which an extreme is known at least: a fiftieth of a chord tolerance, as
+outlines vary by about two."""
+
+
+@dataclass(frozen=True)
+class WrittenExtremes:
+    """Extremes over a whole cycle, ``at`` driving angles in rad; quantities as in ``AsWritten``.
+
+    ``from_design_rad`` is how far from the exact teeth's contact the outlines touch at most, on either side of the
+    teeth.  ``overlap_mm`` is 0 where outlines never run into each other; ``overlap_teeth`` are the numbers of the
+    driving and the driven tooth at the pitch point where they do so most.
+    """
+
+    pushing_rad: Range
+    back_rad: Range
+    backlash_rad: Range
+    from_design_rad: Extremum
+    overlap_mm: Extremum
+    overlap_teeth: tuple[int, int]
+
+
+def written_extremes(
+    outlines: Outlines, pitch: PitchPair, teeth: ToothedPair, known: AsWritten, designed: AsDesigned, reach_mm: float
+) -> WrittenExtremes:
+    """The extremes of outlines whose contact is ``known`` at the positions of ``designed``.
+
+    Raises as ``as_written``.
+    """
+    even, errors_at = designed.placement, _errors_at(pitch, teeth, designed)
+    touch = np.stack([known.pushing_rad, known.back_rad])
+    rolled, values = over_cycle(even, _quantities(even, touch, errors_at(even.rolled_mm), known.overlap_mm))
+    middle = over_cycle(even, touch)[1].mean(axis=0)
+
+    def quantities(rolled_mm: Array) -> Array:
+        at = placed_at(pitch, even, rolled_mm)
+        between_rad = np.interp(rolled_mm, rolled, middle)
+        touch, overlap_mm = _touch(outlines, replace(at, phi2_rad=at.phi2_rad + between_rad), reach_mm)
+        touch += between_rad
+        doubtful = np.flatnonzero((overlap_mm > 0.0) | (touch[0] > ALIKE_RAD) | (touch[1] < -ALIKE_RAD))
+        overlap_mm[:] = 0.0
+        if doubtful.size:
+            law, overlap_mm[doubtful] = _touch(outlines, placed_at(pitch, even, rolled_mm[doubtful]), reach_mm)
+            # A corner that has passed what it would touch looks as if it touched; the wider play is free all along.
+            touch[:, doubtful] = np.where(law[1] - law[0] > (touch[1] - touch[0])[doubtful], law, touch[:, doubtful])
+        return _quantities(at, touch, errors_at(rolled_mm), overlap_mm)
+
+    found = largest_from(quantities, rolled, values, KNOWN * np.ptp(values, axis=1))
+    *ranges, astray, deepest = (at_angle(pitch, even, one) for one in found)
+    overlap, where = replace(deepest, value=max(deepest.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
+    pushing, back, backlash = ranges_of(ranges)
+    return WrittenExtremes(pushing, back, backlash, astray, overlap, where.teeth_at(0))
+
+
+def _touch(outlines: Outlines, at: Placement, reach_mm: float) -> tuple[Array, Array]:
+    """Driven angles beyond a placement's at which pushing flanks and backs touch, shape (2, n), and overlaps in it."""
+    play = outline_play(outlines.driving_mm, outlines.driven_mm, at, reach_mm)
+    require_reached(outlines, play)
+    return np.stack(at.bounds_rad(play.up_rad, play.down_rad)), play.overlap_mm
+
+
+def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Callable[[Array], Array]:
+    """The errors of the exact teeth on both sides at rolled lengths, shape (2, n).
+
+    Teeth whose errors do not vary, but for rounding, have the same ones between the positions.
+    """
+    sides = np.stack([designed.pushing.error_rad, designed.back.error_rad])
+    if np.all(np.ptp(sides, axis=1) <= ALIKE_RAD):
+        return lambda rolled_mm: np.broadcast_to(sides.mean(axis=1)[:, None], (2, rolled_mm.size))
+    touch = touch_at(teeth)
+
+    def errors(rolled_mm: Array) -> Array:
+        found = touch(placed_at(pitch, designed.placement, rolled_mm))
+        return np.stack([found.pushing.error_rad, found.back.error_rad])
+
+    return errors
+
+
+def _quantities(at: Placement, touch_rad: Array, errors_rad: Array, overlap_mm: Array) -> Array:
+    """What the largest values are sought of, shape (q, n); where nothing overlaps, the room that is left counts."""
+    pushing, back = touch_rad
+    ranges = [pushing, back, back - pushing]
+    astray = np.abs(touch_rad - errors_rad).max(axis=0)
+    room = np.maximum(np.minimum(-pushing, back), 0.0) * at.driven_radius_mm
+    return np.stack([*(sign * values for values in ranges for sign in (1.0, -1.0)), astray, overlap_mm - room])
