@@ -4,7 +4,7 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
 (at most the root of q), and the mean of 1/s in each cell, which is its share of driving angle.
 
 - Acceleration w^2 (x'' q + x' q'/2) is the slope of half the squared speed along the slider's way: from place to place
-  it changes by at most the peak times the way.
+  it changes by at most the peak times the way, and falls by at most a wished deceleration times it.
 - Power F w x' s of a resistance bounds q at each place, and the work of a cell takes its time at full power.  With
   masses, work and change of kinetic energy of a cell take their time.  The time is a variable of its own that is no
   less than the true one; where q is known to lie within ranges, it is no more than a chord leaves it.
@@ -100,6 +100,7 @@ def motion_programme(
     if isinstance(curve, Near):
         made.follow_driving_curve(curve)
     made.limit_speeds()
+    made.limit_decelerations()
     made.limit_energies()
     made.least_times()
     made.take_time(closed)
@@ -210,13 +211,34 @@ class _Making:
         self.peak = self.programme.variable(np.zeros(1), np.full(1, top))
         self.programme.positive(top - self.peak)
         everywhere = self.peak.repeated(on.count)
-        slope = self.energy[self.next] * (1.0 / self.length) - self.energy * (1.0 / self.length)
+        slope = self._slope()
         self.programme.positive(everywhere - slope)
         self.programme.positive(everywhere + slope)
         if "acceleration_mm_s2" in self.figures:
             self.programme.positive(self.figures["acceleration_mm_s2"].value * (1.0 / self.unit) - self.peak)
         dead = np.array([0, on.extended])
         self.programme.positive(everywhere[dead] - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
+
+    def _slope(self) -> Linear:
+        """The mean along the way of the acceleration in each cell, over crank w^2, positive where the speed rises."""
+        per = 1.0 / self.length
+        slope: Linear = self.energy[self.next] * per - self.energy * per
+        return slope
+
+    def limit_decelerations(self) -> None:
+        """Wished decelerations over stretches: the mean over each whole cell, and what a dead centre is come to with.
+
+        A law that keeps the deceleration at every point has no more in the mean, so the rows hold for every such law.
+        What they miss is the swing of the deceleration within a cell, of first order in its step.
+        """
+        on = self.on
+        for limit in self.asked.decelerations:
+            most = limit.most_mm_s2 / self.unit
+            cells = on.cells_within(limit.start_rad, limit.end_rad)
+            self.programme.positive(self._slope()[cells] + most)
+            # The dead centres at which one of these cells ends
+            dead = np.intersect1d(self.next[cells], [0, on.extended])
+            self.programme.positive(most - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
 
     def limit_power(self, powers_w: tuple[float, float]) -> None:
         """The peak power where it is not limited and no mass takes part: its square bounds q at each place."""
