@@ -240,7 +240,7 @@ def test_ranges_in_words() -> None:
     ("asked", "said"),
     [
         ("mass", "stands in the section masses"),
-        ("Gentle Stops", "optimize.limits.peak_acceleration_mm_s2"),
+        ("Gentle Stops", "wishes.gentle_stop asks for the greatest deceleration"),
         ("quick-return", "wishes.time_ratio"),
     ],
 )

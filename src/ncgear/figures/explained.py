@@ -37,10 +37,11 @@ IDEAS = {
     "mass": "What moves, and how heavy it is, stands in the section masses: slider_kg, rod and crank with "
     "mass_kg, center_mm and inertia_kg_mm2, a flywheel, gravity; `ncgear explain masses` tells of it. The gears' "
     "own masses follow from their bodies and masses.density_kg_m3.",
-    "gentle_stop": "How gently the slider comes to its ends is its acceleration there. `ncgear optimize` keeps it"
-    " low by optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3, the speed near an end by wishes.speed_at,"
-    " and keeps it close to an end by wishes.dwell. Gears that turn to and fro are stopped by a pin: "
-    "gears.driving.end_stop.",
+    "gentle_stop": "How gently the slider comes to a place is its deceleration before it. wishes.gentle_stop asks for"
+    " the greatest deceleration, or speed, over a stretch of the stroke or the whole cycle, hard or soft; `ncgear check`"
+    " says what is kept, `ncgear optimize` finds a law and counts the wish in the limit. Over the whole cycle"
+    " optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3 hold too; wishes.dwell keeps close to an end. Gears"
+    " that turn to and fro are stopped by a pin: gears.driving.end_stop.",
     "quick_return": "A way back that takes less time than the way out. wishes.time_ratio asks for the time of the"
     " working stroke over that of the return, wishes.working_stroke for the driving angle of the working stroke; "
     "`ncgear optimize` finds the law. The law three_segment_stroke has its return in motion.return; the linkage "
