@@ -31,6 +31,11 @@ MOST_WISHES = 50
 LEAST_TOLERANCE = 1e-4
 """A hundredth of a percent of the speed: a hundredth of the usual tolerance, and more than teeth hold."""
 
+GENTLE_STOPS = (
+    "greatest decelerations, or speeds, over stretches of the stroke or of the whole cycle, a list; over the whole cycle "
+    "optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3 hold too, and dwell keeps close to an end"
+)
+
 Place = Annotated[float, Field(ge=0.0, le=LONGEST_MM)]
 StrokeName = Literal["working", "return"]
 
@@ -473,7 +478,7 @@ class Wishes(Timing):
         default=(), description="slow or fast at places, a list"
     )
     gentle_stop: Annotated[tuple[GentleStop, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
-        default=(), description="greatest decelerations or speeds over stretches of the stroke or the cycle, a list"
+        default=(), description=GENTLE_STOPS
     )
     positions: Annotated[tuple[Position, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
         default=(), description="places to pass at driving angles, a list in the order of the angle"
@@ -493,7 +498,7 @@ class TurningWishes(Timing):
         default=(), description="slow or fast at places, a list"
     )
     gentle_stop: Annotated[tuple[TurningGentleStop, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
-        default=(), description="greatest decelerations or speeds over stretches of the stroke or the cycle, a list"
+        default=(), description=GENTLE_STOPS
     )
     positions: Annotated[tuple[TurningPosition, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
         default=(), description="places to pass at driving angles, a list in the order of the angle"
