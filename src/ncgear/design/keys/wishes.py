@@ -32,8 +32,8 @@ LEAST_TOLERANCE = 1e-4
 """A hundredth of a percent of the speed: a hundredth of the usual tolerance, and more than teeth hold."""
 
 GENTLE_STOPS = (
-    "greatest decelerations, or speeds, over stretches of the stroke or of the whole cycle, a list; over the whole cycle "
-    "optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3 hold too, and dwell keeps close to an end"
+    "greatest decelerations, or speeds, over stretches of the stroke or of the whole cycle, a list; over the whole "
+    "cycle optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3 hold too, and dwell keeps close to an end"
 )
 
 Place = Annotated[float, Field(ge=0.0, le=LONGEST_MM)]
