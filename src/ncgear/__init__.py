@@ -1,7 +1,8 @@
 """ncgear: non-circular gears from the motion of a slider.
 
 ``ncgear.load("design.yaml")`` gives the drive of a design file or of a mapping, with its law, motion, teeth and more as
-attributes; ``ncgear.compare`` sets designs side by side, ``ncgear.plots`` draws them.  Everything is imported when it is first used, so that ``import ncgear`` costs nothing.
+attributes; ``ncgear.compare`` sets designs side by side, ``ncgear.plots`` draws them.  Everything is imported when it
+is first used, so that ``import ncgear`` costs nothing.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def compared(found: SideBySide, quantity: str = "acceleration", axes: Axes | Non
     The quantity is one of displacement, velocity, acceleration, load, power and ratio.
     """
     axes = axes or _own_axes()
-    angle_scale([axes], draw_side_by_side(axes, found.drives, Quantity[quantity.upper()]))
+    angle_scale([axes], draw_side_by_side(axes, found, Quantity[quantity.upper()]))
     return axes
 
 

@@ -54,7 +54,7 @@ class Followed:
     points: int = 0
     error: float = 0.0
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         if self.formula:
             return f"{self.key}: the function is the formula {self.formula}"
         return (
@@ -119,12 +119,13 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
 
 def _called(function: Function, phi1: Array, key: str) -> Array:
     """The function at angles, called with all of them, or one by one if it takes no arrays."""
-    try:
-        values = np.asarray(function(phi1), dtype=float)
-        if values.shape != phi1.shape:
-            raise TypeError
-    except (TypeError, ValueError):
-        values = np.array([float(function(angle)) for angle in phi1.tolist()])
+    with np.errstate(all="ignore"):
+        try:
+            values = np.asarray(function(phi1), dtype=float)
+            if values.shape != phi1.shape:
+                raise TypeError
+        except (TypeError, ValueError):
+            values = np.array([float(function(angle)) for angle in phi1.tolist()])
     if not np.all(np.isfinite(values)):
         at = float(phi1[int(np.argmin(np.isfinite(values)))])
         raise WrongInput(f"the function has no finite value at phi1 = {at:.6g} rad", key=key)
