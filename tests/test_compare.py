@@ -77,11 +77,8 @@ def test_a_law_by_arrays() -> None:
 
 
 def wavy(phi: Any) -> Any:
-    return (
-        -np.minimum(0.3, 2.0 / 10) * np.cos(phi) ** 3 / (2.0 + np.sin(2.0 * phi))
-        + np.exp(np.abs(0.1))
-        - np.square(phi) * 0
-    )
+    bend = np.minimum(0.3, 0.2) * np.cos(phi) ** 3 / (2.0 + np.sin(2.0 * phi))
+    return -bend + np.exp(np.abs(0.1)) + 0.1 * np.square(np.cos(phi))
 
 
 def test_a_function_becomes_its_formula() -> None:
@@ -129,6 +126,7 @@ def test_a_displacement_by_a_function_has_its_extended_end() -> None:
     assert own == pytest.approx(wanted, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_figures_side_by_side_are_those_of_checks(run: Run) -> None:
     """To the digit; differences are from the first design."""
     names = ["feeder-wishes", "feeder-kept", "jar-pusher"]
@@ -138,7 +136,9 @@ def test_figures_side_by_side_are_those_of_checks(run: Run) -> None:
     assert json.loads(Path("out/compare.json").read_text()) == found
     assert Path("out/compare.png").stat().st_size > 10_000
     assert (
-        Path("out/compare.csv").read_text().startswith("key,feeder-wishes,feeder-kept,jar-pusher\nspeed_rpm,45.0,45.0,60.0\n")
+        Path("out/compare.csv")
+        .read_text()
+        .startswith("key,feeder-wishes,feeder-kept,jar-pusher\nspeed_rpm,45.0,45.0,60.0\n")
     )
     first = found["designs"][0]["figures"]
     for name, told in zip(names, found["designs"], strict=True):
@@ -152,6 +152,7 @@ def test_figures_side_by_side_are_those_of_checks(run: Run) -> None:
             assert told["percent_over_first"]["peak_speed_mm_s"] == pytest.approx(100.0 * (share - 1.0))
 
 
+@pytest.mark.thorough
 def test_a_table_and_a_chart_from_python() -> None:
     slower = {**EVEN, "operation": {"speed_rpm": 15}}
     found = ncgear.compare(EVEN, slower, drive("rocker-drive"))
