@@ -26,7 +26,7 @@ SIMULATED = {"baler-dynamics", "baler-drivetrain"}
 """Pinned in tests/test_simulate_command.py and tests/test_drivetrain.py; laws are those of designs that are built."""
 SIZED = "baler-holds"
 """Pinned in tests/test_sizing_strength.py."""
-WISHED = {"feeder-wishes", "feeder-kept"}
+WISHED = {"feeder-wishes", "feeder-kept", "jar-pusher"}
 """Without gears; pinned in tests/test_wishes.py and tests/test_motion_wish_levels.py."""
 OTHERS = {REFUSED, WITHOUT_GEARS, *WISHED, IN_STAGES, SIZED, *SIMULATED}
 BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)

@@ -240,7 +240,8 @@ def test_ranges_in_words() -> None:
     ("asked", "said"),
     [
         ("mass", "stands in the section masses"),
-        ("Gentle Stops", "optimize.limits.peak_acceleration_mm_s2"),
+        ("gentle stop", "deceleration_at_most_mm_s2"),
+        ("Gentle Stops", "greatest decelerations, or speeds, over stretches of the stroke"),
         ("quick-return", "wishes.time_ratio"),
     ],
 )

@@ -52,7 +52,7 @@ def positions(pitch: PitchPair, count: int) -> Positions:
 
 # --- without backlash --------------------------------------------------------------------------------------------
 
-NO_GEARS = {"baler-frontier", "feeder-wishes", "feeder-kept", "baler-a1-at-law-speed"}
+NO_GEARS = {"baler-frontier", "feeder-wishes", "feeder-kept", "jar-pusher", "baler-a1-at-law-speed"}
 """Designs without gears, and the one whose flanks could not turn their mates."""
 
 WITH_GEARS = sorted(path.stem for path in DESIGNS.glob("*.yaml") if path.stem not in NO_GEARS)

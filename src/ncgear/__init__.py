@@ -1,7 +1,8 @@
 """ncgear: non-circular gears from the motion of a slider.
 
-``ncgear.load("design.yaml")`` gives the drive of a design file, with its law, motion, teeth and more as attributes;
-``ncgear.plots`` draws them.  Everything is imported when it is first used, so that ``import ncgear`` costs nothing.
+``ncgear.load("design.yaml")`` gives the drive of a design file or of a mapping, with its law, motion, teeth and more as
+attributes; ``ncgear.compare`` sets designs side by side, ``ncgear.plots`` draws them.  Everything is imported when it
+is first used, so that ``import ncgear`` costs nothing.
 """
 
 from __future__ import annotations
@@ -12,18 +13,31 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import ncgear.plots as plots
     from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+    from ncgear.figures.side_by_side import compare
     from ncgear.project.drive import Drive, load, loads
     from ncgear.project.mending import mending
 
 __version__ = "0.1.0"
 
-__all__ = ["DesignError", "Drive", "NoSuchMechanism", "WrongInput", "__version__", "load", "loads", "mending", "plots"]
+__all__ = [
+    "DesignError",
+    "Drive",
+    "NoSuchMechanism",
+    "WrongInput",
+    "__version__",
+    "compare",
+    "load",
+    "loads",
+    "mending",
+    "plots",
+]
 
 _MODULES = {
     "DesignError": "ncgear.errors",
     "Drive": "ncgear.project.drive",
     "NoSuchMechanism": "ncgear.errors",
     "WrongInput": "ncgear.errors",
+    "compare": "ncgear.figures.side_by_side",
     "load": "ncgear.project.drive",
     "loads": "ncgear.project.drive",
     "mending": "ncgear.project.mending",

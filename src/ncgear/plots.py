@@ -27,11 +27,14 @@ from ncgear.drawings.plots.assembled_pair import (
     draw_pitch_curves,
     draw_whole,
 )
+from ncgear.drawings.side_by_side import draw_side_by_side
+from ncgear.figures.side_by_side import SideBySide
 from ncgear.project.drive import Drive
 
 __all__ = [
     "acceleration",
     "backlash",
+    "compared",
     "displacement",
     "flanks_in_contact",
     "force",
@@ -68,6 +71,16 @@ def force(drive: Drive, axes: Axes | None = None) -> Axes:
 def power(drive: Drive, axes: Axes | None = None) -> Axes:
     """The driving power over the driving angle, beside the uniform crank at the same speed."""
     return _drawn(slider_chart(drive, Quantity.POWER), MOTION_LOOK, axes)
+
+
+def compared(found: SideBySide, quantity: str = "acceleration", axes: Axes | None = None) -> Axes:
+    """A quantity of designs side by side (``ncgear.compare``) over the driving angle, a line for each.
+
+    The quantity is one of displacement, velocity, acceleration, load, power and ratio.
+    """
+    axes = axes or _own_axes()
+    angle_scale([axes], draw_side_by_side(axes, found, Quantity[quantity.upper()]))
+    return axes
 
 
 def backlash(drive: Drive, axes: Axes | None = None) -> Axes:

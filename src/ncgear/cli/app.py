@@ -9,6 +9,7 @@ import typer
 from ncgear import __version__
 from ncgear.cli.as_given import PlainCommand, PlainGroup
 from ncgear.cli.bench import bench
+from ncgear.cli.compare import compare
 from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.measured import measured
@@ -34,6 +35,7 @@ COMMANDS = (
     report,
     animate,
     check,
+    compare,
     simulate,
     strength,
     tolerance,

@@ -106,6 +106,7 @@ _WISHES = """\
 #   time_ratio: {at_least: 1.2}                                      # time of the working stroke over the return's
 #   dwell: [{at: extended, within_mm: 2, for_deg: 20}]               # close to an end; or at: retracted
 #   speed_at: [{at_mm: 600, make: slowest, hard: false}]             # or at_least_mm_s, at_most_mm_s
+#   gentle_stop: [{from_mm: 700, deceleration_at_most_mm_s2: 9000}]  # or speed_at_most_mm_s, to_mm, stroke: return
 #   positions: [{at_mm: 300, phi1_deg: 80, tolerance_mm: 1}]         # places at driving angles
 #   working_stroke: {angle_deg: 200, tolerance_deg: 1}
 

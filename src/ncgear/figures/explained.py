@@ -37,10 +37,6 @@ IDEAS = {
     "mass": "What moves, and how heavy it is, stands in the section masses: slider_kg, rod and crank with "
     "mass_kg, center_mm and inertia_kg_mm2, a flywheel, gravity; `ncgear explain masses` tells of it. The gears' "
     "own masses follow from their bodies and masses.density_kg_m3.",
-    "gentle_stop": "How gently the slider comes to its ends is its acceleration there. `ncgear optimize` keeps it"
-    " low by optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3, the speed near an end by wishes.speed_at,"
-    " and keeps it close to an end by wishes.dwell. Gears that turn to and fro are stopped by a pin: "
-    "gears.driving.end_stop.",
     "quick_return": "A way back that takes less time than the way out. wishes.time_ratio asks for the time of the"
     " working stroke over that of the return, wishes.working_stroke for the driving angle of the working stroke; "
     "`ncgear optimize` finds the law. The law three_segment_stroke has its return in motion.return; the linkage "
@@ -55,7 +51,8 @@ def told(keys: Sequence[ToldKey], asked: str) -> str:
     idea = IDEAS.get(words) or IDEAS.get(words.removesuffix("s"))
     if idea is not None:
         return f"{asked} (no key)\n{fill(idea, WIDTH, initial_indent='  ', subsequent_indent='  ')}"
-    return explained(keys, looked_up(keys, asked))
+    names, one = {key.name for key in keys}, words.removesuffix("s")
+    return explained(keys, looked_up(keys, one if one in names and words not in names else asked))
 
 
 def explained(keys: Sequence[ToldKey], found: Sequence[ToldKey]) -> str:

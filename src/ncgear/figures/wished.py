@@ -12,6 +12,9 @@ from ncgear.kinematics.wishes import (
     Dwell,
     End,
     ExtremeSpeed,
+    GentleSpeed,
+    GentleStop,
+    GentleStretch,
     Position,
     SpeedAt,
     Stroke,
@@ -43,8 +46,11 @@ def scale_of(wish: Wish) -> Scale:
     match wish:
         case ConstantSpeed():
             return Scale(100.0, "%", "_percent")
-        case SpeedAt() | ExtremeSpeed():
+        case SpeedAt() | ExtremeSpeed() | GentleSpeed():
             return Scale(speed.factor, speed.text, f"_{speed.ending}")
+        case GentleStop():
+            told = wish.output.acceleration
+            return Scale(told.factor, told.text, f"_{told.ending}")
         case TimeRatio():
             return Scale(1.0, "", "")
         case Position():
@@ -151,6 +157,10 @@ def _wish(wish: Wish) -> str:
             return f"constant speed from {at(wish.from_mm)} to {at(wish.to_mm)} {unit.text}{_of(wish.stroke)}"
         case SpeedAt() | ExtremeSpeed():
             return f"speed at {at(wish.at_mm)} {unit.text}{_of(wish.stroke)}"
+        case GentleStretch():
+            what = "greatest speed" if isinstance(wish, GentleSpeed) else "greatest deceleration"
+            strokes = " of both strokes" if wish.stroke is None else _of(wish.stroke)
+            return f"{what} from {at(wish.from_mm)} to {at(wish.to_mm)} {unit.text}{strokes}"
         case TimeRatio():
             return "time ratio of working stroke and return"
         case WorkingStroke():

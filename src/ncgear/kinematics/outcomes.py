@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import floor, inf, log10, pi
 
 import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.kinematics.even_speed import EvenStretch, longest_even_stretch, velocity
-from ncgear.kinematics.motion import Machine, stretches
+from ncgear.kinematics.motion import Machine, Stretch, stretches
 from ncgear.kinematics.wishes import (
     NEGLIGIBLE,
     ConstantSpeed,
@@ -18,6 +19,8 @@ from ncgear.kinematics.wishes import (
     Dwell,
     End,
     ExtremeSpeed,
+    GentleSpeed,
+    GentleStop,
     Position,
     SpeedAt,
     Stroke,
@@ -25,9 +28,12 @@ from ncgear.kinematics.wishes import (
     Wish,
     WorkingStroke,
     about_end,
+    by_stroke,
     place_of,
 )
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.jet import Jet
 
 EVEN = 0.005
 """Share of a speed within which it counts as constant."""
@@ -41,9 +47,9 @@ class Outcome:
     """What a motion achieves of one wish, and the bounds that the wish sets to it.
 
     The unit is that of the wish: a share of the speed, a ratio of times, a driving angle in rad, a speed in mm/s, a
-    displacement in mm.  ``missed_by`` is how far what is achieved lies beyond the bounds, 0 within them.
-    ``speed_mm_s`` is the speed that a wish for a constant one is judged against.  A place that is passed in the other
-    stroke (``other_stroke``) is missed by the way from there, over the dead centre between.
+    deceleration in mm/s^2, a displacement in mm.  ``missed_by`` is how far what is achieved lies beyond the bounds, 0
+    within them.  ``speed_mm_s`` is the speed that a wish for a constant one is judged against.  A place that is passed
+    in the other stroke (``other_stroke``) is missed by the way from there, over the dead centre between.
     """
 
     wish: Wish
@@ -119,23 +125,32 @@ def taken_rad(machine: Machine, stretch: CrankStretch) -> float:
 
 
 def speeds_mm_s(machine: Machine, stretch: CrankStretch) -> tuple[float, float]:
-    """Least and greatest speed on a stretch of crank angles within one turn, at stationary points and both ends."""
-    start, end = driving_rad(machine, stretch.start_rad), driving_rad(machine, stretch.end_rad)
-    if not start < end:
-        speed = abs(float(machine.displacement(np.array([start]), 1).derivative(1)[0])) * machine.speed_rad_s
+    """Least and greatest speed on a stretch of crank angles, at stationary points and both ends."""
+    if not stretch.start_rad < stretch.end_rad:
+        at = np.array([driving_rad(machine, stretch.start_rad)])
+        speed = abs(float(machine.displacement(at, 1).derivative(1)[0])) * machine.speed_rad_s
         return speed, speed
+    values = _extremes_of(machine, stretch, lambda part, phi1: velocity(part, phi1, 1))
+    return min(values) * machine.speed_rad_s, max(values) * machine.speed_rad_s
+
+
+def deceleration_mm_s2(machine: Machine, stretch: CrankStretch) -> float:
+    """The greatest fall of the speed in a second on a stretch of crank angles, 0 where the speed never falls."""
+    values = _extremes_of(machine, stretch, lambda part, phi1: -velocity(part, phi1, 2).differentiated())
+    return max(0.0, max(values) * machine.speed_rad_s**2)
+
+
+def _extremes_of(machine: Machine, stretch: CrankStretch, function: Callable[[Stretch, Array], Jet]) -> list[float]:
+    """Least and greatest values of a function of smooth stretches of the motion, on a stretch of crank angles."""
     found: list[Extremum] = []
-    for whole in stretches(machine):
-        part = replace(whole, start_rad=max(start, whole.start_rad), end_rad=min(end, whole.end_rad))
-        if part.start_rad < part.end_rad:
-            found += extremes(
-                lambda phi1, part=part: velocity(part, phi1, 1),  # type: ignore[misc]
-                part.start_rad,
-                part.end_rad,
-                np.array(part.knots_rad),
-            )
-    values = [extremum.value * machine.speed_rad_s for extremum in found]
-    return min(values), max(values)
+    for one, stroke in by_stroke(machine.linkage, stretch):
+        start, end = driving_rad(machine, one.start_rad), driving_rad(machine, one.end_rad)
+        for whole in stretches(machine):
+            part = replace(whole, start_rad=max(start, whole.start_rad), end_rad=min(end, whole.end_rad))
+            # Rounding must not bring in the other side of a dead centre
+            if part.working is (stroke is Stroke.WORKING) and part.start_rad < part.end_rad:
+                found += extremes(partial(function, part), part.start_rad, part.end_rad, np.array(part.knots_rad))
+    return [extremum.value for extremum in found]
 
 
 def outcome(machine: Machine, wish: Wish) -> Outcome:
@@ -150,6 +165,10 @@ def outcome(machine: Machine, wish: Wish) -> Outcome:
             return _between(wish, speed, wish.least_mm_s, wish.most_mm_s)
         case ExtremeSpeed():
             return _between(wish, speeds_mm_s(machine, wish.place(linkage))[0])
+        case GentleSpeed():
+            return _between(wish, speeds_mm_s(machine, wish.stretch(linkage))[1], most=wish.most_mm_s)
+        case GentleStop():
+            return _between(wish, deceleration_mm_s2(machine, wish.stretch(linkage)), most=wish.most_mm_s2)
         case TimeRatio():
             return _between(wish, time_ratio(machine), wish.at_least)
         case WorkingStroke():

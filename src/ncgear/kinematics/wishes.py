@@ -1,14 +1,16 @@
 """What a person wishes of the output's motion, as values, and what each wish asks of a law.
 
-A wish speaks of places in mm and of the driving angle.  What it asks is one of three requirements on stretches of the
+A wish speaks of places in mm and of the driving angle.  What it asks is one of four requirements on stretches of the
 crank angle phi2, with s = dphi2/dphi1, w the driving speed and x(phi2) the displacement:
 
 - ``SpeedWithin``: the speed w |x'| s lies between two bounds on a stretch;
 - ``EvenSpeed``: the greatest speed on a stretch is at most so many times the least, whatever the speed is;
+- ``DecelerationWithin``: the speed falls by at most so much in a second on a stretch;
 - ``TimeWithin``: the driving angle that a stretch takes, the integral of dphi2/s, lies between two bounds.
 
 In q = s^2 the speed is the root of a linear function, so that bounds on its square are linear, and ``EvenSpeed`` is
-linear in q and the square of its free speed.  The driving angle is convex in q: an upper bound of it is convex, and a
+linear in q and the square of its free speed.  The deceleration is minus the slope of half the squared speed, w^2 x'^2
+q/2, along the way, and so linear in q and q'.  The driving angle is convex in q: an upper bound of it is convex, and a
 lower bound is an upper bound of the rest of the cycle, whose driving angle is fixed.  Programmes that look for laws and
 those that bound them take the requirements; ``kinematics.outcomes`` judges a motion by the wishes themselves.
 """
@@ -18,6 +20,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import field
 from enum import Enum
+from itertools import pairwise
 from math import inf, pi
 from typing import ClassVar, NamedTuple
 
@@ -75,6 +78,17 @@ class EvenSpeed:
 
 
 @dataclass(frozen=True)
+class DecelerationWithin:
+    """The output's speed, never negative, falls by at most ``most_mm_s2`` in a second on a stretch.
+
+    At a dead centre the deceleration counts by which the output comes to it, where the stretch lies before it.
+    """
+
+    stretch: CrankStretch
+    most_mm_s2: float
+
+
+@dataclass(frozen=True)
 class TimeWithin:
     """The driving angle in rad that a stretch takes stays between two bounds."""
 
@@ -83,7 +97,7 @@ class TimeWithin:
     most_rad: float = inf
 
 
-Requirement = SpeedWithin | EvenSpeed | TimeWithin
+Requirement = SpeedWithin | EvenSpeed | DecelerationWithin | TimeWithin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,6 +193,51 @@ class ExtremeSpeed(Wish):
 
 
 @dataclass(frozen=True, kw_only=True)
+class GentleStretch(Wish, ABC):
+    """A motion that is gentle between two places of one stroke, or of both (None), which then meet at an end."""
+
+    LIST: ClassVar[str] = "gentle_stop"
+
+    from_mm: float
+    to_mm: float
+    stroke: Stroke | None = Stroke.WORKING
+
+    def stretch(self, linkage: Mechanism) -> CrankStretch:
+        """The crank angles between both places; a turn where they are both ends, and both strokes are asked for."""
+        far, turn = linkage.working_angle_rad, 2.0 * pi
+        whole, outer = self.from_mm <= 0.0, self.to_mm >= linkage.stroke_mm
+        out = 0.0 if whole else crank_angle_rad(linkage, self.from_mm, Stroke.WORKING)
+        home = turn if whole else crank_angle_rad(linkage, self.from_mm, Stroke.RETURN)
+        before = far if outer else crank_angle_rad(linkage, self.to_mm, Stroke.WORKING)
+        behind = far if outer else crank_angle_rad(linkage, self.to_mm, Stroke.RETURN)
+        if self.stroke is None:
+            return CrankStretch(out, home) if outer else CrankStretch(behind - turn, before)
+        return CrankStretch(out, before) if self.stroke is Stroke.WORKING else CrankStretch(behind, home)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GentleSpeed(GentleStretch):
+    """The speed is at most so much on the stretch."""
+
+    most_mm_s: float
+
+    def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
+        """The upper bound of the speed."""
+        return (SpeedWithin(self.stretch(linkage), most_mm_s=self.most_mm_s),)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GentleStop(GentleStretch):
+    """The speed falls by at most so much in a second on the stretch."""
+
+    most_mm_s2: float
+
+    def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
+        """The bound of the deceleration."""
+        return (DecelerationWithin(self.stretch(linkage), self.most_mm_s2),)
+
+
+@dataclass(frozen=True, kw_only=True)
 class TimeRatio(Wish):
     """The working stroke takes at least so many times the time of the return."""
 
@@ -271,6 +330,21 @@ def place_of(linkage: Mechanism, at_mm: float, stroke: Stroke) -> CrankStretch:
     """The crank angle of a place, as a stretch without length."""
     angle = crank_angle_rad(linkage, at_mm, stroke)
     return CrankStretch(angle, angle)
+
+
+def by_stroke(linkage: Mechanism, stretch: CrankStretch) -> list[tuple[CrankStretch, Stroke]]:
+    """The parts of a stretch in each stroke, in order, with angles from 0 to 2 pi."""
+    turn = 2.0 * pi
+    dead = [angle + whole for whole in (-turn, 0.0, turn) for angle in (0.0, linkage.working_angle_rad)]
+    edges = [stretch.start_rad, *(angle for angle in dead if stretch.start_rad < angle < stretch.end_rad)]
+    found = []
+    for start, end in pairwise([*edges, stretch.end_rad]):
+        whole, middle = divmod((start + end) / 2.0, turn)
+        working = middle < linkage.working_angle_rad
+        found.append(
+            (CrankStretch(start - turn * whole, end - turn * whole), Stroke.WORKING if working else Stroke.RETURN)
+        )
+    return found
 
 
 def about_end(linkage: Mechanism, end: End, within_mm: float) -> CrankStretch:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from ncgear.design.reading.design_file import load as load_design
 from ncgear.design.reading.design_file import parsed
@@ -387,10 +387,13 @@ class Drive(Geared):
         return {}
 
 
-def load(path: str | Path) -> Drive:
-    """The drive of a design file; its law, motion, teeth and more are attributes.
+def load(given: str | Path | Mapping[str, Any]) -> Drive:
+    """The drive of a design file, or of a mapping with its keys; its law, motion, teeth and more are attributes.
 
-    Raises WrongInput, with ``FILE:LINE:COLUMN``, for a file that is wrong.  The attributes of the drive raise
+    A mapping may hold arrays for lists, and a function of phi1 in rad as ``ratio``, ``driven_angle`` or displacement of
+    its ``motion``; ``drive.followed`` tells how the law follows it (``ncgear.project.function_laws``).
+
+    Raises WrongInput, with ``FILE:LINE:COLUMN`` or the key, for what is wrong.  The attributes of the drive raise
     WrongInput or NoSuchMechanism, with places of the same kind, once they are asked for.
 
     >>> drive = load("designs/baler.yaml")
@@ -401,7 +404,11 @@ def load(path: str | Path) -> Drive:
     >>> f"{drive.pitch.center_distance_mm:.3f} mm"
     '74.885 mm'
     """
-    loaded = load_design(Path(path))
+    if isinstance(given, Mapping):
+        from ncgear.project.function_laws import drive_of
+
+        return drive_of(given)
+    loaded = load_design(Path(given))
     return Drive(loaded.design, loaded=loaded)
 
 

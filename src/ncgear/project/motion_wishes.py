@@ -38,6 +38,7 @@ def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tu
         *_times(asked),
         *_dwells(asked, output),
         *_speeds(asked, output),
+        *_gentle(asked, linkage),
         *_positions(asked, output),
     )
 
@@ -101,6 +102,34 @@ def _speeds(asked: Timing, output: Output) -> Iterator[values.Wish]:
             )
 
 
+def _gentle(asked: Timing, linkage: Mechanism) -> Iterator[values.Wish]:
+    output = linkage.OUTPUT
+    for number, wish in enumerate(asked.gentle_stop):
+        start, end = (place / output.place.factor for place in wish.ends(output.place.factor * linkage.stroke_mm))
+        key, stroke = f"wishes.gentle_stop.{number}", None if wish.stroke == "both" else Stroke(wish.stroke)
+        speed, deceleration = wish.bound("speed"), wish.bound("deceleration")
+        if speed is not None:
+            yield values.GentleSpeed(
+                key=key,
+                weight=wish.soft_weight,
+                output=output,
+                from_mm=start,
+                to_mm=end,
+                stroke=stroke,
+                most_mm_s=speed,
+            )
+        elif deceleration is not None:
+            yield values.GentleStop(
+                key=key,
+                weight=wish.soft_weight,
+                output=output,
+                from_mm=start,
+                to_mm=end,
+                stroke=stroke,
+                most_mm_s2=deceleration,
+            )
+
+
 def _positions(asked: Timing, output: Output) -> Iterator[values.Wish]:
     for number, (wish, stroke) in enumerate(zip(asked.positions, strokes_of(asked.positions), strict=True)):
         yield values.Position(
@@ -123,16 +152,22 @@ def _refuse_places(asked: Timing, linkage: Mechanism) -> None:
         *((f"speed_at.{number}.at", wish.place("at")) for number, wish in enumerate(asked.speed_at)),
         *((f"dwell.{number}.within", wish.place("within")) for number, wish in enumerate(asked.dwell)),
     ]
+    for number, gentle in enumerate(asked.gentle_stop):
+        inside.append((f"gentle_stop.{number}.from", gentle.ends(stroke)[0]))
     for key, place in inside:
         if not place < stroke:
             raise WrongInput(
                 f"{place:g} given, but the stroke is {stroke:g} {unit.text}; less is right", key=f"wishes.{key}_{end}"
             )
-    for number, wish in enumerate(asked.positions):
-        if not wish.place("at") <= stroke:
+    reaching = [
+        *((f"positions.{number}.at", wish.place("at")) for number, wish in enumerate(asked.positions)),
+        *((f"gentle_stop.{number}.to", wish.ends(stroke)[1]) for number, wish in enumerate(asked.gentle_stop)),
+    ]
+    for key, place in reaching:
+        if not place <= stroke:
             raise WrongInput(
-                f"{wish.place('at'):g} given, but the stroke is {stroke:g} {unit.text}; at most that is right",
-                key=f"wishes.positions.{number}.at_{end}",
+                f"{place:g} given, but the stroke is {stroke:g} {unit.text}; at most that is right",
+                key=f"wishes.{key}_{end}",
             )
 
 

@@ -33,12 +33,15 @@ class Moving(Shown):
         stage: int | None = None,
         loaded: LoadedDesign | None = None,
         whole: Self | None = None,
+        followed: object = None,
     ) -> None:
         self.design = design
         self.stage = stage
         self.loaded = loaded
         self.stopwatch = Stopwatch()
         self._whole = whole
+        self.followed = followed
+        """How the law follows a function that a mapping gave; None where there is none."""
 
     def __repr__(self) -> str:
         stage = "" if self.stage is None else f", stage {self.stage}"

@@ -31,6 +31,11 @@ MOST_WISHES = 50
 LEAST_TOLERANCE = 1e-4
 """A hundredth of a percent of the speed: a hundredth of the usual tolerance, and more than teeth hold."""
 
+GENTLE_STOPS = (
+    "greatest decelerations, or speeds, over stretches of the stroke or of the whole cycle, a list; over the whole "
+    "cycle optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3 hold too, and dwell keeps close to an end"
+)
+
 Place = Annotated[float, Field(ge=0.0, le=LONGEST_MM)]
 StrokeName = Literal["working", "return"]
 
@@ -40,13 +45,13 @@ class Wish(Model):
 
     PLACE: ClassVar[str] = "mm"
     SPEED: ClassVar[str] = "mm_s"
-    """The units of places and of speeds, at the ends of keys."""
+    """The units of places and of speeds, at the ends of keys; a 2 follows in those of decelerations."""
 
     hard: bool = Field(default=True, description="true: the law must keep it; false: it has a weight in the goal")
     weight: Positive | None = Field(
         default=None,
-        description="of a soft wish: 1 percent missed, of the speed or of the cycle's driving angle, counts like so "
-        "many percent of what is to be least; left out: 1",
+        description="of a soft wish: 1 percent missed, of the speed, the deceleration or the cycle's driving angle, "
+        "counts like so many percent of what is to be least; left out: 1",
     )
 
     def place(self, quantity: str) -> float:
@@ -243,6 +248,92 @@ class TurningSpeedAt(PlaceSpeed, SpeedAngle):
     """The speed of an output that turns at one place."""
 
 
+class Gentle(Wish):
+    """A gentle stop: the greatest deceleration, or speed, over a stretch of the stroke or of the whole cycle."""
+
+    stroke: Literal["working", "return", "both"] = Field(
+        default="working",
+        description="on the way out (working), on the way back (return), or on both ways, about one end or all round",
+    )
+
+    def bound(self, quantity: str) -> float | None:
+        """The greatest ``speed`` or ``deceleration`` in the unit of the file; None where it is left out."""
+        found: float | None = getattr(self, self._bound_key(quantity))
+        return found
+
+    def _bound_key(self, quantity: str) -> str:
+        return f"{quantity}_at_most_{self.SPEED}{'2' if quantity == 'deceleration' else ''}"
+
+    def ends(self, stroke: float) -> tuple[float, float]:
+        """Both places in the unit of the file, on a stroke in that unit."""
+        start, end = self._given_ends()
+        return start or 0.0, stroke if end is None else end
+
+    def _given_ends(self) -> tuple[float | None, float | None]:
+        return getattr(self, f"from_{self.PLACE}"), getattr(self, f"to_{self.PLACE}")
+
+    @model_validator(mode="after")
+    def _one_bound_and_a_length(self) -> Self:
+        require_one(self, (self._bound_key("deceleration"), self._bound_key("speed")))
+        start, end = self._given_ends()
+        if start is not None and end is not None and not start < end:
+            raise fault(
+                f"to_{self.PLACE}",
+                f"{end:g} given after from_{self.PLACE}: {start:g}; a larger displacement is right",
+            )
+        if self.stroke == "both" and start and end is not None:
+            raise fault(
+                "stroke",
+                f"both given from {start:g} to {end:g} {self.PLACE}; a wish for each stroke is right, or leave out "
+                f"from_{self.PLACE} or to_{self.PLACE}, so that both ways meet at an end",
+            )
+        return self
+
+
+class GentlePlaces(Wish):
+    """Places and bounds in mm, mm/s and mm/s^2."""
+
+    from_mm: Place | None = Field(
+        default=None,
+        description="displacement in mm where the stretch begins, the smaller; left out: the retracted end",
+    )
+    to_mm: Length | None = Field(
+        default=None, description="displacement in mm where the stretch ends, the larger; left out: the extended end"
+    )
+    deceleration_at_most_mm_s2: Positive | None = Field(
+        default=None, description="greatest deceleration over the stretch in mm/s^2: by how much the speed falls"
+    )
+    speed_at_most_mm_s: Positive | None = Field(
+        default=None, description="in place of it: greatest speed over the stretch in mm/s"
+    )
+
+
+class GentleAngles(Turning):
+    """Places and bounds in deg, rad/s and rad/s^2."""
+
+    from_deg: Angle | None = Field(
+        default=None,
+        description="displacement in deg where the stretch begins, the smaller; left out: the retracted end",
+    )
+    to_deg: Swing | None = Field(
+        default=None, description="displacement in deg where the stretch ends, the larger; left out: the extended end"
+    )
+    deceleration_at_most_rad_s2: Positive | None = Field(
+        default=None, description="greatest deceleration over the stretch in rad/s^2: by how much the speed falls"
+    )
+    speed_at_most_rad_s: Positive | None = Field(
+        default=None, description="in place of it: greatest speed over the stretch in rad/s"
+    )
+
+
+class GentleStop(Gentle, GentlePlaces):
+    """A gentle stop: the greatest deceleration, or speed, over a stretch of the stroke or of the whole cycle."""
+
+
+class TurningGentleStop(Gentle, GentleAngles):
+    """A gentle stop of an output that turns."""
+
+
 class Passing(Wish):
     """A place that the output passes at a driving angle."""
 
@@ -329,6 +420,7 @@ class Timing(Model):
         constant_speed: tuple[EvenSpeed, ...]
         dwell: tuple[Dwelling, ...]
         speed_at: tuple[PlaceSpeed, ...]
+        gentle_stop: tuple[Gentle, ...]
         positions: tuple[Passing, ...]
 
     @model_validator(mode="after")
@@ -385,6 +477,9 @@ class Wishes(Timing):
     speed_at: Annotated[tuple[SpeedAt, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
         default=(), description="slow or fast at places, a list"
     )
+    gentle_stop: Annotated[tuple[GentleStop, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description=GENTLE_STOPS
+    )
     positions: Annotated[tuple[Position, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
         default=(), description="places to pass at driving angles, a list in the order of the angle"
     )
@@ -401,6 +496,9 @@ class TurningWishes(Timing):
     )
     speed_at: Annotated[tuple[TurningSpeedAt, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
         default=(), description="slow or fast at places, a list"
+    )
+    gentle_stop: Annotated[tuple[TurningGentleStop, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
+        default=(), description=GENTLE_STOPS
     )
     positions: Annotated[tuple[TurningPosition, ...], Strict(False), Field(max_length=MOST_WISHES)] = Field(
         default=(), description="places to pass at driving angles, a list in the order of the angle"

@@ -61,7 +61,8 @@ def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
     placed = [(source.place(problem.key), problem) for problem in found]
     placed.sort(key=lambda item: (item[0].file != own_file, item[0].line, item[0].column))
     (place, first), *others = placed
-    lines = [first.text, *(f"{where}: {key}: {text}" for where, (key, text) in others[: MOST_PROBLEMS - 1])]
+    lines = [first.text]
+    lines += [": ".join(part for part in (str(where), *one) if part) for where, one in others[: MOST_PROBLEMS - 1]]
     if len(placed) > MOST_PROBLEMS:
         lines.append(f"and {len(placed) - MOST_PROBLEMS} more")
     return WrongInput("\n".join(lines), key=first.key, location=str(place))

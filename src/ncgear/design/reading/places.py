@@ -14,14 +14,14 @@ from ncgear.frozen import dataclass
 
 @dataclass(frozen=True)
 class Place:
-    """A line and a column of a file, both counted from 1."""
+    """A line and a column of a file, both counted from 1; without a file, no text."""
 
     file: str
     line: int
     column: int
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
+        return f"{self.file}:{self.line}:{self.column}" if self.file else ""
 
 
 @dataclass(frozen=True)

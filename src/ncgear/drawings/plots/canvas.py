@@ -99,9 +99,9 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
         axes.spines[side].set_color(REFERENCE)
 
 
-def legend_above(axes: Axes) -> None:
-    """Put the legend in one line above the axes, at their right end."""
-    entries = len(axes.get_legend_handles_labels()[1])
+def legend_above(axes: Axes, in_a_line: int | None = None) -> None:
+    """Put the legend in one line above the axes, at their right end, or in lines of so many entries."""
+    entries = in_a_line or len(axes.get_legend_handles_labels()[1])
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=entries, frameon=False, fontsize=SMALL, borderaxespad=0.1
     )

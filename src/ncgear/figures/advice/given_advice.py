@@ -10,7 +10,7 @@ from ncgear.design.keys.base import Model, listed
 from ncgear.design.keys.machine import LoadTable
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.numbers import to_digits
-from ncgear.kinematics.wishes import EvenSpeed, Position, Requirement, TimeWithin
+from ncgear.kinematics.wishes import DecelerationWithin, EvenSpeed, Position, Requirement, TimeWithin
 from ncgear.mechanisms.resistance import TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -129,6 +129,8 @@ def _kept_by_all(drive: Drive) -> list[str]:
 
 def _is_empty(drive: Drive, asked: Requirement) -> bool:
     """Whether a requirement holds at every ratio within BEYOND_ALL."""
+    if isinstance(asked, DecelerationWithin):
+        return False
     stretch, cycle = asked.stretch, drive.transmission.cycle_rad
     if isinstance(asked, TimeWithin):
         length, rest = stretch.end_rad - stretch.start_rad, stretch.rest.end_rad - stretch.rest.start_rad

@@ -65,6 +65,30 @@ class SpeedRange:
 
 
 @dataclass(frozen=True)
+class GreatestDeceleration:
+    """The slider's speed falls by at most ``most_mm_s2`` in a second in a stretch of crank angles.
+
+    ``shown`` says in words of the wish what would have to be asked for instead, for so many times that.
+    """
+
+    key: str
+    start_rad: float
+    end_rad: float
+    most_mm_s2: float
+    shown: Callable[[float], Offer] = field(
+        default=lambda factor: Offer(f"{factor:.5g} times the deceleration"), compare=False
+    )
+
+    def wider(self, factor: float) -> GreatestDeceleration:
+        """The demand for so many times the deceleration."""
+        return replace(self, most_mm_s2=self.most_mm_s2 * factor)
+
+
+OfWish = StretchTime | SpeedSpread | SpeedRange | GreatestDeceleration
+"""A demand that a wish of the motion asks for."""
+
+
+@dataclass(frozen=True)
 class Demands:
     """Limits; infinite ones are free.
 
@@ -88,6 +112,7 @@ class Demands:
     times: tuple[StretchTime, ...] = ()
     even_speeds: tuple[SpeedSpread, ...] = ()
     speeds: tuple[SpeedRange, ...] = ()
+    decelerations: tuple[GreatestDeceleration, ...] = ()
 
     @property
     def tangent_rad(self) -> float:
@@ -97,7 +122,7 @@ class Demands:
     @property
     def places_rad(self) -> tuple[float, ...]:
         """Crank angles that should be places of the grid."""
-        stretches: tuple[StretchTime | SpeedSpread | SpeedRange, ...] = (*self.times, *self.even_speeds, *self.speeds)
+        stretches: tuple[OfWish, ...] = (*self.times, *self.even_speeds, *self.speeds, *self.decelerations)
         return tuple(angle for one in stretches for angle in (one.start_rad, one.end_rad))
 
 

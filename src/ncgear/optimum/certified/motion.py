@@ -4,7 +4,7 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
 (at most the root of q), and the mean of 1/s in each cell, which is its share of driving angle.
 
 - Acceleration w^2 (x'' q + x' q'/2) is the slope of half the squared speed along the slider's way: from place to place
-  it changes by at most the peak times the way.
+  it changes by at most the peak times the way, and falls by at most a wished deceleration times it.
 - Power F w x' s of a resistance bounds q at each place, and the work of a cell takes its time at full power.  With
   masses, work and change of kinetic energy of a cell take their time.  The time is a variable of its own that is no
   less than the true one; where q is known to lie within ranges, it is no more than a chord leaves it.
@@ -100,6 +100,7 @@ def motion_programme(
     if isinstance(curve, Near):
         made.follow_driving_curve(curve)
     made.limit_speeds()
+    made.limit_decelerations()
     made.limit_energies()
     made.least_times()
     made.take_time(closed)
@@ -178,6 +179,8 @@ class _Making:
         self.energy = self.q * (on.slope_mm_rad**2 / (2.0 * self.crank**2))
         self.length = on.length_mm / self.crank
         self.angle = (self.time * (self.after_h / task.cycle_rad)).total()
+        # Greatest decelerations that are wished in the cells, over crank w^2
+        self.falls = np.full(count, inf)
         self.figures: dict[str, Figure] = {}
         for one in priced:
             most = getattr(asked, one.name)
@@ -204,13 +207,13 @@ class _Making:
         on, most = self.on, self.asked.acceleration_mm_s2 / self.unit
         self.has_peak = with_peak or not isinf(most)
         if not self.has_peak:
-            self.peak = Linear(np.zeros((1, 1), dtype=int), np.zeros((1, 1)), np.zeros(1))
+            self.peak = self._constant(np.zeros(1))
             return
         self.most_acceleration = top = min(most, MOST_ACCELERATION)
         self.peak = self.programme.variable(np.zeros(1), np.full(1, top))
         self.programme.positive(top - self.peak)
         everywhere = self.peak.repeated(on.count)
-        slope = self.energy[self.next] * (1.0 / self.length) - self.energy * (1.0 / self.length)
+        slope = self._slope()
         self.programme.positive(everywhere - slope)
         self.programme.positive(everywhere + slope)
         if "acceleration_mm_s2" in self.figures:
@@ -218,12 +221,34 @@ class _Making:
         dead = np.array([0, on.extended])
         self.programme.positive(everywhere[dead] - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
 
+    def _slope(self) -> Linear:
+        """The mean along the way of the acceleration in each cell, over crank w^2, positive where the speed rises."""
+        per = 1.0 / self.length
+        slope: Linear = self.energy[self.next] * per - self.energy * per
+        return slope
+
+    def limit_decelerations(self) -> None:
+        """Wished decelerations over stretches: the mean over each whole cell, and what a dead centre is come to with.
+
+        A law that keeps the deceleration at every point has no more in the mean, so the rows hold for every such law.
+        What they miss is the swing of the deceleration within a cell, of first order in its step.
+        """
+        on = self.on
+        for limit in self.asked.decelerations:
+            most = limit.most_mm_s2 / self.unit
+            cells = on.cells_within(limit.start_rad, limit.end_rad)
+            self.falls[cells] = np.minimum(self.falls[cells], most)
+            self.programme.positive(self._slope()[cells] + most)
+            # The dead centres at which one of these cells ends
+            dead = np.intersect1d(self.next[cells], [0, on.extended])
+            self.programme.positive(most - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
+
     def limit_power(self, powers_w: tuple[float, float]) -> None:
         """The peak power where it is not limited and no mass takes part: its square bounds q at each place."""
         top = float(np.max(self.pressing, initial=0.0))
         self.power_unit_w = top if top > 0.0 else 1.0
         if self.task.masses is not None or not isinf(self.asked.power_w) or top <= 0.0:
-            self.power = Linear(np.zeros((1, 1), dtype=int), np.zeros((1, 1)), np.zeros(1))
+            self.power = self._constant(np.zeros(1))
             return
         least, most = (end / top for end in powers_w)
         most = min(most, 1.0 / self.asked.ratio_min)
@@ -238,8 +263,8 @@ class _Making:
         # The work of a cell at full power: time * power >= work
         lasting = self.on.work_n_mm * self.speed / (1000.0 * top * self.after_h)
         worked = np.nonzero(lasting > 0.0)[0]
-        constant = Linear(np.zeros((1, worked.size), dtype=int), np.zeros((1, worked.size)), np.sqrt(lasting[worked]))
-        self.programme.product(self.time[worked], root.repeated(worked.size), constant)
+        least_product = self._constant(np.sqrt(lasting[worked]))
+        self.programme.product(self.time[worked], root.repeated(worked.size), least_product)
 
     def limit_curves(self) -> None:
         """The driven curve's convexity, and the tangent of both curves."""
@@ -394,8 +419,7 @@ class _Making:
         most = getattr(self.asked, name)
         if isinf(most):
             return None
-        one = Linear(np.zeros((1, 1), dtype=int), np.zeros((1, 1)), np.ones(1))
-        return self.figures.get(name, Figure(one, 1.0, most))
+        return self.figures.get(name, Figure(self._constant(np.ones(1)), 1.0, most))
 
     def _limit_flow(self, name: str, given: Linear) -> None:
         """The energy given in each cell takes its time at a peak power.
@@ -431,10 +455,7 @@ class _Making:
 
     def least_times(self) -> None:
         """Upper bounds of the mean of s in a cell: its inverse is no more than the mean of 1/s."""
-        count, one = (
-            self.on.count,
-            Linear(np.zeros((1, self.on.count), dtype=int), np.zeros((1, self.on.count)), np.ones(self.on.count)),
-        )
+        one = self._constant(np.ones(self.on.count))
         ends = (self.s + self.s[self.next]) * 0.5
         if self.asked.convex:
             wide = np.tan(self.after_h / 2.0) / (self.after_h / 2.0)
@@ -445,23 +466,42 @@ class _Making:
             lean = self.asked.steepness * self.after_h[cells] / 2.0
             wide = np.expm1(lean) / lean
             self.programme.product(self.time[cells], wide * ends[cells] + (wide - 1.0), one[cells])
-        if not self.has_peak:
+        self._keep_under_roofs()
+
+    def _keep_under_roofs(self) -> None:
+        """A cell's mean of half the squared speed is under the roof that accelerations leave, which limits its time.
+
+        Over a way of length 1 from a to b it rises by A at most and falls by D at most, so it is at most the lower of a
+        + A u and b + D (1 - u) at u.  The mean of that is b + D/2 - (b - a + D)^2/(2 (A + D)).
+        """
+        cells = np.nonzero(np.isfinite(self.falls) | self.has_peak)[0]
+        if not cells.size:
             return
-        # A cell's mean of half the squared speed is under the roof that the peak of acceleration leaves
-        per = 1.0 / self.length
-        here, there = self.energy * per, self.energy[self.next] * per
+        per, falls = 1.0 / self.length[cells], self.falls[cells]
+        here, there = self.energy[cells] * per, self.energy[self.next[cells]] * per
         fastest = self.on.slope_mm_rad**2 * self.highest / (2.0 * self.crank**2)
-        rising = np.maximum(fastest, fastest[self.next]) * per + self.most_acceleration / 2.0
-        top = 1.1 * np.minimum(float(np.max(fastest)) * per, rising)
+        ends = fastest[cells] * per, fastest[self.next[cells]] * per
+        rising = np.maximum(*ends) + (self.most_acceleration / 2.0 if self.has_peak else inf)
+        top = 1.1 * np.minimum(float(np.max(fastest)) * per, np.minimum(rising, ends[1] + falls / 2.0))
         mean, root = (
-            self.programme.variable(np.zeros(count), top),
-            self.programme.variable(np.zeros(count), np.sqrt(top)),
+            self.programme.variable(np.zeros(cells.size), top),
+            self.programme.variable(np.zeros(cells.size), np.sqrt(top)),
         )
-        peak = self.peak.repeated(count)
-        self.programme.product(peak, 2.0 * here + 2.0 * there + peak - 4.0 * mean, there - here)
+        peak, fallen = self.peak.repeated(cells.size), np.nonzero(np.isfinite(falls))[0]
+        fall, room = falls[fallen], there[fallen] - mean[fallen]
+        if self.has_peak:
+            self.programme.product(peak, 2.0 * here + 2.0 * there + peak - 4.0 * mean, there - here)
+            self.programme.product(peak[fallen] + fall, 2.0 * room + fall, (there - here)[fallen] + fall)
+        else:
+            self.programme.positive(room + fall / 2.0)
         self.programme.root(root, mean)
         # time * step >= length / (mean speed), over crank w
-        self.programme.product(self.time, root, one * np.sqrt(np.sqrt(self.length / 2.0) / self.after_h))
+        least = np.sqrt(np.sqrt(self.length[cells] / 2.0) / self.after_h[cells])
+        self.programme.product(self.time[cells], root, self._constant(least))
+
+    @staticmethod
+    def _constant(values: Array) -> Linear:
+        return Linear(np.zeros((1, values.size), dtype=int), np.zeros((1, values.size)), values)
 
     def take_time(self, closed: bool) -> None:
         """The driving angles that the cycle and its stretches have."""

@@ -12,7 +12,7 @@ from math import atan, ceil, degrees, exp, floor, inf, log, log10, pi, tan
 from typing import Any, NamedTuple
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
+from ncgear.optimum.certified.demands import Demands, GreatestDeceleration, OfWish, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
@@ -251,15 +251,15 @@ def _of_curves_and_wishes(problem: Problem) -> TooTight:
     return TooTight(said, offers, key)
 
 
-WISHES = ("times", "even_speeds", "speeds")
+WISHES = ("times", "even_speeds", "speeds", "decelerations")
 """The demands that wishes of the motion ask for."""
 
 
-def _wishes(asked: Demands) -> Iterator[tuple[str, StretchTime | SpeedSpread | SpeedRange]]:
+def _wishes(asked: Demands) -> Iterator[tuple[str, OfWish]]:
     return ((kind, wish) for kind in WISHES for wish in getattr(asked, kind))
 
 
-def _without(problem: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> Problem:
+def _without(problem: Problem, kind: str, wish: OfWish) -> Problem:
     """The problem without one of its wishes."""
     return problem.under(**{kind: tuple(one for one in getattr(problem.asked, kind) if one is not wish)})
 
@@ -269,17 +269,17 @@ def _other_wishes(problem: Problem) -> list[Offer]:
     return [said for kind, wish in _wishes(problem.asked) for said in _instead_of(problem, kind, wish)]
 
 
-def _instead_of(problem: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> list[Offer]:
+def _instead_of(problem: Problem, kind: str, wish: OfWish) -> list[Offer]:
     """The nearest that could be asked for instead of a wish, with its key; none where nothing is gained without it."""
     free = _without(problem, kind, wish)
     return _nearest_wish(free, kind, wish) if free.is_open else []
 
 
-def _nearest_wish(free: Problem, kind: str, wish: StretchTime | SpeedSpread | SpeedRange) -> list[Offer]:
+def _nearest_wish(free: Problem, kind: str, wish: OfWish) -> list[Offer]:
     """The nearest wish that can be kept, in words, with all that ``free`` asks for; none where there is none."""
     others = getattr(free.asked, kind)
 
-    def nearest(eased: Callable[[float], StretchTime | SpeedSpread | SpeedRange], guess: float) -> float:
+    def nearest(eased: Callable[[float], OfWish], guess: float) -> float:
         return _eased(free, lambda value: {kind: (*others, eased(value))}, guess)
 
     match wish:
@@ -287,7 +287,7 @@ def _nearest_wish(free: Problem, kind: str, wish: StretchTime | SpeedSpread | Sp
             eased = free.least_time(wish.start_rad, wish.end_rad)
         case SpeedSpread():
             eased = 1.0 + nearest(lambda more: replace(wish, spread=1.0 + more), max(wish.spread - 1.0, LEAST_EASE))
-        case SpeedRange():
+        case SpeedRange() | GreatestDeceleration():
             eased = 1.0 + nearest(lambda more: wish.wider(1.0 + more), LEAST_EASE)
     if eased == inf:
         return []

@@ -7,14 +7,24 @@ from dataclasses import replace
 from math import inf, log, pi
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.kinematics.wishes import CrankStretch, Dwell, EvenSpeed, SpeedWithin, TimeWithin, Wish, nearest_dwell_mm
+from ncgear.kinematics.wishes import (
+    CrankStretch,
+    DecelerationWithin,
+    Dwell,
+    EvenSpeed,
+    Requirement,
+    SpeedWithin,
+    TimeWithin,
+    Wish,
+    nearest_dwell_mm,
+)
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
+from ncgear.optimum.certified.demands import Demands, GreatestDeceleration, OfWish, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
-from ncgear.optimum.makeable.motion_wishes import evenness_offer, speed_offer, time_offer
+from ncgear.optimum.makeable.motion_wishes import deceleration_offer, evenness_offer, speed_offer, time_offer
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import Figures, Task
@@ -66,6 +76,7 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         times=tuple(one for one in asked if isinstance(one, StretchTime)),
         even_speeds=tuple(one for one in asked if isinstance(one, SpeedSpread)),
         speeds=tuple(one for one in asked if isinstance(one, SpeedRange)),
+        decelerations=tuple(one for one in asked if isinstance(one, GreatestDeceleration)),
     )
 
 
@@ -84,9 +95,7 @@ def _of_load(task: Task, figure: str, value: float | None) -> float:
     return inf if value is None else value * in_demand(task, OF_LOADS[figure])
 
 
-def _demands(
-    task: Task, wish: Wish, asked: SpeedWithin | EvenSpeed | TimeWithin, ratio_max: float
-) -> Iterator[StretchTime | SpeedSpread | SpeedRange]:
+def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> Iterator[OfWish]:
     match asked:
         case SpeedWithin(stretch, least, most):
 
@@ -96,6 +105,8 @@ def _demands(
             yield SpeedRange(wish.key, *stretch, least, most, wider)
         case EvenSpeed(stretch, spread):
             yield SpeedSpread(wish.key, *stretch, spread, lambda other: evenness_offer(wish, log(other)))
+        case DecelerationWithin(stretch, most):
+            yield GreatestDeceleration(wish.key, *stretch, most, lambda factor: deceleration_offer(wish, asked, factor))
         case TimeWithin(stretch, least, most):
             if most < inf:
                 yield _time(task, wish, stretch, most, 1.0)

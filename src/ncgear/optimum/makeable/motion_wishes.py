@@ -17,21 +17,25 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.wishes import (
     ConstantSpeed,
     CrankStretch,
+    DecelerationWithin,
     Dwell,
     EvenSpeed,
     ExtremeSpeed,
+    GentleSpeed,
     Position,
     SpeedAt,
     SpeedWithin,
+    Stroke,
     TimeRatio,
     TimeWithin,
     Wish,
     WorkingStroke,
+    by_stroke,
 )
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.optimum.certified.refusals import shown_above, shown_below
 from ncgear.optimum.makeable.levels import Kind, Level, Stretch
-from ncgear.optimum.makeable.quantities import Place, Slider, Term, log_speed
+from ncgear.optimum.makeable.quantities import Place, Slider, Term, acceleration, log_speed
 from ncgear.optimum.offers import Offer
 
 EXACT_RAD = 1e-5
@@ -58,6 +62,8 @@ def of_motion_wishes(machine: WishedMachine, wishes: Sequence[Wish]) -> Iterator
                     yield _even(machine, wish, stretch, widest)
                 case SpeedWithin():
                     yield _speed(machine, wish, asked)
+                case DecelerationWithin():
+                    yield from _decelerations(machine, wish, asked)
                 case TimeWithin():
                     yield from _times(machine, wish, asked)
 
@@ -129,6 +135,28 @@ def _speed(machine: WishedMachine, wish: Wish, asked: SpeedWithin) -> Level:
     return _level(wish, Kind.PEAK, asked.stretch, sides, shown)
 
 
+def _decelerations(machine: WishedMachine, wish: Wish, asked: DecelerationWithin) -> Iterator[Level]:
+    """A level for each stroke: on the return the speed falls where the acceleration is positive."""
+    for stretch, stroke in by_stroke(machine.linkage, asked.stretch):
+        per_most = (1.0 if stroke is Stroke.RETURN else -1.0) / asked.most_mm_s2
+        yield _level(
+            wish,
+            Kind.PEAK,
+            stretch,
+            lambda at, slider, _, per_most=per_most: (  # type: ignore[misc]
+                per_most * acceleration(at, slider, machine.speed_rad_s) - 1.0,
+            ),
+            lambda level: deceleration_offer(wish, asked, 1.0 + level),
+        )
+
+
+def deceleration_offer(wish: Wish, asked: DecelerationWithin, factor: float) -> Offer:
+    """What a wish would have to ask for so that decelerations so many times the one that it asks for were kept."""
+    told, most = wish.output.acceleration, shown_above(factor * asked.most_mm_s2)
+    values = ((f"{wish.key}.deceleration_at_most_{told.ending}", float(most)),)
+    return Offer(f"a deceleration of at most {most} {told.text}", values)
+
+
 def evenness_offer(wish: Wish, level: float) -> Offer:
     """The tolerance of a speed whose greatest value is exp(level) times the least."""
     return _tolerance(wish, tanh(level / 2.0))
@@ -153,6 +181,11 @@ def speed_offer(wish: Wish, asked: SpeedWithin, level: float) -> Offer:
             keys = {bound: f"{wish.key}.{bound.replace(' ', '_')}_{unit.ending}" for bound in bounds}
             values = tuple((keys[bound], float(speed)) for bound, speed in bounds.items())
             return Offer(f"{said} at {place.factor * wish.at_mm:g} {place.text}", values)
+        case GentleSpeed():
+            top = shown_above(most * exp(level))
+            return Offer(
+                f"a speed of at most {top} {unit.text}", ((f"{wish.key}.speed_at_most_{unit.ending}", float(top)),)
+            )
     raise TypeError(f"{type(wish).__name__} asks for no speed")
 
 

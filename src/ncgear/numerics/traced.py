@@ -1,0 +1,77 @@
+"""The formula of a Python function of one variable, by calling it once with a symbol that writes down what is done.
+
+What comes out is text that ``ncgear.numerics.formula`` reads, so the function becomes a formula with everything that is
+proven of formulas.  That works for functions that do arithmetic and call functions of numpy; one that looks at the
+number itself, as ``math.sin``, ``if`` and tables do, cannot be written down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+FUNCTIONS = {
+    np.sin: "sin",
+    np.cos: "cos",
+    np.tan: "tan",
+    np.exp: "exp",
+    np.log: "log",
+    np.sqrt: "sqrt",
+    np.arctan: "atan",
+    np.sinh: "sinh",
+    np.cosh: "cosh",
+    np.tanh: "tanh",
+    np.absolute: "abs",
+    np.sign: "sign",
+    np.minimum: "min",
+    np.maximum: "max",
+}
+OPERATIONS = {np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", np.power: "**"}
+
+
+class NotTraced(TypeError):
+    """The function does something with its argument that no formula has; its text says what."""
+
+
+class Symbol(NDArrayOperatorsMixin):
+    """A variable or a result, as the text of a formula."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **kwargs: Any) -> Symbol:
+        parts = [_text(one) for one in inputs]
+        if method == "__call__" and not kwargs:
+            if ufunc in FUNCTIONS:
+                return Symbol(f"{FUNCTIONS[ufunc]}({', '.join(parts)})")
+            if ufunc in OPERATIONS:
+                return Symbol(f"({parts[0]} {OPERATIONS[ufunc]} {parts[1]})")
+            if ufunc is np.negative:
+                return Symbol(f"(-{parts[0]})")
+            if ufunc is np.square:
+                return Symbol(f"({parts[0]} ** 2)")
+        raise NotTraced(f"numpy.{ufunc.__name__} is no function of formulas")
+
+    def __bool__(self) -> bool:
+        raise NotTraced("it decides by the number itself")
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, Symbol):
+        return value.text
+    if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):
+        return repr(float(value)) if value >= 0 else f"({float(value)!r})"
+    raise NotTraced(f"it combines its argument with {type(value).__name__}")
+
+
+def formula_of(function: Callable[[Any], Any], variable: str) -> str:
+    """The formula of a function of one variable, named ``variable``; raises NotTraced where it is none."""
+    try:
+        return _text(function(Symbol(variable)))
+    except NotTraced:
+        raise
+    except (TypeError, ValueError, AttributeError, IndexError) as fault:
+        raise NotTraced(f"it needs numbers: {fault}") from fault

@@ -1,0 +1,157 @@
+"""Laws that are functions of Python, and the drive of a mapping that may hold one.
+
+Under the law ``ratio_expression`` a function of phi1 in rad stands for its formula: it is traced, and the law is proven
+to follow that formula to 1e-12, as it is of a written one (``numerics.proven``).  Under ``table`` it is called at even
+driving angles of a cycle, twice as many until the law is as near as ``NEAR``.  How near it is, is measured between the
+points: of a function that is known by its values alone nothing can be proven.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ncgear.design.reading.mapping import parsed_mapping, plain
+from ncgear.design.reading.places import with_value
+from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.traced import NotTraced, formula_of
+from ncgear.project.drive import Drive
+
+Function = Callable[[Any], Any]
+
+KEYS = {
+    "ratio_expression": ("ratio", "driven_angle"),
+    "table": ("ratio", "displacement_mm", "displacement_deg"),
+}
+"""The keys of each law that can be a function."""
+
+FEWEST, MOST = 64, 1024
+"""Numbers of points that are tried."""
+
+NEAR = 1e-9
+"""Share of the greatest value by which the law may miss a function between the points."""
+
+BETWEEN = 8
+"""Angles between two points at which that is measured."""
+
+
+@dataclass(frozen=True)
+class Followed:
+    """How a law follows a function: by its ``formula``, exactly; or through ``points``, up to ``error``.
+
+    The error is the greatest that was measured at eight angles between every two points, as a share of the function's
+    greatest value.
+    """
+
+    key: str
+    formula: str = ""
+    points: int = 0
+    error: float = 0.0
+
+    def __repr__(self) -> str:
+        if self.formula:
+            return f"{self.key}: the function is the formula {self.formula}"
+        return (
+            f"{self.key}: {self.points} points of the function; between them the law is off by {self.error:.2g} of its "
+            f"greatest value at most, measured at {BETWEEN * self.points} angles"
+        )
+
+
+def drive_of(given: Mapping[str, Any]) -> Drive:
+    """The drive of a mapping; raises WrongInput with the key of a fault, NoSuchMechanism as a law of points does."""
+    data = plain(given)
+    motion = data.get("motion")
+    law = motion.get("law") if isinstance(motion, dict) else None
+    functions = {name: one for name, one in motion.items() if callable(one)} if isinstance(motion, dict) else {}
+    allowed = KEYS.get(law, ()) if isinstance(law, str) else ()
+    for name, function in functions.items():
+        if name not in allowed:
+            raise WrongInput(
+                "a function given; ratio or driven_angle of the law ratio_expression can be one of phi1 in rad, and "
+                "ratio or a displacement of the law table",
+                key=f"motion.{name}",
+            )
+        made = _formula if law == "ratio_expression" else _points
+        return made(data, f"motion.{name}", function)
+    return _drive(data)
+
+
+def _drive(data: Mapping[str, Any], followed: Followed | None = None) -> Drive:
+    loaded = parsed_mapping(data)
+    return Drive(loaded.design, loaded=loaded, followed=followed)
+
+
+def _formula(data: dict[str, Any], key: str, function: Function) -> Drive:
+    try:
+        formula = formula_of(function, "phi")
+    except NotTraced as fault:
+        raise WrongInput(
+            f"the function has no formula: {fault}; arithmetic and functions of numpy have one, and the law table "
+            "takes any function",
+            key=key,
+        ) from fault
+    return _drive(with_value(data, key, formula), Followed(key, formula))
+
+
+def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
+    lobes = data.get("gears", {}).get("lobes", {}) if isinstance(data.get("gears"), dict) else {}
+    driving = lobes.get("driving", 1) if isinstance(lobes, dict) else 1
+    cycle = 2.0 * pi / driving if isinstance(driving, int) and driving > 0 else 2.0 * pi
+    count = FEWEST
+    while True:
+        phi1 = np.arange(count) * cycle / count
+        if not key.endswith("ratio"):
+            phi1 = _with_top(phi1, _called(function, phi1, key), function, key)
+        values = {"phi1_rad": phi1.tolist(), key.removeprefix("motion."): _called(function, phi1, key).tolist()}
+        drive = _drive({**data, "motion": {**data["motion"], **values}})
+        error = _missed(drive, phi1, cycle, function, key, scaled=bool(data["motion"].get("scale_to_close")))
+        if error <= NEAR or 2 * count > MOST:
+            loaded = drive.loaded
+            return Drive(drive.design, loaded=loaded, followed=Followed(key, points=phi1.size, error=error))
+        count *= 2
+
+
+def _called(function: Function, phi1: Array, key: str) -> Array:
+    """The function at angles, called with all of them, or one by one if it takes no arrays."""
+    with np.errstate(all="ignore"):
+        try:
+            values = np.asarray(function(phi1), dtype=float)
+            if values.shape != phi1.shape:
+                raise TypeError
+        except (TypeError, ValueError):
+            values = np.array([float(function(angle)) for angle in phi1.tolist()])
+    if not np.all(np.isfinite(values)):
+        at = float(phi1[int(np.argmin(np.isfinite(values)))])
+        raise WrongInput(f"the function has no finite value at phi1 = {at:.6g} rad", key=key)
+    return values
+
+
+def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array:
+    """The angles with that of the extended end, where the function is greatest: a table of displacements needs it."""
+    step, top = phi1[1] - phi1[0], float(phi1[int(np.argmax(values))])
+    nodes = top + step * chebyshev.chebpts1(17)
+    series = chebyshev.Chebyshev.fit(nodes, _called(function, nodes, key), 16, [nodes[0], nodes[-1]])
+    roots = series.deriv().roots()
+    real = roots[np.abs(roots.imag) < 1e-9 * step].real
+    end = float(real[np.argmin(np.abs(real - top))]) if real.size else top
+    return np.sort(np.append(phi1[np.abs(phi1 - end) > step / 4.0], end))
+
+
+def _missed(drive: Drive, phi1: Array, cycle: float, function: Function, key: str, *, scaled: bool) -> float:
+    """The greatest difference of law and function between the points, over the function's greatest value."""
+    width = np.diff(np.append(phi1, cycle))
+    between = (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
+    wanted = _called(function, between, key)
+    if key.endswith("ratio"):
+        found = 1.0 / drive.transmission.driven_angle(between, 1).derivative(1)
+        # A scale that closes the cycle is part of the law
+        found *= np.mean(wanted / found) if scaled else 1.0
+    else:
+        found = drive.linkage.OUTPUT.place.factor * drive.machine.displacement(between, 0).value
+    return float(np.max(np.abs(found - wanted)) / np.max(np.abs(wanted)))
