@@ -44,9 +44,8 @@ def studio(
         ) from error
 
     def begun(address: str) -> None:
-        typer.echo(
-            f"{design_file} is open at {address}\nCtrl-C ends the studio; what is not saved is there again when it is opened next."
-        )
+        typer.echo(f"{design_file} is open at {address}")
+        typer.echo("Ctrl-C ends the studio; what is not saved is there again when it is opened next.")
         if not no_browser:
             import webbrowser
 
