@@ -48,8 +48,10 @@ def test_a_file_is_saved_whole_and_not_over_others_work(path: Path, soon: None) 
     assert path.read_text(encoding="utf-8") == OWN
     assert (link.is_symlink(), path.stat().st_mode & 0o777) == (True, 0o640)
     path.write_text(THEIRS, encoding="utf-8")
-    with pytest.raises(NotSaved, match="changed by another program") as asked:
+    path.chmod(0o440)
+    with pytest.raises(NotSaved, match=r"changed by another program.*read-only") as asked:
         saved.saved("name: again\n")
+    path.chmod(0o640)
     assert asked.value.found == THEIRS.encode()
     assert path.read_text(encoding="utf-8") == THEIRS
     DesignOnDisk(saved.path, asked.value.found).saved("name: again\n")
@@ -93,6 +95,20 @@ def test_a_read_only_file_is_saved_only_when_that_is_said(path: Path, soon: None
     assert path.read_text(encoding="utf-8") == OLD
     file.saved(OWN, protected_too=True)
     assert (path.read_text(encoding="utf-8"), path.stat().st_mode & 0o777) == (OWN, mode)
+
+
+def test_a_file_with_a_long_name_is_saved_and_has_a_draft(tmp_path: Path, soon: None) -> None:
+    path = tmp_path / f"{'n' * 250}.yaml"
+    path.write_text(OLD, encoding="utf-8")
+    file = design_on_disk(path)
+    draft = Draft(file, OLD)
+    draft.follow(file, OWN)
+    draft.let_go()
+    assert file.saved(THEIRS).text == path.read_text(encoding="utf-8")
+    found = draft_left(file)
+    assert found is not None
+    assert found.text == OWN
+    found.let_go()
 
 
 # --- editors, which know no lock
@@ -291,6 +307,9 @@ def test_a_draft_that_was_saved_or_is_none_is_not_taken(path: Path) -> None:
     draft.let_go()
     path.write_text(OWN, encoding="utf-8")
     assert draft_left(design_on_disk(path)) is None
+    assert names(path) == ["d.yaml"]
+    path.with_name(".d.yaml.unsaved-0.part").write_bytes(b"{")
+    assert draft_left(file) is None
     assert names(path) == ["d.yaml"]
     for number, content in enumerate((b"", b"[]", b'{"file": 1, "text": 2}', b'{"file": "a"}')):
         path.with_name(f".d.yaml.unsaved-{number}").write_bytes(content)

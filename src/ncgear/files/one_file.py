@@ -11,6 +11,7 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from errno import EEXIST, EINVAL, EIO, ENOSYS, EOPNOTSUPP, EPERM, EROFS
+from hashlib import sha256
 from itertools import count
 from pathlib import Path
 from stat import S_ISLNK
@@ -22,6 +23,9 @@ REMEDY = "choose another folder with --out"
 
 UNFINISHED = ".part"
 """End of the name of a file that is being written; it is of no use to anybody, and the next writer removes it."""
+
+LONGEST_NAME = 200
+"""Bytes of a file's name to which fifty more can be added: file systems have names of 255."""
 
 WITHOUT_LINKS = {EPERM, ENOSYS, EOPNOTSUPP, EROFS}
 """What file systems answer that have no links; shared folders of virtual machines say that they can only be read."""
@@ -62,18 +66,24 @@ def put_at_free_place(place: Path, content: bytes) -> None:
     sync_folder(place.parent)
 
 
-def written_beside(place: Path, content: bytes) -> Path:
+def written_beside(place: Path, content: bytes, mode: int = 0o666) -> Path:
     """A hidden file beside a place, down to the disk; raises OSError, and leaves none then."""
-    beside = place.with_name(f".{place.name}{UNFINISHED}")
+    beside = hidden(place, UNFINISHED)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         beside.unlink(missing_ok=True)
-        write(beside, content)
+        write(beside, content, mode)
     except OSError as error:
         with suppress(OSError):
             beside.unlink()
         raise OSError(error.errno, error.strerror, str(place)) from error
     return beside
+
+
+def hidden(place: Path, end: str) -> Path:
+    """A hidden place beside a file, by its name or, where that is nearly as long as names can be, by its digest."""
+    name = place.name if len(place.name.encode()) <= LONGEST_NAME else sha256(place.name.encode()).hexdigest()[:24]
+    return place.with_name(f".{name}{end}")
 
 
 def swap(new: Path, place: Path) -> None:
@@ -118,9 +128,9 @@ def second(place: Path, other: Path) -> None:
     shutil.copystat(place, other)
 
 
-def write(place: Path, content: bytes) -> None:
+def write(place: Path, content: bytes, mode: int = 0o666) -> None:
     """Write a new file, all of it, and wait until the disk has it; raises OSError."""
-    handle = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+    handle = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), mode)
     try:
         write_all(handle, content)
         os.fsync(handle)

@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ncgear.files.locks import locked
-from ncgear.files.one_file import UNFINISHED, write_all
+from ncgear.files.one_file import UNFINISHED, hidden, write_all
 from ncgear.studio.on_disk import DesignOnDisk
 
 DRAFT = ".unsaved-"
@@ -27,7 +27,7 @@ class Draft:
 
     def __init__(self, file: DesignOnDisk, text: str, place: Path | None = None, held: int | None = None) -> None:
         self.file, self.text = file, text
-        self._place = place or file.path.with_name(f".{file.path.name}{DRAFT}{secrets.token_hex(4)}")
+        self._place = place or hidden(file.path, f"{DRAFT}{secrets.token_hex(4)}")
         self._held = held
 
     def follow(self, file: DesignOnDisk, text: str) -> None:
@@ -47,13 +47,14 @@ class Draft:
         beside.unlink(missing_ok=True)
         handle = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
         try:
+            locked(handle, wait=False)
             content = None if file.content is None else file.content.decode()
             write_all(handle, json.dumps({"file": content, "text": text}).encode())
             if HOLDS:
-                locked(handle, wait=False)
                 beside.replace(self._place)
         except BaseException:
             os.close(handle)
+            beside.unlink(missing_ok=True)
             raise
         self.let_go()
         self._held = handle
@@ -70,12 +71,11 @@ class Draft:
 
 def draft_left(file: DesignOnDisk) -> Draft | None:
     """The newest draft of a design that no studio holds; this one holds it then."""
-    begin = f".{file.path.name}{DRAFT}"
-    names = [name for name in os.listdir(file.path.parent) if name.startswith(begin) and not name.endswith(UNFINISHED)]
     found: list[tuple[float, Path]] = []
-    for name in names:
-        with suppress(OSError):
-            found.append((file.path.with_name(name).stat().st_mtime, file.path.with_name(name)))
+    with suppress(OSError):
+        for place in file.path.parent.iterdir():
+            if place.name.startswith(hidden(file.path, DRAFT).name):
+                found.append((place.stat().st_mtime, place))
     drafts = (_taken(file, place) for _, place in sorted(found, reverse=True))
     return next((draft for draft in drafts if draft is not None), None)
 
@@ -90,6 +90,9 @@ def _taken(file: DesignOnDisk, place: Path) -> Draft | None:
     try:
         # Its owner may have replaced or removed it before it was locked here.
         if (HOLDS and not locked(handle, wait=False)) or not os.path.samestat(os.fstat(handle), place.stat()):
+            return None
+        if place.name.endswith(UNFINISHED):
+            place.unlink()
             return None
         kept = json.loads(place.read_bytes())
         content, text = kept["file"], kept["text"]

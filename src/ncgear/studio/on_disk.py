@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -17,7 +18,16 @@ from time import sleep
 
 from ncgear.design.reading.text import read_text
 from ncgear.errors import WrongInput
-from ncgear.files.one_file import UNFINISHED, is_there, kept_names, put_at_free_place, swap, sync_folder, written_beside
+from ncgear.files.one_file import (
+    UNFINISHED,
+    hidden,
+    is_there,
+    kept_names,
+    put_at_free_place,
+    swap,
+    sync_folder,
+    written_beside,
+)
 from ncgear.files.publish import opened, real_place
 from ncgear.frozen import dataclass
 
@@ -68,9 +78,10 @@ class DesignOnDisk:
                 self._require_same()
                 if self.content is None:
                     self._create(content)
-                else:
-                    self._require_writable(protected_too)
+                elif protected_too or self._is_writable():
                     self._replace(self.content, content)
+                else:
+                    raise NotSaved("is read-only", self.path, self.content)
         return replace(self, content=content, kept=kept)
 
     def _found(self) -> bytes | None:
@@ -86,12 +97,11 @@ class DesignOnDisk:
 
     def _changed(self, found: bytes | None) -> NotSaved:
         what = "has been removed" if found is None else "has been changed by another program"
-        return NotSaved(f"{what} since it was opened", self.path, found)
+        also = "" if found is None or self._is_writable() else ", and is read-only"
+        return NotSaved(f"{what} since it was opened{also}", self.path, found)
 
-    def _require_writable(self, protected_too: bool) -> None:
-        writable = self.path.stat().st_mode & 0o222 and os.access(self.path, os.W_OK)
-        if not writable and not protected_too:
-            raise NotSaved("is read-only", self.path, self.content)
+    def _is_writable(self) -> bool:
+        return bool(self.path.stat().st_mode & 0o222) and os.access(self.path, os.W_OK)
 
     def _create(self, content: bytes) -> None:
         try:
@@ -101,9 +111,10 @@ class DesignOnDisk:
 
     def _replace(self, former: bytes, content: bytes) -> None:
         """Exchange the file for a new one, and look whether what came away is the former one."""
-        written = written_beside(self.path, content)
-        written.chmod(S_IMODE(self.path.stat().st_mode))
-        new = self.path.with_name(f".{self.path.name}.{_digest(former)}-{_digest(content)}{SAVING}")
+        mode = S_IMODE(self.path.stat().st_mode)
+        written = written_beside(self.path, content, mode)
+        written.chmod(mode)
+        new = hidden(self.path, f".{_digest(former)}-{_digest(content)}{SAVING}")
         written.replace(new)
         try:
             self._require_same()
@@ -132,8 +143,11 @@ def _digest(content: bytes) -> str:
 
 def _left(path: Path) -> list[Path]:
     """What saves that were killed have left beside a file."""
-    form = re.compile(rf"\.{re.escape(path.name)}\.[0-9a-f]{{{DIGITS}}}-[0-9a-f]{{{DIGITS}}}{SAVING}({UNFINISHED})?")
-    return [path.with_name(name) for name in sorted(os.listdir(path.parent)) if form.fullmatch(name)]
+    digest = f"[0-9a-f]{{{DIGITS}}}"
+    form = re.compile(f"{re.escape(hidden(path, '.').name)}{digest}-{digest}{SAVING}({UNFINISHED})?")
+    with suppress(OSError):
+        return [path.with_name(name) for name in sorted(os.listdir(path.parent)) if form.fullmatch(name)]
+    return []
 
 
 def _clear_up(path: Path) -> tuple[Path, ...]:
@@ -153,7 +167,7 @@ def design_on_disk(path: Path) -> DesignOnDisk:
     """The design file at a path, whatever its text says; raises WrongInput where it cannot be read as text."""
     real = real_place(path)
     kept: tuple[Path, ...] = ()
-    if real.parent.is_dir() and _left(real):
+    if _left(real):
         with opened(real.parent):
             kept = _clear_up(real)
     read_text(path, limit_mb=LARGEST_MB)

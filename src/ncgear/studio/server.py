@@ -118,7 +118,7 @@ class Studio:
         root = self.out.resolve()
         try:
             wanted = await asyncio.to_thread(real_place, self.out / request.path_params["name"])
-        except WrongInput:
+        except (WrongInput, OSError, ValueError):
             wanted = root
         inside = wanted.is_relative_to(root) and wanted.is_file()
         if not inside or any(part.startswith(".") for part in wanted.relative_to(root).parts):
