@@ -5,12 +5,10 @@ from __future__ import annotations
 import os
 import random
 import shutil
-import signal
 import time
 from contextlib import ExitStack
 from pathlib import Path
 from threading import Thread
-from typing import Any
 
 import pytest
 from websockets.exceptions import ConnectionClosed
@@ -19,7 +17,8 @@ from drives import DESIGNS
 from ncgear.studio.drafts import draft_left
 from ncgear.studio.on_disk import design_on_disk
 from ncgear.studio.server import TAKEN_OVER
-from studios import Page, Studio, running
+from saving_only import saving_only
+from studios import Page, Studio
 
 pytestmark = pytest.mark.slow
 
@@ -33,10 +32,6 @@ def path(tmp_path: Path) -> Path:
     made = tmp_path / "ellipse.yaml"
     shutil.copy(DESIGNS / "ellipse.yaml", made)
     return made
-
-
-def opened(path: Path) -> Any:
-    return running(path, path.parent / "export")
 
 
 def speed(number: float) -> dict[str, dict[str, float]]:
@@ -74,7 +69,7 @@ def edit(page: Page, number: float) -> None:
 @pytest.mark.parametrize("studios", [1, 2])
 def test_of_two_saves_one_is_saved_and_the_other_is_asked(path: Path, times: int, studios: int) -> None:
     with ExitStack() as ends:
-        made = [ends.enter_context(opened(path)) for _ in range(studios)]
+        made = [ends.enter_context(saving_only(path)) for _ in range(studios)]
         pages = [ends.enter_context(made[side % studios].page(f"page{side}")) for side in (0, 1)]
         for page in pages:
             page.until("state")
@@ -99,8 +94,8 @@ def test_of_two_saves_one_is_saved_and_the_other_is_asked(path: Path, times: int
 
 
 def killed(studio: Studio) -> None:
-    studio.process.send_signal(signal.SIGKILL)
-    studio.process.wait()
+    studio.process.kill()
+    studio.process.join()
 
 
 @pytest.mark.long
@@ -111,28 +106,28 @@ def test_studios_that_are_killed_twice_while_they_save_lose_nothing(path: Path) 
     chance = random.Random(4)
     for turn in range(DOUBLE_KILLS):
         first, second = 100 + 2 * turn, 101 + 2 * turn
-        with opened(path) as studio, studio.page() as page:
+        with saving_only(path) as studio, studio.page() as page:
             page.until("state")
             edit(page, first)
             page.send("save")
             time.sleep(chance.uniform(0.0, 0.12))
             killed(studio)
         whole(path)
-        with opened(path) as studio, studio.page() as page:
+        with saving_only(path) as studio, studio.page() as page:
             assert has(page.until("state")["content"]["text"], first), turn
             edit(page, second)
             page.send("save")
             time.sleep(chance.uniform(0.0, 0.12))
             killed(studio)
         whole(path)
-        with opened(other) as studio, studio.page() as page:
+        with saving_only(other) as studio, studio.page() as page:
             page.until("state")
             edit(page, first)
             page.send("save")
             assert answer(page) == "saved"
         whole(path)
         assert has(other.read_text(encoding="utf-8"), first), turn
-        with opened(path) as studio, studio.page() as page:
+        with saving_only(path) as studio, studio.page() as page:
             assert has(page.until("state")["content"]["text"], second), turn
             page.send("save")
             assert answer(page) == "saved"
@@ -148,12 +143,12 @@ def whole(path: Path) -> None:
 
 
 def test_edits_of_every_page_of_a_killed_studio_are_there_again_once(path: Path) -> None:
-    with opened(path) as studio, studio.page("one") as one, studio.page("two") as two:
+    with saving_only(path) as studio, studio.page("one") as one, studio.page("two") as two:
         one.until("state"), two.until("state")
         edit(one, 11)
         edit(two, 22)
         killed(studio)
-    with opened(path) as studio, studio.page("a") as first, studio.page("b") as second, studio.page("c") as third:
+    with saving_only(path) as studio, studio.page("a") as first, studio.page("b") as second, studio.page("c") as third:
         texts = [page.until("state")["content"]["text"] for page in (first, second, third)]
         assert [has(texts[0], 22), has(texts[1], 11), has(texts[2], 90)] == [True] * 3
         assert "here again" in first.until("said")["content"]
@@ -184,7 +179,7 @@ def code_at_the_end(page: Page) -> int | None:
 def test_a_page_that_is_loaded_anew_soon_after_a_change_goes_on_with_it(path: Path, times: int) -> None:
     """Every other time its earlier connection is still there, and is ended."""
     chance = random.Random(5)
-    with opened(path) as studio, ExitStack() as ends:
+    with saving_only(path) as studio, ExitStack() as ends:
         page = ends.enter_context(studio.page("same"))
         page.until("state")
         for turn in range(times):
@@ -209,7 +204,7 @@ def test_a_page_that_is_loaded_anew_soon_after_a_change_goes_on_with_it(path: Pa
 @pytest.mark.parametrize("by_move", [False, True])
 def test_a_save_that_races_an_editor_takes_nothing_from_it(path: Path, times: int, by_move: bool) -> None:
     chance, said = random.Random(6), list[str]()
-    with opened(path) as studio, studio.page() as page:
+    with saving_only(path) as studio, studio.page() as page:
         page.until("state")
         for turn in range(times):
             edit(page, 1000 + turn)
@@ -244,7 +239,7 @@ def written(path: Path, text: str, by_move: bool, late: float) -> None:
 def test_a_read_only_file_and_a_changed_one_are_asked_about_with_the_difference(path: Path) -> None:
     path.chmod(0o444)
     before = path.read_text(encoding="utf-8")
-    with opened(path) as studio, studio.page() as page:
+    with saving_only(path) as studio, studio.page() as page:
         page.until("state")
         edit(page, 33)
         page.send("save", over=True)
