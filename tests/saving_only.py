@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 from drives import DESIGNS
 from ncgear.design.reading.yaml import read_yaml
@@ -29,7 +31,9 @@ def saving_only(path: Path) -> Iterator[Studio]:
     """A studio of a file; it may be killed, and ends by Ctrl-C if it is not."""
     here, there = FORKS.Pipe()
     process = FORKS.Process(target=_serve, args=(path, there))
-    process.start()
+    with patch.dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path)):
+        # The process from which all are forked does not hear of this one's path in any other way.
+        process.start()
     try:
         yield Studio(process, path, path.parent / "export", here.recv())
     finally:
