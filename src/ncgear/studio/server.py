@@ -2,7 +2,7 @@
 
 Every request must name the server's own host, which a page of another site that was led here by its name server does
 not; a web socket must come from the studio's own page; and every path begins with the token.  The server reads and
-writes the opened design file and the export folder, nothing else.
+writes the opened design file, hidden files beside it, and the export folder, nothing else.
 """
 
 from __future__ import annotations
