@@ -43,17 +43,17 @@ def names(path: Path) -> list[str]:
 
 
 def test_a_file_is_saved_whole_and_not_over_others_work(path: Path, soon: None) -> None:
-    path.chmod(0o640)
+    path.chmod(0o660)
     link = path.with_name("link.yaml")
     link.symlink_to(path)
     saved = design_on_disk(link).saved(OWN)
     assert path.read_text(encoding="utf-8") == OWN
-    assert (link.is_symlink(), path.stat().st_mode & 0o777) == (True, 0o640)
+    assert (link.is_symlink(), path.stat().st_mode & 0o777) == (True, 0o660)
     path.write_text(THEIRS, encoding="utf-8")
     path.chmod(0o440)
     with pytest.raises(NotSaved, match=r"changed by another program.*read-only") as asked:
         saved.saved("name: again\n")
-    path.chmod(0o640)
+    path.chmod(0o660)
     assert asked.value.found == THEIRS.encode()
     assert path.read_text(encoding="utf-8") == THEIRS
     DesignOnDisk(saved.path, asked.value.found).saved("name: again\n")
