@@ -25,7 +25,7 @@ from commands import environment
 class Studio:
     """A running studio of a file; files are made in the folder ``out``."""
 
-    process: subprocess.Popen[str]
+    process: Any
     path: Path
     out: Path
     address: str

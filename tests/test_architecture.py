@@ -148,8 +148,7 @@ def test_the_page_of_the_house_has_every_room_in_order() -> None:
 WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
 WRITERS = {
-    "files/publish.py",
-    "cli/new.py",
+    "files/one_file.py",
     "project/frontier_run.py",
     "files/workshop/dxf.py",
     "files/workshop/sheets/dxf.py",

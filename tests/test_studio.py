@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,7 +22,7 @@ from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.errors import WrongInput
 from ncgear.project.drive import Drive
 from ncgear.studio.answers import gear_answers, motion_answers
-from ncgear.studio.editing import Edited, History, as_written, design_on_disk, difference, edited
+from ncgear.studio.editing import Edited, History, as_written, difference, edited
 from ncgear.studio.form import form
 from ncgear.studio.handles import handles
 
@@ -111,25 +109,6 @@ def test_history_goes_back_and_forth_as_a_list_with_a_place(steps: list[str]) ->
             history, texts, place = history.kept(step), [*texts[: place + 1], step], place + 1
         assert history.now == texts[place]
         assert (len(history.past), len(history.future)) == (place, len(texts) - 1 - place)
-
-
-def test_a_file_is_saved_whole_and_not_over_others_work(tmp_path: Path) -> None:
-    path = tmp_path / "d.yaml"
-    path.write_text("name: a\n", encoding="utf-8")
-    path.chmod(0o640)
-    link = tmp_path / "link.yaml"
-    link.symlink_to(path)
-    opened = design_on_disk(link)
-    saved = opened.saved("name: b\n", over=False)
-    assert path.read_text(encoding="utf-8") == "name: b\n"
-    assert (link.is_symlink(), path.stat().st_mode & 0o777) == (True, 0o640)
-    path.write_text("name: other\n", encoding="utf-8")
-    with pytest.raises(WrongInput, match="changed by another program"):
-        saved.saved("name: c\n", over=False)
-    assert path.read_text(encoding="utf-8") == "name: other\n"
-    saved.saved("name: c\n", over=True)
-    assert sorted(os.listdir(tmp_path)) == ["d.yaml", "link.yaml"]
-    assert path.read_text(encoding="utf-8") == "name: c\n"
 
 
 # --- another law, another mechanism

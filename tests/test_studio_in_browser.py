@@ -181,6 +181,26 @@ def test_what_is_saved_is_what_a_check_reads(opened: Opened) -> None:
     assert float(opened.fact("peak power").split()[0]) == pytest.approx(power, rel=1e-4)
 
 
+def test_a_file_that_another_program_has_changed_is_shown_before_it_is_saved_over(opened: Opened) -> None:
+    page, path = opened.page, opened.studio.path
+    question = page.locator("#question")
+    opened.set("operation.speed_rpm", "31")
+    theirs = re.sub(r"speed_rpm: [\d.]+}", "speed_rpm: 44}", path.read_text(encoding="utf-8"), count=1)
+    path.write_text(theirs, encoding="utf-8")
+    page.keyboard.press("Control+s")
+    question.wait_for()
+    assert "changed by another program" in question.inner_text()
+    assert "-operation: {speed_rpm: 44}\n+operation: {speed_rpm: 31}" in question.inner_text()
+    question.locator("button:text-is('Not now')").click()
+    assert not question.is_visible()
+    assert path.read_text(encoding="utf-8") == theirs
+    page.keyboard.press("Control+s")
+    question.locator("button:text-is('Save over it')").click()
+    page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+    assert not question.is_visible()
+    assert "speed_rpm: 31}" in path.read_text(encoding="utf-8")
+
+
 def test_what_does_not_exist_is_told_and_the_last_machine_stays_behind_it(opened: Opened) -> None:
     page = opened.page
     opened.set("gears.teeth", "3")

@@ -230,7 +230,7 @@ def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatc
     async def load_anew() -> list[int]:
         page = OpenPage(path, tmp_path / "export")
         await page.connected(send)
-        await asyncio.gather(page.disconnected(), page.connected(send))
+        await asyncio.gather(page.disconnected(send), page.connected(send))
         told.clear()
         await page.change({"changes": {"operation.speed_rpm": 55}})
         while not any('"is": "asked"' in one for one in told):

@@ -98,6 +98,11 @@ def opened(path: Path) -> Iterator[LoadedDesign]:
     """A context with the design of a file; errors raised in it get the place of their key in that file."""
     from ncgear.design.reading.design_file import load
 
+    if path.is_symlink():
+        from ncgear.files.publish import real_place
+
+        # Links that a killed run has left are replaced by their files.
+        real_place(path)
     # What follows computes with large arrays.
     keep_freed_memory()
     loaded = load(path)

@@ -136,10 +136,11 @@ def _write(path: Path, beginning: Beginning, sizes: dict[str, float], wishes: Se
 
 def _create(path: Path, text: str) -> None:
     """Write a new file and say its name."""
+    from ncgear.files.one_file import put_at_free_place
+
     try:
-        # Mode x: a file that is already there is refused even if it appears at this very moment.
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+        # A file that is already there is refused even if it appears at this very moment.
+        put_at_free_place(path, text.encode())
     except FileExistsError as error:
         raise _taken(path) from error
     typer.echo(path)

@@ -32,7 +32,7 @@ def studio(
         name = design_file.stem or "machine"
         raise WrongInput(f"is not there; `ncgear new {name}` writes a design to begin with", location=str(design_file))
 
-    from ncgear.studio.editing import design_on_disk
+    from ncgear.studio.on_disk import design_on_disk
     from ncgear.studio.server import listening, serve
 
     design_on_disk(design_file)
@@ -44,7 +44,8 @@ def studio(
         ) from error
 
     def begun(address: str) -> None:
-        typer.echo(f"{design_file} is open at {address}\nCtrl-C ends the studio; what is not saved is lost then.")
+        typer.echo(f"{design_file} is open at {address}")
+        typer.echo("Ctrl-C ends the studio; what is not saved is there again when it is opened next.")
         if not no_browser:
             import webbrowser
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
+from threading import Lock
 from typing import Any
 
 from pydantic import BaseModel
@@ -124,9 +125,14 @@ def law_of(model: type[BaseModel]) -> str:
     return name
 
 
+BUILDING = Lock()
+"""Pydantic builds a model when it is first used, and fails where two threads do that at the same time."""
+
+
 @cache
 def _schema(model: type[BaseModel]) -> dict[str, Any]:
-    return model.model_json_schema()
+    with BUILDING:
+        return model.model_json_schema()
 
 
 SPELT_OUT = {"deg": "degrees", "rad": "radians"}

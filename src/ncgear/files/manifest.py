@@ -12,13 +12,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from hashlib import sha256
-from itertools import count
 from pathlib import Path
 from stat import S_ISREG
 
 from ncgear import __version__
 from ncgear.errors import WrongInput
-from ncgear.files.publish import REMEDY, exchange, is_inside, is_there, opened, require_inside
+from ncgear.files.one_file import REMEDY, is_there, kept_names
+from ncgear.files.publish import exchange, is_inside, opened, require_inside
 from ncgear.frozen import dataclass
 
 MANIFEST = "manifest.json"
@@ -127,6 +127,5 @@ def _kept(folder: Path, files: Mapping[str, bytes], earlier: Mapping[str, Entry]
 
 def _free_name(folder: Path, name: str, taken: set[str]) -> str:
     """``law-kept.csv``, or ``law-kept-2.csv`` where that is taken."""
-    path = Path(name)
-    names = (path.with_name(f"{path.stem}-kept{f'-{n}' if n > 1 else ''}{path.suffix}").as_posix() for n in count(1))
+    names = (path.as_posix() for path in kept_names(Path(name)))
     return next(name for name in names if name not in taken and not os.path.lexists(folder / name))

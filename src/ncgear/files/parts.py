@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ncgear.errors import WrongInput
-from ncgear.files.publish import UNFINISHED, is_there, put_in_place
+from ncgear.files.locks import locked
+from ncgear.files.one_file import UNFINISHED, is_there, put_in_place
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.screening.designs import Designs
@@ -170,20 +171,10 @@ class Parts:
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
     """A context that one run at a time can be in for a folder; raises WrongInput where another one is at work there."""
-    try:
-        import fcntl
-    except ImportError:
-        yield
-        return
     with (folder / PLAN).open("rb") as held:
-        try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
+        if not locked(held.fileno(), wait=False):
             problem = "another run is at work here; wait for it, or choose another folder with --out"
-            raise WrongInput(problem, location=str(folder)) from error
-        except OSError:
-            # Some file systems have no locks.
-            pass
+            raise WrongInput(problem, location=str(folder))
         yield
 
 

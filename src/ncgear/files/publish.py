@@ -18,12 +18,13 @@ import secrets
 import shutil
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from errno import EINVAL, EIO, ENOSYS, EOPNOTSUPP, EPERM, EROFS
 from hashlib import sha256
 from pathlib import Path
 from stat import S_ISDIR, S_ISLNK
 
 from ncgear.errors import WrongInput
+from ncgear.files.locks import alone_in
+from ncgear.files.one_file import REMEDY, WITHOUT_LINKS, is_there, refused, replace_by, second, sync_folder, write
 from ncgear.interrupts import uninterrupted
 
 STAGING_PREFIX = ".ncgear-"
@@ -31,21 +32,13 @@ STAGING_PREFIX = ".ncgear-"
 OLD, NEW = "old", "new"
 _POINTER, _LINK = "current", "link"
 
-REMEDY = "choose another folder with --out"
-
-UNFINISHED = ".part"
-"""End of the name of a file that is being written by ``put_in_place``."""
-
-WITHOUT_LINKS = {EPERM, ENOSYS, EOPNOTSUPP, EROFS}
-"""What file systems answer that have no links; shared folders of virtual machines say that they can only be read."""
-
 
 def prepare(folder: Path) -> None:
     """Refuse an output folder that cannot be written, before anything is computed; creates nothing.
 
     Raises WrongInput, with the path at fault, when a file is in the way or the folder is not writable.
     """
-    with _refused(folder):
+    with refused(folder):
         existing = next(place for place in (folder, *folder.absolute().parents) if is_there(place))
         if not existing.is_dir():
             raise WrongInput(f"is no folder; {REMEDY}", location=str(existing))
@@ -67,16 +60,6 @@ def prepare_file(path: Path) -> None:
         raise WrongInput(f"cannot be written ({error.strerror}); choose another name", location=str(path)) from error
     if in_the_way:
         raise WrongInput("is a folder; choose another name", location=str(path))
-
-
-@contextmanager
-def _refused(folder: Path) -> Iterator[None]:
-    """A context that turns what the disk refuses into WrongInput."""
-    try:
-        yield
-    except OSError as error:
-        place = str(error.filename or folder)
-        raise WrongInput(f"cannot be written ({error.strerror or error}); {REMEDY}", location=place) from error
 
 
 def require_inside(names: Iterable[str]) -> None:
@@ -101,11 +84,11 @@ def opened(folder: Path) -> Iterator[None]:
     OSError of its body, when the folder cannot be written; a folder created for nothing is removed.
     """
     prepare(folder)
-    with _refused(folder), uninterrupted():
+    with refused(folder), uninterrupted():
         missing = [place for place in (folder, *folder.absolute().parents) if not is_there(place)]
         with _removed_if_failed(missing):
             folder.mkdir(parents=True, exist_ok=True)
-            with _alone_in(folder):
+            with alone_in(folder):
                 _clear_up(folder)
                 yield
 
@@ -122,28 +105,6 @@ def _removed_if_failed(folders: Iterable[Path]) -> Iterator[None]:
         raise
 
 
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """A context that one process at a time can enter for a folder, so that any other staging folder is a leftover.
-
-    The lock ends with the process that holds it.  Where the system or the file system has no locks, there is none.
-    """
-    try:
-        import fcntl
-    except ImportError:
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        # Whatever its end says, it tells nothing of the files.
-        with suppress(OSError):
-            os.close(handle)
-
-
 def _new_staging(folder: Path) -> Path:
     """An empty staging folder in ``folder``."""
     token = secrets.token_hex(6)
@@ -156,16 +117,36 @@ def _sign(token: str) -> str:
     return sha256(f"staging folder of ncgear {token}".encode()).hexdigest()[:12]
 
 
-def is_staging(place: Path) -> bool:
-    """Whether a path is a staging folder of a run."""
-    token, _, sign = place.name.removeprefix(STAGING_PREFIX).partition("-")
-    return place.name.startswith(STAGING_PREFIX) and sign == _sign(token) and S_ISDIR(place.lstat().st_mode)
+def _is_of_staging(name: str) -> bool:
+    """Whether a name is that of a staging folder."""
+    token, _, sign = name.removeprefix(STAGING_PREFIX).partition("-")
+    return name.startswith(STAGING_PREFIX) and sign == _sign(token)
+
+
+def real_place(path: Path) -> Path:
+    """Where a file is behind the links of a person; links that a killed run has left are replaced by their files first.
+
+    Raises WrongInput where that cannot be done: no file in a staging folder is ever meant.
+    """
+    real = Path(os.path.realpath(path))
+    if (left := _staging_in(real)) is not None and is_there(left):
+        with opened(left.parent):
+            # What is opened is cleared up.
+            real = Path(os.path.realpath(path))
+    if _staging_in(real) is not None:
+        raise WrongInput("leads into what a run has left, and to no file; give the file itself", location=str(path))
+    return real
+
+
+def _staging_in(real: Path) -> Path | None:
+    """The staging folder that a path leads through."""
+    return next((place for place in real.parents if _is_of_staging(place.name)), None)
 
 
 def _clear_up(folder: Path) -> None:
     """Finish the exchanges of killed runs, and remove their staging folders."""
     for name in sorted(os.listdir(folder)):
-        if is_staging(folder / name):
+        if _is_of_staging(name) and S_ISDIR((folder / name).lstat().st_mode):
             _settle(folder, folder / name)
             shutil.rmtree(folder / name)
 
@@ -177,6 +158,10 @@ def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = (
     tidied up, and the new files are visible.
     """
     names = [*files, *(name for name in gone if name not in files)]
+    if names == [*files] and len(names) == 1:
+        # One file needs no exchange.
+        replace_by(folder / names[0], files[names[0]])
+        return
     places = {folder, *((folder / name).parent for name in names)}
     with _removed_if_failed([place for place in places if not is_there(place)]):
         staging = _new_staging(folder)
@@ -192,7 +177,7 @@ def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = (
     try:
         _settle(folder, staging)
         for place in places:
-            _sync_folder(place)
+            sync_folder(place)
         shutil.rmtree(staging)
     except OSError as error:
         said = f"the new files are in place, but links into {staging.name} stay ({error.strerror or error})"
@@ -211,71 +196,11 @@ def _stage(folder: Path, staging: Path, files: Mapping[str, bytes], names: Itera
     for name in names:
         if is_there(folder / name):
             # The old file is linked or copied, not moved, so that a killed run leaves a file at each place.
-            _second(folder / name, staging / OLD / name)
+            second(folder / name, staging / OLD / name)
     for name, content in files.items():
-        _write(staging / NEW / name, content)
+        write(staging / NEW / name, content)
     for place in (*sorted(folders), staging, folder):
-        _sync_folder(place)
-
-
-def _second(place: Path, other: Path) -> None:
-    """Make another name for a file; where the file system has no such links, or it is a link itself, a copy."""
-    if not S_ISLNK(place.lstat().st_mode):
-        try:
-            os.link(place, other)
-            return
-        except OSError as error:
-            if error.errno not in WITHOUT_LINKS:
-                raise
-    _write(other, place.read_bytes())
-    shutil.copystat(place, other)
-
-
-def put_in_place(place: Path, content: bytes) -> None:
-    """Write one file of many, down to the disk, and move it to its place, where an earlier one has stood at most.
-
-    A killed run leaves the earlier file or the new one, and perhaps a file whose name begins with a point and ends in
-    ``.part``.  Raises WrongInput when that cannot be done.
-    """
-    with _refused(place.parent), uninterrupted():
-        place.parent.mkdir(parents=True, exist_ok=True)
-        beside = place.with_name(f".{place.name}{UNFINISHED}")
-        beside.unlink(missing_ok=True)
-        _write(beside, content)
-        beside.replace(place)
-        _sync_folder(place.parent)
-
-
-def _write(place: Path, content: bytes) -> None:
-    """Write a new file, all of it, and wait until the disk has it; raises OSError."""
-    handle = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
-    try:
-        left = memoryview(content)
-        while left:
-            written = os.write(handle, left)
-            if written == 0:
-                raise OSError(EIO, os.strerror(EIO), str(place))
-            left = left[written:]
-        os.fsync(handle)
-    except OSError as error:
-        # What writes by a handle does not know the file's name.
-        raise OSError(error.errno, error.strerror, str(place)) from error
-    finally:
-        os.close(handle)
-
-
-def _sync_folder(place: Path) -> None:
-    """Wait until the disk has the names of a folder, where the system can say so."""
-    if os.name != "posix":
-        return
-    handle = os.open(place, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    except OSError as error:
-        if error.errno != EINVAL:
-            raise
-    finally:
-        os.close(handle)
+        sync_folder(place)
 
 
 def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
@@ -301,7 +226,7 @@ def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
         link.symlink_to(os.path.relpath(staging / _POINTER / name, (folder / name).parent))
         link.replace(folder / name)
     for place in {folder, *((folder / name).parent for name in names)}:
-        _sync_folder(place)
+        sync_folder(place)
     _point(staging, NEW)
 
 
@@ -366,15 +291,3 @@ def _files_below(folder: Path) -> Iterator[Path]:
 def _leads_into(staging: Path, place: Path) -> bool:
     """Whether a place has a link of an exchange; raises OSError where the disk gives no answer."""
     return is_there(place) and S_ISLNK(place.lstat().st_mode) and staging.name in place.readlink().parts
-
-
-def is_there(place: Path) -> bool:
-    """Whether a path is one of something, be it a link to nothing; raises OSError where the disk gives no answer.
-
-    Python's own questions take any fault of the disk for a no, some of them from version 3.12 or 3.14 on.
-    """
-    try:
-        place.lstat()
-    except (FileNotFoundError, NotADirectoryError):
-        return False
-    return True

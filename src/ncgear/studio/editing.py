@@ -1,4 +1,4 @@
-"""The text of a design while it is edited: changes of keys, history, the difference from the file, and saving.
+"""The text of a design while it is edited: changes of keys, history, and the difference from the file.
 
 The text stays that of the design file throughout, so its comments and their order stay, and whatever the page shows is
 what ``ncgear check`` would read.
@@ -6,11 +6,8 @@ what ``ncgear check`` would read.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from dataclasses import replace
 from difflib import SequenceMatcher, unified_diff
-from pathlib import Path
 from typing import Any
 
 from ruamel.yaml.error import YAMLError
@@ -18,18 +15,14 @@ from ruamel.yaml.error import YAMLError
 from ncgear.design.beginning import begun
 from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
-from ncgear.design.reading.text import read_text, whole
+from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import LINE_WIDTH, LONGEST_LINE, Rewriting
 from ncgear.errors import WrongInput
-from ncgear.files.publish import exchange, opened
 from ncgear.frozen import dataclass
 
 MOST_STEPS = 500
 """Steps that can be undone; with texts of some kilobytes they take a megabyte or two."""
-
-LARGEST_MB = 1
-"""Size of a text that can be edited: a hundred times that of a long design, and read in a few seconds."""
 
 DIGITS = 7
 """Significant digits of a value that was dragged; a pixel of any screen is a thousandth of a chart."""
@@ -62,54 +55,10 @@ class History:
         return History(self.future[0], (*self.past, self.now), self.future[1:])
 
 
-@dataclass(frozen=True)
-class DesignOnDisk:
-    """A design file and the bytes that it had when it was read or saved."""
-
-    path: Path
-    content: bytes
-
-    @property
-    def text(self) -> str:
-        """Its text."""
-        return self.content.decode("utf-8-sig")
-
-    def saved(self, text: str, *, over: bool) -> DesignOnDisk:
-        """The file with another text, written at one instant: a process that is killed leaves the old file or the new.
-
-        Raises WrongInput where the file cannot be written, and unless ``over`` where another program has changed it.
-        """
-        if not over and self._on_disk() != self.content:
-            raise WrongInput(
-                "has been changed by another program since it was opened; save over it, or open it anew",
-                location=str(self.path),
-            )
-        content = text.encode()
-        with opened(self.path.parent):
-            mode = self.path.stat().st_mode if self.path.exists() else None
-            exchange(self.path.parent, {self.path.name: content})
-            if mode is not None:
-                self.path.chmod(mode & 0o777)
-        return replace(self, content=content)
-
-    def _on_disk(self) -> bytes | None:
-        try:
-            return self.path.read_bytes()
-        except FileNotFoundError:
-            return None
-
-
-def design_on_disk(path: Path) -> DesignOnDisk:
-    """The design file at a path, whatever its text says; raises WrongInput where it cannot be read as text."""
-    read_text(path, limit_mb=LARGEST_MB)
-    real = Path(os.path.realpath(path))
-    return DesignOnDisk(real, real.read_bytes())
-
-
-def difference(old: str, new: str, name: str) -> str:
+def difference(old: str, new: str, name: str, old_is: str = "saved") -> str:
     """The lines that differ, in the form of ``diff -u``; empty where none does."""
-    lines = unified_diff(old.splitlines(), new.splitlines(), f"{name} (saved)", f"{name} (edited)", lineterm="", n=2)
-    return "\n".join(lines)
+    names = f"{name} ({old_is})", f"{name} (edited)"
+    return "\n".join(unified_diff(old.splitlines(), new.splitlines(), *names, lineterm="", n=2))
 
 
 class Edited:

@@ -18,7 +18,7 @@ from typing import Any
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import WrongInput
-from ncgear.files.publish import exchange, opened
+from ncgear.files.one_file import put_in_place
 
 
 @dataclass(frozen=True)
@@ -158,10 +158,9 @@ def _copied(text: str, path: Path, folder: Path) -> Path:
     """A copy of the edited text that needs no file beside it, in a folder of its own; raises as reading it does."""
     loaded = parsed(text, path)
     copy = design_copy(loaded, {}) if loaded.source.from_files else text
-    name = f"{loaded.design.name}.yaml"
-    with opened(folder):
-        exchange(folder, {name: copy.encode()})
-    return folder / name
+    place = folder / f"{loaded.design.name}.yaml"
+    put_in_place(place, copy.encode())
+    return place
 
 
 def require_command(name: Any) -> Command:

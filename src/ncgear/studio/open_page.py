@@ -2,7 +2,7 @@
 
 Messages are values of JSON.  From the page come ``{"do": ..., ...}``, as the methods of ``OpenPage`` named after them
 say; to it go ``state`` (the text and all that follows from it), the answers of ``answers.py`` with the number ``n`` of
-the text that they belong to, ``job`` and ``said``.
+the text that they belong to, ``job``, ``said``, and ``question`` where a person has to decide on a save.
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import DesignError, WrongInput
 from ncgear.studio.chains import Chains
-from ncgear.studio.editing import LARGEST_MB, DesignOnDisk, Edited, History, design_on_disk, difference, edited
+from ncgear.studio.drafts import Draft, draft_left
+from ncgear.studio.editing import Edited, History, difference, edited
 from ncgear.studio.form import form
 from ncgear.studio.jobs import Job, require_command
+from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk
 
 MOST_CHANGES = 200
 """Keys that one message changes; a remedy changes three."""
@@ -33,9 +35,17 @@ class OpenPage:
 
     def __init__(self, path: Path, out: Path) -> None:
         self.file: DesignOnDisk = design_on_disk(path)
+        self._notices = _kept_words(self.file)
+        draft = draft_left(self.file)
+        if draft is not None:
+            self.file = draft.file
+            self._notices += (DRAFT_FOUND,)
+        self.draft = draft or Draft(self.file, self.file.text)
+        self._draft_refused = False
+        self._asked_about: DesignOnDisk | None = None
         self.out = out
-        self.history = History(self.file.text)
-        self._edited = Edited(self.file.text)
+        self.history = History(self.file.text).kept(self.draft.text)
+        self._edited = Edited(self.history.now)
         self.changes: dict[str, Any] = {}
         self.number = 0
         self.jobs: dict[int, Job] = {}
@@ -47,16 +57,22 @@ class OpenPage:
         self._leaving = asyncio.Lock()
 
     async def connected(self, send: Callable[[str], Awaitable[None]]) -> None:
-        """Tell a page that has just connected everything, and go on telling it."""
+        """Tell a page that has just connected everything, and go on telling it instead of an earlier connection."""
         # A page that is loaded anew connects while its last connection still ends, which would end this one's work too.
         async with self._leaving:
+            if self._send is None:
+                self._spawn(self._follow())
             self._send = send
-            self._spawn(self._follow())
         await self._show()
+        notices, self._notices = self._notices, ()
+        if notices:
+            await self._say(" ".join(notices))
 
-    async def disconnected(self) -> None:
-        """End the processes of the page; commands that write files go on."""
+    async def disconnected(self, send: Callable[[str], Awaitable[None]] | None) -> None:
+        """End the processes of the page, unless another connection has taken it over; commands go on."""
         async with self._leaving:
+            if self._send is not send:
+                return
             self._send = None
             async with self._asking:
                 # A process that is just being started would be lost if its start were cancelled.
@@ -69,7 +85,8 @@ class OpenPage:
     async def closed(self) -> None:
         """End everything, commands as well."""
         await asyncio.gather(*(job.cancel() for job in self.jobs.values() if job.status is None))
-        await self.disconnected()
+        await self.disconnected(self._send)
+        self.draft.let_go()
 
     async def hear(self, message: Mapping[str, Any]) -> None:
         """Do what a message asks for; what cannot be done is said, and nothing changes."""
@@ -81,6 +98,7 @@ class OpenPage:
             "undo": self.undo,
             "redo": self.redo,
             "save": self.save,
+            "anew": self.anew,
             "run": self.run,
             "cancel": self.cancel,
             "adopt": self.adopt,
@@ -131,11 +149,27 @@ class OpenPage:
         await self._step(self.history.redone())
 
     async def save(self, message: Mapping[str, Any]) -> None:
-        """Save into the design file; with ``over`` also where another program has changed it."""
+        """Save into the design file; with ``over`` in the stead of the version that the last question has shown."""
         text = self.history.now
-        self.file = await asyncio.to_thread(self.file.saved, text, over=message.get("over") is True)
-        await self._say(f"saved {self.file.path.name}")
+        asked_about, self._asked_about = self._asked_about, None
+        over = asked_about if message.get("over") is True else None
+        try:
+            self.file = await asyncio.to_thread((over or self.file).saved, text, protected_too=over is not None)
+        except NotSaved as problem:
+            self._asked_about = DesignOnDisk(self.file.path, problem.found)
+            await self._say(str(problem))
+            await self._show()
+            there = difference(self._asked_about.text, text, self.file.path.name, "on disk")
+            question = {"problem": f"{self.file.path.name} {problem.problem}", "difference": there}
+            await self._tell(json.dumps({"is": "question", "content": question}))
+            return
+        await self._say(" ".join((f"saved {self.file.path.name}", *_kept_words(self.file))))
         await self._show()
+
+    async def anew(self, _: Mapping[str, Any]) -> None:
+        """Open the file as it is on the disk, as one step of the history."""
+        self.file = await asyncio.to_thread(design_on_disk, self.file.path)
+        await self._step(self.history.kept(self.file.text))
 
     async def run(self, message: Mapping[str, Any]) -> None:
         """Run a ``command`` on the text that is shown."""
@@ -240,6 +274,8 @@ class OpenPage:
         async with self._asking:
             self.number += 1
             content = await asyncio.to_thread(self._state)
+            if problem := await asyncio.to_thread(self._draft_problem, content["text"]):
+                await self._say(problem)
             await self._tell(json.dumps({"is": "state", "n": self.number, "content": content}))
             await self._chains.ask(self.number, content["text"], str(self.file.path))
 
@@ -261,6 +297,16 @@ class OpenPage:
             "jobs": [self._plain(job) for job in self.jobs.values()],
         }
 
+    def _draft_problem(self, text: str) -> str:
+        """Keep what is not saved where a killed studio leaves it; why that cannot be done, once."""
+        try:
+            self.draft.follow(self.file, text)
+        except OSError as error:
+            said, self._draft_refused = self._draft_refused, True
+            reason = error.strerror or str(error)
+            return "" if said else f"what is not saved is lost when the studio ends: no draft can be written ({reason})"
+        return ""
+
     async def _say(self, text: str) -> None:
         await self._tell(json.dumps({"is": "said", "content": text}))
 
@@ -271,6 +317,15 @@ class OpenPage:
 
 job_tasks: set[asyncio.Task[None]] = set()
 """Commands that run, whatever page has asked for them; asyncio itself keeps no task alive."""
+
+
+DRAFT_FOUND = "What was not saved when the studio ended is here again; Undo leads back to the file."
+
+
+def _kept_words(file: DesignOnDisk) -> tuple[str, ...]:
+    """What is said of versions of others that were kept beside the file."""
+    names = ", ".join(place.name for place in file.kept)
+    return (f"A version that another program wrote while a save was killed is kept as {names}.",) if names else ()
 
 
 def _changes_of(message: Mapping[str, Any]) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 Every request must name the server's own host, which a page of another site that was led here by its name server does
 not; a web socket must come from the studio's own page; and every path begins with the token.  The server reads and
-writes the opened design file and the export folder, nothing else.
+writes the opened design file, hidden files beside it, and the export folder, nothing else.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from ncgear.errors import DesignError
-from ncgear.files.publish import is_staging
+from ncgear.errors import DesignError, WrongInput
+from ncgear.files.publish import real_place
 from ncgear.studio.open_page import OpenPage
 from ncgear.studio.page import page
 
@@ -38,6 +38,9 @@ MOST_PAGES = 6
 
 MOST_REMEMBERED = 30
 """Pages that are remembered, so that a page that is loaded anew goes on where it was."""
+
+TAKEN_OVER = 4001
+"""Code with which the connection of a page ends that another connection has taken over; it does not connect anew."""
 
 LARGEST_MESSAGE = 2 << 20
 """Bytes of a message from a page: a text of a megabyte, escaped."""
@@ -89,13 +92,13 @@ class Studio:
     def __init__(self, path: Path, out: Path) -> None:
         self.path, self.out = path, out.absolute()
         self.pages: dict[str, OpenPage] = {}
-        self.open: set[str] = set()
+        self.open: dict[str, WebSocket] = {}
 
     def page_of(self, name: str) -> OpenPage:
         """A page by the name that it has chosen; the oldest ones that are closed are forgotten."""
         if name not in self.pages:
             for old in [one for one in self.pages if one not in self.open][: len(self.pages) - MOST_REMEMBERED + 1]:
-                del self.pages[old]
+                self.pages.pop(old).draft.let_go()
             self.pages[name] = OpenPage(self.path, self.out)
         return self.pages[name]
 
@@ -112,10 +115,13 @@ class Studio:
 
     async def file(self, request: Request) -> Response:
         """A file of the export folder."""
-        wanted = (self.out / request.path_params["name"]).resolve()
         root = self.out.resolve()
+        try:
+            wanted = await asyncio.to_thread(real_place, self.out / request.path_params["name"])
+        except (WrongInput, OSError, ValueError):
+            wanted = root
         inside = wanted.is_relative_to(root) and wanted.is_file()
-        if not inside or any(part.startswith(".") for part in wanted.relative_to(root).parts) or is_staging(wanted):
+        if not inside or any(part.startswith(".") for part in wanted.relative_to(root).parts):
             return PlainTextResponse("no such file", status_code=404)
         headers = {"content-security-policy": SANDBOX, "x-content-type-options": "nosniff", "cache-control": "no-store"}
         return FileResponse(wanted, headers=headers)
@@ -123,13 +129,12 @@ class Studio:
     async def talk(self, socket: WebSocket) -> None:
         """The conversation with one page."""
         name = socket.query_params.get("page", "")[:64]
-        if not name or name in self.open or len(self.open) >= MOST_PAGES:
-            await socket.accept()
-            why = "this page is open already" if name in self.open else f"{MOST_PAGES} pages are open; close one"
-            await socket.send_text(json.dumps({"is": "said", "content": why}))
+        await socket.accept()
+        if not name or (name not in self.open and len(self.open) >= MOST_PAGES):
+            said = {"is": "said", "content": f"{MOST_PAGES} pages are open; close one"}
+            await socket.send_text(json.dumps(said))
             await socket.close(code=1013)
             return
-        await socket.accept()
         try:
             opened = self.page_of(name)
         except DesignError as error:
@@ -137,7 +142,7 @@ class Studio:
             await socket.send_text(json.dumps({"is": "said", "content": str(error)}))
             await socket.close(code=1011)
             return
-        self.open.add(name)
+        former, self.open[name] = self.open.get(name), socket
         sending = asyncio.Lock()
 
         async def send(text: str) -> None:
@@ -147,13 +152,18 @@ class Studio:
 
         try:
             await opened.connected(send)
+            if former is not None:
+                # A page that is loaded anew may be here before its earlier connection has ended.
+                with suppress(RuntimeError, WebSocketDisconnect):
+                    await former.close(code=TAKEN_OVER)
             while (text := await _text_from(socket)) is not None:
                 message = _read(text)
                 if message is not None:
                     await opened.hear(message)
         finally:
-            self.open.discard(name)
-            await opened.disconnected()
+            if self.open.get(name) is socket:
+                del self.open[name]
+            await opened.disconnected(send)
 
     async def close(self) -> None:
         """End all processes."""
@@ -161,11 +171,12 @@ class Studio:
 
 
 async def _text_from(socket: WebSocket) -> str | None:
-    """The next message of a page; None once the page is gone, which starlette tells in two ways."""
+    """The next message of a page, also one that came before the page was taken over; None once the page is gone."""
     try:
-        return await socket.receive_text()
-    except (WebSocketDisconnect, RuntimeError):
+        message = await socket.receive()
+    except RuntimeError:
         return None
+    return message.get("text") or "" if message["type"] == "websocket.receive" else None
 
 
 def _read(text: str) -> dict[str, Any] | None:

@@ -2,24 +2,27 @@
 
 const AGAIN_MS = 1000;
 
-function createLink(onMessage, onState) {
-  const state = { socket: null, closed: false };
+// The server ends a connection so when the page, duplicated with its name, goes on in another tab.
+const TAKEN_OVER = 4001;
 
-  function pageName(anew) {
-    if (anew || !sessionStorage.getItem("ncgear-page")) sessionStorage.setItem("ncgear-page", crypto.randomUUID());
+function createLink(onMessage, onState) {
+  const state = { socket: null };
+
+  function pageName() {
+    if (!sessionStorage.getItem("ncgear-page")) sessionStorage.setItem("ncgear-page", crypto.randomUUID());
     return sessionStorage.getItem("ncgear-page");
   }
 
-  function connect(anew) {
-    const address = new URL(`talk?page=${pageName(anew)}`, location.href);
+  function connect() {
+    const address = new URL(`talk?page=${pageName()}`, location.href);
     address.protocol = "ws:";
     state.socket = new WebSocket(address);
     state.socket.addEventListener("open", () => onState(true));
     state.socket.addEventListener("message", (event) => onMessage(JSON.parse(event.data)));
     state.socket.addEventListener("close", (event) => {
-      onState(false);
-      // A page that was duplicated has the name of the other one: it takes a name of its own.
-      if (!state.closed) setTimeout(() => connect(event.code === 1013), AGAIN_MS);
+      const taken = event.code === TAKEN_OVER;
+      onState(false, taken);
+      if (!taken) setTimeout(connect, AGAIN_MS);
     });
   }
 
@@ -27,6 +30,6 @@ function createLink(onMessage, onState) {
     if (state.socket.readyState === WebSocket.OPEN) state.socket.send(JSON.stringify(message));
   }
 
-  connect(false);
+  connect();
   return { send };
 }

@@ -5,9 +5,10 @@ const PART_OF_GEARS = "gears";
 function start() {
   const at = (id) => document.getElementById(id);
   const state = { newest: 0, refused: { motion: null, gears: null }, motion: null, held: false };
-  const link = createLink(hear, (on) => {
+  const link = createLink(hear, (on, taken) => {
     document.body.classList.toggle("offline", !on);
-    if (!on) say("The server does not answer; the page connects anew as soon as it does.");
+    if (taken) say("This page goes on in another tab; load it anew to go on here.");
+    else if (!on) say("The server does not answer; the page connects anew as soon as it does.");
     else if (at("said").textContent.startsWith("The server")) say("");
   });
 
@@ -32,6 +33,7 @@ function start() {
   const told = createTold(acts);
   const finder = createFinder(machine.scene, clock);
   const making = createMaking(at("jobs"), link.send);
+  const saving = createSaving(at("question"), link.send);
 
   function show(deg, playing) {
     machine.show(deg * RAD);
@@ -56,13 +58,14 @@ function start() {
       state.newest = Math.max(state.newest, n);
     }
     const answers = { state: takeState, motion: takeMotion, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
-    Object.assign(answers, { verdict: told.verdict, strength: told.strength, chart: takeChart, job: making.show, said: say });
+    Object.assign(answers, { verdict: told.verdict, strength: told.strength, chart: takeChart, job: making.show, said: say, question: saving.ask });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
     if (is === "done") settled(message);
   }
 
   function takeState(content, message) {
+    saving.leave();
     at("name").textContent = content.file;
     at("saved").textContent = content.saved ? "saved" : "not saved";
     at("save").disabled = content.saved;
@@ -145,13 +148,9 @@ function start() {
     clock.set(clock.deg());
   }
 
-  function save(event) {
-    link.send({ do: "save", over: event?.shiftKey === true });
-  }
-
   at("undo").addEventListener("click", () => link.send({ do: "undo" }));
   at("redo").addEventListener("click", () => link.send({ do: "redo" }));
-  at("save").addEventListener("click", save);
+  at("save").addEventListener("click", saving.save);
   at("hold").addEventListener("click", hold);
   at("take").addEventListener("click", () => {
     at("text").blur();
@@ -161,7 +160,7 @@ function start() {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
     const typing = event.target.closest("textarea, input[type=text], input[type=search]");
     const key = event.key.toLowerCase();
-    if (key === "s") save(event);
+    if (key === "s") saving.save();
     else if (key === "z" && !typing) link.send({ do: event.shiftKey ? "redo" : "undo" });
     else if (key === "y" && !typing) link.send({ do: "redo" });
     else return;

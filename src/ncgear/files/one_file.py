@@ -1,0 +1,193 @@
+"""One file reaches its place whole: it is written beside it, down to the disk, and moved there in a single step.
+
+A killed run leaves the earlier file or the new one.  Many files that belong together are exchanged by ``publish``.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from errno import EEXIST, EINVAL, EIO, ENOSYS, EOPNOTSUPP, EPERM, EROFS
+from hashlib import sha256
+from itertools import count
+from pathlib import Path
+from stat import S_ISLNK
+
+from ncgear.errors import WrongInput
+from ncgear.interrupts import uninterrupted
+
+REMEDY = "choose another folder with --out"
+
+UNFINISHED = ".part"
+"""End of the name of a file that is being written; it is of no use to anybody, and the next writer removes it."""
+
+LONGEST_NAME = 200
+"""Bytes of a file's name to which fifty more can be added: file systems have names of 255."""
+
+WITHOUT_LINKS = {EPERM, ENOSYS, EOPNOTSUPP, EROFS}
+"""What file systems answer that have no links; shared folders of virtual machines say that they can only be read."""
+
+_HERE, _EXCHANGE = -100, 2
+"""AT_FDCWD and RENAME_EXCHANGE of Linux's renameat2."""
+
+
+def put_in_place(place: Path, content: bytes) -> None:
+    """Write one file and move it to its place, in the stead of what stands there.
+
+    Raises WrongInput when that cannot be done.
+    """
+    with refused(place.parent), uninterrupted():
+        replace_by(place, content)
+
+
+def replace_by(place: Path, content: bytes) -> None:
+    """Write one file and move it to its place; raises OSError, and what stood there stays then."""
+    written_beside(place, content).replace(place)
+    sync_folder(place.parent)
+
+
+def put_at_free_place(place: Path, content: bytes) -> None:
+    """Write one file to a place that is free; raises FileExistsError where it is not, or another OSError."""
+    beside = written_beside(place, content)
+    try:
+        os.link(beside, place)
+        beside.unlink()
+    except OSError as error:
+        if error.errno not in WITHOUT_LINKS:
+            beside.unlink()
+            raise
+        if is_there(place):
+            beside.unlink()
+            raise FileExistsError(EEXIST, os.strerror(EEXIST), str(place)) from error
+        beside.replace(place)
+    sync_folder(place.parent)
+
+
+def written_beside(place: Path, content: bytes, mode: int = 0o666) -> Path:
+    """A hidden file beside a place, down to the disk; raises OSError, and leaves none then."""
+    beside = hidden(place, UNFINISHED)
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        beside.unlink(missing_ok=True)
+        write(beside, content, mode)
+    except OSError as error:
+        with suppress(OSError):
+            beside.unlink()
+        raise OSError(error.errno, error.strerror, str(place)) from error
+    return beside
+
+
+def hidden(place: Path, end: str) -> Path:
+    """A hidden place beside a file, by its name or, where that is nearly as long as names can be, by its digest."""
+    name = place.name if len(place.name.encode()) <= LONGEST_NAME else sha256(place.name.encode()).hexdigest()[:24]
+    return place.with_name(f".{name}{end}")
+
+
+def swap(new: Path, place: Path) -> None:
+    """Move the file ``new`` to ``place``, and what stands there to ``new``; raises OSError.
+
+    On Linux both happen at one instant.  Elsewhere what stands there gets its second name just before: what another
+    program moves there in the microseconds between is lost.
+    """
+    if _exchanged(new, place):
+        return
+    former = new.with_name(f"{new.name}{UNFINISHED}")
+    former.unlink(missing_ok=True)
+    second(place, former)
+    new.replace(place)
+    former.replace(new)
+
+
+def _exchanged(one: Path, other: Path) -> bool:
+    """Whether two files have changed places at one instant; False where the system has no such call."""
+    try:
+        renameat2 = ctypes.CDLL(None, use_errno=True).renameat2
+    except (OSError, AttributeError, TypeError):
+        return False
+    if renameat2(_HERE, os.fsencode(one), _HERE, os.fsencode(other), _EXCHANGE) == 0:
+        return True
+    error = ctypes.get_errno()
+    if error in {*WITHOUT_LINKS, EINVAL}:
+        return False
+    raise OSError(error, os.strerror(error), str(other))
+
+
+def second(place: Path, other: Path) -> None:
+    """Make another name for a file; where the file system has no such links, or it is a link itself, a copy."""
+    if not S_ISLNK(place.lstat().st_mode):
+        try:
+            os.link(place, other)
+            return
+        except OSError as error:
+            if error.errno not in WITHOUT_LINKS:
+                raise
+    write(other, place.read_bytes())
+    shutil.copystat(place, other)
+
+
+def write(place: Path, content: bytes, mode: int = 0o666) -> None:
+    """Write a new file, all of it, and wait until the disk has it; raises OSError."""
+    handle = os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), mode)
+    try:
+        write_all(handle, content)
+        os.fsync(handle)
+    except OSError as error:
+        # What writes by a handle does not know the file's name.
+        raise OSError(error.errno, error.strerror, str(place)) from error
+    finally:
+        os.close(handle)
+
+
+def write_all(handle: int, content: bytes) -> None:
+    """Write all of a content into an open file; raises OSError."""
+    left = memoryview(content)
+    while left:
+        written = os.write(handle, left)
+        if written == 0:
+            raise OSError(EIO, os.strerror(EIO))
+        left = left[written:]
+
+
+def sync_folder(place: Path) -> None:
+    """Wait until the disk has the names of a folder, where the system can say so."""
+    if os.name != "posix":
+        return
+    handle = os.open(place, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        if error.errno != EINVAL:
+            raise
+    finally:
+        os.close(handle)
+
+
+def is_there(place: Path) -> bool:
+    """Whether a path is one of something, be it a link to nothing; raises OSError where the disk gives no answer.
+
+    Python's own questions take any fault of the disk for a no, some of them from version 3.12 or 3.14 on.
+    """
+    try:
+        place.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True
+
+
+def kept_names(place: Path) -> Iterator[Path]:
+    """Places beside a file for a version that is kept: ``law-kept.csv``, ``law-kept-2.csv`` and so on."""
+    for number in count(1):
+        yield place.with_name(f"{place.stem}-kept{f'-{number}' if number > 1 else ''}{place.suffix}")
+
+
+@contextmanager
+def refused(folder: Path) -> Iterator[None]:
+    """A context that turns what the disk refuses into WrongInput."""
+    try:
+        yield
+    except OSError as error:
+        place = str(error.filename or folder)
+        raise WrongInput(f"cannot be written ({error.strerror or error}); {REMEDY}", location=place) from error

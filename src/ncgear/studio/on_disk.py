@@ -1,0 +1,174 @@
+"""The design file on the disk: opened, compared and saved, so that no version of anybody is lost.
+
+Saves of all pages and studios wait for each other by the lock of the folder.  Other programs know no lock: a save takes
+away what stands there at the same instant as it puts its own there, and if that is not what it has compared it puts it
+back.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from contextlib import suppress
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+from stat import S_IMODE
+from time import sleep
+
+from ncgear.design.reading.text import read_text
+from ncgear.errors import WrongInput
+from ncgear.files.one_file import (
+    UNFINISHED,
+    hidden,
+    is_there,
+    kept_names,
+    put_at_free_place,
+    swap,
+    sync_folder,
+    written_beside,
+)
+from ncgear.files.publish import opened, real_place
+from ncgear.frozen import dataclass
+
+LARGEST_MB = 1
+"""Size of a text that can be edited: a hundred times that of a long design, and read in a few seconds."""
+
+LATE_S = 0.05
+"""Time for a program that had opened the file before a save to end its writing, which takes it a thousandth of that."""
+
+DIGITS = 12
+"""Hexadecimal digits of a SHA-256 that tell the versions of a file from each other."""
+
+
+class NotSaved(WrongInput):
+    """A save that a person has to decide on; ``found`` is what the file holds, None where there is none."""
+
+    def __init__(self, problem: str, path: Path, found: bytes | None) -> None:
+        super().__init__(problem, location=str(path))
+        self.found = found
+
+
+@dataclass(frozen=True)
+class DesignOnDisk:
+    """A design file and the bytes that it had when it was read or saved, None where there was no file.
+
+    ``kept`` has the files beside it in which versions of others have been kept.
+    """
+
+    path: Path
+    content: bytes | None
+    kept: tuple[Path, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """Its text."""
+        return (self.content or b"").decode("utf-8-sig", errors="replace")
+
+    def saved(self, text: str, *, protected_too: bool = False) -> DesignOnDisk:
+        """The file with another text, written at one instant: a process that is killed leaves the old file or the new.
+
+        Raises NotSaved where another program has changed it, and unless ``protected_too`` where it is read-only;
+        WrongInput where it cannot be written.
+        """
+        content = text.encode()
+        with opened(self.path.parent):
+            kept = _clear_up(self.path)
+            if self._found() != content:
+                self._require_same()
+                if self.content is None:
+                    self._create(content)
+                elif protected_too or self._is_writable():
+                    self._replace(self.content, content)
+                else:
+                    raise NotSaved("is read-only", self.path, self.content)
+        return replace(self, content=content, kept=kept)
+
+    def _found(self) -> bytes | None:
+        try:
+            return self.path.read_bytes()
+        except FileNotFoundError:
+            return None
+
+    def _require_same(self) -> None:
+        found = self._found()
+        if found != self.content:
+            raise self._changed(found)
+
+    def _changed(self, found: bytes | None) -> NotSaved:
+        what = "has been removed" if found is None else "has been changed by another program"
+        also = "" if found is None or self._is_writable() else ", and is read-only"
+        return NotSaved(f"{what} since it was opened{also}", self.path, found)
+
+    def _is_writable(self) -> bool:
+        return bool(self.path.stat().st_mode & 0o222) and os.access(self.path, os.W_OK)
+
+    def _create(self, content: bytes) -> None:
+        try:
+            put_at_free_place(self.path, content)
+        except FileExistsError as error:
+            raise self._changed(self._found()) from error
+
+    def _replace(self, former: bytes, content: bytes) -> None:
+        """Exchange the file for a new one, and look whether what came away is the former one."""
+        mode = S_IMODE(self.path.stat().st_mode)
+        written = written_beside(self.path, content, mode)
+        written.chmod(mode)
+        new = hidden(self.path, f".{_digest(former)}-{_digest(content)}{SAVING}")
+        written.replace(new)
+        try:
+            self._require_same()
+            swap(new, self.path)
+        except (NotSaved, FileNotFoundError) as error:
+            new.unlink()
+            raise self._changed(self._found()) from error
+        sleep(LATE_S)
+        if new.read_bytes() != former:
+            swap(new, self.path)
+            _clear_up(self.path)
+            raise self._changed(self._found())
+        new.unlink()
+        sync_folder(self.path.parent)
+        if (found := self._found()) != content:
+            raise self._changed(found)
+
+
+SAVING = ".saving"
+"""End of the name of a file that a save exchanges; before it stand the digests of the former version and the new."""
+
+
+def _digest(content: bytes) -> str:
+    return sha256(content).hexdigest()[:DIGITS]
+
+
+def _left(path: Path) -> list[Path]:
+    """What saves that were killed have left beside a file."""
+    digest = f"[0-9a-f]{{{DIGITS}}}"
+    form = re.compile(f"{re.escape(hidden(path, '.').name)}{digest}-{digest}{SAVING}({UNFINISHED})?")
+    with suppress(OSError):
+        return [path.with_name(name) for name in sorted(os.listdir(path.parent)) if form.fullmatch(name)]
+    return []
+
+
+def _clear_up(path: Path) -> tuple[Path, ...]:
+    """Remove what killed saves have left; a version that they did not know is kept, and its new place returned."""
+    kept: list[Path] = []
+    for left in _left(path):
+        content = left.read_bytes()
+        if _digest(content) in left.name or (is_there(path) and path.read_bytes() == content):
+            left.unlink()
+        else:
+            kept.append(next(place for place in kept_names(path) if not is_there(place)))
+            left.replace(kept[-1])
+    return tuple(kept)
+
+
+def design_on_disk(path: Path) -> DesignOnDisk:
+    """The design file at a path, whatever its text says; raises WrongInput where it cannot be read as text."""
+    real = real_place(path)
+    kept: tuple[Path, ...] = ()
+    if _left(real):
+        with opened(real.parent):
+            kept = _clear_up(real)
+    read_text(path, limit_mb=LARGEST_MB)
+    return DesignOnDisk(real, real.read_bytes(), kept)
