@@ -14,13 +14,14 @@ from contextlib import contextmanager
 from functools import partial
 from itertools import islice
 from logging import ERROR
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from pathlib import Path
 from typing import TypeVar
 
 from ncgear import __version__
 from ncgear.errors import WrongInput
 from ncgear.extras import require
-from ncgear.interrupts import deaf_processes, end_processes
+from ncgear.interrupts import deaf_processes, end_processes, end_with_parent
 from ncgear.memory import begin_worker, keep_freed_memory
 
 Task = TypeVar("Task")
@@ -47,6 +48,18 @@ ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_
 def core_count() -> int:
     """The number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def free_cores() -> int:
+    """The number of cores that this process may use and on which nothing else runs at this moment, its own included.
+
+    Linux tells how many processes run now.  Elsewhere their mean number over the last minute must do.
+    """
+    try:
+        others = int(Path("/proc/loadavg").read_text().split()[3].partition("/")[0]) - 1
+    except OSError:
+        others = round(os.getloadavg()[0]) if hasattr(os, "getloadavg") else 0
+    return core_count() - others
 
 
 def finished(
@@ -119,10 +132,10 @@ def _handed_out(executor: Executor, function: Callable[[Task], Result], task: Ta
 @contextmanager
 def _pools(count: int) -> Iterator[Callable[[], Executor]]:
     """A context with a function that begins a pool of processes; at its end all processes are gone."""
-    pools: list[ProcessPoolExecutor] = []
+    pools: list[Pool] = []
 
     def new_pool() -> Executor:
-        pools.append(_DeafPool(count, get_context("spawn"), begin_worker))
+        pools.append(Pool(count))
         return pools[-1]
 
     with one_thread_each():
@@ -137,12 +150,29 @@ def _pools(count: int) -> Iterator[Callable[[], Executor]]:
             pool.shutdown()
 
 
-class _DeafPool(ProcessPoolExecutor):
-    """Processes that ignore Ctrl-C, which their parent hears; they begin when the first tasks are handed out."""
+class Pool(ProcessPoolExecutor):
+    """Processes that end with this one, and ignore Ctrl-C, which this one hears.
+
+    They begin when the first tasks are handed out.
+    """
+
+    def __init__(self, count: int) -> None:
+        # The process of multiprocessing that clears up after all others begins here.
+        with deaf_processes():
+            super().__init__(count, get_context("spawn"), _begin)
 
     def submit(self, *given, **named):  # type: ignore[no-untyped-def]
+        """As every executor."""
         with deaf_processes():
             return super().submit(*given, **named)
+
+
+def _begin() -> None:
+    """Prepare a process of a pool."""
+    parent = parent_process()
+    assert parent is not None
+    end_with_parent(parent.join)
+    begin_worker()
 
 
 @contextmanager
