@@ -8,20 +8,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from itertools import islice
-from logging import ERROR
+from logging import CRITICAL, ERROR
 from multiprocessing import get_context, parent_process
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ncgear import __version__
 from ncgear.errors import WrongInput
 from ncgear.extras import require
-from ncgear.interrupts import deaf_processes, end_processes, end_with_parent
+from ncgear.interrupts import deaf_processes, end_processes, end_with_parent, uninterrupted
 from ncgear.memory import begin_worker, keep_freed_memory
 
 Task = TypeVar("Task")
@@ -75,7 +75,7 @@ def finished(
     ``tcp://host:8786``, or ``local`` for a Dask cluster of ``processes`` processes on this computer.  Tasks are taken
     from ``tasks`` a few at a time, so that it may be endless.
 
-    Raises what the function raises, WrongInput where the scheduler cannot be used, and RuntimeError where processes
+    Raises what the function raises, WrongInput where the scheduler cannot be used or ends on the way, and RuntimeError where processes
     die again and again without a result.
     """
     if scheduler is not None:
@@ -162,8 +162,8 @@ class Pool(ProcessPoolExecutor):
             super().__init__(count, get_context("spawn"), _begin)
 
     def submit(self, *given, **named):  # type: ignore[no-untyped-def]
-        """As every executor."""
-        with deaf_processes():
+        """As every executor; a process that begins is never left without what it waits for."""
+        with uninterrupted(), deaf_processes():
             return super().submit(*given, **named)
 
 
@@ -172,6 +172,9 @@ def _begin() -> None:
     parent = parent_process()
     assert parent is not None
     end_with_parent(parent.join)
+    if not parent.is_alive():
+        # Linux was asked too late, and a task may give threads no turn.
+        os._exit(0)
     begin_worker()
 
 
@@ -197,8 +200,31 @@ def _same_environment() -> Iterator[None]:
 
 @contextmanager
 def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
-    """A context with a Dask cluster as an executor, and the number of tasks to hand out at a time."""
+    """A context with a Dask cluster as an executor, and the number of tasks to hand out at a time.
+
+    Raises WrongInput where its scheduler ends before it does.
+    """
     require("distributed", "cluster", OPTION)
+    from distributed.utils import silence_logging_cmgr
+
+    with silence_logging_cmgr(CRITICAL), _client(scheduler, processes) as client:
+        threads = sum(client.nthreads().values())
+        try:
+            yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
+        except Exception as error:
+            # Tasks are cancelled by the end of the scheduler alone.
+            if client.status == "running" and not isinstance(error, CancelledError):
+                raise
+            problem = (
+                f"the Dask scheduler at {scheduler!r} has gone; begin it again, and give the same command: sweep and "
+                "frontier go on from their finished parts"
+            )
+            raise WrongInput(problem, location=OPTION) from error
+
+
+@contextmanager
+def _client(scheduler: str, processes: int) -> Iterator[Any]:
+    """A context with the client of a Dask scheduler, or of a cluster of this computer that ends with it."""
     from distributed import Client, LocalCluster
 
     if scheduler == LOCAL:
@@ -211,17 +237,16 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
             ) as cluster,
             Client(cluster) as client,
         ):
-            yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * processes)
+            yield client
         return
     try:
         client = Client(scheduler, timeout="10s")
     except (OSError, ValueError, TypeError) as error:
         problem = f"no Dask scheduler answers at {scheduler!r} ({error}); an address as tcp://host:8786 is right"
-        raise WrongInput(problem, key=OPTION) from error
+        raise WrongInput(problem, location=OPTION) from error
     with client:
         _require_same_version(client.run(_version))
-        threads = sum(client.nthreads().values())
-        yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
+        yield client
 
 
 def _version() -> str:
@@ -236,5 +261,5 @@ def _require_same_version(versions: dict[str, str]) -> None:
         raise WrongInput(
             f"{len(other)} of {len(versions)} workers have another ncgear than {__version__}, as {worker} has "
             f"{version}; install the same version there",
-            key=OPTION,
+            location=OPTION,
         )
