@@ -75,8 +75,8 @@ def finished(
     ``tcp://host:8786``, or ``local`` for a Dask cluster of ``processes`` processes on this computer.  Tasks are taken
     from ``tasks`` a few at a time, so that it may be endless.
 
-    Raises what the function raises, WrongInput where the scheduler cannot be used or ends on the way, and RuntimeError where processes
-    die again and again without a result.
+    Raises what the function raises, WrongInput where the scheduler cannot be used or ends on the way, and RuntimeError
+    where processes die again and again without a result.
     """
     if scheduler is not None:
         with _cluster(scheduler, processes or core_count()) as (executor, ahead):

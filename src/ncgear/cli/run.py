@@ -12,6 +12,7 @@ from importlib.machinery import ExtensionFileLoader
 from types import FrameType
 from typing import NoReturn
 
+from ncgear.cli.streams import open_streams
 from ncgear.errors import DesignError
 from ncgear.interrupts import ENDING
 from ncgear.memory import collect_rarely
@@ -76,7 +77,7 @@ def _imports_compiled(frame: FrameType | None) -> bool:
 
 def main() -> NoReturn:
     """Run the command line and exit with its status; at the end the process ignores the signals of ``ENDING``."""
-    _open_streams()
+    open_streams()
     collect_rarely()
     # To look for plugins of other packages, pydantic would read what is installed: a tenth of a check.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
@@ -89,17 +90,6 @@ def main() -> NoReturn:
     if last_words:
         _say(last_words)
     sys.exit(status)
-
-
-def _open_streams() -> None:
-    """Give the null device to the streams that a shell has closed (``2>&-``).
-
-    Without it the next file that is opened would get the number of the stream, and what libraries say there.
-    """
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            # The lowest free number is that of the stream, since those before it are open by now.
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
 
 
 def _say(last_words: str) -> None:
