@@ -168,6 +168,32 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPat
         list(finished(squared, range(4), scheduler="tcp://127.0.0.1:9"))
 
 
+CLUSTER = """
+from distributed import LocalCluster
+
+if __name__ == "__main__":
+    here = {"processes": False, "protocol": "tcp", "dashboard_address": None}
+    with LocalCluster(n_workers=1, threads_per_worker=1, **here) as cluster:
+        print(cluster.scheduler_address, flush=True)
+        input()
+"""
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_dies_is_wrong_input() -> None:
+    """While a task runs there, and before another is asked for."""
+    pytest.importorskip("distributed")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    line, pipe = [sys.executable, "-c", CLUSTER], subprocess.PIPE
+    with subprocess.Popen(line, stdin=pipe, stdout=pipe, text=True, env=environment) as cluster:
+        assert cluster.stdout is not None
+        found = finished(time.sleep, [0.0, 600.0, 600.0], cluster.stdout.readline().strip())
+        assert next(found) == (0.0, None)
+        cluster.kill()
+        with pytest.raises(WrongInput, match=r"^--scheduler: the Dask scheduler at 'tcp://.*' has gone; begin it again"):
+            list(found)
+
+
 def test_workers_with_another_version_are_refused() -> None:
     with pytest.raises(WrongInput, match="1 of 2 workers have another ncgear"):
         workers._require_same_version({"tcp://a": workers.__version__, "tcp://b": "0.0.1"})
