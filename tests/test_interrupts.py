@@ -1,4 +1,4 @@
-"""Ctrl-C, ``kill`` and a closed terminal at any moment: a last line, the status for it, and earlier files as they were."""
+"""Ctrl-C, ``kill`` and a closed terminal at any moment: a last line, a status, and earlier files as they were."""
 
 from __future__ import annotations
 

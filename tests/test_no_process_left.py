@@ -152,21 +152,24 @@ def test_a_build_leaves_no_process(tmp_path: Path, number: signal.Signals) -> No
 
 POOL = """
 import sys, time
-from functools import partial
 from ncgear import interrupts
 from ncgear.workers import Pool
 
 if {elsewhere}:
     interrupts.sys = type("Sys", (), {{"platform": "elsewhere"}})
 
+def work(number):
+    open(f"at work {{number}}", "w").close()
+    {work}
+
 if __name__ == "__main__":
     with Pool(2) as pool:
-        for _ in range(2):
-            pool.submit({work})
+        for number in range(2):
+            pool.submit(work, number)
         print("begun", flush=True)
         time.sleep(600)
 """
-DEAF, ASLEEP = "sum, range(10**12)", "time.sleep, 600"
+DEAF, ASLEEP = "sum(range(10**12))", "time.sleep(600)"
 """Work during which no thread of a process gets its turn, and work during which each does."""
 
 
@@ -179,8 +182,9 @@ def test_processes_end_by_themselves(tmp_path: Path, elsewhere: bool, work: str)
     path = tmp_path / "pool.py"
     path.write_text(POOL.format(elsewhere=elsewhere, work=work), encoding="utf-8")
     with marked([str(path)], tmp_path) as (run, mark):
-        wait_for(lambda: len(processes_of(mark)) == 4)
-        time.sleep(0.5)
+        wait_for(lambda: len(list(tmp_path.glob("at work *"))) == 2)
+        # The two, their parent, and what multiprocessing clears up with.
+        assert len(processes_of(mark)) == 4
         run.kill()
         seconds_until_gone(mark)
 

@@ -22,7 +22,7 @@ INSTEAD = {
     "\u2192": "->",
     "\u2212": "-",
 }
-"""What is said instead of a sign; accents and the heights of digits are left out, and all else becomes a question mark."""
+"""What is said instead of a sign; accents and the heights of digits go, and all else becomes a question mark."""
 
 SUBSTITUTED = "ncgear.substituted"
 """The name of the handler of errors that says one for the other."""
