@@ -157,7 +157,6 @@ class Pool(ProcessPoolExecutor):
     """
 
     def __init__(self, count: int) -> None:
-        # The process of multiprocessing that clears up after all others begins here.
         with deaf_processes():
             super().__init__(count, get_context("spawn"), _begin)
 
@@ -168,7 +167,7 @@ class Pool(ProcessPoolExecutor):
 
 
 def _begin() -> None:
-    """Prepare a process of a pool."""
+    """Prepare a process that has been begun by this module."""
     parent = parent_process()
     assert parent is not None
     end_with_parent(parent.join)
@@ -176,6 +175,11 @@ def _begin() -> None:
         # Linux was asked too late, and a task may give threads no turn.
         os._exit(0)
     begin_worker()
+
+
+def dask_setup(_: Any) -> None:
+    """What Dask calls in each worker of a cluster of this computer as it begins."""
+    _begin()
 
 
 @contextmanager
@@ -207,7 +211,8 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
     require("distributed", "cluster", OPTION)
     from distributed.utils import silence_logging_cmgr
 
-    with silence_logging_cmgr(CRITICAL), _client(scheduler, processes) as client:
+    quiet = [silence_logging_cmgr(CRITICAL, root=root) for root in ("distributed", "tornado.application")]
+    with quiet[0], quiet[1], _client(scheduler, processes) as client:
         threads = sum(client.nthreads().values())
         try:
             yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
@@ -229,15 +234,24 @@ def _client(scheduler: str, processes: int) -> Iterator[Any]:
 
     if scheduler == LOCAL:
         # Dask sets variables for its workers, which stay.
-        with (
-            _same_environment(),
-            deaf_processes(),
-            LocalCluster(
-                n_workers=processes, threads_per_worker=1, dashboard_address=None, silence_logs=ERROR
-            ) as cluster,
-            Client(cluster) as client,
-        ):
-            yield client
+        with _same_environment():
+            # Its threads begin the workers, and ignore what is ignored here.
+            with uninterrupted(), deaf_processes():
+                made = LocalCluster(
+                    n_workers=0, threads_per_worker=1, dashboard_address=None, silence_logs=ERROR, preload=[__name__]
+                )
+                client = Client(made)
+            try:
+                made.scale(processes)
+                yield client
+            finally:
+                # Ctrl-C comes again, and those that end by themselves take seconds.
+                with uninterrupted():
+                    for nanny in made.workers.values():
+                        nanny.auto_restart = False
+                    end_processes()
+                    client.close()
+                    made.close()
         return
     try:
         client = Client(scheduler, timeout="10s")
