@@ -6,6 +6,7 @@ finished, with the task that they belong to.  A process that dies on the way is 
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
@@ -13,7 +14,6 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from itertools import islice
-from logging import CRITICAL, ERROR
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any, TypeVar
@@ -209,10 +209,7 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
     Raises WrongInput where its scheduler ends before it does.
     """
     require("distributed", "cluster", OPTION)
-    from distributed.utils import silence_logging_cmgr
-
-    quiet = [silence_logging_cmgr(CRITICAL, root=root) for root in ("distributed", "tornado.application")]
-    with quiet[0], quiet[1], _client(scheduler, processes) as client:
+    with _without_logs(), _client(scheduler, processes) as client:
         threads = sum(client.nthreads().values())
         try:
             yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
@@ -228,6 +225,17 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
 
 
 @contextmanager
+def _without_logs() -> Iterator[None]:
+    """A context without the logs of libraries: whatever ends a cluster, they write pages of traces."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(before)
+
+
+@contextmanager
 def _client(scheduler: str, processes: int) -> Iterator[Any]:
     """A context with the client of a Dask scheduler, or of a cluster of this computer that ends with it."""
     from distributed import Client, LocalCluster
@@ -238,7 +246,11 @@ def _client(scheduler: str, processes: int) -> Iterator[Any]:
             # Its threads begin the workers, and ignore what is ignored here.
             with uninterrupted(), deaf_processes():
                 made = LocalCluster(
-                    n_workers=0, threads_per_worker=1, dashboard_address=None, silence_logs=ERROR, preload=[__name__]
+                    n_workers=0,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    silence_logs=logging.ERROR,
+                    preload=[__name__],
                 )
                 client = Client(made)
             try:
