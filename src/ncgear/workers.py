@@ -16,7 +16,7 @@ from functools import partial
 from itertools import islice
 from multiprocessing import get_context, parent_process
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from ncgear import __version__
 from ncgear.errors import WrongInput
@@ -26,6 +26,7 @@ from ncgear.memory import begin_worker, keep_freed_memory
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
+Given = ParamSpec("Given")
 
 OPTION = "--scheduler"
 
@@ -160,10 +161,10 @@ class Pool(ProcessPoolExecutor):
         with deaf_processes():
             super().__init__(count, get_context("spawn"), _begin)
 
-    def submit(self, *given, **named):  # type: ignore[no-untyped-def]
+    def submit(self, function: Callable[Given, Result], /, *given: Given.args, **named: Given.kwargs) -> Future[Result]:
         """As every executor; a process that begins is never left without what it waits for."""
         with uninterrupted(), deaf_processes():
-            return super().submit(*given, **named)
+            return super().submit(function, *given, **named)
 
 
 def _begin() -> None:
