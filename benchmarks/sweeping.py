@@ -100,12 +100,12 @@ def costs(folder: Path) -> dict[str, float]:
     parts.begun([])
     values = screening.values(100)
     designs = screened_part(screening, 100, values)
-    content = table_bytes(designs, parts.digest)
+    content = table_bytes(designs, parts.digest, 0)
     parts.add(0, content)
     wanted = Wanted((), LEAST)
     overview = no_overview(screening.space, wanted).with_part(designs)
     followed = designs.at(slice(4))
-    deeper = table_bytes(deepened(BALER.data, 1, "teeth", followed), parts.digest)
+    deeper = table_bytes(deepened(BALER.data, 1, "teeth", followed), parts.digest, 0)
     return {
         "task": len(pickle.dumps((partial(_screened_bytes, screening, parts.digest), (100, values)))),
         "result": len(content),
@@ -113,7 +113,7 @@ def costs(folder: Path) -> dict[str, float]:
         "deep_result": len(deeper),
         "values": best_ms(partial(screening.values, 100)),
         "figures": best_ms(partial(screened_part, screening, 100, values), 2),
-        "bytes": best_ms(partial(table_bytes, designs, parts.digest)),
+        "bytes": best_ms(partial(table_bytes, designs, parts.digest, 0)),
         "write": best_ms(partial(parts.add, 0, content)),
         "gather": best_ms(lambda: overview.with_part(parts.designs(0))),
         "deep": best_ms(partial(deepened, BALER.data, 1, "teeth", followed), 2),

@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.interrupts import ENDING
 
 Outcome = tuple[int, str, str]
 """Exit status, stdout and stderr."""
@@ -32,6 +35,17 @@ def on_text(run: Run, command: str, *always: str) -> Run:
         return run(command, "d.yaml", *always, *arguments)
 
     return run_once
+
+
+@contextmanager
+def signals_kept() -> Iterator[None]:
+    """A context at whose end signals are handled as before: a run of the command line ignores them at its own end."""
+    before = {number: signal.getsignal(number) for number in ENDING}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def environment(**more: str) -> dict[str, str]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import gc
 import os
-import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +16,7 @@ from typing import Any
 import pytest
 
 import ncgear.cli
-from commands import Outcome, Run
+from commands import Outcome, Run, signals_kept
 from tiers import Collected, tier_of
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
@@ -59,9 +58,8 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 
     def run_once(*arguments: str) -> Outcome:
         monkeypatch.setattr(sys, "argv", ["ncgear", *arguments])
-        with pytest.raises(SystemExit) as exit_:
+        with pytest.raises(SystemExit) as exit_, signals_kept():
             ncgear.cli.main()
-        signal.signal(signal.SIGINT, signal.default_int_handler)
         monkeypatch.setattr(sys, "unraisablehook", hook)
         out, err = capsys.readouterr()
         return int(exit_.value.code or 0), out, err

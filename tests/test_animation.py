@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from dataclasses import replace
 from io import BytesIO
 from math import pi
@@ -21,7 +20,6 @@ from ncgear.drawings.animation import AnimationFormat, packing, require_shown
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.moving_picture import Frame, Picture, picture
 from ncgear.drawings.animation.packing import Loop, animated
-from ncgear.drawings.beside import FRAMES, HERE, drawing_beside
 from ncgear.drawings.scene.bodies import Kind
 from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array
@@ -163,23 +161,6 @@ def test_the_same_scene_gives_the_same_bytes() -> None:
     loop = Loop(3, 1.0, 320)
     once, again = (animated(scene("ellipse"), AnimationFormat.GIF, loop, lambda done, total: None) for _ in range(2))
     assert once == again
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", [AnimationFormat.GIF, AnimationFormat.MP4])
-def test_a_second_process_draws_the_same_bytes(kind: AnimationFormat, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In one block and in two."""
-    if kind is AnimationFormat.MP4:
-        pytest.importorskip("imageio_ffmpeg")
-    found, loop, told = scene("ellipse"), Loop(7, 1.0, 320), []
-    alone = animated(found, kind, loop, lambda *done: None)
-    monkeypatch.delitem(sys.modules, "matplotlib")
-    with drawing_beside(FRAMES) as drawer:
-        assert drawer is not HERE
-        assert animated(found, kind, loop, lambda *done: told.append(done), drawer) == alone
-        monkeypatch.setattr(packing, "BLOCK", 4)
-        assert animated(found, kind, loop, lambda *done: None, drawer) == alone
-    assert told == [(number, 7) for number in range(1, 8)]
 
 
 @pytest.mark.parametrize("name", ["baler", "rocker-drive", "log-generator"])

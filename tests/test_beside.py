@@ -16,7 +16,7 @@ import pytest
 
 from commands import ROOT
 from ncgear.drawings import beside
-from ncgear.drawings.beside import HERE, OFFERS, Drawer, drawing_beside
+from ncgear.drawings.beside import HERE, Drawer, drawing_beside
 
 PRODUCT, FACTORIAL = "math:prod", "math:factorial"
 
@@ -25,7 +25,7 @@ PRODUCT, FACTORIAL = "math:prod", "math:factorial"
 def drawer(monkeypatch: pytest.MonkeyPatch) -> Iterator[Drawer]:
     """A second process, whatever this one has loaded."""
     monkeypatch.setattr(beside, "LIBRARY", "no such library")
-    monkeypatch.setattr(beside, "core_count", lambda: 2)
+    monkeypatch.setattr(beside, "free_cores", lambda: 2)
     with drawing_beside(PRODUCT) as made:
         assert made is not HERE
         yield made
@@ -83,8 +83,8 @@ def test_what_waits_is_drawn_here(drawer: Drawer) -> None:
 
 
 @pytest.mark.thorough
-def test_offers_are_drawn_beside_where_nobody_asks_and_where_there_are_many(drawer: Drawer) -> None:
-    offers = [drawer.offered("os:getpid") for _ in range(OFFERS + 3)]
+def test_offers_are_drawn_beside_where_nobody_asks_and_many(drawer: Drawer) -> None:
+    offers = [drawer.offered("os:getpid") for _ in range(20)]
     number = pid(drawer)
     assert [one() for one in offers] == [number] * len(offers)
 
@@ -104,7 +104,7 @@ def test_offers_are_drawn_here_where_it_dies_or_cannot_be_asked(drawer: Drawer) 
 def test_it_ends_with_its_context(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever it still draws."""
     monkeypatch.setattr(beside, "LIBRARY", "no such library")
-    monkeypatch.setattr(beside, "core_count", lambda: 2)
+    monkeypatch.setattr(beside, "free_cores", lambda: 2)
     with drawing_beside(PRODUCT) as made:
         number = pid(made)
         (process,) = (one for one in active_children() if one.pid == number)
@@ -118,7 +118,7 @@ def test_it_ends_with_its_context(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_no_thread_of_it_is_left(monkeypatch: pytest.MonkeyPatch, under_way: str) -> None:
     """A thread that still closes a pipe would meet the end of the interpreter, which writes to that pipe."""
     monkeypatch.setattr(beside, "LIBRARY", "no such library")
-    monkeypatch.setattr(beside, "core_count", lambda: 2)
+    monkeypatch.setattr(beside, "free_cores", lambda: 2)
     before = set(enumerate_threads())
     with drawing_beside(PRODUCT) as made:
         number = pid(made)
@@ -134,7 +134,7 @@ def test_no_thread_of_it_is_left(monkeypatch: pytest.MonkeyPatch, under_way: str
 def test_it_may_end_before_it_has_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where the design file is wrong: the second process is still starting."""
     monkeypatch.setattr(beside, "LIBRARY", "no such library")
-    monkeypatch.setattr(beside, "core_count", lambda: 2)
+    monkeypatch.setattr(beside, "free_cores", lambda: 2)
     before = set(enumerate_threads())
     with drawing_beside(PRODUCT):
         pass
@@ -142,8 +142,8 @@ def test_it_may_end_before_it_has_begun(monkeypatch: pytest.MonkeyPatch) -> None
     assert not active_children()
 
 
-def test_without_a_second_core_this_process_draws(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(beside, "core_count", lambda: 1)
+def test_without_a_second_free_core_this_process_draws(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(beside, "free_cores", lambda: 1)
     with drawing_beside(PRODUCT) as made:
         assert made is HERE
         assert made.begun(PRODUCT, [2, 2])() == 4
@@ -153,7 +153,8 @@ def test_without_a_second_core_this_process_draws(monkeypatch: pytest.MonkeyPatc
 def test_pictures_are_the_same_wherever_they_are_drawn(tmp_path: Any) -> None:
     """The same build by a process that has matplotlib already, and so draws by itself."""
     code = "import sys; {}sys.argv = ['ncgear', *sys.argv[1:]]; from ncgear.cli import main; main()"
-    for name, before in (("beside", ""), ("here", "import matplotlib; ")):
+    free = "from ncgear import workers; workers.free_cores = lambda: 2; "
+    for name, before in (("beside", free), ("here", f"{free}import matplotlib; ")):
         line = [sys.executable, "-c", code.format(before), "build", "designs/baler.yaml", "--report"]
         subprocess.run([*line, "--out", str(tmp_path / name)], cwd=ROOT, check=True, capture_output=True)
     one, other = ({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in ("beside", "here"))

@@ -1,4 +1,4 @@
-"""Ctrl-C at any moment: a last line, the status for it, and whatever was written before as it was."""
+"""Ctrl-C, ``kill`` and a closed terminal at any moment: a last line, a status, and earlier files as they were."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from commands import ROOT, environment, python
+from commands import ROOT, environment, python, signals_kept
 from killed_runs import seen
 from ncgear.design.template import template
-from ncgear.interrupts import uninterrupted
+from ncgear.interrupts import ENDING, uninterrupted
 
 PATIENCE_S = 120.0
 
@@ -174,15 +174,42 @@ def test_ctrl_c_waits_for_the_import_of_a_compiled_library() -> None:
     assert_interrupted((done.returncode, done.stderr))
 
 
-def test_ctrl_c_waits_for_what_must_not_be_left_half_done() -> None:
+NOHUP = """
+import signal
+signal.signal(signal.SIGHUP, signal.SIG_IGN)
+from ncgear.cli import app, main
+
+def work():
+    signal.raise_signal(signal.SIGHUP)
+    print("it went on")
+    signal.raise_signal(signal.SIGTERM)
+
+app.app = work
+main()
+"""
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(os.name != "posix", reason="of Unix")
+def test_what_nohup_has_begun_goes_on_where_its_terminal_is_closed() -> None:
+    done = python("-c", NOHUP)
+    assert done.stdout == "it went on\n"
+    assert done.returncode == 128 + signal.SIGTERM
+    assert done.stderr == "interrupted; what earlier runs have written is untouched\n"
+
+
+@pytest.mark.parametrize("number", ENDING)
+def test_signals_wait_for_what_must_not_be_left_half_done(number: signal.Signals) -> None:
     done = []
 
     def half_done() -> None:
         with uninterrupted():
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
             done.append("the rest")
 
-    with pytest.raises(KeyboardInterrupt):
-        half_done()
-    assert done == ["the rest"]
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    with signals_kept():
+        signal.signal(number, signal.default_int_handler)
+        with pytest.raises(KeyboardInterrupt):
+            half_done()
+        assert done == ["the rest"]
+        assert signal.getsignal(number) is signal.default_int_handler

@@ -7,7 +7,9 @@ cut off, changed, or of another run.
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
+from errno import ENOSPC
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -195,14 +197,14 @@ def test_a_part_comes_back_as_it_was(tmp_path: Path) -> None:
     parts = Parts(tmp_path / "t.parquet", {"designs": 10}, ("a",))
     assert parts.begun([5, 5]) == [0, 1]
     for part in (1, 0):
-        parts.add(part, table_bytes(some(5 * part), parts.digest))
+        parts.add(part, table_bytes(some(5 * part), parts.digest, part))
     assert parts.begun([5, 5]) == []
     assert {path.name for path in parts.folder.iterdir()} == {"_run.json", "part-000000.parquet", "part-000001.parquet"}
     read, given = joined([parts.designs(0), parts.designs(1)]), joined([some(0), some(5)])
     assert read.numbers.tolist() == given.numbers.tolist()
     assert read.verdicts.tolist() == given.verdicts.tolist()
     np.testing.assert_array_equal(read.figures["y"], given.figures["y"])
-    assert table_bytes(some(0), parts.digest) == parts.path(0).read_bytes()
+    assert table_bytes(some(0), parts.digest, 0) == parts.path(0).read_bytes()
 
 
 def cut_off(content: bytes) -> bytes:
@@ -216,12 +218,12 @@ def changed(content: bytes) -> bytes:
 
 
 def of_another_run(content: bytes) -> bytes:
-    return table_bytes(some(0), "0" * 16)
+    return table_bytes(some(0), "0" * 16, 0)
 
 
 def short(content: bytes) -> bytes:
     digest = Parts(Path(), {"designs": 10}, ("a",)).digest
-    return table_bytes(some(0).at(slice(4)), digest)
+    return table_bytes(some(0).at(slice(4)), digest, 0)
 
 
 @pytest.mark.parametrize("spoil", [cut_off, changed, of_another_run, short, lambda content: b""])
@@ -229,9 +231,23 @@ def test_a_damaged_part_is_computed_again(tmp_path: Path, spoil: Any) -> None:
     parts = Parts(tmp_path / "t.parquet", {"designs": 10}, ("a",))
     parts.begun([5, 5])
     for part in (0, 1):
-        parts.add(part, table_bytes(some(5 * part), parts.digest))
+        parts.add(part, table_bytes(some(5 * part), parts.digest, part))
     parts.path(0).write_bytes(spoil(parts.path(0).read_bytes()))
     assert parts.begun([5, 5]) == [0]
+
+
+def test_parts_that_are_exchanged_are_computed_again(tmp_path: Path) -> None:
+    """Each is whole and of this run, but of other designs; one that is exchanged while the run reads it is refused."""
+    parts = Parts(tmp_path / "t.parquet", {"designs": 15}, ("a",))
+    parts.begun([5, 5, 5])
+    for part in range(3):
+        parts.add(part, table_bytes(some(5 * part), parts.digest, part))
+    one, other = (parts.path(part).read_bytes() for part in (0, 2))
+    parts.path(0).write_bytes(other)
+    parts.path(2).write_bytes(one)
+    assert parts.begun([5, 5, 5]) == [0, 2]
+    with pytest.raises(WrongInput, match="has changed while the sweep ran"):
+        parts.designs(0)
 
 
 def test_another_run_in_the_folder_is_refused_with_what_differs(tmp_path: Path) -> None:
@@ -309,6 +325,31 @@ def test_a_run_goes_on_where_it_was_and_computes_nothing_twice(tmp_path: Path) -
     assert again.screened.made == found.screened.made == 81
     with pytest.raises(WrongInput, match=r"holds another run \(samples 100 there, 101 now; designs 100 there, 101 now"):
         run(tmp_path, 101)
+
+
+@pytest.mark.usefixtures("cheap")
+def test_a_full_disk_ends_a_run_that_goes_on_with_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disk that takes three files and a half."""
+    taken, write = [0], os.write
+
+    def written(handle: int, content: memoryview) -> int:
+        taken[0] += 1
+        if taken[0] == 4:
+            return write(handle, content[: len(content) // 2])
+        if taken[0] > 4:
+            raise OSError(ENOSPC, os.strerror(ENOSPC))
+        return write(handle, content)
+
+    with monkeypatch.context() as full:
+        full.setattr(os, "write", written)
+        with pytest.raises(WrongInput, match=r"No space left on device\).*the same command goes on$") as refusal:
+            run(tmp_path)
+    assert refusal.value.exit_status == 2
+    assert TOUCHED == [16] * 3
+    found = run(tmp_path)
+    assert TOUCHED == [16] * 3 + [16] * 4 + [4]
+    assert found.screened.made == 81
+    assert not list(tmp_path.rglob(".*"))
 
 
 @pytest.mark.usefixtures("cheap")

@@ -7,6 +7,7 @@ import resource
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from functools import partial
 from multiprocessing import active_children
@@ -17,7 +18,7 @@ import pytest
 
 from ncgear import workers
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.workers import finished
+from ncgear.workers import core_count, finished, free_cores
 
 
 def squared(number: int) -> int:
@@ -49,6 +50,27 @@ SQUARES = {number: number * number for number in range(40)}
 
 def test_one_process_is_this_one() -> None:
     assert list(finished(os.path.abspath, ["a"], processes=1)) == [("a", str(Path("a").absolute()))]
+
+
+@pytest.mark.thorough
+def test_a_core_on_which_another_process_runs_is_not_free(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As Linux tells: two others beside this one; and without it, by the mean over a minute; nothing less than all."""
+    monkeypatch.setattr(workers, "core_count", lambda: 8)
+    told = type("Told", (), {"__init__": lambda self, path: None, "read_text": lambda self: "5.3 4.2 2.0 3/205 77\n"})
+    monkeypatch.setattr(workers, "Path", told)
+    assert workers.free_cores() == 6
+    monkeypatch.undo()
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(core_count())]
+    try:
+        time.sleep(0.2)
+        assert free_cores() <= 0
+        monkeypatch.setattr(workers, "Path", lambda path: Path("no such file"))
+        monkeypatch.setattr(os, "getloadavg", lambda: (3.4, 0.0, 0.0))
+        assert free_cores() == core_count() - 3
+    finally:
+        for one in busy:
+            one.kill()
+            one.wait()
 
 
 @pytest.mark.slow
@@ -144,6 +166,32 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPat
     pytest.importorskip("distributed")
     with pytest.raises(WrongInput, match="no Dask scheduler answers"):
         list(finished(squared, range(4), scheduler="tcp://127.0.0.1:9"))
+
+
+CLUSTER = """
+from distributed import LocalCluster
+
+if __name__ == "__main__":
+    here = {"processes": False, "protocol": "tcp", "dashboard_address": None}
+    with LocalCluster(n_workers=1, threads_per_worker=1, **here) as cluster:
+        print(cluster.scheduler_address, flush=True)
+        input()
+"""
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_dies_is_wrong_input() -> None:
+    """While a task runs there, and before another is asked for."""
+    pytest.importorskip("distributed")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    line, pipe = [sys.executable, "-c", CLUSTER], subprocess.PIPE
+    with subprocess.Popen(line, stdin=pipe, stdout=pipe, text=True, env=environment) as cluster:
+        assert cluster.stdout is not None
+        found = finished(time.sleep, [0.0, 600.0, 600.0], cluster.stdout.readline().strip())
+        assert next(found) == (0.0, None)
+        cluster.kill()
+        with pytest.raises(WrongInput, match=r"^--scheduler: the Dask scheduler at 'tcp://.*' has gone; begin"):
+            list(found)
 
 
 def test_workers_with_another_version_are_refused() -> None:

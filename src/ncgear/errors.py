@@ -90,6 +90,16 @@ def below(group: str) -> Iterator[None]:
 
 
 @contextmanager
+def going_on() -> Iterator[None]:
+    """A context that says of wrong input that what has been computed so far is kept, as where a disk is full."""
+    try:
+        yield
+    except WrongInput as error:
+        error.problem += "; what is finished is kept: where it can be written again, the same command goes on"
+        raise
+
+
+@contextmanager
 def searched_for(what: Callable[[int], str], key: str) -> Iterator[None]:
     """A context that says of searches without an answer ``what`` the first of them was about, and whose key that is."""
     try:

@@ -1,18 +1,28 @@
-"""Ctrl-C while files are exchanged, and while other processes compute; work that ends when its time is over."""
+"""The ends of a run: signals that wait while files are exchanged, processes that end with it, work that has its time.
+
+``ENDING`` holds Ctrl-C, what ``kill`` sends, and what a terminal sends as it is closed; Windows has no last one.
+"""
 
 from __future__ import annotations
 
+import os
 import signal
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from math import inf
-from threading import current_thread, main_thread
+from threading import Thread, current_thread, main_thread
 from types import FrameType
+
+ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+PR_SET_PDEATHSIG = 1
+"""The operation of Linux's ``prctl`` that chooses the signal of the parent's death."""
 
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """A context that delays Ctrl-C to its end, for short work that must not be left half done."""
+    """A context that delays the signals of ``ENDING`` to its end, for short work that must not be left half done."""
     if current_thread() is not main_thread():
         # Only the main thread hears signals.
         yield
@@ -22,13 +32,17 @@ def uninterrupted() -> Iterator[None]:
     def remember(number: int, _: FrameType | None) -> None:
         heard.append(number)
 
-    before = signal.signal(signal.SIGINT, remember)
+    # One that another program around Python handles cannot be given back.
+    before = {number: handler for number in ENDING if (handler := signal.getsignal(number)) is not None}
     try:
+        for number in before:
+            signal.signal(number, remember)
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
-    if heard:
-        signal.raise_signal(signal.SIGINT)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    for number in heard[:1]:
+        signal.raise_signal(number)
 
 
 class TimeIsOver(Exception):
@@ -61,12 +75,17 @@ def at_most(seconds: float) -> Iterator[None]:
 
 @contextmanager
 def deaf_processes() -> Iterator[None]:
-    """A context in which new processes ignore Ctrl-C, which a terminal sends to all; their parent ends them instead."""
+    """A context in which new processes hear nothing of what a terminal sends to all; their parent ends them instead."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    from multiprocessing.resource_tracker import ensure_running
+
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
+        # The process that clears up after all others; whoever begins it hears Ctrl-C again.
+        ensure_running()
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
@@ -78,3 +97,27 @@ def end_processes() -> None:
 
     for process in active_children():
         process.terminate()
+
+
+def end_with_parent(its_end: Callable[[], object]) -> None:
+    """Make this process end when its parent does, however that ends; ``its_end`` returns after it, or long after.
+
+    Linux kills this process together with the thread that has begun it, whatever it computes then.  A thread that
+    waits for ``its_end`` does it on other systems, and where the parent has ended before Linux could be asked.
+    """
+    if sys.platform == "linux":
+        # Takes some milliseconds to load.
+        import ctypes
+
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+    def end() -> None:
+        its_end()
+        os._exit(0)
+
+    Thread(target=end, daemon=True).start()
+
+
+def end_with_input() -> None:
+    """Make this process end with its parent, which holds its standard input open and writes nothing there."""
+    end_with_parent(lambda: os.read(0, 1))

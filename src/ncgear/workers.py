@@ -6,25 +6,27 @@ finished, with the task that they belong to.  A process that dies on the way is 
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from itertools import islice
-from logging import ERROR
-from multiprocessing import get_context
-from typing import TypeVar
+from multiprocessing import get_context, parent_process
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
 
 from ncgear import __version__
 from ncgear.errors import WrongInput
 from ncgear.extras import require
-from ncgear.interrupts import deaf_processes, end_processes
+from ncgear.interrupts import deaf_processes, end_processes, end_with_parent, uninterrupted
 from ncgear.memory import begin_worker, keep_freed_memory
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
+Given = ParamSpec("Given")
 
 OPTION = "--scheduler"
 
@@ -49,6 +51,18 @@ def core_count() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def free_cores() -> int:
+    """The number of cores that this process may use and on which nothing else runs at this moment, its own included.
+
+    Linux tells how many processes run now.  Elsewhere their mean number over the last minute must do.
+    """
+    try:
+        others = int(Path("/proc/loadavg").read_text().split()[3].partition("/")[0]) - 1
+    except OSError:
+        others = round(os.getloadavg()[0]) if hasattr(os, "getloadavg") else 0
+    return core_count() - others
+
+
 def finished(
     function: Callable[[Task], Result],
     tasks: Iterable[Task],
@@ -62,8 +76,8 @@ def finished(
     ``tcp://host:8786``, or ``local`` for a Dask cluster of ``processes`` processes on this computer.  Tasks are taken
     from ``tasks`` a few at a time, so that it may be endless.
 
-    Raises what the function raises, WrongInput where the scheduler cannot be used, and RuntimeError where processes
-    die again and again without a result.
+    Raises what the function raises, WrongInput where the scheduler cannot be used or ends on the way, and RuntimeError
+    where processes die again and again without a result.
     """
     if scheduler is not None:
         with _cluster(scheduler, processes or core_count()) as (executor, ahead):
@@ -119,10 +133,10 @@ def _handed_out(executor: Executor, function: Callable[[Task], Result], task: Ta
 @contextmanager
 def _pools(count: int) -> Iterator[Callable[[], Executor]]:
     """A context with a function that begins a pool of processes; at its end all processes are gone."""
-    pools: list[ProcessPoolExecutor] = []
+    pools: list[Pool] = []
 
     def new_pool() -> Executor:
-        pools.append(_DeafPool(count, get_context("spawn"), begin_worker))
+        pools.append(Pool(count))
         return pools[-1]
 
     with one_thread_each():
@@ -137,12 +151,36 @@ def _pools(count: int) -> Iterator[Callable[[], Executor]]:
             pool.shutdown()
 
 
-class _DeafPool(ProcessPoolExecutor):
-    """Processes that ignore Ctrl-C, which their parent hears; they begin when the first tasks are handed out."""
+class Pool(ProcessPoolExecutor):
+    """Processes that end with this one, and ignore Ctrl-C, which this one hears.
 
-    def submit(self, *given, **named):  # type: ignore[no-untyped-def]
+    They begin when the first tasks are handed out.
+    """
+
+    def __init__(self, count: int) -> None:
         with deaf_processes():
-            return super().submit(*given, **named)
+            super().__init__(count, get_context("spawn"), _begin)
+
+    def submit(self, function: Callable[Given, Result], /, *given: Given.args, **named: Given.kwargs) -> Future[Result]:
+        """As every executor; a process that begins is never left without what it waits for."""
+        with uninterrupted(), deaf_processes():
+            return super().submit(function, *given, **named)
+
+
+def _begin() -> None:
+    """Prepare a process that has been begun by this module."""
+    parent = parent_process()
+    assert parent is not None
+    end_with_parent(parent.join)
+    if not parent.is_alive():
+        # Linux was asked too late, and a task may give threads no turn.
+        os._exit(0)
+    begin_worker()
+
+
+def dask_setup(_: Any) -> None:
+    """What Dask calls in each worker of a cluster of this computer as it begins."""
+    _begin()
 
 
 @contextmanager
@@ -167,31 +205,75 @@ def _same_environment() -> Iterator[None]:
 
 @contextmanager
 def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
-    """A context with a Dask cluster as an executor, and the number of tasks to hand out at a time."""
+    """A context with a Dask cluster as an executor, and the number of tasks to hand out at a time.
+
+    Raises WrongInput where its scheduler ends before it does.
+    """
     require("distributed", "cluster", OPTION)
+    with _without_logs(), _client(scheduler, processes) as client:
+        threads = sum(client.nthreads().values())
+        try:
+            yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
+        except Exception as error:
+            # Tasks are cancelled by the end of the scheduler alone.
+            if client.status == "running" and not isinstance(error, CancelledError):
+                raise
+            problem = (
+                f"the Dask scheduler at {scheduler!r} has gone; begin it again, and give the same command: sweep and "
+                "frontier go on from their finished parts"
+            )
+            raise WrongInput(problem, location=OPTION) from error
+
+
+@contextmanager
+def _without_logs() -> Iterator[None]:
+    """A context without the logs of libraries: whatever ends a cluster, they write pages of traces."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(before)
+
+
+@contextmanager
+def _client(scheduler: str, processes: int) -> Iterator[Any]:
+    """A context with the client of a Dask scheduler, or of a cluster of this computer that ends with it."""
     from distributed import Client, LocalCluster
 
     if scheduler == LOCAL:
         # Dask sets variables for its workers, which stay.
-        with (
-            _same_environment(),
-            deaf_processes(),
-            LocalCluster(
-                n_workers=processes, threads_per_worker=1, dashboard_address=None, silence_logs=ERROR
-            ) as cluster,
-            Client(cluster) as client,
-        ):
-            yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * processes)
+        with _same_environment():
+            # Its threads begin the workers, and ignore what is ignored here.
+            with uninterrupted(), deaf_processes():
+                made = LocalCluster(
+                    n_workers=0,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    silence_logs=logging.ERROR,
+                    preload=[__name__],
+                )
+                client = Client(made)
+            try:
+                made.scale(processes)
+                yield client
+            finally:
+                # Ctrl-C comes again, and those that end by themselves take seconds.
+                with uninterrupted():
+                    for nanny in made.workers.values():
+                        nanny.auto_restart = False
+                    end_processes()
+                    client.close()
+                    made.close()
         return
     try:
         client = Client(scheduler, timeout="10s")
     except (OSError, ValueError, TypeError) as error:
         problem = f"no Dask scheduler answers at {scheduler!r} ({error}); an address as tcp://host:8786 is right"
-        raise WrongInput(problem, key=OPTION) from error
+        raise WrongInput(problem, location=OPTION) from error
     with client:
         _require_same_version(client.run(_version))
-        threads = sum(client.nthreads().values())
-        yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
+        yield client
 
 
 def _version() -> str:
@@ -206,5 +288,5 @@ def _require_same_version(versions: dict[str, str]) -> None:
         raise WrongInput(
             f"{len(other)} of {len(versions)} workers have another ncgear than {__version__}, as {worker} has "
             f"{version}; install the same version there",
-            key=OPTION,
+            location=OPTION,
         )

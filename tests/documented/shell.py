@@ -10,6 +10,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from unittest.mock import patch
 
 import ncgear.cli
+from commands import signals_kept
 
 OF_SHELL = set("|<>&;$*`\n")
 """Characters that need a shell."""
@@ -30,7 +31,7 @@ def _in_this_process(words: list[str]) -> tuple[int, str]:
     printed = io.StringIO()
     # Pages show no line of progress, however slow the machine is.
     quiet = patch("ncgear.cli.progress.LINE_SECONDS", 1e6)
-    with patch.object(sys, "argv", words), redirect_stdout(printed), redirect_stderr(printed), quiet:
+    with patch.object(sys, "argv", words), redirect_stdout(printed), redirect_stderr(printed), quiet, signals_kept():
         try:
             ncgear.cli.main()
         except SystemExit as exit_:

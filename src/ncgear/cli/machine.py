@@ -179,12 +179,11 @@ def animate(
 ) -> None:
     """Show the mechanism moving: gears, crank, rod and slider over a whole cycle, as a GIF or MP4."""
     from ncgear.drawings.animation import AnimationFormat, format_of, require_shown
-    from ncgear.drawings.beside import FRAMES, drawing_beside
     from ncgear.files.publish import prepare_file
 
     kind = format_of(out) if out else AnimationFormat.GIF
     require_shown(kind, frames, seconds)
-    with drawing_beside(FRAMES) as drawer, opened(design_file) as loaded:
+    with opened(design_file) as loaded:
         path = out or EXPORT / loaded.design.name / "mechanism.gif"
         prepare_file(path)
 
@@ -199,7 +198,7 @@ def animate(
             drive.require_sound_pairs()
             scene = scene_of(drive)
         with counted("frames") as on_frame:
-            content = animated(scene, kind, Loop(frames, seconds, width), on_frame, drawer)
+            content = animated(scene, kind, Loop(frames, seconds, width), on_frame)
         # Another animation in the same folder stays.
         run = publish_run(path.parent, {path.name: content}, f"animate {path.name}")
         said = f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB"

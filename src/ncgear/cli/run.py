@@ -1,4 +1,4 @@
-"""A run of the command line, from Ctrl-C to the exit status.
+"""A run of the command line, from the signals that end it to the exit status.
 
 This module imports next to nothing, so that the process handles Ctrl-C from the first moment on.
 """
@@ -12,10 +12,15 @@ from importlib.machinery import ExtensionFileLoader
 from types import FrameType
 from typing import NoReturn
 
+from ncgear.cli.streams import open_streams
 from ncgear.errors import DesignError
+from ncgear.interrupts import ENDING
 from ncgear.memory import collect_rarely
 
-INTERRUPTED = 130
+BY_SIGNAL = 128
+"""What a shell adds to the number of the signal that has ended a command: Ctrl-C gives 130, ``kill`` 143."""
+
+INTERRUPTED = BY_SIGNAL + signal.SIGINT
 READER_LEFT = 141
 """As of a program that SIGPIPE ends: who reads the output has closed it, as ``head`` does."""
 
@@ -30,18 +35,22 @@ COMPILED_IMPORT = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoad
 LAST_WORDS = "interrupted; what earlier runs have written is untouched"
 
 
-class _CtrlC:
-    """Handles Ctrl-C, and repeats it until the run ends.
+class _End:
+    """Handles the signals that end a run, each as Ctrl-C, and repeats the first one until the run ends.
 
     Some libraries swallow it, for example while they import optional parts, or turn it into another error. While a
     compiled library is imported, the interrupt only waits for its repetition.
     """
 
     def __init__(self) -> None:
-        self.came = False
+        self.came = 0
+        for number in ENDING:
+            # A run that ``nohup`` has begun goes on where its terminal is closed.
+            if number == signal.SIGINT or signal.getsignal(number) is signal.SIG_DFL:
+                signal.signal(number, self)
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
-        self.came = True
+        self.came = self.came or number
         if hasattr(signal, "setitimer"):
             signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
             signal.setitimer(signal.ITIMER_REAL, AGAIN_SECONDS)
@@ -49,9 +58,10 @@ class _CtrlC:
                 return
         raise KeyboardInterrupt
 
-    def end(self) -> None:
-        """Ignore Ctrl-C from now on, so that it cannot interrupt the end of the interpreter."""
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    def ignore(self) -> None:
+        """Ignore these signals from now on, so that none can interrupt the end of the interpreter."""
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
         if self.came and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0.0)
 
@@ -66,32 +76,20 @@ def _imports_compiled(frame: FrameType | None) -> bool:
 
 
 def main() -> NoReturn:
-    """Run the command line and exit with its status; at the end the process ignores Ctrl-C."""
-    _open_streams()
+    """Run the command line and exit with its status; at the end the process ignores the signals of ``ENDING``."""
+    open_streams()
     collect_rarely()
     # To look for plugins of other packages, pydantic would read what is installed: a tenth of a check.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    ctrl_c = _CtrlC()
-    signal.signal(signal.SIGINT, ctrl_c)
+    end = _End()
     sys.unraisablehook = _quiet_of_ctrl_c
     status, last_words = _run()
-    ctrl_c.end()
-    if ctrl_c.came and status:
-        status, last_words = INTERRUPTED, LAST_WORDS
+    end.ignore()
+    if end.came and status:
+        status, last_words = BY_SIGNAL + end.came, LAST_WORDS
     if last_words:
         _say(last_words)
     sys.exit(status)
-
-
-def _open_streams() -> None:
-    """Give the null device to the streams that a shell has closed (``2>&-``).
-
-    Without it the next file that is opened would get the number of the stream, and what libraries say there.
-    """
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            # The lowest free number is that of the stream, since those before it are open by now.
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
 
 
 def _say(last_words: str) -> None:

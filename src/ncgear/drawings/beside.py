@@ -9,22 +9,15 @@ from __future__ import annotations
 
 import pickle
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from functools import cache
 from importlib import import_module
-from multiprocessing import get_context
-from multiprocessing.synchronize import Semaphore
 from typing import Any, Protocol
 
-from ncgear.interrupts import deaf_processes, end_processes
-from ncgear.memory import begin_worker
-from ncgear.workers import core_count, one_thread_each
-
-OFFERS = 16
-"""Most offers of a command: those of two stages are 10.  Further ones are drawn by the second process."""
+from ncgear.interrupts import end_processes
+from ncgear.workers import Pool, free_cores, one_thread_each
 
 LIBRARY = "matplotlib"
 
@@ -32,9 +25,7 @@ MOTION_PICTURE = "ncgear.drawings.plots.pair_pictures:motion_drawn"
 GEAR_PICTURES = "ncgear.drawings.plots.pair_pictures:gears_drawn"
 LOAD_PICTURES = "ncgear.drawings.plots.pair_pictures:load_drawn"
 PAGE_CHARTS = "ncgear.drawings.page.chart_svg:all_drawn"
-FIRST_FRAMES = "ncgear.drawings.animation.images:first_block_drawn"
-FRAMES = "ncgear.drawings.animation.images:block_drawn"
-"""The drawings: of a build's pictures, of the report's charts, and of the colours and frames of a moving picture."""
+"""The drawings: of a build's pictures, and of the report's charts."""
 
 
 class Drawer(Protocol):
@@ -61,35 +52,27 @@ HERE = Here()
 
 
 class _Beside:
-    """Draws in the one process of a pool; requests wait for each other.
+    """Draws in the one process of a pool, which a thread asks for one drawing after the other."""
 
-    Both processes have the same ``tokens``, one for each offer: who takes it first draws.
-    """
-
-    def __init__(self, pool: ProcessPoolExecutor, tokens: Sequence[Semaphore]) -> None:
-        self._pool, self._tokens = pool, tokens
-        self._numbers = iter(range(len(tokens)))
+    def __init__(self, pool: Pool, thread: ThreadPoolExecutor) -> None:
+        self._pool, self._thread = pool, thread
 
     def begun(self, drawing: str, *given: Any) -> Callable[[], Any]:
-        return self._asked(None, drawing, given)
+        return self._asked(False, drawing, given)
 
     def offered(self, drawing: str, *given: Any) -> Callable[[], Any]:
-        return self._asked(next(self._numbers, None), drawing, given)
+        return self._asked(True, drawing, given)
 
-    def _asked(self, number: int | None, drawing: str, given: tuple[Any, ...]) -> Callable[[], Any]:
+    def _asked(self, offered: bool, drawing: str, given: tuple[Any, ...]) -> Callable[[], Any]:
         here = HERE.begun(drawing, *given)
         try:
             packed = pickle.dumps(given, pickle.HIGHEST_PROTOCOL)
-            asked = self._pool.submit(_drawn, number, drawing, packed)
-        except (AttributeError, TypeError, pickle.PicklingError, BrokenProcessPool):
+        except (AttributeError, TypeError, pickle.PicklingError):
             return here
-
-        @cache
-        def is_taken_back() -> bool:
-            return number is not None and self._tokens[number].acquire(block=False)
+        asked = self._thread.submit(lambda: self._pool.submit(_drawn, drawing, packed).result())
 
         def wait() -> Any:
-            if is_taken_back():
+            if offered and asked.cancel():
                 return here()
             try:
                 return asked.result()
@@ -103,23 +86,20 @@ class _Beside:
 def drawing_beside(*drawings: str) -> Iterator[Drawer]:
     """A context with a second process that draws, and first loads what ``drawings`` need; it ends with the context.
 
-    With a single core, or where matplotlib is loaded anyway, a second process gains nothing, and this one draws.
+    Where no second core is free, or matplotlib is loaded anyway, a second process gains nothing, and this one draws.
     """
-    if core_count() == 1 or LIBRARY in sys.modules:
+    if free_cores() < 2 or LIBRARY in sys.modules:
         yield HERE
         return
-    context = get_context("spawn")
-    tokens = [context.Semaphore() for _ in range(OFFERS)]
-    pool = ProcessPoolExecutor(1, context, _begin, (tokens,))
-    try:
-        with deaf_processes(), one_thread_each():
-            pool.submit(_loaded, drawings)
-        yield _Beside(pool, tokens)
-    finally:
-        # Whatever it still draws nobody waits for.  The pool's own thread is waited for: at the interpreter's end it
-        # would close what the end writes to.
-        end_processes()
-        pool.shutdown(cancel_futures=True)
+    with ThreadPoolExecutor(1) as thread, Pool(1) as pool:
+        try:
+            with one_thread_each():
+                pool.submit(_loaded, drawings)
+            yield _Beside(pool, thread)
+        finally:
+            # Whatever it still draws nobody waits for.
+            thread.shutdown(wait=False, cancel_futures=True)
+            end_processes()
 
 
 def function_of(drawing: str) -> Callable[..., Any]:
@@ -134,18 +114,5 @@ def _loaded(drawings: tuple[str, ...]) -> None:
         function_of(drawing)
 
 
-_tokens: Sequence[Semaphore] = ()
-"""Those of the second process."""
-
-
-def _begin(tokens: Sequence[Semaphore]) -> None:
-    global _tokens
-    _tokens = tokens
-    begin_worker()
-
-
-def _drawn(number: int | None, drawing: str, packed: bytes) -> Any:
-    """What is drawn; None where the first process has taken back its offer of this number."""
-    if number is not None and not _tokens[number].acquire(block=False):
-        return None
+def _drawn(drawing: str, packed: bytes) -> Any:
     return function_of(drawing)(*pickle.loads(packed))

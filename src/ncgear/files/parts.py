@@ -1,7 +1,8 @@
 """A table of designs in parts: a folder of Parquet files, each written at one instant, by which a run goes on.
 
 A part's bytes depend on its rows alone: no time, no name of a computer, no order in which parts were finished.  A file
-that is cut off or damaged, or belongs to another run, is known by its checksums and by the digest of its run.
+that is cut off or damaged, or belongs to another run or place, is known by its checksums, the digest of its run, and
+its number.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ncgear.errors import WrongInput
+from ncgear.errors import WrongInput, going_on
 from ncgear.files.locks import locked
 from ncgear.files.one_file import UNFINISHED, is_there, put_in_place
 from ncgear.frozen import dataclass
@@ -28,15 +29,15 @@ if TYPE_CHECKING:
 
 NUMBER, VERDICT = "number", "verdict"
 
-RUN = b"ncgear.run"
-"""Key of a file's metadata that holds the digest of its run."""
+RUN, PART = b"ncgear.run", b"ncgear.part"
+"""Keys of a file's metadata that hold the digest of its run, and the number of the part."""
 
 PLAN = "_run.json"
 """The file that tells what a folder's parts belong to; readers of Parquet folders leave out names that begin so."""
 
 
-def table_bytes(designs: Designs, digest: str) -> bytes:
-    """Designs as a Parquet file: number, keys, figures (null where not known), verdict."""
+def table_bytes(designs: Designs, digest: str, part: int) -> bytes:
+    """The designs of a part as a Parquet file: number, keys, figures (null where not known), verdict."""
     import pyarrow as arrow
     from pyarrow import parquet
 
@@ -47,11 +48,16 @@ def table_bytes(designs: Designs, digest: str) -> bytes:
         **{name: _numbers(values) for name, values in {**designs.values, **designs.figures}.items()},
         VERDICT: _texts(designs.verdicts.tolist()),
     }
-    table = arrow.table(columns).replace_schema_metadata({RUN: digest.encode()})
+    table = arrow.table(columns).replace_schema_metadata(_belonging(digest, part))
     made = BytesIO()
     # Figures of designs hardly repeat: a dictionary would be tried for each column, and given up.
     parquet.write_table(table, made, compression="zstd", use_dictionary=[VERDICT], write_page_checksum=True)
     return made.getvalue()
+
+
+def _belonging(digest: str, part: int) -> dict[bytes, bytes]:
+    """What a file's metadata say of where it belongs."""
+    return {RUN: digest.encode(), PART: str(part).encode()}
 
 
 def _numbers(values: Array) -> pyarrow.Array:
@@ -103,7 +109,8 @@ class Parts:
 
     def add(self, part: int, content: bytes) -> None:
         """Write a part; raises WrongInput when that cannot be done."""
-        put_in_place(self.path(part), content)
+        with going_on():
+            put_in_place(self.path(part), content)
 
     def begun(self, counts: Sequence[int]) -> list[int]:
         """Make the folder ready, and return the numbers of the parts that it lacks; part i has ``counts[i]`` rows.
@@ -145,14 +152,15 @@ class Parts:
         return table is not None and len(table) == count
 
     def _table(self, part: int) -> pyarrow.Table | None:
-        """A part as a table; None where its file is damaged or of another run."""
+        """A part as a table; None where its file is damaged, of another run, or another part."""
         import pyarrow as arrow
         from pyarrow import parquet
 
         try:
             with parquet.ParquetFile(self.path(part), page_checksum_verification=True) as file:
-                known = (file.schema_arrow.metadata or {}).get(RUN)
-                return file.read(use_threads=False) if known == self.digest.encode() else None
+                known = file.schema_arrow.metadata or {}
+                belongs = _belonging(self.digest, part).items() <= known.items()
+                return file.read(use_threads=False) if belongs else None
         except (OSError, arrow.ArrowException, ValueError):
             return None
 

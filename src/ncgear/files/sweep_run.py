@@ -191,11 +191,11 @@ def swept(
 
 
 def _screened_bytes(screening: Screening, digest: str, task: tuple[int, Array]) -> bytes:
-    return table_bytes(screened_part(screening, *task), digest)
+    return table_bytes(screened_part(screening, *task), digest, task[0])
 
 
 def _deeper_bytes(data: dict[str, Any], pairs: int, stage: str, digest: str, task: tuple[int, Designs]) -> bytes:
-    return table_bytes(deepened(data, pairs, stage, task[1]), digest)
+    return table_bytes(deepened(data, pairs, stage, task[1]), digest, task[0])
 
 
 @dataclass(frozen=True)

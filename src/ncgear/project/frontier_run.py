@@ -17,7 +17,7 @@ from typing import Any
 
 from ncgear import __version__
 from ncgear.design.keys.design import Design
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput, going_on
 from ncgear.extras import require
 from ncgear.frozen import dataclass
 from ncgear.interrupts import uninterrupted
@@ -83,7 +83,7 @@ class FinishedPoints:
     def add(self, kind: str, cap_w: float, result: dict[str, Any]) -> None:
         """Write one more line; raises WrongInput where the disk refuses it."""
         entry = {"key": self.key, "kind": kind, "cap_w": cap_w, "result": result}
-        with self._refused(), uninterrupted():
+        with going_on(), self._refused(), uninterrupted():
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("a", encoding="utf-8") as file:
                 # The first line break separates the entry from a line that was cut off.

@@ -41,6 +41,9 @@ COMMANDS: Mapping[str, Command] = {
 }
 """The commands that a page can ask for; nothing else is ever run."""
 
+RUN = "from ncgear.interrupts import end_with_input; end_with_input(); from ncgear.cli import main; main()"
+"""The program ``ncgear``, which ends with the server."""
+
 LONGEST_S = 3600.0
 """A command that takes longer than an hour is cancelled."""
 
@@ -86,11 +89,11 @@ class Job:
         command = COMMANDS[self.name]
         copy = await asyncio.to_thread(_copied, self.text, path, out / f"{self.design}-studio")
         target = self.folder / command.file if command.file else self.folder
-        line = [sys.executable, "-m", "ncgear", *command.arguments[:1], str(copy), *command.arguments[1:]]
+        line = [sys.executable, "-c", RUN, *command.arguments[:1], str(copy), *command.arguments[1:]]
         self._process = await asyncio.create_subprocess_exec(
             *line,
             f"--out={target}",
-            stdin=asyncio.subprocess.DEVNULL,
+            stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
             start_new_session=os.name == "posix",

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import json
 import secrets
+import signal
 import socket
 from collections.abc import Awaitable, Callable, MutableMapping
 from contextlib import asynccontextmanager, suppress
@@ -230,6 +231,9 @@ def serve(path: Path, out: Path, bound: socket.socket, begun: Callable[[str], No
         timeout_graceful_shutdown=2,
     )
     server = uvicorn.Server(config)
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        # The end of its terminal ends it as Ctrl-C does; uvicorn sees to the other signals.
+        signal.signal(signal.SIGHUP, server.handle_exit)
 
     async def run() -> None:
         serving = asyncio.create_task(server.serve(sockets=[bound]))

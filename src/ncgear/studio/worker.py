@@ -21,6 +21,8 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, BinaryIO
 
+from ncgear.interrupts import end_with_parent
+
 MOTION, GEARS = "motion", "gears"
 CHAINS = (MOTION, GEARS)
 
@@ -48,7 +50,7 @@ class _Requests:
         self.computing = False
 
     def read_all(self) -> None:
-        """Take requests to the end of the input, which ends the process."""
+        """Take requests to the end of the input."""
         for line in self._lines:
             request = json.loads(line)
             with self._come:
@@ -59,7 +61,6 @@ class _Requests:
                 timer = threading.Timer(max(patience, 0.0), _thread.interrupt_main)
                 timer.daemon = True
                 timer.start()
-        os._exit(0)
 
     def next(self) -> dict[str, Any]:
         """Wait for a request, and take it."""
@@ -102,7 +103,7 @@ def main() -> None:
         os.nice(5)
     requests = _Requests(sys.stdin.buffer)
     signal.signal(signal.SIGINT, requests.interrupt)
-    threading.Thread(target=requests.read_all, daemon=True).start()
+    end_with_parent(requests.read_all)
 
     from ncgear.studio.answers import gear_answers, motion_answers
 

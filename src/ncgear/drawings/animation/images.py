@@ -1,4 +1,4 @@
-"""Frames of the moving picture as images, in full colours or in those of a palette: what either process draws."""
+"""Frames of the moving picture as images, in full colours or in those of a palette."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 
 from ncgear.drawings.animation import artists as looks
-from ncgear.drawings.animation.moving_picture import Picture, picture
+from ncgear.drawings.animation.moving_picture import Picture
 from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array
 
@@ -42,18 +42,6 @@ def palette_found(made: Picture, scene: Scene) -> Image.Image:
     pure = [round(255 * part) for color in looks.PURE for part in to_rgb(color)]
     found.putpalette([*colors[:COLORS].ravel().tolist(), *pure])
     return found.crop((0, 0, 1, 1))
-
-
-def first_block_drawn(scene: Scene, width_px: int, phi1_rad: Array) -> tuple[Image.Image, list[Image.Image]]:
-    """The palette of a scene (see ``palette_found``), and images in its colours (see ``block_drawn``)."""
-    made = picture(scene, width_px)
-    palette = palette_found(made, scene)
-    return palette, [in_colors(image, palette) for image in drawn(made, scene, phi1_rad)]
-
-
-def block_drawn(scene: Scene, width_px: int, phi1_rad: Array, palette: Image.Image | None) -> list[Image.Image]:
-    """Images of a scene at driving angles in rad, shape (n,), in the colours of a palette if one is given."""
-    return [in_colors(image, palette) for image in drawn(picture(scene, width_px), scene, phi1_rad)]
 
 
 def drawn(made: Picture, scene: Scene, phi1_rad: Array) -> Iterator[Image.Image]:

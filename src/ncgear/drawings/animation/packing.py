@@ -1,15 +1,10 @@
-"""The moving picture packed as the bytes of a file: an endless GIF by Pillow, or an MP4 by ffmpeg.
-
-Two processes draw: of each block of frames, this one the first half, the second process the other one.  For a GIF the
-second process first finds the colours.
-"""
+"""The moving picture packed as the bytes of a file: an endless GIF by Pillow, or an MP4 by ffmpeg."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from io import BytesIO
 from itertools import chain
-from math import ceil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,7 +12,8 @@ import numpy as np
 from PIL import Image
 
 from ncgear.drawings.animation import AnimationFormat
-from ncgear.drawings.beside import FIRST_FRAMES, FRAMES, HERE, Drawer
+from ncgear.drawings.animation.images import drawn, in_colors, palette_found
+from ncgear.drawings.animation.moving_picture import picture
 from ncgear.drawings.scene.scene import Scene
 from ncgear.frozen import dataclass
 
@@ -71,45 +67,16 @@ def mp4_bytes(images: Iterable[Image.Image], loop: Loop) -> bytes:
         return path.read_bytes()
 
 
-BLOCK = 128
-"""Most frames of a block: this process may hold the half that it draws in full colours."""
-
 PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 
 
-def animated(
-    scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None], drawer: Drawer = HERE
-) -> bytes:
-    """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all.
-
-    ``drawer`` draws every other block of frames.
-    """
-    images = _drawn_by_two(scene, kind, loop, drawer)
-    return PACKERS[kind](_counted(images, loop.frames, on_frame), loop)
-
-
-def _drawn_by_two(scene: Scene, kind: AnimationFormat, loop: Loop, drawer: Drawer) -> Iterator[Image.Image]:
-    # Without the end of the loop, which looks like its beginning.
-    phi1 = scene.evenly_in_time(loop.frames)
-    blocks, palette = np.array_split(phi1, ceil(phi1.size / BLOCK)), None
-    if kind is AnimationFormat.GIF:
-        own, others = np.array_split(blocks.pop(0), 2)
-        colored = drawer.begun(FIRST_FRAMES, scene, loop.width_px, others)
-    # Loads matplotlib, while the second process finds the colours.
-    from ncgear.drawings.animation.images import drawn, in_colors
-    from ncgear.drawings.animation.moving_picture import picture
-
+def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
+    """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
     made = picture(scene, loop.width_px)
-    if kind is AnimationFormat.GIF:
-        images = list(drawn(made, scene, own))
-        palette, further = colored()
-        yield from (in_colors(image, palette) for image in images)
-        yield from further
-    for block in blocks:
-        own, others = np.array_split(block, 2)
-        beside = drawer.begun(FRAMES, scene, loop.width_px, others, palette)
-        yield from (in_colors(image, palette) for image in drawn(made, scene, own))
-        yield from beside()
+    palette = palette_found(made, scene) if kind is AnimationFormat.GIF else None
+    # Without the end of the loop, which looks like its beginning.
+    images = (in_colors(image, palette) for image in drawn(made, scene, scene.evenly_in_time(loop.frames)))
+    return PACKERS[kind](_counted(images, loop.frames, on_frame), loop)
 
 
 def _counted(images: Iterator[Image.Image], total: int, on_frame: Callable[[int, int], None]) -> Iterator[Image.Image]:
