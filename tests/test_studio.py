@@ -23,10 +23,13 @@ from ncgear.design.reference import keys_of
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.errors import WrongInput
 from ncgear.project.drive import Drive
-from ncgear.studio.answers import gear_answers, motion_answers
-from ncgear.studio.editing import Edited, History, as_written, design_on_disk, difference, edited
+from ncgear.studio.answers import Answer, Answers, guarded
+from ncgear.studio.editing import History, as_written, design_on_disk, difference, edited
+from ncgear.studio.followed import Followed
 from ncgear.studio.form import form
+from ncgear.studio.gear_answers import contact_answers, gear_answers
 from ncgear.studio.handles import handles
+from ncgear.studio.motion_answers import motion_answers
 
 NAMES = sorted(path.stem for path in DESIGNS.glob("*.yaml"))
 SOME = ["baler", "ellipse", "feeder-wishes", "scotch-yoke-pump"]
@@ -223,9 +226,8 @@ def moved(name: str, number: int, axis: str, step: float) -> tuple[dict[str, Any
     """A handle of a design, and the same one after it was dragged by a step along an axis."""
     before = handles(drive(name))[number]
     move = before["moves"][axis]
-    text = Edited(text_of(name)).with_changes({move["key"]: move["base"] + move["factor"] * step})
-    read = parsed(text, DESIGNS / f"{name}.yaml")
-    return before, handles(Drive(read.design))[number]
+    changes = {move["key"]: move["base"] + move["factor"] * step}
+    return before, handles(Followed().drive(text_of(name), changes, DESIGNS / f"{name}.yaml"))[number]
 
 
 @pytest.mark.parametrize("number", range(4))
@@ -258,8 +260,13 @@ def test_handles_lie_on_the_curves(name: str) -> None:
 # --- answers
 
 
+def answered(answers: Answers, text: str, name: str, changes: Mapping[str, Any] | None = None) -> list[Answer]:
+    """All answers of a chain to a text that stands in the place of a design, with changes while something is dragged."""
+    return list(guarded(answers, lambda: Followed().drive(text, changes or {}, DESIGNS / f"{name}.yaml")))
+
+
 def test_the_motion_is_that_of_the_drive() -> None:
-    name, content = next(motion_answers(text_of("baler"), DESIGNS / "baler.yaml"))
+    name, content = answered(motion_answers, text_of("baler"), "baler")[0]
     assert name == "motion"
     made = drive("baler")
     for chart in content["charts"]:
@@ -274,8 +281,8 @@ def test_the_motion_is_that_of_the_drive() -> None:
 
 def test_what_cannot_be_read_has_its_line_and_key() -> None:
     text = text_of("baler").replace("teeth: 25", "teeth: many")
-    for answers in (motion_answers, gear_answers):
-        (name, content) = list(answers(text, DESIGNS / "baler.yaml"))[-1]
+    for answers in (motion_answers, gear_answers, contact_answers):
+        (name, content) = answered(answers, text, "baler")[-1]
         assert name == "refused"
         line = 1 + text.splitlines().index("  teeth: many")
         assert (content["key"], content["line"], content["wrong_input"]) == ("gears.teeth", line, True)
@@ -284,28 +291,29 @@ def test_what_cannot_be_read_has_its_line_and_key() -> None:
 @pytest.mark.slow
 def test_teeth_that_cannot_be_made_leave_the_motion() -> None:
     name = "baler-a1-at-law-speed"
-    text, path = text_of(name), DESIGNS / f"{name}.yaml"
-    assert "figures" in dict(motion_answers(text, path))
-    found = dict(gear_answers(text, path))
+    text = text_of(name)
+    assert "figures" in dict(answered(motion_answers, text, name))
+    found, judged = (dict(answered(answers, text, name)) for answers in (gear_answers, contact_answers))
     assert set(found) == {"bare", "refused"}
-    assert found["refused"]["problem"]
+    assert found["refused"]["problem"] == judged["refused"]["problem"]
 
 
 @pytest.mark.slow
 def test_a_body_that_cannot_be_made_leaves_its_teeth() -> None:
     text = text_of("baler").replace("bore_mm: 16,", "bore_mm: 60,")
-    found = [kind for kind, _ in gear_answers(text, DESIGNS / "baler.yaml")]
-    assert found == ["scene", "teeth", "refused"]
+    assert [kind for kind, _ in answered(gear_answers, text, "baler")] == ["scene", "refused"]
+    assert "teeth" in dict(answered(contact_answers, text, "baler"))
 
 
 @pytest.mark.tiers(slow=["spiral-pair"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "uniform-crank", "spiral-pair", "baler-66-two-stage"])
 def test_all_parts_come_for_every_kind_of_design(name: str) -> None:
     text = text_of(name)
-    motion = [kind for kind, _ in motion_answers(text, DESIGNS / f"{name}.yaml")]
-    gears = [kind for kind, _ in gear_answers(text, DESIGNS / f"{name}.yaml")]
-    assert motion[:2] == ["motion", "figures"]
-    assert set(motion[2:]) == {"chart"}
-    assert gears[0] == "scene"
-    if drive(name).design.gears is not None:
-        assert gears[1:5] == ["teeth", "scene", "strength", "verdict"]
+    chains = (motion_answers, gear_answers, contact_answers)
+    motion, gears, contact = ([kind for kind, _ in answered(one, text, name)] for one in chains)
+    assert (motion[:2], set(motion[2:-1]), motion[-1]) == (["motion", "figures"], {"chart"}, "verdict")
+    if drive(name).design.gears is None:
+        assert (gears, contact) == (["scene"], [])
+    else:
+        assert gears == ["scene", "scene"]
+        assert (contact[:2], set(contact[2:-1]), contact[-1]) == (["teeth", "strength"], {"chart"}, "verdict")

@@ -33,6 +33,7 @@ def studio(
         raise WrongInput(f"is not there; `ncgear new {name}` writes a design to begin with", location=str(design_file))
 
     from ncgear.studio.editing import design_on_disk
+    from ncgear.studio.entrance import open_in_browser
     from ncgear.studio.server import listening, serve
 
     design_on_disk(design_file)
@@ -46,8 +47,6 @@ def studio(
     def begun(address: str) -> None:
         typer.echo(f"{design_file} is open at {address}\nCtrl-C ends the studio; what is not saved is lost then.")
         if not no_browser:
-            import webbrowser
-
-            webbrowser.open(address)
+            open_in_browser(address)
 
     serve(design_file, out, bound, begun)

@@ -1,7 +1,8 @@
-"""The server of the studio: for this computer only, and only for whoever has the address with its token.
+"""The server of the studio: for this computer only, and only for whoever has its token.
 
 Every request must name the server's own host, which a page of another site that was led here by its name server does
-not; a web socket must come from the studio's own page; and every path begins with the token.  The server reads and
+not; a web socket must come from the studio's own page; and every request has the token.  An address has it once, and
+gives it to the browser as a cookie, which no script can read and no page of another site can use.  The server reads and
 writes the opened design file and the export folder, nothing else.
 """
 
@@ -18,13 +19,14 @@ from typing import Any
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from ncgear.errors import DesignError
 from ncgear.files.publish import is_staging
+from ncgear.studio.chains import Chains
+from ncgear.studio.faults import words_of
 from ncgear.studio.open_page import OpenPage
 from ncgear.studio.page import page
 
@@ -50,11 +52,17 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
 
+ENTERED = '<!DOCTYPE html><title>ncgear studio</title><meta http-equiv="refresh" content="0;url=/">'
+"""The page that gives the token and leads on: a cookie that is given with a redirect would not be sent at once."""
+
+
 class Guard:
     """Lets through what names this host, comes from this page, and has the token; all else gets 403 or 404."""
 
     def __init__(self, app: Any, hosts: frozenset[str], token: str) -> None:
         self.app, self.hosts, self.token = app, hosts, token
+        # A browser sends the cookies of all ports of a host to each of them: the name has the port.
+        self.cookie = f"ncgear-{min(hosts).rpartition(':')[2]}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer or refuse one request."""
@@ -62,7 +70,11 @@ class Guard:
             await self.app(scope, receive, send)
             return
         problem = self._problem(scope)
-        if problem is None:
+        if problem is None and scope["path"] == f"/{self.token}/":
+            entered = HTMLResponse(ENTERED, headers={"referrer-policy": "no-referrer", "cache-control": "no-store"})
+            entered.set_cookie(self.cookie, self.token, httponly=True, samesite="strict")
+            await entered(scope, receive, send)
+        elif problem is None:
             await self.app(scope, receive, send)
         elif scope["type"] == "websocket":
             await WebSocket(scope, receive, send).close(code=1008)
@@ -79,8 +91,10 @@ class Guard:
             return "asked by another page"
         if scope["type"] == "websocket" and not origins:
             return "asked by no page"
-        given = scope["path"].split("/")[1] if "/" in scope["path"] else ""
-        return None if secrets.compare_digest(given.encode(), self.token.encode()) else "the address lacks its token"
+        cookies = HTTPConnection(scope).cookies
+        given = scope["path"].strip("/"), cookies.get(self.cookie, "")
+        known = any(secrets.compare_digest(one.encode(), self.token.encode()) for one in given)
+        return None if known else "the address lacks its token; the studio has said it where it was started"
 
 
 class Studio:
@@ -90,13 +104,16 @@ class Studio:
         self.path, self.out = path, out.absolute()
         self.pages: dict[str, OpenPage] = {}
         self.open: set[str] = set()
+        self.ready = Chains()
 
     def page_of(self, name: str) -> OpenPage:
         """A page by the name that it has chosen; the oldest ones that are closed are forgotten."""
         if name not in self.pages:
             for old in [one for one in self.pages if one not in self.open][: len(self.pages) - MOST_REMEMBERED + 1]:
                 del self.pages[old]
-            self.pages[name] = OpenPage(self.path, self.out)
+            # The processes of the first page make themselves ready while the browser begins.
+            self.pages[name] = OpenPage(self.path, self.out, self.ready)
+            self.ready = Chains()
         return self.pages[name]
 
     async def index(self, request: Request) -> Response:
@@ -112,8 +129,11 @@ class Studio:
 
     async def file(self, request: Request) -> Response:
         """A file of the export folder."""
-        wanted = (self.out / request.path_params["name"]).resolve()
         root = self.out.resolve()
+        try:
+            wanted = (self.out / request.path_params["name"]).resolve(strict=True)
+        except (OSError, ValueError):
+            wanted = root
         inside = wanted.is_relative_to(root) and wanted.is_file()
         if not inside or any(part.startswith(".") for part in wanted.relative_to(root).parts) or is_staging(wanted):
             return PlainTextResponse("no such file", status_code=404)
@@ -132,9 +152,9 @@ class Studio:
         await socket.accept()
         try:
             opened = self.page_of(name)
-        except DesignError as error:
-            # The file has gone since the studio was started.
-            await socket.send_text(json.dumps({"is": "said", "content": str(error)}))
+        except Exception as error:
+            # The file has gone since the studio was started, or is a folder.
+            await socket.send_text(json.dumps({"is": "said", "content": words_of(error)}))
             await socket.close(code=1011)
             return
         self.open.add(name)
@@ -147,34 +167,30 @@ class Studio:
 
         try:
             await opened.connected(send)
-            while (text := await _text_from(socket)) is not None:
-                message = _read(text)
-                if message is not None:
-                    await opened.hear(message)
+            while (data := await _data_from(socket)) is not None:
+                await opened.hear(data)
         finally:
             self.open.discard(name)
             await opened.disconnected()
 
     async def close(self) -> None:
         """End all processes."""
-        await asyncio.gather(*(one.closed() for one in self.pages.values()))
+        await asyncio.gather(self.ready.close(), *(one.closed() for one in self.pages.values()))
 
 
-async def _text_from(socket: WebSocket) -> str | None:
-    """The next message of a page; None once the page is gone, which starlette tells in two ways."""
+async def _data_from(socket: WebSocket) -> str | bytes | None:
+    """What the next frame of a page holds; None once the page is gone, which starlette tells in two ways."""
     try:
-        return await socket.receive_text()
-    except (WebSocketDisconnect, RuntimeError):
+        frame = await socket.receive()
+    except RuntimeError:
         return None
+    text: str | None = frame.get("text")
+    return frame.get("bytes") if text is None else text
 
 
-def _read(text: str) -> dict[str, Any] | None:
-    """A message; None for what is not an object of JSON."""
-    try:
-        message = json.loads(text, parse_constant=lambda _: None)
-    except (ValueError, RecursionError):
-        return None
-    return message if isinstance(message, dict) else None
+async def _told(_: Request, error: Exception) -> Response:
+    """Any fault in words."""
+    return PlainTextResponse(words_of(error), status_code=500)
 
 
 def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
@@ -182,15 +198,17 @@ def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> Any:
+        await studio.ready.start()
         yield
         await studio.close()
 
     routes = [
-        Route(f"/{token}/", studio.index),
-        Route(f"/{token}/export/{{name:path}}", studio.file),
-        WebSocketRoute(f"/{token}/talk", studio.talk),
+        Route("/", studio.index),
+        Route("/export/{name:path}", studio.file),
+        WebSocketRoute("/talk", studio.talk),
     ]
-    return Guard(Starlette(routes=routes, lifespan=lifespan), hosts, token)
+    faults = {Exception: _told}
+    return Guard(Starlette(routes=routes, lifespan=lifespan, exception_handlers=faults), hosts, token)
 
 
 def listening(port: int) -> socket.socket:
@@ -215,6 +233,8 @@ def serve(path: Path, out: Path, bound: socket.socket, begun: Callable[[str], No
         access_log=False,
         ws="websockets-sansio",
         ws_max_size=LARGEST_MESSAGE,
+        # On one computer it takes longer to compress a message than to send it.
+        ws_per_message_deflate=False,
         server_header=False,
         timeout_graceful_shutdown=2,
     )

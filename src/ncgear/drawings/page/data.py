@@ -231,13 +231,20 @@ GridKey = tuple[bytes, float]
 
 
 def page_data(scene: Scene, figures: Sequence[ChartFigure]) -> dict[str, Any]:
-    """All data of the script; angles that several lines share are there once, and lines refer to them by number."""
-    grids = {_grid_key(line, one.page_chart.period_deg): line for one in figures for line in one.page_chart.chart.lines}
-    numbers = {key: number for number, key in enumerate(grids)}
+    """All data of the script."""
     return {
         "cycle_deg": degrees(scene.loop_rad),
         "swings": scene.swings,
         "scene": scene_data(scene),
+        **chart_data(figures),
+    }
+
+
+def chart_data(figures: Sequence[ChartFigure]) -> dict[str, Any]:
+    """The charts and their grids: angles that several lines share are there once, and lines name them by number."""
+    grids = {_grid_key(line, one.page_chart.period_deg): line for one in figures for line in one.page_chart.chart.lines}
+    numbers = {key: number for number, key in enumerate(grids)}
+    return {
         "grids": [
             {"period_deg": period, "deg": _rounded(line.x, ANGLE_DECIMALS)} for (_, period), line in grids.items()
         ],
