@@ -261,7 +261,7 @@ def test_handles_lie_on_the_curves(name: str) -> None:
 
 
 def answered(answers: Answers, text: str, name: str, changes: Mapping[str, Any] | None = None) -> list[Answer]:
-    """All answers of a chain to a text that stands in the place of a design, with changes while something is dragged."""
+    """All answers of a chain to a text in the place of a design, with changes while something is dragged."""
     return list(guarded(answers, lambda: Followed().drive(text, changes or {}, DESIGNS / f"{name}.yaml")))
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.data import paces, shaft_tables
+from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
 from ncgear.drawings.page.motion_charts import motion_charts, quantities_of
 from ncgear.drawings.scene.scene import scene_without_gears
 from ncgear.project.drive import Drive
@@ -77,11 +77,11 @@ def live(page_chart: PageChart) -> dict[str, Any]:
         "name": chart.name,
         "unit": chart.unit,
         "decimals": page_chart.decimals,
-        "lines": [_thinned(line) for line in chart.lines],
+        "lines": [_thinned(line, page_chart.decimals + MORE_DECIMALS) for line in chart.lines],
     }
 
 
-def _thinned(line: Line) -> dict[str, Any]:
+def _thinned(line: Line, decimals: int) -> dict[str, Any]:
     step = max(1, len(line.x) // LIVE_POINTS)
     # Both ends and both sides of every jump stay.
     jumps = np.nonzero(np.diff(line.x) < 1e-6)[0]
@@ -90,5 +90,5 @@ def _thinned(line: Line) -> dict[str, Any]:
         "role": str(line.role),
         "label": line.label,
         "x": np.round(line.x[places], 4).tolist(),
-        "y": [float(f"{value:.6g}") for value in line.values[places]],
+        "y": np.round(line.values[places], decimals).tolist(),
     }

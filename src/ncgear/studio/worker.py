@@ -42,10 +42,6 @@ IMPORTING = "<frozen importlib._bootstrap>"
 PATIENCE_S = 1.0
 """Time that a picture may take while a newer change waits; the teeth of most gears take a fifth."""
 
-NICENESS = 5
-"""The motion follows the hand; teeth may come a little later."""
-
-
 DONE = "done", None
 """The last message about a request."""
 
@@ -128,8 +124,6 @@ def main() -> None:
     out = os.fdopen(os.dup(1), "wb")
     # Whatever a library prints must not come between the answers.
     os.dup2(2, 1)
-    if chain != MOTION and hasattr(os, "nice"):
-        os.nice(NICENESS)
     requests = _Requests(sys.stdin.buffer)
     signal.signal(signal.SIGINT, requests.interrupt)
     threading.Thread(target=requests.read_all, daemon=True).start()
