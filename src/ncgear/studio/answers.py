@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from ncgear.errors import DesignError, WrongInput
 from ncgear.project.drive import Drive
-from ncgear.studio.faults import words_of
+from ncgear.studio.faults import refusal
 
 Answer = tuple[str, Any]
 
@@ -28,16 +27,3 @@ def guarded(answers: Answers, drive: Callable[[], Drive]) -> Iterator[Answer]:
             yield name, content
     except Exception as error:
         yield "refused", refusal(error, part)
-
-
-def refusal(error: Exception, part: str = "") -> dict[str, Any]:
-    """Why the parts after one do not exist."""
-    design = error if isinstance(error, DesignError) else DesignError(words_of(error))
-    place = design.location.rpartition(":")[0].rpartition(":")[2]
-    return {
-        "after": part,
-        "wrong_input": isinstance(design, WrongInput),
-        "problem": design.problem,
-        "key": design.key,
-        "line": int(place) if place.isdigit() else None,
-    }

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ncgear.errors import DesignError
-from ncgear.studio.answers import refusal
+from ncgear.studio.faults import refusal
 from ncgear.studio.worker import CHAINS
 from ncgear.workers import ONE_THREAD
 
@@ -126,9 +126,9 @@ class Chains:
     chains: list[Chain] = field(default_factory=list)
 
     async def start(self) -> None:
-        """Start all before there is a question."""
+        """Start the first before there is a question: the motion is what is seen first."""
         self.chains = [Chain(name, self._tell) for name in CHAINS]
-        await asyncio.gather(*(chain.start() for chain in self.chains))
+        await self.chains[0].start()
 
     async def _tell(self, line: str) -> None:
         if self.told is not None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ncgear.errors import DesignError
+from typing import Any
+
+from ncgear.errors import DesignError, WrongInput
 
 
 def words_of(error: Exception) -> str:
@@ -13,3 +15,16 @@ def words_of(error: Exception) -> str:
         case OSError(strerror=str(reason), filename=name):
             return f"{name}: {reason}" if name else reason
     return f"internal fault: {type(error).__name__}: {error}; please report"
+
+
+def refusal(error: Exception, part: str = "") -> dict[str, Any]:
+    """Why the parts after one do not exist."""
+    design = error if isinstance(error, DesignError) else DesignError(words_of(error))
+    place = design.location.rpartition(":")[0].rpartition(":")[2]
+    return {
+        "after": part,
+        "wrong_input": isinstance(design, WrongInput),
+        "problem": design.problem,
+        "key": design.key,
+        "line": int(place) if place.isdigit() else None,
+    }

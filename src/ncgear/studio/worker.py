@@ -128,7 +128,8 @@ def main() -> None:
     signal.signal(signal.SIGINT, requests.interrupt)
     threading.Thread(target=requests.read_all, daemon=True).start()
 
-    from ncgear.studio.answers import guarded, refusal
+    from ncgear.studio.answers import guarded
+    from ncgear.studio.faults import refusal
     from ncgear.studio.followed import Followed
 
     answers, followed = _answers_of(chain), Followed()
