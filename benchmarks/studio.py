@@ -20,6 +20,7 @@ import sys
 import threading
 import time
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from shutil import copy
 from tempfile import TemporaryDirectory
@@ -92,6 +93,10 @@ class Drag:
             waits.append(1e3 * (at_s - sent_s))
         return waits
 
+    def ages_ms(self, kind: str) -> list[float]:
+        """For each picture the time since the move that it shows."""
+        return [1e3 * (at_s - self.sent_s[move]) for at_s, move in self.came[kind]]
+
     def pictures_a_second(self, kind: str) -> float:
         """New pictures while the hand moves."""
         end = self.sent_s[-1]
@@ -115,8 +120,15 @@ def dragged(studio: Studio, page: Page, key: str, start: float, way: float) -> d
     used_s, others_s = processor_s(studio) - used_s, busy_s() - others_s
     found: dict[str, Any] = {"processor": used_s / took_s, "others": (others_s - used_s) / took_s}
     for kind, part in PARTS.items():
-        waits = drag.waits_ms(kind)
-        found[part] = [statistics.median(waits), statistics.quantiles(waits, n=20)[-1], drag.pictures_a_second(kind)]
+        waits, ages = drag.waits_ms(kind), drag.ages_ms(kind)
+        middle, most = statistics.median, partial(statistics.quantiles, n=20)
+        found[part] = [
+            middle(ages),
+            most([*ages, *ages])[-1],
+            middle(waits),
+            most(waits)[-1],
+            drag.pictures_a_second(kind),
+        ]
     return found
 
 
@@ -157,7 +169,7 @@ def busy_s() -> float:
 def row(name: str, found: dict[str, Any]) -> str:
     """A row of the table."""
     cells = [f"{found['opening'][0]:.0f}, {found['opening'][1]:.1f}"]
-    cells += ["{:.0f} / {:.0f}, {:.1f}".format(*found[part]) for part in PARTS.values()]
+    cells += ["{:.0f} / {:.0f}, {:.0f} / {:.0f}, {:.1f}".format(*found[part]) for part in PARTS.values()]
     return f"| {name} | {' | '.join(cells)} | {found['processor']:.2f} | {found['others']:.2f} |"
 
 
@@ -170,8 +182,9 @@ TEXT = """\
 
 `python benchmarks/studio.py` drags a value of each design for {seconds} s at {moves} moves a second over the web
 socket. *Opening*: from the command to the first motion by the clock in ms, and processor time of all processes in s.
-Each part: median and 95th percentile in ms from a move to the first picture that shows it or a newer move, then new
-pictures a second. *Processor*: seconds of processor for a second of dragging, *others*: the same of everything else on
+Each part: median and 95th percentile in ms from a move to the picture that shows it; the same from every move to the
+first picture that shows it or a newer one, which counts the wait for a picture to be begun; new pictures a second while
+the hand moves. *Processor*: seconds of processor for a second of dragging, *others*: the same of everything else on
 the computer (the client that measures takes part of it). Two cores; aims for the 95th percentile on two free ones:
 {aims} ms.
 

@@ -28,6 +28,9 @@ from ncgear.studio.messages import read_message
 MOST_CHANGES = 200
 """Keys that one message changes; a remedy changes three."""
 
+BETWEEN_S = 0.05
+"""Time between two questions while something is dragged: 20 pictures a second leave the processor to the teeth."""
+
 MOST_JOBS = 2
 """Commands that run at once; each may use all cores."""
 
@@ -235,6 +238,7 @@ class OpenPage:
         while True:
             await self._changed.wait()
             await self._tried(self._ask())
+            await asyncio.sleep(BETWEEN_S)
 
     async def _ask(self) -> None:
         async with self._asking:

@@ -39,11 +39,15 @@ CHAINS = tuple(PICTURES)
 IMPORTING = "<frozen importlib._bootstrap>"
 """File name of Python's own code of imports: an import that is broken off could never be made again."""
 
-PATIENCE_S = 1.0
-"""Time that a picture may take while a newer change waits; the teeth of most gears take a fifth."""
+PATIENCE_S = 5.0
+"""Time that a picture may take while a newer change waits: several times that of teeth and their strength."""
 
 DONE = "done", None
 """The last message about a request."""
+
+
+NICENESS = 5
+"""The motion follows the hand; teeth may come a little later."""
 
 
 class Superseded(BaseException):
@@ -124,6 +128,8 @@ def main() -> None:
     out = os.fdopen(os.dup(1), "wb")
     # Whatever a library prints must not come between the answers.
     os.dup2(2, 1)
+    if chain != MOTION and hasattr(os, "nice"):
+        os.nice(NICENESS)
     requests = _Requests(sys.stdin.buffer)
     signal.signal(signal.SIGINT, requests.interrupt)
     threading.Thread(target=requests.read_all, daemon=True).start()
