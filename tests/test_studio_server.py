@@ -193,13 +193,67 @@ def test_messages_that_ask_for_nonsense_are_told_so(studio: Studio, message: dic
         assert page.until("state")["content"]["saved"]
 
 
-def test_what_is_no_message_is_passed_over(studio: Studio) -> None:
+LONE_SURROGATE = '"\\ud800"'
+NO_MESSAGES = [
+    b"\x00\xff",
+    b'{"do": "undo"}',
+    "",
+    "{",
+    "[]",
+    "5",
+    '{"do": NaN}',
+    "[" * 5000,
+    '{"do": "change", "changes": {"operation.speed_rpm": 1e400}}',
+    f'{{"do": "change", "changes": {{"operation.speed_rpm": {"9" * 4000}}}}}',
+    f'{{"do": "set", "changes": {{"description": {LONE_SURROGATE}}}}}',
+    f'{{"do": "text", "text": {LONE_SURROGATE}}}',
+    f'{{"do": {LONE_SURROGATE}}}',
+]
+
+
+def test_what_is_no_message_is_told_and_the_conversation_goes_on(studio: Studio) -> None:
     with studio.page("noise") as page:
         page.until("state")
-        for text in ("", "{", "[]", "5", '{"do": NaN}', "[" * 5000):
-            page.socket.send(text)
+        for data in NO_MESSAGES:
+            page.socket.send(data)
+            assert "message" in page.until("said")["content"], data
         page.send("redo")
         assert page.until("state")["content"]["saved"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["motion: {law: []}\n", "linkage: {kind: {}}\n", "motion: {law: {a: 1}}\ngears: [1]\n", "1: 2\n", "- a\n", "x"],
+)
+def test_texts_of_any_form_are_told_their_fault(studio: Studio, text: str) -> None:
+    with studio.page(f"form{hash(text)}") as page:
+        page.until("state")
+        page.send("text", text=text)
+        assert page.until("state")["content"]["text"] == text
+        assert "internal fault" not in page.until("refused")["content"]["problem"]
+        page.send("undo")
+        assert page.until("state")["content"]["saved"]
+
+
+def test_names_that_no_file_can_have_are_not_found(studio: Studio) -> None:
+    for name in ("x" * 300, "x" * 5000, "a%00b", "%ff"):
+        assert studio.get(f"/export/{name}")[0] == 404, name
+
+
+def test_a_design_that_has_become_a_folder_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "ellipse.yaml"
+    shutil.copy(DESIGNS / "ellipse.yaml", path)
+    with running(path, tmp_path / "export") as studio, studio.page() as page:
+        page.until("state")
+        page.send("set", changes={"operation.speed_rpm": 88})
+        page.until("state")
+        path.unlink()
+        path.mkdir()
+        page.send("save", over=True)
+        assert "ellipse.yaml" in page.until("said")["content"]
+        assert "speed_rpm: 88" in page.until("state")["content"]["text"]
+        with studio.page("other") as other:
+            assert "is a folder" in other.until("said")["content"]
 
 
 def test_a_design_that_is_no_yaml_is_shown_with_its_fault(studio: Studio) -> None:

@@ -61,8 +61,8 @@ class Chain:
             stdout=asyncio.subprocess.PIPE,
             env=environment,
             limit=LONGEST_ANSWER,
-            # Ctrl-C in the terminal is for the server, which closes the input of this process.  A group of its own keeps
-            # it away; a session of its own would too, but Linux shares the processor evenly between sessions.
+            # Ctrl-C in the terminal is for the server, which closes the input of this process: a group of its own keeps
+            # it away.  A session of its own would too, but Linux shares the processor evenly between sessions.
             process_group=0 if os.name == "posix" else None,
         )
         self._listening = asyncio.create_task(self._listen(self._process))

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from difflib import SequenceMatcher, unified_diff
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,9 @@ from ncgear.frozen import dataclass
 
 MOST_STEPS = 500
 """Steps that can be undone; with texts of some kilobytes they take a megabyte or two."""
+
+MOST_CHARACTERS = 16_000_000
+"""Characters of all steps together; of texts of a megabyte fewer steps can be undone."""
 
 LARGEST_MB = 1
 """Size of a text that can be edited: a hundred times that of a long design, and read in a few seconds."""
@@ -48,7 +52,9 @@ class History:
         """The history with one more step; a text that is shown already makes none."""
         if text == self.now:
             return self
-        return History(text, (*self.past, self.now)[-MOST_STEPS:])
+        past = (*self.past, self.now)[-MOST_STEPS:]
+        fitting = sum(total <= MOST_CHARACTERS for total in accumulate(len(one) for one in reversed(past)))
+        return History(text, past[len(past) - fitting :])
 
     def undone(self) -> History:
         """One step back; the same history where there is none."""

@@ -35,6 +35,6 @@ class Followed:
             with in_its_place(key):
                 document = replace(document, data=with_value(document.data, key, value))
         loaded = design_of(document, text, path)
-        before, self._drive = self._drive, None
+        before = self._drive
         self._drive = drive_like(before, loaded.design, loaded) if before else Drive(loaded.design, loaded=loaded)
         return self._drive

@@ -54,7 +54,7 @@ class Superseded(BaseException):
     """A newer request has come; no ``except Exception`` on the way may take it for a fault."""
 
 
-class _Requests:
+class Requests:
     """The newest request; a thread reads them, so that the main thread can be interrupted while it computes."""
 
     def __init__(self, lines: BinaryIO) -> None:
@@ -130,7 +130,7 @@ def main() -> None:
     os.dup2(2, 1)
     if chain != MOTION and hasattr(os, "nice"):
         os.nice(NICENESS)
-    requests = _Requests(sys.stdin.buffer)
+    requests = Requests(sys.stdin.buffer)
     signal.signal(signal.SIGINT, requests.interrupt)
     threading.Thread(target=requests.read_all, daemon=True).start()
 
@@ -138,7 +138,7 @@ def main() -> None:
     from ncgear.studio.faults import refusal
     from ncgear.studio.followed import Followed
 
-    answers, followed = _answers_of(chain), Followed()
+    answers, followed = answers_of(chain), Followed()
     while True:
         request = requests.next()
         drive = partial(followed.drive, request["text"], request["changes"], Path(request["path"]))
@@ -163,7 +163,7 @@ def main() -> None:
                 break
 
 
-def _answers_of(chain: str) -> Answers:
+def answers_of(chain: str) -> Answers:
     """The answers of a chain; none imports what only another needs."""
     if chain == MOTION:
         from ncgear.studio.motion_answers import motion_answers
