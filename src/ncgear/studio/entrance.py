@@ -14,19 +14,19 @@ from pathlib import Path
 
 
 def open_in_browser(address: str) -> None:
-    """Open an address in the browser; the file that leads there goes with this process."""
-    file = leading_to(address)
+    """Open an address in the browser by a file of mode 0600, which goes with this process."""
+    # Only its owner may read a file of ``tempfile``.
+    with tempfile.NamedTemporaryFile("w", prefix="ncgear-studio-", suffix=".html", delete=False) as made:
+        made.write(leading_to(address))
+    file = Path(made.name)
     atexit.register(_remove, file)
     webbrowser.open(file.as_uri())
 
 
-def leading_to(address: str) -> Path:
-    """A file of mode 0600 that leads to an address."""
-    leads = f'<meta http-equiv="refresh" content="0;url={escape(address)}">'
-    # Only its owner may read a file of ``tempfile``.
-    with tempfile.NamedTemporaryFile("w", prefix="ncgear-studio-", suffix=".html", delete=False) as made:
-        made.write(f"<!DOCTYPE html><title>ncgear studio</title>{leads}")
-    return Path(made.name)
+def leading_to(address: str) -> str:
+    """A page that leads to an address, and asks for no icon of its own."""
+    leads = f'<link rel="icon" href="data:,"><meta http-equiv="refresh" content="0;url={escape(address)}">'
+    return f"<!DOCTYPE html><title>ncgear studio</title>{leads}"
 
 
 def _remove(file: Path) -> None:

@@ -26,6 +26,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from ncgear.files.publish import is_staging
 from ncgear.studio.chains import Chains
+from ncgear.studio.entrance import leading_to
 from ncgear.studio.faults import words_of
 from ncgear.studio.open_page import OpenPage
 from ncgear.studio.page import page
@@ -52,8 +53,6 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
 
-ENTERED = '<!DOCTYPE html><title>ncgear studio</title><meta http-equiv="refresh" content="0;url=/">'
-"""The page that gives the token and leads on: a cookie that is given with a redirect would not be sent at once."""
 
 
 class Guard:
@@ -71,7 +70,9 @@ class Guard:
             return
         problem = self._problem(scope)
         if problem is None and scope["path"] == f"/{self.token}/":
-            entered = HTMLResponse(ENTERED, headers={"referrer-policy": "no-referrer", "cache-control": "no-store"})
+            # A page that leads on: a cookie that is given with a redirect would not be sent at once.
+            never_told_on = {"referrer-policy": "no-referrer", "cache-control": "no-store"}
+            entered = HTMLResponse(leading_to("/"), headers=never_told_on)
             entered.set_cookie(self.cookie, self.token, httponly=True, samesite="strict")
             await entered(scope, receive, send)
         elif problem is None:
