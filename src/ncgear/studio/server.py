@@ -53,8 +53,6 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
 
-
-
 class Guard:
     """Lets through what names this host, comes from this page, and has the token; all else gets 403 or 404."""
 
