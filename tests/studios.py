@@ -19,6 +19,7 @@ from typing import Any
 from websockets.sync.client import ClientConnection, connect
 
 from commands import environment
+from ncgear.studio.worker import CHAINS
 
 
 @dataclass
@@ -38,11 +39,16 @@ class Studio:
     def token(self) -> str:
         return self.address.rstrip("/").rpartition("/")[2]
 
+    @property
+    def cookie(self) -> str:
+        """The cookie with which a browser that has been at the address comes back."""
+        return f"ncgear-{self.port}={self.token}"
+
     def get(self, path: str, **headers: str) -> tuple[int, Mapping[str, str], bytes]:
-        """Status, headers and content that answer a request whose headers are as given."""
+        """Status, headers and content that answer a request with the studio's cookie and the headers that are given."""
         with closing(HTTPConnection("127.0.0.1", self.port, timeout=20)) as made:
             made.putrequest("GET", path, skip_host="Host" in headers)
-            for name, value in headers.items():
+            for name, value in {"Cookie": self.cookie, **headers}.items():
                 made.putheader(name, value)
             made.endheaders()
             answer = made.getresponse()
@@ -52,8 +58,9 @@ class Studio:
     def page(self, name: str = "test", **more: Any) -> Iterator[Page]:
         """A page's conversation."""
         origin = more.pop("origin", f"http://127.0.0.1:{self.port}")
-        place = f"ws://127.0.0.1:{self.port}/{more.pop('token', self.token)}/talk?page={name}"
-        with connect(place, origin=origin, max_size=None, **more) as socket:
+        given = {"Cookie": more.pop("cookie", self.cookie)}
+        place = f"ws://127.0.0.1:{self.port}/talk?page={name}"
+        with connect(place, origin=origin, additional_headers=given, max_size=None, **more) as socket:
             yield Page(socket)
 
     @property
@@ -85,9 +92,9 @@ class Page:
         raise TimeoutError(kinds)
 
     def settled(self, number: int) -> list[dict[str, Any]]:
-        """All messages until both chains have answered all of a text."""
+        """All messages until all chains have answered all of a text."""
         heard, done = [], set()
-        while done != {"motion", "gears"}:
+        while done != set(CHAINS):
             heard.append(self.hear())
             if heard[-1]["is"] == "done" and heard[-1]["n"] == number:
                 done.add(heard[-1]["from"])

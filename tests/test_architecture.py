@@ -153,10 +153,12 @@ WRITERS = {
     "files/workshop/dxf.py",
     "files/workshop/sheets/dxf.py",
     "studio/chains.py",
+    "studio/entrance.py",
     "studio/worker.py",
 }
-"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points.
-And what calls the same of a library, for a text in memory, or of a pipe between two processes."""
+"""What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points;
+the temporary file that leads a browser to the studio.  And what calls the same of a library, for a text in memory, or
+of a pipe between two processes."""
 
 
 def writes_to_paths(text: str) -> bool:

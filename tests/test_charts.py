@@ -16,8 +16,8 @@ from ncgear.drawings.animation.moving_picture import CHART_LOOK
 from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, over_displacement, slider_chart
+from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
-from ncgear.drawings.page.page_charts import PageChart
 from ncgear.drawings.plots.balance_plots import spread
 from ncgear.drawings.plots.canvas import JOINT
 

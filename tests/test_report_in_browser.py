@@ -15,7 +15,8 @@ import pytest
 import drives
 import reports
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
-from ncgear.drawings.page.page_charts import PageChart, gear_charts
+from ncgear.drawings.page.chart_figure import PageChart
+from ncgear.drawings.page.page_charts import gear_charts
 from scenes import in_a_browser
 
 pytestmark = [pytest.mark.slow, in_a_browser]

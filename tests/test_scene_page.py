@@ -19,8 +19,8 @@ from shapely import LinearRing
 from svgelements import Path as SvgPath
 
 from drives import drive_of_text
+from ncgear.drawings.page.assets import scene_script, scene_style
 from ncgear.drawings.page.data import TABLE_ERROR_RAD, angle_table, scene_data
-from ncgear.drawings.page.page import scene_script, scene_style
 from ncgear.drawings.page.scene_svg import closed_path, gear_tolerance_mm, grid_mm, scene_svg
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.numerics.arrays import Array

@@ -21,8 +21,8 @@ from ncgear.design.keys.design import json_schema
 from ncgear.design.laws.registry import LawName as Law
 from ncgear.design.mechanisms import MECHANISMS
 from ncgear.design.reading.design_file import load, parsed
+from ncgear.drawings.page.assets import scene_script
 from ncgear.drawings.page.data import scene_data
-from ncgear.drawings.page.page import scene_script
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.errors import WrongInput

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
+import json
+import queue
+import signal
+import threading
+import time
 from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,10 +29,16 @@ from ncgear.design.reference import keys_of
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.errors import WrongInput
 from ncgear.project.drive import Drive
-from ncgear.studio.answers import gear_answers, motion_answers
-from ncgear.studio.editing import Edited, History, as_written, difference, edited
+from ncgear.studio import editing, open_page, worker
+from ncgear.studio.answers import Answer, Answers, guarded
+from ncgear.studio.chains import Chains
+from ncgear.studio.editing import History, as_written, difference, edited
+from ncgear.studio.followed import Followed
 from ncgear.studio.form import form
+from ncgear.studio.gear_answers import contact_answers, gear_answers
 from ncgear.studio.handles import handles
+from ncgear.studio.motion_answers import motion_answers
+from ncgear.studio.worker import GEARS, MOTION, PICTURES, answers_of
 
 NAMES = sorted(path.stem for path in DESIGNS.glob("*.yaml"))
 SOME = ["baler", "ellipse", "feeder-wishes", "scotch-yoke-pump"]
@@ -109,6 +123,14 @@ def test_history_goes_back_and_forth_as_a_list_with_a_place(steps: list[str]) ->
             history, texts, place = history.kept(step), [*texts[: place + 1], step], place + 1
         assert history.now == texts[place]
         assert (len(history.past), len(history.future)) == (place, len(texts) - 1 - place)
+
+
+def test_history_has_a_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(editing, "MOST_CHARACTERS", 10)
+    history = History("aaaa").kept("bbbb").kept("cccc").kept("dddd")
+    assert (history.past, history.now) == (("bbbb", "cccc"), "dddd")
+    assert history.undone().undone().future == ("cccc", "dddd")
+    assert History("a" * 11).kept("b").past == ()
 
 
 # --- another law, another mechanism
@@ -202,9 +224,8 @@ def moved(name: str, number: int, axis: str, step: float) -> tuple[dict[str, Any
     """A handle of a design, and the same one after it was dragged by a step along an axis."""
     before = handles(drive(name))[number]
     move = before["moves"][axis]
-    text = Edited(text_of(name)).with_changes({move["key"]: move["base"] + move["factor"] * step})
-    read = parsed(text, DESIGNS / f"{name}.yaml")
-    return before, handles(Drive(read.design))[number]
+    changes = {move["key"]: move["base"] + move["factor"] * step}
+    return before, handles(Followed().drive(text_of(name), changes, DESIGNS / f"{name}.yaml"))[number]
 
 
 @pytest.mark.parametrize("number", range(4))
@@ -234,11 +255,85 @@ def test_handles_lie_on_the_curves(name: str) -> None:
             assert one["y"] == pytest.approx(quantity.values(motion, made.linkage.OUTPUT)[0], rel=1e-9, abs=1e-6)
 
 
+# --- a design that is followed
+
+
+CHANGED: list[dict[str, Any]] = [
+    {"operation.speed_rpm": 33.25},
+    {"gears.face_width_mm": 11},
+    {"gears.backlash_mm": 0.2},
+    {"gears.rack": {"pressure_angle_deg": 21}},
+    {"gears.teeth": 39},
+    {"output.chord_tolerance_mm": 0.01},
+    {"motion.eccentricity": 0.21},
+    {"linkage.rod_mm": 333},
+    {"gears": None},
+]
+"""Changes that leave more or less of a drive as it is; each is followed by the one after it."""
+
+
+@pytest.mark.slow
+def test_what_a_change_leaves_is_kept_and_what_it_touches_is_made_anew() -> None:
+    followed, text, path = Followed(), text_of("ellipse"), DESIGNS / "ellipse.yaml"
+    for changes in CHANGED:
+        kept, anew = followed.drive(text, changes, path), Drive(parsed(edited(text, changes), path).design)
+        assert kept.design == anew.design
+        assert kept.check.peak_power_w == anew.check.peak_power_w
+        if anew.design.gears is not None:
+            assert np.array_equal(kept.teeth.driving.outline_mm, anew.teeth.driving.outline_mm), changes
+            assert np.array_equal(kept.teeth.driven.outline_mm, anew.teeth.driven.outline_mm), changes
+    before = followed.drive(text, {}, path)
+    teeth, law = before.teeth, before.law
+    assert followed.drive(text, {"operation.speed_rpm": 20}, path).teeth is teeth
+    assert followed.drive(text, {"gears.teeth": 39}, path).law is law
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.tiers(quick=SOME, rest="slow")
+def test_changes_while_something_is_dragged_say_what_the_text_says_then(name: str) -> None:
+    """The first number of the law, and the speed."""
+    text = text_of(name)
+    numbers = [(key, value) for key, value in leaves(data_of(text)["motion"], "motion") if isinstance(value, float)]
+    changes = {"operation.speed_rpm": 33.25, **{key: 1.001 * value for key, value in numbers[:1]}}
+    path = DESIGNS / f"{name}.yaml"
+    assert Followed().drive(text, changes, path).design == parsed(edited(text, changes), path).design
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.tiers(quick=["desk-toy"], slow=["traced-egg", "oval-flow-meter", "log-generator", "baler"], rest="long")
+def test_every_design_opens_is_changed_refuses_and_is_mended(name: str) -> None:
+    """By the answers that its page gets, up to the picture of each chain."""
+    followed, text = Followed(), text_of(name)
+    refused_as_shipped = name == "baler-a1-at-law-speed"
+
+    def told(changes: Mapping[str, Any], chain: str) -> tuple[str, Any]:
+        drive_of = partial(followed.drive, text, changes, DESIGNS / f"{name}.yaml")
+        found = guarded(answers_of(chain), drive_of)
+        return next((kind, content) for kind, content in found if kind in ("refused", PICTURES[chain]))
+
+    for changes in ({}, {"operation.speed_rpm": 33.25}):
+        assert told(changes, MOTION)[0] == "motion"
+        assert told(changes, GEARS)[0] == ("refused" if refused_as_shipped else "scene")
+    for chain in (MOTION, GEARS):
+        kind, content = told({"operation.speed_rpm": -1}, chain)
+        assert (kind, content["key"], content["wrong_input"]) == ("refused", "operation.speed_rpm", True)
+    if followed.drive(text, {}, DESIGNS / f"{name}.yaml").design.gears is not None:
+        # Where gears stand by themselves nothing is left to be shown then, which is no fault.
+        kind, content = told({"gears.rack": {"addendum": 2.5}}, GEARS)
+        assert (kind, content["key"]) == ("refused", "gears.rack.addendum") or refused_as_shipped
+    assert told({}, GEARS)[0] == ("refused" if refused_as_shipped else "scene")
+
+
 # --- answers
 
 
+def answered(answers: Answers, text: str, name: str, changes: Mapping[str, Any] | None = None) -> list[Answer]:
+    """All answers of a chain to a text in the place of a design, with changes while something is dragged."""
+    return list(guarded(answers, lambda: Followed().drive(text, changes or {}, DESIGNS / f"{name}.yaml")))
+
+
 def test_the_motion_is_that_of_the_drive() -> None:
-    name, content = next(motion_answers(text_of("baler"), DESIGNS / "baler.yaml"))
+    name, content = answered(motion_answers, text_of("baler"), "baler")[0]
     assert name == "motion"
     made = drive("baler")
     for chart in content["charts"]:
@@ -253,8 +348,8 @@ def test_the_motion_is_that_of_the_drive() -> None:
 
 def test_what_cannot_be_read_has_its_line_and_key() -> None:
     text = text_of("baler").replace("teeth: 25", "teeth: many")
-    for answers in (motion_answers, gear_answers):
-        (name, content) = list(answers(text, DESIGNS / "baler.yaml"))[-1]
+    for answers in (motion_answers, gear_answers, contact_answers):
+        (name, content) = answered(answers, text, "baler")[-1]
         assert name == "refused"
         line = 1 + text.splitlines().index("  teeth: many")
         assert (content["key"], content["line"], content["wrong_input"]) == ("gears.teeth", line, True)
@@ -263,28 +358,119 @@ def test_what_cannot_be_read_has_its_line_and_key() -> None:
 @pytest.mark.slow
 def test_teeth_that_cannot_be_made_leave_the_motion() -> None:
     name = "baler-a1-at-law-speed"
-    text, path = text_of(name), DESIGNS / f"{name}.yaml"
-    assert "figures" in dict(motion_answers(text, path))
-    found = dict(gear_answers(text, path))
+    text = text_of(name)
+    assert "figures" in dict(answered(motion_answers, text, name))
+    found, judged = (dict(answered(answers, text, name)) for answers in (gear_answers, contact_answers))
     assert set(found) == {"bare", "refused"}
-    assert found["refused"]["problem"]
+    assert found["refused"]["problem"] == judged["refused"]["problem"]
 
 
 @pytest.mark.slow
 def test_a_body_that_cannot_be_made_leaves_its_teeth() -> None:
     text = text_of("baler").replace("bore_mm: 16,", "bore_mm: 60,")
-    found = [kind for kind, _ in gear_answers(text, DESIGNS / "baler.yaml")]
-    assert found == ["scene", "teeth", "refused"]
+    assert [kind for kind, _ in answered(gear_answers, text, "baler")] == ["scene", "refused"]
+    assert "teeth" in dict(answered(contact_answers, text, "baler"))
 
 
 @pytest.mark.tiers(slow=["spiral-pair"], rest="long")
 @pytest.mark.parametrize("name", ["ellipse", "uniform-crank", "spiral-pair", "baler-66-two-stage"])
 def test_all_parts_come_for_every_kind_of_design(name: str) -> None:
     text = text_of(name)
-    motion = [kind for kind, _ in motion_answers(text, DESIGNS / f"{name}.yaml")]
-    gears = [kind for kind, _ in gear_answers(text, DESIGNS / f"{name}.yaml")]
-    assert motion[:2] == ["motion", "figures"]
-    assert set(motion[2:]) == {"chart"}
-    assert gears[0] == "scene"
-    if drive(name).design.gears is not None:
-        assert gears[1:5] == ["teeth", "scene", "strength", "verdict"]
+    chains = (motion_answers, gear_answers, contact_answers)
+    motion, gears, contact = ([kind for kind, _ in answered(one, text, name)] for one in chains)
+    assert (motion[:2], set(motion[2:-1]), motion[-1]) == (["motion", "figures"], {"chart"}, "verdict")
+    if drive(name).design.gears is None:
+        assert (gears, contact) == (["scene"], [])
+    else:
+        assert gears == ["scene", "scene"]
+        assert (contact[:2], set(contact[2:-1]), contact[-1]) == (["teeth", "strength"], {"chart"}, "verdict")
+
+
+# --- dragging
+
+
+class Asked(Chains):
+    """Chains that remember what they were asked, and take no time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked: list[tuple[str, dict[str, Any]]] = []
+
+    async def ask(self, number: int, text: str, changes: Mapping[str, Any], path: str) -> None:
+        self.asked.append((text, dict(changes)))
+
+    async def close(self) -> None:
+        """Nothing to end."""
+
+
+def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However fast moves come, one of them is always asked for; the last one is, and only its end writes the text."""
+    path = tmp_path / "ellipse.yaml"
+    path.write_text(text_of("ellipse"), encoding="utf-8")
+    monkeypatch.setattr(open_page, "BETWEEN_S", 0.001)
+    asked = Asked()
+
+    async def drag() -> list[int]:
+        page, counts = open_page.OpenPage(path, tmp_path, asked), []
+        told: list[str] = []
+
+        async def send(text: str) -> None:
+            told.append(text)
+
+        await page.connected(send)
+        for number in range(300):
+            message = {"do": "change", "changes": {"operation.speed_rpm": number}}
+            await page.hear(json.dumps(message))
+            await asyncio.sleep(0)
+            counts.append(len(asked.asked))
+        while asked.asked[-1][1] != {"operation.speed_rpm": 299}:
+            await asyncio.sleep(0.001)
+        assert page.history.now == text_of("ellipse")
+        await page.hear('{"do": "keep"}')
+        assert "speed_rpm: 299" in page.history.now
+        await page.closed()
+        return counts
+
+    counts = asyncio.run(asyncio.wait_for(drag(), 30.0))
+    dragged = [changes["operation.speed_rpm"] for text, changes in asked.asked if changes]
+    assert dragged == sorted(set(dragged))
+    assert counts[-1] > 2, "a move is asked for while others come"
+    assert all(text == text_of("ellipse") for text, changes in asked.asked if changes)
+
+
+def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker, "PATIENCE_S", 0.0)
+    lines: queue.Queue[bytes] = queue.Queue()
+    requests = worker.Requests(iter(lines.get, None))  # type: ignore[arg-type]
+    before = signal.signal(signal.SIGINT, requests.interrupt)
+    threading.Thread(target=requests.read_all, daemon=True).start()
+
+    def come(number: int) -> None:
+        lines.put(json.dumps({"n": number, "changes": {}, "path": "", "text": "x"}).encode())
+
+    def computed(seconds: float) -> None:
+        requests.computing = True
+        try:
+            end = time.monotonic() + seconds
+            while time.monotonic() < end:
+                time.sleep(0.001)
+        finally:
+            requests.computing = False
+
+    try:
+        come(1)
+        assert requests.next()["n"] == 1
+        come(2)
+        with pytest.raises(worker.Superseded):
+            computed(20.0)
+        assert requests.next()["n"] == 2
+        come(3)
+        computed(0.05)
+        assert not requests.superseded
+        requests.shown()
+        assert requests.superseded
+        assert requests.next()["n"] == 3
+    finally:
+        signal.signal(signal.SIGINT, before)

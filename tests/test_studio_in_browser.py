@@ -55,7 +55,7 @@ class Opened:
         """Wait until the text that is shown has all its answers."""
         asked = int(self.page.evaluate("document.body.dataset.asked"))
         self.page.wait_for_function(
-            "n => Number(document.body.dataset.doneGears) >= n && Number(document.body.dataset.doneMotion) >= n",
+            "n => ['Gears', 'Motion', 'Contact'].every((one) => Number(document.body.dataset[`done${one}`]) >= n)",
             arg=asked,
         )
 

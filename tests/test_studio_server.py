@@ -11,6 +11,7 @@ import socket
 import subprocess
 import sys
 import time
+import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,9 @@ from commands import environment, fresh
 from drives import DESIGNS
 from ncgear.studio import chains
 from ncgear.studio.chains import Chain
+from ncgear.studio.entrance import open_in_browser
 from ncgear.studio.open_page import OpenPage
+from ncgear.studio.worker import CHAINS
 from studios import Studio, children, is_running, running
 
 pytestmark = pytest.mark.slow
@@ -46,7 +49,7 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
 
 
 def test_the_page_is_there_for_whoever_has_the_address(studio: Studio) -> None:
-    status, headers, content = studio.get(f"/{studio.token}/")
+    status, headers, content = studio.get("/")
     policy = headers["content-security-policy"]
     assert status == 200
     assert "default-src 'none'" in policy
@@ -60,7 +63,30 @@ def test_the_page_is_there_for_whoever_has_the_address(studio: Studio) -> None:
 @pytest.mark.parametrize("path", ["/", "/talk", "/x/", "/TOKEN", "//TOKEN/", "/export/one/a.txt", f"/{'0' * 32}/"])
 def test_without_the_token_there_is_nothing(studio: Studio, path: str) -> None:
     other = studio.token[:-1] + ("-" if studio.token.endswith("_") else "_")
-    assert studio.get(path.replace("TOKEN", other))[0] == 403
+    assert studio.get(path.replace("TOKEN", other), Cookie=f"ncgear-{studio.port}={other}")[0] == 403
+
+
+def test_the_address_gives_a_cookie_that_no_script_reads_and_no_other_site_uses(studio: Studio) -> None:
+    status, headers, content = studio.get(f"/{studio.token}/", Cookie="")
+    given, *rest = headers["set-cookie"].split("; ")
+    assert (status, given) == (200, studio.cookie)
+    assert {"HttpOnly", "SameSite=strict"} <= set(rest)
+    assert b'content="0;url=/"' in content
+    assert studio.get("/", Cookie="")[0] == 403
+    assert studio.get("/", Cookie=given)[0] == 200
+
+
+def test_a_browser_is_led_by_a_file_that_only_its_owner_reads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its name is all that stands on the command line of the browser."""
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    open_in_browser("http://127.0.0.1:1/the-token/")
+    file = Path(opened[0].removeprefix("file://"))
+    assert opened == [file.as_uri()]
+    assert "the-token" not in opened[0]
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert 'content="0;url=http://127.0.0.1:1/the-token/"' in file.read_text(encoding="utf-8")
+    file.unlink()
 
 
 @pytest.mark.tiers(slow=["localhost:1"], rest="long")
@@ -68,8 +94,8 @@ def test_without_the_token_there_is_nothing(studio: Studio, path: str) -> None:
 def test_another_host_name_is_refused(studio: Studio, host: str) -> None:
     """A page of another site whose name leads to this computer sends that name."""
     given = host.replace("PORT", str(studio.port))
-    assert studio.get(f"/{studio.token}/", Host=given)[0] in (400, 403)
-    assert studio.get(f"/{studio.token}/", Host=f"localhost:{studio.port}")[0] == 200
+    assert studio.get("/", Host=given)[0] in (400, 403)
+    assert studio.get("/", Host=f"localhost:{studio.port}")[0] == 200
 
 
 @pytest.mark.tiers(slow=["None"], rest="long")
@@ -81,7 +107,7 @@ def test_another_page_cannot_talk(studio: Studio, origin: str | None) -> None:
 
 
 def test_a_wrong_token_cannot_talk(studio: Studio) -> None:
-    with pytest.raises(InvalidStatus), studio.page(token="0" * 32):
+    with pytest.raises(InvalidStatus), studio.page(cookie=f"ncgear-{studio.port}={'0' * 32}"):
         pass
 
 
@@ -102,11 +128,11 @@ def test_other_computers_cannot_reach_it(studio: Studio) -> None:
 
 
 def test_files_of_the_export_folder_alone_are_shown(studio: Studio) -> None:
-    status, headers, content = studio.get(f"/{studio.token}/export/one/a.txt")
+    status, headers, content = studio.get("/export/one/a.txt")
     assert (status, content) == (200, b"a file")
     assert headers["content-security-policy"].startswith("sandbox")
     for path in ("../secret.txt", "%2e%2e/secret.txt", "one/.hidden", "..%2f..%2fetc/passwd", "out.txt", "one", ""):
-        assert studio.get(f"/{studio.token}/export/{path}")[0] in (403, 404), path
+        assert studio.get(f"/export/{path}")[0] in (403, 404), path
 
 
 # --- what it answers
@@ -167,13 +193,67 @@ def test_messages_that_ask_for_nonsense_are_told_so(studio: Studio, message: dic
         assert page.until("state")["content"]["saved"]
 
 
-def test_what_is_no_message_is_passed_over(studio: Studio) -> None:
+LONE_SURROGATE = '"\\ud800"'
+NO_MESSAGES = [
+    b"\x00\xff",
+    b'{"do": "undo"}',
+    "",
+    "{",
+    "[]",
+    "5",
+    '{"do": NaN}',
+    "[" * 5000,
+    '{"do": "change", "changes": {"operation.speed_rpm": 1e400}}',
+    f'{{"do": "change", "changes": {{"operation.speed_rpm": {"9" * 4000}}}}}',
+    f'{{"do": "set", "changes": {{"description": {LONE_SURROGATE}}}}}',
+    f'{{"do": "text", "text": {LONE_SURROGATE}}}',
+    f'{{"do": {LONE_SURROGATE}}}',
+]
+
+
+def test_what_is_no_message_is_told_and_the_conversation_goes_on(studio: Studio) -> None:
     with studio.page("noise") as page:
         page.until("state")
-        for text in ("", "{", "[]", "5", '{"do": NaN}', "[" * 5000):
-            page.socket.send(text)
+        for data in NO_MESSAGES:
+            page.socket.send(data)
+            assert "message" in page.until("said")["content"], data
         page.send("redo")
         assert page.until("state")["content"]["saved"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["motion: {law: []}\n", "linkage: {kind: {}}\n", "motion: {law: {a: 1}}\ngears: [1]\n", "1: 2\n", "- a\n", "x"],
+)
+def test_texts_of_any_form_are_told_their_fault(studio: Studio, text: str) -> None:
+    with studio.page(f"form{hash(text)}") as page:
+        page.until("state")
+        page.send("text", text=text)
+        assert page.until("state")["content"]["text"] == text
+        assert "internal fault" not in page.until("refused")["content"]["problem"]
+        page.send("undo")
+        assert page.until("state")["content"]["saved"]
+
+
+def test_names_that_no_file_can_have_are_not_found(studio: Studio) -> None:
+    for name in ("x" * 300, "x" * 5000, "a%00b", "%ff"):
+        assert studio.get(f"/export/{name}")[0] == 404, name
+
+
+def test_a_design_that_has_become_a_folder_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "ellipse.yaml"
+    shutil.copy(DESIGNS / "ellipse.yaml", path)
+    with running(path, tmp_path / "export") as studio, studio.page() as page:
+        page.until("state")
+        page.send("set", changes={"operation.speed_rpm": 88})
+        page.until("state")
+        path.unlink()
+        path.mkdir()
+        page.send("save", over=True)
+        assert "ellipse.yaml" in page.until("said")["content"]
+        assert "speed_rpm: 88" in page.until("state")["content"]["text"]
+        with studio.page("other") as other:
+            assert "is a folder" in other.until("said")["content"]
 
 
 def test_a_design_that_is_no_yaml_is_shown_with_its_fault(studio: Studio) -> None:
@@ -210,7 +290,7 @@ def test_a_page_that_is_closed_leaves_no_process(studio: Studio) -> None:
         page.settled(page.until("state")["n"])
         end = time.monotonic() + 20
         # Those of pages of other tests may still be on their way out.
-        while len(before := studio.workers) != 2:
+        while len(before := studio.workers) != len(CHAINS):
             assert time.monotonic() < end, before
     wait_until_gone(before)
 
@@ -232,7 +312,7 @@ def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatc
         await page.connected(send)
         await asyncio.gather(page.disconnected(send), page.connected(send))
         told.clear()
-        await page.change({"changes": {"operation.speed_rpm": 55}})
+        await page.hear(json.dumps({"do": "change", "changes": {"operation.speed_rpm": 55}}))
         while not any('"is": "asked"' in one for one in told):
             await asyncio.sleep(0.05)
         # Not the processes of other tests, nor the one that lists them.
@@ -243,7 +323,7 @@ def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatc
     monkeypatch.setattr(Chain, "close", ended_late)
     before = children(os.getpid())
     begun = asyncio.run(asyncio.wait_for(load_anew(), 60.0))
-    assert len(begun) == 2
+    assert len(begun) == len(CHAINS)
     wait_until_gone(begun)
 
 
@@ -262,7 +342,7 @@ def test_a_server_that_is_killed_leaves_the_file_whole_and_no_process(tmp_path: 
     with running(path, tmp_path / "export") as studio, studio.page() as page:
         page.until("motion")
         processes = children(studio.process.pid)
-        assert len(processes) == 2
+        assert len(processes) == len(CHAINS)
         page.send("set", changes={"operation.speed_rpm": 88})
         page.send("save")
         time.sleep(0.05)
@@ -333,14 +413,14 @@ def test_a_computation_that_takes_too_long_is_ended_and_said(monkeypatch: pytest
 
     async def asked() -> None:
         chain = chains.Chain("gears", told)
-        await chain.ask(1, (DESIGNS / "baler.yaml").read_text(encoding="utf-8"), "d.yaml")
+        await chain.ask(1, (DESIGNS / "baler.yaml").read_text(encoding="utf-8"), {}, "d.yaml")
         process = chain._process
         assert process is not None
         while not heard:
             await asyncio.sleep(0.01)
         assert await process.wait() != 0
         monkeypatch.setattr(chains, "LONGEST_S", 60.0)
-        await chain.ask(2, (DESIGNS / "uniform-crank.yaml").read_text(encoding="utf-8"), "d.yaml")
+        await chain.ask(2, (DESIGNS / "uniform-crank.yaml").read_text(encoding="utf-8"), {}, "d.yaml")
         while heard[-1]["is"] != "done":
             await asyncio.sleep(0.01)
         await chain.close()
@@ -359,8 +439,9 @@ def test_the_newest_request_is_answered_and_older_ones_are_broken_off() -> None:
         assert process.stdin is not None
         assert process.stdout is not None
         for number in range(120):
-            changed = text.replace("speed_rpm: 90", f"speed_rpm: {20 + number}")
-            process.stdin.write(json.dumps({"n": number, "text": changed, "path": "d.yaml"}) + "\n")
+            changes = {"operation.speed_rpm": 20 + number}
+            request = {"n": number, "changes": changes, "path": "d.yaml"} | ({} if number else {"text": text})
+            process.stdin.write(json.dumps(request) + "\n")
             process.stdin.flush()
         heard = []
         while not heard or (heard[-1]["is"], heard[-1]["n"]) != ("done", 119):

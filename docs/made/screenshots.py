@@ -61,7 +61,7 @@ def _studio(design: str) -> Iterator[Any]:
             browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
             page = browser.new_page(viewport=STUDIO_SIZE, color_scheme="light")
             page.goto(address[0])
-            page.wait_for_selector("body[data-done-gears][data-done-motion]", timeout=60_000)
+            page.wait_for_selector("body[data-done-gears][data-done-motion][data-done-contact]", timeout=60_000)
             yield page
             browser.close()
             process.terminate()

@@ -32,6 +32,7 @@ def studio(
         name = design_file.stem or "machine"
         raise WrongInput(f"is not there; `ncgear new {name}` writes a design to begin with", location=str(design_file))
 
+    from ncgear.studio.entrance import open_in_browser
     from ncgear.studio.on_disk import design_on_disk
     from ncgear.studio.server import listening, serve
 
@@ -47,8 +48,6 @@ def studio(
         typer.echo(f"{design_file} is open at {address}")
         typer.echo("Ctrl-C ends the studio; what is not saved is there again when it is opened next.")
         if not no_browser:
-            import webbrowser
-
-            webbrowser.open(address)
+            open_in_browser(address)
 
     serve(design_file, out, bound, begun)

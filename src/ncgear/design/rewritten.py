@@ -21,47 +21,34 @@ LONGEST_LINE = 10_000
 def rewritten(text: str, values: Mapping[str, Any], width: int = LONGEST_LINE) -> str:
     """A design file with other values at some dotted keys; None leaves a key out.  Lines are broken at ``width``.
 
-    A key that the file does not have comes after the first one of its group.  A group that is missing is made.
+    A key that the file does not have comes after the first one of its group.  A group that is missing is made.  A
+    number in a key is the place of an item in a list.
     """
-    return Rewriting(text, width).with_values(values)
-
-
-class Rewriting:
-    """A design file that is written again and again with other values, and read only once."""
-
-    def __init__(self, text: str, width: int = LONGEST_LINE) -> None:
-        self.text = text
-        self._yaml = YAML()
-        self._yaml.width, self._yaml.preserve_quotes = width, True
-        self._data = self._yaml.load(text)
-
-    def with_values(self, values: Mapping[str, Any]) -> str:
-        """The text with other values at some dotted keys, as ``rewritten`` says; values of earlier calls stay.
-
-        A number in a key is the place of an item in a list.
-        """
-        for key, value in values.items():
-            *above, name = key.split(".")
-            group = self._data
-            for one in above:
-                if isinstance(group, list):
-                    group = group[int(one)]
-                    continue
-                if group.get(one) is None:
-                    _put(group, one, CommentedMap())
-                group = group[one]
+    yaml = YAML()
+    yaml.width, yaml.preserve_quotes = width, True
+    data = yaml.load(text)
+    for key, value in values.items():
+        *above, name = key.split(".")
+        group = data
+        for one in above:
             if isinstance(group, list):
-                group[int(name) : int(name) + 1] = [] if value is None else [_flow(value)]
-            elif value is None:
-                group.pop(name, None)
-            elif isinstance(value, list) and isinstance(group.get(name), list):
-                # Only the items are replaced, so that the list keeps the style in which it is written.
-                group[name][:] = [_flow(item) for item in value]
-            else:
-                _put(group, name, _flow(value))
-        made = StringIO()
-        self._yaml.dump(self._data, made)
-        return made.getvalue()
+                group = group[int(one)]
+                continue
+            if group.get(one) is None:
+                _put(group, one, CommentedMap())
+            group = group[one]
+        if isinstance(group, list):
+            group[int(name) : int(name) + 1] = [] if value is None else [_flow(value)]
+        elif value is None:
+            group.pop(name, None)
+        elif isinstance(value, list) and isinstance(group.get(name), list):
+            # Only the items are replaced, so that the list keeps the style in which it is written.
+            group[name][:] = [_flow(item) for item in value]
+        else:
+            _put(group, name, _flow(value))
+    made = StringIO()
+    yaml.dump(data, made)
+    return made.getvalue()
 
 
 def flow_text(value: Any) -> str:

@@ -15,11 +15,11 @@ import numpy as np
 
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.gears import SIZES, Gears
+from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import DesignError, WrongInput
-from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
+from ncgear.project.in_common import drive_like
 from ncgear.project.tooth_form import rack_of
 from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.form import BasicRack
@@ -60,12 +60,6 @@ LEAST_ADDENDUM = 0.5
 
 RACK_ANGLES = ("pressure_angle_deg", "idle_pressure_angle_deg")
 """Keys of the pressure angles of both flanks."""
-
-BODY = ("face_width_mm", "material")
-"""Keys that change nothing of straight teeth in the plane across the axes."""
-
-SAME_TEETH = ("law", "pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")
-"""Attributes of a drive that only such keys leave as they are."""
 
 SHIFTS = ("driving", "driven", "per_tooth")
 """Keys of profile shifts that a person gives; a shift that ncgear chooses replaces them."""
@@ -172,27 +166,8 @@ def changed_gears(gears: Gears, changes: Changes) -> Gears:
 
 
 def changed_drive(drive: Drive, changes: Changes) -> Drive:
-    """The drive of the changed design; what the change leaves as it is, law or pitch curves, is not computed again."""
-    gears = changed_gears(drive.gears, changes)
-    design = drive.design.model_copy(update={"gears": gears})
-    kept: tuple[str, ...] = ("law",)
-    if all(getattr(gears, name) == getattr(drive.gears, name) for name in SIZES):
-        kept = "law", "pitch"
-    if (
-        drive.helix is None
-        and gears.model_copy(update={name: getattr(drive.gears, name) for name in BODY}) == drive.gears
-    ):
-        kept = SAME_TEETH
-
-    def changed(one: Drive, whole: Drive | None = None) -> Drive:
-        other = Drive(design, one.stage, whole=whole)
-        take_over(kept, one, other)
-        return other
-
-    whole = changed(drive)
-    if design.stages > 1 and drive.stage is None:
-        vars(whole)["by_stage"] = tuple(changed(one, whole) for one in drive.by_stage)
-    return whole
+    """The drive of the design with such changes below ``gears``."""
+    return drive_like(drive, drive.design.model_copy(update={"gears": changed_gears(drive.gears, changes)}))
 
 
 def flatter_rack(drive: Drive, excess_deg: float) -> Changes:

@@ -1,4 +1,4 @@
-"""The two processes of a page that compute answers, seen from the server: started, asked, watched, ended."""
+"""The processes of a page that compute answers, seen from the server: started, asked, watched, ended."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import asyncio
 import json
 import os
 import sys
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from typing import Any
 
+from ncgear.errors import DesignError
+from ncgear.studio.faults import refusal
 from ncgear.studio.worker import CHAINS
 from ncgear.workers import ONE_THREAD
 
@@ -31,21 +34,24 @@ class Chain:
     _process: asyncio.subprocess.Process | None = None
     _listening: asyncio.Task[None] | None = None
     _watching: asyncio.Task[None] | None = None
-    _asked: tuple[int, bytes] | None = None
+    _asked: int | None = None
+    _text: str | None = None
 
-    async def ask(self, number: int, text: str, path: str) -> None:
-        """Ask for the answers of a text; those to earlier questions are broken off."""
-        request = json.dumps({"n": number, "text": text, "path": path}).encode() + b"\n"
-        self._asked = number, request
+    async def ask(self, number: int, text: str, changes: Mapping[str, Any], path: str) -> None:
+        """Ask for the answers of a text with changes; it is sent once, and its changes as often as they come."""
         if self._process is None or self._process.returncode is not None:
-            await self._start()
-        await self._send(request)
+            await self.start()
+        request = {"n": number, "changes": changes, "path": path} | ({} if text is self._text else {"text": text})
+        self._asked, self._text = number, text
+        await self._send(json.dumps(request).encode() + b"\n")
         if self._watching is not None:
             self._watching.cancel()
         self._watching = asyncio.create_task(self._watch(number))
 
-    async def _start(self) -> None:
+    async def start(self) -> None:
+        """Start the process, which makes itself ready before it is asked."""
         environment = {**ONE_THREAD, **os.environ}
+        self._text = None
         self._process = await asyncio.create_subprocess_exec(
             sys.executable,
             "-m",
@@ -55,8 +61,9 @@ class Chain:
             stdout=asyncio.subprocess.PIPE,
             env=environment,
             limit=LONGEST_ANSWER,
-            # Ctrl-C in the terminal is for the server, which closes the input of this process.
-            start_new_session=os.name == "posix",
+            # Ctrl-C in the terminal is for the server, which closes the input of this process: a group of its own keeps
+            # it away.  A session of its own would too, but Linux shares the processor evenly between sessions.
+            process_group=0 if os.name == "posix" else None,
         )
         self._listening = asyncio.create_task(self._listen(self._process))
 
@@ -76,24 +83,23 @@ class Chain:
                 await self.told(line.decode().rstrip())
         if process is self._process and self._asked is not None:
             # It has ended by itself, as when memory is short.
-            number = self._asked[0]
-            self._asked = None
+            number, self._asked = self._asked, None
             self.kill()
             await self.told(self._broken(number, "the computation ended without an answer"))
 
     def _is_newest(self, line: bytes) -> bool:
-        return self._asked is not None and json.loads(line)["n"] == self._asked[0]
+        return self._asked is not None and json.loads(line)["n"] == self._asked
 
     async def _watch(self, number: int) -> None:
         await asyncio.sleep(LONGEST_S)
-        if self._asked is not None and self._asked[0] == number:
+        if self._asked == number:
             self._asked = None
             self.kill()
             await self.told(self._broken(number, f"stopped after {LONGEST_S:g} s without an answer"))
 
     def _broken(self, number: int, problem: str) -> str:
-        said = {"problem": problem, "after": "", "key": "", "line": None, "wrong_input": False}
-        return json.dumps({"is": "refused", "n": number, "from": self.name, "content": said})
+        content = refusal(DesignError(problem))
+        return json.dumps({"is": "refused", "n": number, "from": self.name, "content": content})
 
     def kill(self) -> None:
         """End the process now; the next question starts another."""
@@ -115,18 +121,27 @@ class Chain:
 
 @dataclass
 class Chains:
-    """Both processes of a page."""
+    """All processes of a page."""
 
-    told: Told
+    told: Told | None = None
     chains: list[Chain] = field(default_factory=list)
 
-    async def ask(self, number: int, text: str, path: str) -> None:
-        """Ask both for the answers of a text."""
+    async def start(self) -> None:
+        """Start the first before there is a question: the motion is what is seen first."""
+        self.chains = [Chain(name, self._tell) for name in CHAINS]
+        await self.chains[0].start()
+
+    async def _tell(self, line: str) -> None:
+        if self.told is not None:
+            await self.told(line)
+
+    async def ask(self, number: int, text: str, changes: Mapping[str, Any], path: str) -> None:
+        """Ask all for the answers of a text with changes."""
         if not self.chains:
-            self.chains = [Chain(name, self.told) for name in CHAINS]
-        await asyncio.gather(*(chain.ask(number, text, path) for chain in self.chains))
+            await self.start()
+        await asyncio.gather(*(chain.ask(number, text, changes, path) for chain in self.chains))
 
     async def close(self) -> None:
-        """End both."""
+        """End all."""
         await asyncio.gather(*(chain.close() for chain in self.chains))
         self.chains = []

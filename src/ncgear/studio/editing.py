@@ -6,8 +6,10 @@ what ``ncgear check`` would read.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from difflib import SequenceMatcher, unified_diff
+from itertools import accumulate
 from typing import Any
 
 from ruamel.yaml.error import YAMLError
@@ -17,13 +19,16 @@ from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.rewritten import LINE_WIDTH, LONGEST_LINE, Rewriting
+from ncgear.design.rewritten import LINE_WIDTH, LONGEST_LINE, rewritten
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
 MOST_STEPS = 500
 """Steps that can be undone; with texts of some kilobytes they take a megabyte or two."""
 
+
+MOST_CHARACTERS = 16_000_000
+"""Characters of all steps together; of texts of a megabyte fewer steps can be undone."""
 DIGITS = 7
 """Significant digits of a value that was dragged; a pixel of any screen is a thousandth of a chart."""
 
@@ -40,7 +45,9 @@ class History:
         """The history with one more step; a text that is shown already makes none."""
         if text == self.now:
             return self
-        return History(text, (*self.past, self.now)[-MOST_STEPS:])
+        past = (*self.past, self.now)[-MOST_STEPS:]
+        fitting = sum(total <= MOST_CHARACTERS for total in accumulate(len(one) for one in reversed(past)))
+        return History(text, past[len(past) - fitting :])
 
     def undone(self) -> History:
         """One step back; the same history where there is none."""
@@ -61,25 +68,13 @@ def difference(old: str, new: str, name: str, old_is: str = "saved") -> str:
     return "\n".join(unified_diff(old.splitlines(), new.splitlines(), *names, lineterm="", n=2))
 
 
-class Edited:
-    """A text that is changed again and again while something is dragged, and read only once."""
-
-    def __init__(self, text: str, width: int = LONGEST_LINE) -> None:
-        self.text = text
-        self._width = width
-        self._rewriting: Rewriting | None = None
-
-    def with_changes(self, changes: Mapping[str, Any]) -> str:
-        """The text with changes as ``edited`` says; those of earlier calls stay."""
-        values = _values(self.text, changes)
-        try:
-            if self._rewriting is None:
-                self._rewriting = Rewriting(self.text, self._width)
-            return self._rewriting.with_values(values)
-        except (YAMLError, AttributeError, TypeError, ValueError, LookupError) as error:
-            self._rewriting = None
-            problem = "the text has no place for this value; mend the text first"
-            raise WrongInput(problem, key=next(iter(changes), "")) from error
+@contextmanager
+def in_its_place(key: str) -> Iterator[None]:
+    """Say in words of the design file that it has no place for a value."""
+    try:
+        yield
+    except (YAMLError, AttributeError, TypeError, ValueError, LookupError) as error:
+        raise WrongInput("the text has no place for this value; mend the text first", key=key) from error
 
 
 def edited(text: str, changes: Mapping[str, Any]) -> str:
@@ -89,13 +84,14 @@ def edited(text: str, changes: Mapping[str, Any]) -> str:
     of its group.  Lines that say the same as before stay as they are written.  Raises WrongInput where the text has no
     such places.
     """
-    width = LONGEST_LINE
-    again = Edited(text, width).with_changes({})
-    if not set(again.splitlines()) <= set(text.splitlines()):
-        # Long lists are broken into lines, as ncgear itself writes them.
-        width = LINE_WIDTH
-        again = Edited(text, width).with_changes({})
-    made = Edited(text, width).with_changes(changes)
+    values, width = values_of(text, changes), LONGEST_LINE
+    with in_its_place(next(iter(changes), "")):
+        again = rewritten(text, {}, width)
+        if not set(again.splitlines()) <= set(text.splitlines()):
+            # Long lists are broken into lines, as ncgear itself writes them.
+            width = LINE_WIDTH
+            again = rewritten(text, {}, width)
+        made = rewritten(text, values, width)
     merged = as_written(text, again, made)
     # Lines are merged without regard to their meaning, so the meaning is compared.
     try:
@@ -140,8 +136,8 @@ def _shifted(line: str, spaces: int) -> str:
     return " " * max(_indent(line) + spaces, 0) + line.lstrip(" ")
 
 
-def _values(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The changes as values for ``Rewriting``."""
+def values_of(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The changes as values by dotted keys: another law or mechanism as the group that it takes, numbers rounded."""
     values: dict[str, Any] = {}
     for key, value in changes.items():
         if key == "motion.law":

@@ -6,16 +6,18 @@ operating speed.  Along each axis it may move one key: ``key = base + factor * (
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from math import degrees, pi
+from collections.abc import Iterator, Sequence
+from math import degrees
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ncgear.design.keys.base import FULL_TURN
 from ncgear.design.laws.base import LawPoint
 from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.kinematics.motion import sample_angles
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.zeros import zeros_between
 from ncgear.project.drive import Drive
 
 Handle = dict[str, Any]
@@ -30,14 +32,23 @@ def handles(drive: Drive) -> list[Handle]:
     Each has ``name``, ``chart`` (key of a chart), ``x`` in deg, ``y`` in the chart's unit, and ``moves``: for ``x`` and
     ``y``, where they move something, the ``key``, its value ``base`` at that place, its ``factor``, and its ``unit``.
     """
+    return [*_of_points(drive), *_of_wishes(drive)]
+
+
+def _of_points(drive: Drive) -> Iterator[Handle]:
     points = drive.design.motion.law_points
-    return [*(_of_point(drive, point) for point in points if len(points) <= MOST_HANDLES), *_of_wishes(drive)]
+    if not 0 < len(points) <= MOST_HANDLES:
+        return
+    angles_rad = _driving_rad(drive, points)
+    motion = drive.machine.motion(angles_rad)
+    for place, point in enumerate(points):
+        quantity = Quantity[point.quantity.upper()]
+        shown = float(quantity.values(motion, drive.linkage.OUTPUT)[place])
+        yield _of_point(drive, point, quantity, degrees(angles_rad[place]), shown)
 
 
-def _of_point(drive: Drive, point: LawPoint) -> Handle:
-    """The handle of a point of the law."""
-    quantity = Quantity[point.quantity.upper()]
-    angle_deg = degrees(_driving_rad(drive, point))
+def _of_point(drive: Drive, point: LawPoint, quantity: Quantity, angle_deg: float, shown: float) -> Handle:
+    """The handle of a point of the law, which has a value on its chart."""
     moves: dict[str, Any] = {}
     if point.angle_key:
         unit = point.angle_key.rpartition("_")[2]
@@ -53,10 +64,10 @@ def _of_point(drive: Drive, point: LawPoint) -> Handle:
         moves["y"] = {
             "key": f"motion.{point.value_key}",
             "base": point.value,
-            "factor": _factor(drive, point, _value_at(drive, quantity, angle_deg)),
+            "factor": _factor(drive, point, shown),
             "unit": quantity.unit_of(drive.linkage.OUTPUT).text,
         }
-    return _handle(drive, point.name, quantity, angle_deg, moves)
+    return _handle(drive, point.name, quantity, (angle_deg, shown), moves)
 
 
 def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
@@ -72,74 +83,49 @@ def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
     return 1.0
 
 
-def _driving_rad(drive: Drive, point: LawPoint) -> float:
-    """The driving angle of a point in rad."""
-    if point.driven_share is None:
-        assert point.phi1_rad is not None
-        return point.phi1_rad
+def _driving_rad(drive: Drive, points: Sequence[LawPoint]) -> Array:
+    """The driving angles of points in rad, shape (n,)."""
+    if all(point.driven_share is None for point in points):
+        return np.array([point.phi1_rad for point in points])
     law = drive.transmission
-    driven = law.lobes.driven_period_rad * point.driven_share
-    if driven == 0.0:
-        return 0.0
-    end = law.lobes.driving_period_rad
-    return float(brentq(lambda phi1: float(law.driven_angle(np.array([phi1])).value[0]) - driven, 0.0, end))
+    driven = law.lobes.driven_period_rad * np.array([point.driven_share for point in points])
+    end = np.full(driven.shape, law.lobes.driving_period_rad)
+    return zeros_between(lambda phi1: law.driven_angle(phi1).value - driven, np.zeros(driven.shape), end)
 
 
 def _of_wishes(drive: Drive) -> Iterator[Handle]:
-    """Places of wishes along the displacement, their speeds along the speed."""
-    output = drive.linkage.OUTPUT
-    if not drive.linkage.RETURNS:
+    """Places of wishes along the displacement, their speeds along the speed, where the output is on its way out."""
+    wished = list(_wished(drive)) if drive.linkage.RETURNS else []
+    if not wished:
         return
-    place, speed = output.place, output.speed
-    for number, wish in enumerate(drive.design.wishes.constant_speed):
-        for end in ("from", "to"):
-            key = f"{end}_{place.ending}"
-            yield from _along_stroke(drive, f"even speed {end}", f"constant_speed.{number}.{key}", getattr(wish, key))
-        wanted = getattr(wish, f"speed_{speed.ending}")
-        if wanted is not None:
-            middle = (getattr(wish, f"from_{place.ending}") + getattr(wish, f"to_{place.ending}")) / 2.0
-            moves = _moved(f"wishes.constant_speed.{number}.speed_{speed.ending}", wanted, speed.text)
-            yield {**_at_place(drive, "even speed", middle, Quantity.VELOCITY, moves), "y": wanted}
-    for number, at in enumerate(drive.design.wishes.speed_at):
-        key = f"at_{place.ending}"
-        yield from _along_stroke(drive, "speed at", f"speed_at.{number}.{key}", getattr(at, key))
-        for bound in ("at_least", "at_most"):
-            value = getattr(at, f"{bound}_{speed.ending}")
-            if value is not None:
-                moves = _moved(f"wishes.speed_at.{number}.{bound}_{speed.ending}", value, speed.text)
-                name = bound.replace("_", " ")
-                yield {**_at_place(drive, name, getattr(at, key), Quantity.VELOCITY, moves), "y": value}
-
-
-def _along_stroke(drive: Drive, name: str, key: str, value: float) -> Iterator[Handle]:
-    unit = drive.linkage.OUTPUT.place.text
-    yield _at_place(drive, name, value, Quantity.DISPLACEMENT, _moved(f"wishes.{key}", value, unit))
-
-
-def _moved(key: str, value: float, unit: str) -> dict[str, Any]:
-    return {"y": {"key": key, "base": value, "factor": 1.0, "unit": unit}}
-
-
-def _at_place(drive: Drive, name: str, place: float, quantity: Quantity, moves: dict[str, Any]) -> Handle:
-    """A handle where the output is at a place of its way out, in the unit of its displacement."""
-    output, motion = drive.linkage.OUTPUT, drive.motion
+    motion = drive.machine.motion(sample_angles(drive.transmission))
     out = drive.machine.working(motion.phi2_rad)
-    displacement = output.place.factor * motion.displacement[out]
-    nearest = int(np.argmin(np.abs(displacement - place)))
-    made = _handle(drive, name, quantity, degrees(float(motion.phi1_rad[out][nearest])), moves)
-    return {**made, "y": place} if quantity is Quantity.DISPLACEMENT else made
+    displacement, angle_deg = drive.linkage.OUTPUT.place.factor * motion.displacement[out], np.degrees(motion.phi1_rad)
+    for name, place, quantity, key, value in wished:
+        nearest = int(np.argmin(np.abs(displacement - place)))
+        unit = quantity.unit_of(drive.linkage.OUTPUT).text
+        moves = {"y": {"key": f"wishes.{key}", "base": value, "factor": 1.0, "unit": unit}}
+        yield _handle(drive, name, quantity, (float(angle_deg[out][nearest]), value), moves)
 
 
-def _handle(drive: Drive, name: str, quantity: Quantity, angle_deg: float, moves: dict[str, Any]) -> Handle:
-    return {
-        "name": name,
-        "chart": quantity.key_of(drive.linkage.OUTPUT),
-        "x": angle_deg,
-        "y": _value_at(drive, quantity, angle_deg),
-        "moves": moves,
-    }
+def _wished(drive: Drive) -> Iterator[tuple[str, float, Quantity, str, float]]:
+    """Name, place of the output, quantity, key below ``wishes`` and value of each handle."""
+    output, wishes = drive.linkage.OUTPUT, drive.design.wishes
+    place, speed = output.place.ending, output.speed.ending
+    for number, wish in enumerate(wishes.constant_speed):
+        group, ends = f"constant_speed.{number}", [getattr(wish, f"{end}_{place}") for end in ("from", "to")]
+        for end, at in zip(("from", "to"), ends, strict=True):
+            yield f"even speed {end}", at, Quantity.DISPLACEMENT, f"{group}.{end}_{place}", at
+        if (wanted := getattr(wish, f"speed_{speed}")) is not None:
+            yield "even speed", sum(ends) / 2.0, Quantity.VELOCITY, f"{group}.speed_{speed}", wanted
+    for number, passed in enumerate(wishes.speed_at):
+        group, at = f"speed_at.{number}", getattr(passed, f"at_{place}")
+        yield "speed at", at, Quantity.DISPLACEMENT, f"{group}.at_{place}", at
+        for bound in ("at_least", "at_most"):
+            if (value := getattr(passed, f"{bound}_{speed}")) is not None:
+                yield bound.replace("_", " "), at, Quantity.VELOCITY, f"{group}.{bound}_{speed}", value
 
 
-def _value_at(drive: Drive, quantity: Quantity, angle_deg: float) -> float:
-    motion = drive.machine.motion(np.array([angle_deg * pi / 180.0]))
-    return float(quantity.values(motion, drive.linkage.OUTPUT)[0])
+def _handle(drive: Drive, name: str, quantity: Quantity, at: tuple[float, float], moves: dict[str, Any]) -> Handle:
+    chart = quantity.key_of(drive.linkage.OUTPUT)
+    return {"name": name, "chart": chart, "x": at[0], "y": at[1], "moves": moves}

@@ -10,21 +10,28 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ncgear.design.reading.design_file import parsed
+from ncgear.design.reading.text import shortened
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.errors import DesignError, WrongInput
+from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
 from ncgear.studio.drafts import Draft, draft_left
-from ncgear.studio.editing import Edited, History, difference, edited
+from ncgear.studio.editing import History, difference, edited
+from ncgear.studio.faults import words_of
 from ncgear.studio.form import form
 from ncgear.studio.jobs import Job, require_command
+from ncgear.studio.messages import read_message
 from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk
 
 MOST_CHANGES = 200
 """Keys that one message changes; a remedy changes three."""
+
+BETWEEN_S = 0.05
+"""Time between two questions while something is dragged: 20 pictures a second leave the processor to the teeth."""
 
 MOST_JOBS = 2
 """Commands that run at once; each may use all cores."""
@@ -33,7 +40,7 @@ MOST_JOBS = 2
 class OpenPage:
     """The state of one page; it outlives a connection, so that a page that is loaded anew goes on where it was."""
 
-    def __init__(self, path: Path, out: Path) -> None:
+    def __init__(self, path: Path, out: Path, chains: Chains | None = None) -> None:
         self.file: DesignOnDisk = design_on_disk(path)
         self._notices = _kept_words(self.file)
         draft = draft_left(self.file)
@@ -45,13 +52,13 @@ class OpenPage:
         self._asked_about: DesignOnDisk | None = None
         self.out = out
         self.history = History(self.file.text).kept(self.draft.text)
-        self._edited = Edited(self.history.now)
         self.changes: dict[str, Any] = {}
         self.number = 0
         self.jobs: dict[int, Job] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._send: Callable[[str], Awaitable[None]] | None = None
-        self._chains = Chains(self._tell)
+        self._chains = chains if chains is not None else Chains()
+        self._chains.told = self._tell
         self._changed = asyncio.Event()
         self._asking = asyncio.Lock()
         self._leaving = asyncio.Lock()
@@ -63,8 +70,8 @@ class OpenPage:
             if self._send is None:
                 self._spawn(self._follow())
             self._send = send
-        await self._show()
-        notices, self._notices = self._notices, ()
+            notices, self._notices = self._notices, ()
+        await self._tried(self._show())
         if notices:
             await self._say(" ".join(notices))
 
@@ -88,8 +95,22 @@ class OpenPage:
         await self.disconnected(self._send)
         self.draft.let_go()
 
-    async def hear(self, message: Mapping[str, Any]) -> None:
+    async def hear(self, data: str | bytes) -> None:
         """Do what a message asks for; what cannot be done is said, and nothing changes."""
+        if not await self._tried(self._done(data)):
+            await self._tried(self._show())
+
+    async def _tried(self, work: Awaitable[None]) -> bool:
+        """Whether work has been done; any fault of it is told, and the conversation goes on."""
+        try:
+            await work
+        except Exception as error:
+            await self._say(words_of(error))
+            return False
+        return True
+
+    async def _done(self, data: str | bytes) -> None:
+        message = read_message(data)
         actions: dict[str, Callable[[Mapping[str, Any]], Awaitable[None]]] = {
             "change": self.change,
             "set": self.set,
@@ -106,13 +127,8 @@ class OpenPage:
         }
         action = actions.get(str(message.get("do")))
         if action is None:
-            await self._say(f"{message.get('do')!r} asked for; {', '.join(actions)} are right")
-            return
-        try:
-            await action(message)
-        except DesignError as error:
-            await self._say(str(error))
-            await self._show()
+            raise WrongInput(f"{shortened(str(message.get('do')))!r} asked for; {', '.join(actions)} are right")
+        await action(message)
 
     async def change(self, message: Mapping[str, Any]) -> None:
         """``changes`` by key, while something is dragged: answers follow, the history does not."""
@@ -136,7 +152,7 @@ class OpenPage:
     async def text(self, message: Mapping[str, Any]) -> None:
         """The whole ``text``, typed by hand."""
         text = message.get("text")
-        if not isinstance(text, str) or len(text.encode(errors="replace")) > LARGEST_MB * 1_000_000:
+        if not isinstance(text, str) or len(text.encode()) > LARGEST_MB * 1_000_000:
             raise WrongInput(f"a text of at most {LARGEST_MB} MB is right", key="text")
         await self._step(self.history.kept(text))
 
@@ -214,8 +230,8 @@ class OpenPage:
     async def _carried_out(self, job: Job) -> None:
         try:
             await job.run(self.out, self.file.path)
-        except (DesignError, OSError) as error:
-            job.lines.append(str(error))
+        except Exception as error:
+            job.lines.append(words_of(error))
             job.status = getattr(error, "exit_status", 2)
             self._job_told(job)
 
@@ -235,7 +251,9 @@ class OpenPage:
         if job.status == 0:
             content["files"] = _files_of(job.folder, self.out)
             if job.name == "frontier":
-                content["frontier"] = json.loads((job.folder / "frontier.json").read_text(encoding="utf-8"))
+                # Whoever has taken the file away has no picture of it.
+                with suppress(OSError, ValueError):
+                    content["frontier"] = json.loads((job.folder / "frontier.json").read_text(encoding="utf-8"))
         return content
 
     def _spawn(self, work: Any) -> None:
@@ -253,21 +271,17 @@ class OpenPage:
         """Ask for the answers of what is dragged: of the newest place only, however fast the hand is."""
         while True:
             await self._changed.wait()
+            await self._tried(self._ask())
+            await asyncio.sleep(BETWEEN_S)
+
+    async def _ask(self) -> None:
+        async with self._asking:
             self._changed.clear()
-            changes = dict(self.changes)
-            if self._edited.text is not self.history.now:
-                self._edited = Edited(self.history.now)
-            try:
-                text = await asyncio.to_thread(self._edited.with_changes, changes)
-            except DesignError as error:
-                await self._say(str(error))
-                continue
-            async with self._asking:
-                # A step of the history may have come in the meantime; its text is the newer one.
-                if changes == self.changes:
-                    self.number += 1
-                    await self._tell(json.dumps({"is": "asked", "n": self.number}))
-                    await self._chains.ask(self.number, text, str(self.file.path))
+            # A step of the history may have come in the meantime, with all changes in its text.
+            if changes := dict(self.changes):
+                self.number += 1
+                await self._tell(json.dumps({"is": "asked", "n": self.number, "content": changes}))
+                await self._chains.ask(self.number, self.history.now, changes, str(self.file.path))
 
     async def _show(self) -> None:
         """Tell the page the text and what follows from it by itself, and ask for the answers."""
@@ -277,7 +291,7 @@ class OpenPage:
             if problem := await asyncio.to_thread(self._draft_problem, content["text"]):
                 await self._say(problem)
             await self._tell(json.dumps({"is": "state", "n": self.number, "content": content}))
-            await self._chains.ask(self.number, content["text"], str(self.file.path))
+            await self._chains.ask(self.number, content["text"], {}, str(self.file.path))
 
     def _state(self) -> dict[str, Any]:
         text, saved = self.history.now, self.file.text

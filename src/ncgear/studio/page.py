@@ -8,8 +8,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from ncgear import __version__
-from ncgear.drawings.page.page import PACKAGE, in_own_scope, page_style, shared_script
-from ncgear.drawings.page.solid_view import hash_of
+from ncgear.drawings.page.assets import PACKAGE, hash_of, in_own_scope, page_style, shared_script
 from ncgear.studio.jobs import COMMANDS
 
 WEB = "ncgear.studio.web"

@@ -1,7 +1,8 @@
-"""The server of the studio: for this computer only, and only for whoever has the address with its token.
+"""The server of the studio: for this computer only, and only for whoever has its token.
 
 Every request must name the server's own host, which a page of another site that was led here by its name server does
-not; a web socket must come from the studio's own page; and every path begins with the token.  The server reads and
+not; a web socket must come from the studio's own page; and every request has the token.  An address has it once, and
+gives it to the browser as a cookie, which no script can read and no page of another site can use.  The server reads and
 writes the opened design file, hidden files beside it, and the export folder, nothing else.
 """
 
@@ -19,13 +20,16 @@ from typing import Any
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from ncgear.errors import DesignError, WrongInput
+from ncgear.errors import WrongInput
 from ncgear.files.publish import real_place
+from ncgear.studio.chains import Chains
+from ncgear.studio.entrance import leading_to
+from ncgear.studio.faults import words_of
 from ncgear.studio.open_page import OpenPage
 from ncgear.studio.page import page
 
@@ -59,6 +63,8 @@ class Guard:
 
     def __init__(self, app: Any, hosts: frozenset[str], token: str) -> None:
         self.app, self.hosts, self.token = app, hosts, token
+        # A browser sends the cookies of all ports of a host to each of them: the name has the port.
+        self.cookie = f"ncgear-{min(hosts).rpartition(':')[2]}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer or refuse one request."""
@@ -66,7 +72,13 @@ class Guard:
             await self.app(scope, receive, send)
             return
         problem = self._problem(scope)
-        if problem is None:
+        if problem is None and scope["path"] == f"/{self.token}/":
+            # A page that leads on: a cookie that is given with a redirect would not be sent at once.
+            never_told_on = {"referrer-policy": "no-referrer", "cache-control": "no-store"}
+            entered = HTMLResponse(leading_to("/"), headers=never_told_on)
+            entered.set_cookie(self.cookie, self.token, httponly=True, samesite="strict")
+            await entered(scope, receive, send)
+        elif problem is None:
             await self.app(scope, receive, send)
         elif scope["type"] == "websocket":
             await WebSocket(scope, receive, send).close(code=1008)
@@ -83,8 +95,10 @@ class Guard:
             return "asked by another page"
         if scope["type"] == "websocket" and not origins:
             return "asked by no page"
-        given = scope["path"].split("/")[1] if "/" in scope["path"] else ""
-        return None if secrets.compare_digest(given.encode(), self.token.encode()) else "the address lacks its token"
+        cookies = HTTPConnection(scope).cookies
+        given = scope["path"].strip("/"), cookies.get(self.cookie, "")
+        known = any(secrets.compare_digest(one.encode(), self.token.encode()) for one in given)
+        return None if known else "the address lacks its token; the studio has said it where it was started"
 
 
 class Studio:
@@ -94,13 +108,16 @@ class Studio:
         self.path, self.out = path, out.absolute()
         self.pages: dict[str, OpenPage] = {}
         self.open: dict[str, WebSocket] = {}
+        self.ready = Chains()
 
     def page_of(self, name: str) -> OpenPage:
         """A page by the name that it has chosen; the oldest ones that are closed are forgotten."""
         if name not in self.pages:
             for old in [one for one in self.pages if one not in self.open][: len(self.pages) - MOST_REMEMBERED + 1]:
                 self.pages.pop(old).draft.let_go()
-            self.pages[name] = OpenPage(self.path, self.out)
+            # The processes of the first page make themselves ready while the browser begins.
+            self.pages[name] = OpenPage(self.path, self.out, self.ready)
+            self.ready = Chains()
         return self.pages[name]
 
     async def index(self, request: Request) -> Response:
@@ -138,9 +155,9 @@ class Studio:
             return
         try:
             opened = self.page_of(name)
-        except DesignError as error:
-            # The file has gone since the studio was started.
-            await socket.send_text(json.dumps({"is": "said", "content": str(error)}))
+        except Exception as error:
+            # The file has gone since the studio was started, or is a folder.
+            await socket.send_text(json.dumps({"is": "said", "content": words_of(error)}))
             await socket.close(code=1011)
             return
         former, self.open[name] = self.open.get(name), socket
@@ -157,10 +174,8 @@ class Studio:
                 # A page that is loaded anew may be here before its earlier connection has ended.
                 with suppress(RuntimeError, WebSocketDisconnect):
                     await former.close(code=TAKEN_OVER)
-            while (text := await _text_from(socket)) is not None:
-                message = _read(text)
-                if message is not None:
-                    await opened.hear(message)
+            while (data := await _data_from(socket)) is not None:
+                await opened.hear(data)
         finally:
             if self.open.get(name) is socket:
                 del self.open[name]
@@ -168,25 +183,22 @@ class Studio:
 
     async def close(self) -> None:
         """End all processes."""
-        await asyncio.gather(*(one.closed() for one in self.pages.values()))
+        await asyncio.gather(self.ready.close(), *(one.closed() for one in self.pages.values()))
 
 
-async def _text_from(socket: WebSocket) -> str | None:
-    """The next message of a page, also one that came before the page was taken over; None once the page is gone."""
+async def _data_from(socket: WebSocket) -> str | bytes | None:
+    """What the next frame of a page holds; None once the page is gone, which starlette tells in two ways."""
     try:
-        message = await socket.receive()
+        frame = await socket.receive()
     except RuntimeError:
         return None
-    return message.get("text") or "" if message["type"] == "websocket.receive" else None
+    text: str | None = frame.get("text")
+    return frame.get("bytes") if text is None else text
 
 
-def _read(text: str) -> dict[str, Any] | None:
-    """A message; None for what is not an object of JSON."""
-    try:
-        message = json.loads(text, parse_constant=lambda _: None)
-    except (ValueError, RecursionError):
-        return None
-    return message if isinstance(message, dict) else None
+async def _told(_: Request, error: Exception) -> Response:
+    """Any fault in words."""
+    return PlainTextResponse(words_of(error), status_code=500)
 
 
 def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
@@ -194,15 +206,17 @@ def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> Any:
+        await studio.ready.start()
         yield
         await studio.close()
 
     routes = [
-        Route(f"/{token}/", studio.index),
-        Route(f"/{token}/export/{{name:path}}", studio.file),
-        WebSocketRoute(f"/{token}/talk", studio.talk),
+        Route("/", studio.index),
+        Route("/export/{name:path}", studio.file),
+        WebSocketRoute("/talk", studio.talk),
     ]
-    return Guard(Starlette(routes=routes, lifespan=lifespan), hosts, token)
+    faults = {Exception: _told}
+    return Guard(Starlette(routes=routes, lifespan=lifespan, exception_handlers=faults), hosts, token)
 
 
 def listening(port: int) -> socket.socket:
@@ -227,6 +241,8 @@ def serve(path: Path, out: Path, bound: socket.socket, begun: Callable[[str], No
         access_log=False,
         ws="websockets-sansio",
         ws_max_size=LARGEST_MESSAGE,
+        # On one computer it takes longer to compress a message than to send it.
+        ws_per_message_deflate=False,
         server_header=False,
         timeout_graceful_shutdown=2,
     )

@@ -1,11 +1,13 @@
-"""The process that computes answers: a newer request stops the older one.
+"""A process that computes answers, each for the newest change that was there when it was begun.
 
-What is dragged shall move even if requests come faster than answers, so the first answer to a request is finished
-unless it takes longer than PATIENCE_S; all answers after it are broken off at once.
+What is dragged shall move even if changes come faster than answers, so an answer is finished up to its picture, the
+part named in PICTURES, though a newer change has come; what follows the picture is broken off at once.  A picture that
+takes longer than PATIENCE_S is broken off too, but never two of them in a row: then the hand would see none.
 
-Requests come as lines of JSON on the standard input, answers go as lines of JSON to the standard output.  The process
-ends with its input, so it never outlives the server.  ``python -m ncgear.studio.worker motion`` follows the chain of
-the motion, with ``gears`` that of the gears.
+Requests come as lines of JSON on the standard input, answers go as lines of JSON to the standard output.  A request has
+the number ``n``, the ``path`` of the design, ``changes`` by key, and the ``text`` unless it is that of the request
+before.  The process ends with its input, so it never outlives the server.  ``python -m ncgear.studio.worker motion``
+follows the chain of the motion, with ``gears`` or ``contact`` those of the gears.
 """
 
 from __future__ import annotations
@@ -17,36 +19,54 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Iterator, Mapping
+from functools import partial
+from math import inf
 from pathlib import Path
 from types import FrameType
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ncgear.interrupts import end_with_parent
 
-MOTION, GEARS = "motion", "gears"
-CHAINS = (MOTION, GEARS)
+if TYPE_CHECKING:
+    from ncgear.studio.answers import Answer, Answers
+
+MOTION, GEARS, CONTACT = "motion", "gears", "contact"
+
+PICTURES: Mapping[str, str] = {MOTION: "motion", GEARS: "scene", CONTACT: "strength"}
+"""The part of each chain that completes its picture."""
+
+CHAINS = tuple(PICTURES)
 
 IMPORTING = "<frozen importlib._bootstrap>"
 """File name of Python's own code of imports: an import that is broken off could never be made again."""
 
+PATIENCE_S = 5.0
+"""Time that a picture may take while a newer change waits: several times that of teeth and their strength."""
 
-PATIENCE_S = 1.0
-"""Time that the first answer to a request may take while a newer one waits; the teeth of most gears take a third."""
+DONE = "done", None
+"""The last message about a request."""
+
+
+NICENESS = 5
+"""The motion follows the hand; teeth may come a little later."""
 
 
 class Superseded(BaseException):
     """A newer request has come; no ``except Exception`` on the way may take it for a fault."""
 
 
-class _Requests:
+class Requests:
     """The newest request; a thread reads them, so that the main thread can be interrupted while it computes."""
 
     def __init__(self, lines: BinaryIO) -> None:
         self._lines = lines
         self._come = threading.Condition()
         self._newest: dict[str, Any] | None = None
-        self._begun_s = 0.0
-        self._answered = False
+        self._text = ""
+        self._patient_until_s = 0.0
+        self._alarm: threading.Timer | None = None
+        self._broken_off = False
         self.computing = False
 
     def read_all(self) -> None:
@@ -54,13 +74,15 @@ class _Requests:
         for line in self._lines:
             request = json.loads(line)
             with self._come:
+                self._text = request.setdefault("text", self._text)
                 self._newest = request
                 self._come.notify()
-                patience = 0.0 if self._answered else self._begun_s + PATIENCE_S - time.monotonic()
-            if self.computing:
-                timer = threading.Timer(max(patience, 0.0), _thread.interrupt_main)
-                timer.daemon = True
-                timer.start()
+                if self._alarm is None and self._patient_until_s < inf:
+                    # One alarm is enough: it is the newest request that then waits.
+                    wait_s = max(self._patient_until_s - time.monotonic(), 0.0)
+                    self._alarm = threading.Timer(wait_s, _thread.interrupt_main)
+                    self._alarm.daemon = True
+                    self._alarm.start()
 
     def next(self) -> dict[str, Any]:
         """Wait for a request, and take it."""
@@ -68,27 +90,36 @@ class _Requests:
             while self._newest is None:
                 self._come.wait()
             request, self._newest = self._newest, None
-            self._begun_s, self._answered = time.monotonic(), False
+            self._be_patient(inf if self._broken_off else time.monotonic() + PATIENCE_S)
+            self._broken_off = False
             return request
 
-    def answered(self) -> None:
-        """Remember that the request has its first answer."""
-        self._answered = True
+    def shown(self) -> None:
+        """Remember that the request has its picture."""
+        with self._come:
+            self._be_patient(0.0)
+
+    def _be_patient(self, until_s: float) -> None:
+        self._patient_until_s = until_s
+        if self._alarm is not None:
+            self._alarm.cancel()
+            self._alarm = None
 
     @property
     def superseded(self) -> bool:
-        """Whether a newer request waits."""
-        return self._newest is not None
+        """Whether a newer request waits, and the one that is computed has its picture."""
+        return self._newest is not None and self._patient_until_s == 0.0
 
     def interrupt(self, number: int, frame: FrameType | None) -> None:
         """Raise Superseded in the main thread while it computes for an older request, unless it imports a module."""
-        patient = not self._answered and time.monotonic() < self._begun_s + PATIENCE_S
-        if not (self.computing and self.superseded) or patient:
+        self._alarm = None
+        if not self.computing or self._newest is None or time.monotonic() < self._patient_until_s:
             return
         while frame is not None:
             if frame.f_code.co_filename == IMPORTING:
                 return
             frame = frame.f_back
+        self._broken_off = self._patient_until_s > 0.0
         raise Superseded
 
 
@@ -98,42 +129,60 @@ def main() -> None:
     out = os.fdopen(os.dup(1), "wb")
     # Whatever a library prints must not come between the answers.
     os.dup2(2, 1)
-    if chain == GEARS and hasattr(os, "nice"):
-        # The motion follows the hand; teeth may come a little later.
-        os.nice(5)
-    requests = _Requests(sys.stdin.buffer)
+    if chain != MOTION and hasattr(os, "nice"):
+        os.nice(NICENESS)
+    requests = Requests(sys.stdin.buffer)
     signal.signal(signal.SIGINT, requests.interrupt)
     end_with_parent(requests.read_all)
 
-    from ncgear.studio.answers import gear_answers, motion_answers
+    from ncgear.studio.answers import guarded
+    from ncgear.studio.faults import refusal
+    from ncgear.studio.followed import Followed
 
-    answers = motion_answers if chain == MOTION else gear_answers
+    answers, followed = answers_of(chain), Followed()
     while True:
         request = requests.next()
-        found = answers(request["text"], Path(request["path"]))
+        drive = partial(followed.drive, request["text"], request["changes"], Path(request["path"]))
+        found: Iterator[Answer] = guarded(answers, drive)
         while True:
+            requests.computing = True
             try:
-                requests.computing = True
-                answer = next(found, None)
-                requests.computing = False
+                name, content = next(found, DONE)
+                line = _line(name, request["n"], chain, content)
             except Superseded:
-                requests.computing = False
                 break
-            except Exception as error:
+            except ValueError as error:
+                # A number that is not finite is no JSON.
+                name, found = "refused", iter(())
+                line = _line(name, request["n"], chain, refusal(error))
+            finally:
                 requests.computing = False
-                answer = "refused", {"problem": f"internal fault: {type(error).__name__}: {error}; please report"}
-                found = iter(())
-            name, content = answer or ("done", None)
-            _send(out, {"is": name, "n": request["n"], "from": chain, "content": content})
-            requests.answered()
-            if answer is None or requests.superseded:
+            _send(out, line)
+            if name == PICTURES[chain]:
+                requests.shown()
+            if name == DONE[0] or requests.superseded:
                 break
 
 
-def _send(out: BinaryIO, message: dict[str, Any]) -> None:
-    text = json.dumps(message, separators=(",", ":"), allow_nan=False)
+def answers_of(chain: str) -> Answers:
+    """The answers of a chain; none imports what only another needs."""
+    if chain == MOTION:
+        from ncgear.studio.motion_answers import motion_answers
+
+        return motion_answers
+    from ncgear.studio.gear_answers import contact_answers, gear_answers
+
+    return gear_answers if chain == GEARS else contact_answers
+
+
+def _line(name: str, number: int, chain: str, content: Any) -> bytes:
+    message = {"is": name, "n": number, "from": chain, "content": content}
+    return json.dumps(message, separators=(",", ":"), allow_nan=False).encode() + b"\n"
+
+
+def _send(out: BinaryIO, line: bytes) -> None:
     try:
-        out.write(text.encode() + b"\n")
+        out.write(line)
         out.flush()
     except BrokenPipeError:
         os._exit(0)

@@ -12,7 +12,7 @@ from ncgear.design.keys.pitch_shapes import MOST_POINTS as CURVE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.contour_file import ContourKind
 from ncgear.design.reading.messages import checked
-from ncgear.design.reading.places import Source
+from ncgear.design.reading.places import Document, Source
 from ncgear.design.reading.points import Columns, CsvKind, FileKind, values_from_files
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import read_yaml
@@ -60,7 +60,11 @@ def load(path: Path) -> LoadedDesign:
 
 def parsed(text: str, path: Path) -> LoadedDesign:
     """A design from the text of a file; the files of points that it names must be beside ``path``."""
-    document = read_yaml(text, str(path))
+    return design_of(read_yaml(text, str(path)), text, path)
+
+
+def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
+    """A design from the values of its text; raises as reading the text does."""
     if not isinstance(document.data, dict):
         given = "is empty" if document.data is None else f"holds {quoted(document.data)}"
         form = "a design file is lines of `key: value`, and begins with `name:` (`ncgear new NAME` writes one)"

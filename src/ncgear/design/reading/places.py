@@ -87,12 +87,20 @@ class Source:
 
 
 def with_value(data: Any, key: str, value: Any) -> Any:
-    """A copy of plain values with another value at a dotted key; the rest is shared."""
+    """A copy of plain values with another value at a dotted key; the rest is shared.
+
+    None leaves the key out, a group that is missing is made, and a number in a key is the place of an item in a list.
+    Raises ValueError, LookupError or TypeError where there is no such place.
+    """
     first, _, rest = key.partition(".")
     if isinstance(data, list):
         place = int(first)
-        return [*data[:place], with_value(data[place], rest, value) if rest else value, *data[place + 1 :]]
-    return {**data, first: with_value(data[first], rest, value) if rest else value}
+        items = [with_value(data[place], rest, value)] if rest else [value][: value is not None]
+        return [*data[:place], *items, *data[place + 1 :]]
+    group = {} if data is None else data
+    if not rest and value is None:
+        return {name: one for name, one in group.items() if name != first}
+    return {**group, first: with_value(group.get(first), rest, value) if rest else value}
 
 
 @contextmanager

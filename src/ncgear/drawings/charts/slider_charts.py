@@ -6,15 +6,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from enum import Enum
 from math import degrees
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
-from ncgear.dynamics.history import Slide
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Mechanism, Output, Unit
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
+
+if TYPE_CHECKING:
+    from ncgear.dynamics.history import Slide
 
 
 class Quantity(Enum):

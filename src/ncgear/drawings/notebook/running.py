@@ -13,7 +13,7 @@ import numpy as np
 from markupsafe import Markup
 
 from ncgear.drawings.notebook.frame import digest
-from ncgear.drawings.page.page import scene_style
+from ncgear.drawings.page.assets import scene_style
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.scene.scene import Scene
 from ncgear.numerics.arrays import Array

@@ -7,6 +7,7 @@ the samples of each chart and the places of its scales in its SVG.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from math import ceil, degrees, log10, pi
 from typing import Any
 
@@ -121,18 +122,20 @@ def _table(curve: JetFunction, start_rad: float, end_rad: float) -> tuple[Array,
     while True:
         found = curve(at, 1)
         value, slope = found.value, found.derivative(1)
-        off = np.any([_error(curve, at, value, slope, share) > TABLE_ERROR_RAD for share in LOOKED_AT], axis=0)
+        off = np.any(_errors(curve, at, value, slope) > TABLE_ERROR_RAD, axis=0)
         if not off.any():
             return at, value, slope
         at = np.union1d(at, (at[1:] + at[:-1])[off] / 2.0)
 
 
-def _error(curve: JetFunction, at: Array, value: Array, slope: Array, share: float) -> Array:
-    """The error of Hermite's cubics at a share of each step."""
+def _errors(curve: JetFunction, at: Array, value: Array, slope: Array) -> Array:
+    """The error of Hermite's cubics at each of the shares of LOOKED_AT of each step, shape (shares, steps)."""
+    share = np.array(LOOKED_AT)[:, None]
     width, rise, rest = np.diff(at), np.diff(value), 1.0 - share
     straight = value[:-1] + rise * share**2 * (3.0 - 2.0 * share)
     bent = width * share * rest * (slope[:-1] * rest - slope[1:] * share)
-    error: Array = np.abs(straight + bent - curve(at[:-1] + share * width, 1).value)
+    exact = curve((at[:-1] + share * width).ravel(), 1).value
+    error: Array = np.abs(straight + bent - exact.reshape(straight.shape))
     return error
 
 
@@ -194,10 +197,12 @@ def _linkage(scene: Scene) -> dict[str, Any]:
     }
 
 
+@lru_cache(maxsize=64)
 def _link_tables(linkage: Mechanism, name: str) -> dict[str, Any]:
     """Tables of the place and the angle of a link over a turn of the crank.
 
-    Divided by the length of the crank, the lengths are as exact as the angles.
+    Divided by the length of the crank, the lengths are as exact as the angles.  They are those of the mechanism alone,
+    and are kept while its law changes.
     """
 
     def along(of: Callable[[Link], Jet], scale: float) -> dict[str, Any]:
@@ -231,13 +236,20 @@ GridKey = tuple[bytes, float]
 
 
 def page_data(scene: Scene, figures: Sequence[ChartFigure]) -> dict[str, Any]:
-    """All data of the script; angles that several lines share are there once, and lines refer to them by number."""
-    grids = {_grid_key(line, one.page_chart.period_deg): line for one in figures for line in one.page_chart.chart.lines}
-    numbers = {key: number for number, key in enumerate(grids)}
+    """All data of the script."""
     return {
         "cycle_deg": degrees(scene.loop_rad),
         "swings": scene.swings,
         "scene": scene_data(scene),
+        **chart_data(figures),
+    }
+
+
+def chart_data(figures: Sequence[ChartFigure]) -> dict[str, Any]:
+    """The charts and their grids: angles that several lines share are there once, and lines name them by number."""
+    grids = {_grid_key(line, one.page_chart.period_deg): line for one in figures for line in one.page_chart.chart.lines}
+    numbers = {key: number for number, key in enumerate(grids)}
+    return {
         "grids": [
             {"period_deg": period, "deg": _rounded(line.x, ANGLE_DECIMALS)} for (_, period), line in grids.items()
         ],

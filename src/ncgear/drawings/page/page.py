@@ -7,7 +7,6 @@ this folder.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from itertools import chain
 from typing import Any
 
@@ -18,10 +17,12 @@ from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.beside import HERE, PAGE_CHARTS, Drawer
+from ncgear.drawings.page.assets import PACKAGE, asset, hash_of, in_own_scope, page_style, shared_script
 from ncgear.drawings.page.data import paces, page_data
-from ncgear.drawings.page.page_charts import gear_charts, motion_charts
+from ncgear.drawings.page.motion_charts import motion_charts
+from ncgear.drawings.page.page_charts import gear_charts
 from ncgear.drawings.page.scene_svg import scene_svg
-from ncgear.drawings.page.solid_view import hash_of, solid_view
+from ncgear.drawings.page.solid_view import solid_view
 from ncgear.drawings.page.tables import (
     comparison_tables,
     contact_tables,
@@ -31,7 +32,6 @@ from ncgear.drawings.page.tables import (
     versions,
 )
 from ncgear.drawings.page.teeth import ToothLinks
-from ncgear.drawings.palette import style_of_colors, with_fallbacks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.advice.verdict import Verdict
@@ -41,10 +41,6 @@ from ncgear.figures.numbers import shown
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 
-PACKAGE = "ncgear.drawings.page"
-
-SCENE_SCRIPTS = ("angles", "places", "gestures", "teeth", "scene")
-SHARED_SCRIPTS = ("shafts", "clock", "charts", "views", "find", "readouts", "controls")
 """Files of scene/ and of script/; each may use those before it.  The studio has them too."""
 
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
@@ -128,34 +124,9 @@ def _rendered(content: Mapping[str, Any]) -> bytes:
     environment = Environment(loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined)
     environment.policies["json.dumps_kwargs"] = JSON_FORM
     template = environment.get_template("template.html.j2")
-    css, script = page_style(), in_own_scope(shared_script(), _asset("script/solid.js"), _asset("script/page.js"))
+    css, script = page_style(), in_own_scope(shared_script(), asset("script/solid.js"), asset("script/page.js"))
     policy = _policy([hash_of(script), *(view.script_hash for view in content["solids"])])
     return template.render(**content, css=Markup(css), script=Markup(script), policy=policy).encode()
-
-
-def scene_script() -> str:
-    """``createScene``, whose interface is at the top of scene/scene.js, and the functions that it uses."""
-    return "\n".join(_asset(f"scene/{name}.js") for name in SCENE_SCRIPTS)
-
-
-def scene_style() -> str:
-    """The style sheet that colours the SVG of the scene by custom properties."""
-    return with_fallbacks(_asset("scene.css"))
-
-
-def page_style() -> str:
-    """The style sheet of a page with charts, tables and a scene."""
-    return style_of_colors() + _asset("page.css") + scene_style()
-
-
-def shared_script() -> str:
-    """The scene, and all that shows and changes its angle: clock, charts, readouts, controls."""
-    return "\n".join([scene_script(), *(_asset(f"script/{name}.js") for name in SHARED_SCRIPTS)])
-
-
-def in_own_scope(*scripts: str) -> str:
-    """Scripts together in a scope of their own."""
-    return "\n".join(["(() => {", '"use strict";', *scripts, "})();"])
 
 
 def _policy(hashes: Sequence[str]) -> str:
@@ -168,7 +139,3 @@ def _policy(hashes: Sequence[str]) -> str:
         f"default-src 'none'; script-src {' '.join(dict.fromkeys(hashes))}; {connect}style-src 'unsafe-inline'; "
         "base-uri 'none'; form-action 'none'"
     )
-
-
-def _asset(name: str) -> str:
-    return (files(PACKAGE) / name).read_text(encoding="utf-8")

@@ -11,7 +11,6 @@ from __future__ import annotations
 import gzip
 import re
 from base64 import b64encode
-from hashlib import sha256
 from importlib.util import find_spec
 from itertools import product
 from math import cos, sin
@@ -20,6 +19,7 @@ from zipfile import ZipFile
 
 import numpy as np
 
+from ncgear.drawings.page.assets import hash_of
 from ncgear.drawings.solid_pair import Camera, as_on_screen, pair_glb, placed_pair
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
@@ -82,8 +82,3 @@ def _camera(drive: Drive) -> Camera:
     place = np.eye(4)
     place[:3, :3], place[:3, 3] = turned, middle + DISTANCE * diagonal * turned[:, 2]
     return Camera(ACROSS_DEG, UP_DEG, NEAREST, place)
-
-
-def hash_of(script: str) -> str:
-    """The hash of a script, as a policy names it."""
-    return f"'sha256-{b64encode(sha256(script.encode()).digest()).decode()}'"

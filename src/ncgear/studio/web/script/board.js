@@ -60,7 +60,11 @@ function createBoard(place, handles, onPick) {
   // Lines that follow a motion before its charts are drawn.
   function follow(motion) {
     state.handles = motion.handles;
-    for (const live of motion.charts) {
+    lines(motion.charts);
+  }
+
+  function lines(followed) {
+    for (const live of followed) {
       const one = charts.get(live.key);
       if (!one?.chart) continue;
       one.live = live;
@@ -91,12 +95,12 @@ function createBoard(place, handles, onPick) {
   }
 
   // Keeps the lines of the design as it is now, or lets go of them.
-  function hold(motion) {
+  function hold(followed) {
     const own = (live) => live.lines.filter((line) => line.role === "own");
-    state.held = motion && new Map(motion.charts.map((live) => [live.key, own(live)]));
+    state.held = followed && new Map(followed.map((live) => [live.key, own(live)]));
     for (const one of charts.values()) if (one.chart) overlay(one);
   }
 
   const chart = (key) => charts.get(key)?.chart;
-  return { draw, follow, settle, show, hold, chart };
+  return { draw, follow, lines, settle, show, hold, chart };
 }

@@ -1,7 +1,7 @@
 // The machine running, and beside it the one that was kept; what is not computed anew yet is pale.
 
 function createMachine(stage, heldStage) {
-  const state = { scene: null, data: null, svg: "", held: null };
+  const state = { scene: null, data: null, svg: "", held: null, late: false, refused: false };
 
   function put(place, svg, data) {
     place.querySelector("svg.scene")?.remove();
@@ -15,14 +15,14 @@ function createMachine(stage, heldStage) {
     stage.querySelector(".waiting")?.remove();
     Object.assign(state, { svg: content.svg, data: content.data, scene: put(stage, content.svg, content.data) });
     if (looked) state.scene.lookAs(looked);
-    stage.classList.remove("pale");
+    pale({ late: false });
   }
 
   // Another law: the shafts follow it at once, the teeth are those of the law before.
   function follow(motion) {
     if (!state.scene || state.data.shafts.length !== motion.shafts.length) return;
     state.scene.follow(motion.shafts);
-    stage.classList.add("pale");
+    pale({ late: true });
   }
 
   function hold() {
@@ -44,10 +44,16 @@ function createMachine(stage, heldStage) {
     state.held?.show(phi1);
   }
 
-  function pale() {
-    stage.querySelector(".waiting")?.remove();
-    stage.classList.add("pale");
+  // Pale is what is not computed anew yet, and what is refused.
+  function pale(why) {
+    Object.assign(state, why);
+    stage.classList.toggle("pale", state.late || state.refused);
   }
 
-  return { take, follow, hold, release, show, scene: () => state.scene, pale };
+  function refuse(refused) {
+    if (refused) stage.querySelector(".waiting")?.remove();
+    pale({ refused });
+  }
+
+  return { take, follow, hold, release, show, scene: () => state.scene, refuse };
 }

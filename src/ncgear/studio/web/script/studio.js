@@ -1,10 +1,8 @@
 // The page put together: one design, and everything that shows it or changes it.
 
-const PART_OF_GEARS = "gears";
-
 function start() {
   const at = (id) => document.getElementById(id);
-  const state = { newest: 0, refused: { motion: null, gears: null }, motion: null, held: false };
+  const state = { newest: 0, refused: {}, motion: null, power: [], held: false };
   const link = createLink(hear, (on, taken) => {
     document.body.classList.toggle("offline", !on);
     if (taken) say("This page goes on in another tab; load it anew to go on here.");
@@ -57,11 +55,12 @@ function start() {
       if (is !== "state" && is !== "asked" && n < state.newest && is === "refused") return;
       state.newest = Math.max(state.newest, n);
     }
-    const answers = { state: takeState, motion: takeMotion, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
+    const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
     Object.assign(answers, { verdict: told.verdict, strength: told.strength, chart: takeChart, job: making.show, said: say, question: saving.ask });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
-    if (is === "done") settled(message);
+    if (["motion", "scene", "strength", "done"].includes(is)) settled(message);
+    if (is === "done") document.body.dataset[`done${message.from[0].toUpperCase()}${message.from.slice(1)}`] = n;
   }
 
   function takeState(content, message) {
@@ -80,15 +79,19 @@ function start() {
 
   function takeMotion(content) {
     state.motion = content;
-    clear("motion");
     machine.follow(content);
     board.follow(content);
     setPaces(content.paces);
     clock.fit(content.loop / RAD, content.swings);
   }
 
+  // Power that counts gears comes with them.
+  function takePower(content) {
+    state.power = content;
+    board.lines(content);
+  }
+
   function takeScene(content) {
-    clear("gears");
     machine.take(content);
     finder.fit();
     clock.set(clock.deg());
@@ -114,34 +117,32 @@ function start() {
   }
 
   function takeRefusal(message) {
-    state.refused[message.from] = message.content;
-    if (message.from === PART_OF_GEARS) told.withoutGears(message.content.after);
-    machine.pale();
+    state.refused[message.from] = { ...message.content, n: message.n };
+    if (message.from !== "motion") told.withoutGears(message.content.after);
     showRefusals();
   }
 
-  function clear(chain) {
-    if (!state.refused[chain]) return;
-    state.refused[chain] = null;
-    showRefusals();
-  }
-
-  // The same refusal of both chains is told once.
+  // The same refusal of several chains is told once.
   function showRefusals() {
-    const found = Object.values(state.refused).filter(Boolean);
+    const found = Object.values(state.refused);
     const once = found.filter((one, i) => found.findIndex((other) => other.problem === one.problem) === i);
+    machine.refuse(found.length > 0);
     told.refusals(once);
     form.mark(new Set(once.map((one) => one.key)));
   }
 
-  function settled(message) {
-    document.body.dataset[`done${message.from === PART_OF_GEARS ? "Gears" : "Motion"}`] = message.n;
+  // What is answered to its end, or up to its picture while a newer change waits, is not refused any more.
+  function settled({ from, n }) {
+    if (state.refused[from]?.n < n) {
+      delete state.refused[from];
+      showRefusals();
+    }
   }
 
   function hold() {
     state.held = !state.held && machine.hold();
     if (!state.held) machine.release();
-    board.hold(state.held ? state.motion : null);
+    board.hold(state.held ? [...state.power, ...state.motion.charts] : null);
     told.hold(state.held);
     at("hold").setAttribute("aria-pressed", String(state.held));
     at("hold").textContent = state.held ? "Let go of the kept one" : "Keep to compare";

@@ -39,7 +39,8 @@ function createTold(acts) {
 
   // The newest verdict counts: that of the motion until the teeth of the same design are judged.
   function verdict(content, message) {
-    if (message.n < parts.verdictOf) return;
+    const newest = message.from === "motion" ? parts.verdictOf + 1 : parts.verdictOf;
+    if (message.n < newest) return;
     Object.assign(parts, { verdict: content, verdictOf: message.n });
     const items = content.advices.map((advice) => {
       const before = `${advice.stage}${advice.matters ? "" : "Remark: "}`;
@@ -70,11 +71,10 @@ function createTold(acts) {
     at("tables").lastElementChild.replaceChildren(...[...strength, ...motion, ...gears].map(tableElement));
   }
 
-  function figures(content, message) {
+  function figures(content) {
     parts.facts = content.facts;
     parts.tables.motion = content.tables;
     at("achieved").replaceChildren(...content.achieved.map((line) => cell("li", line)));
-    if (message.n > parts.verdictOf) verdict(content.verdict, message);
     showFacts();
     showTables();
   }

@@ -1,0 +1,48 @@
+"""The drive of a design that differs from another one in some values: what both have in common is computed once."""
+
+from __future__ import annotations
+
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import SIZES
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.project.computed import take_over
+from ncgear.project.drive import Drive
+from ncgear.project.law import lobes_of
+from ncgear.project.tooth_form import reach_in_pitches
+
+BODY = ("face_width_mm", "material")
+"""Keys that change nothing of straight teeth in the plane across the axes."""
+
+SAME_TEETH = ("law", "pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")
+"""Attributes of a drive that only such keys leave as they are."""
+
+
+def drive_like(drive: Drive, design: Design, loaded: LoadedDesign | None = None) -> Drive:
+    """The drive of another design; law, pitch curves and teeth are those of ``drive`` where both have the same."""
+    kept = _in_common(drive.design, design)
+
+    def like(one: Drive, whole: Drive | None = None) -> Drive:
+        other = Drive(design, one.stage, loaded, whole)
+        take_over(kept, one, other)
+        return other
+
+    whole = like(drive)
+    if kept and design.stages > 1 and drive.stage is None:
+        vars(whole)["by_stage"] = tuple(like(one, whole) for one in drive.by_stage)
+    return whole
+
+
+def _in_common(one: Design, other: Design) -> tuple[str, ...]:
+    """The attributes that drives of two designs have in common."""
+    if (one.motion, one.linkage, lobes_of(one)) != (other.motion, other.linkage, lobes_of(other)):
+        return ()
+    before, after = one.gears, other.gears
+    if before is None or after is None:
+        return ("law",)
+    same_body = {name: getattr(before, name) for name in BODY}
+    if before.helix is None and one.output == other.output and after.model_copy(update=same_body) == before:
+        return SAME_TEETH
+    sizes = [[getattr(gears, name) for name in (*SIZES, "mesh")] for gears in (before, after)]
+    if sizes[0] == sizes[1] and reach_in_pitches(before) == reach_in_pitches(after):
+        return "law", "pitch"
+    return ("law",)

@@ -1,0 +1,30 @@
+"""What a person is told of a fault, whatever it is; the conversation goes on after it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ncgear.errors import DesignError, WrongInput
+
+
+def words_of(error: Exception) -> str:
+    """A fault of the design or of a file in its own words; any other is one of ncgear."""
+    match error:
+        case DesignError():
+            return str(error)
+        case OSError(strerror=str(reason), filename=name):
+            return f"{name}: {reason}" if name else reason
+    return f"internal fault: {type(error).__name__}: {error}; please report"
+
+
+def refusal(error: Exception, part: str = "") -> dict[str, Any]:
+    """Why the parts after one do not exist."""
+    design = error if isinstance(error, DesignError) else DesignError(words_of(error))
+    place = design.location.rpartition(":")[0].rpartition(":")[2]
+    return {
+        "after": part,
+        "wrong_input": isinstance(design, WrongInput),
+        "problem": design.problem,
+        "key": design.key,
+        "line": int(place) if place.isdigit() else None,
+    }

@@ -1,0 +1,78 @@
+"""The chains of the gears: one makes them and shows them, the other judges their contact and strength."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.page.data import scene_data
+from ncgear.drawings.page.motion_charts import motion_charts
+from ncgear.drawings.page.scene_svg import scene_svg
+from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_without_gears
+from ncgear.errors import DesignError
+from ncgear.project.drive import Drive
+from ncgear.studio.answers import Answer
+from ncgear.studio.motion_answers import live, power_needs_gears
+
+
+def gear_answers(drive: Drive) -> Iterator[Answer]:
+    """The machine and its teeth: ``power`` where it counts them, ``scene``, and again with bore and holes.
+
+    Where there are no gears such as the design wants, ``bare`` is the mechanism without them.
+    """
+    try:
+        scene = scene_of_teeth(drive)
+    except DesignError:
+        yield "bare", _shown(scene_without_gears(drive), gears=False)
+        raise
+    if power_needs_gears(drive):
+        yield "power", [live(chart) for chart in motion_charts(drive, scene.loop_rad, [Quantity.POWER])]
+    has_gears = drive.design.gears is not None
+    yield "scene", _shown(scene, gears=has_gears)
+    if has_gears:
+        yield "scene", _shown(scene_of(drive), gears=True)
+
+
+def contact_answers(drive: Drive) -> Iterator[Answer]:
+    """What the teeth do: ``teeth``, ``strength``, ``chart`` for each chart of teeth, ``verdict``."""
+    from ncgear.drawings.page.page import stage_name
+    from ncgear.drawings.page.page_charts import charts_of_pair
+    from ncgear.drawings.page.tables import strength_tables, typeset
+    from ncgear.figures.advice.verdict import Known, judged
+    from ncgear.figures.answers.machine import gear_facts
+    from ncgear.studio.told import drawn_charts, table_data, verdict_data
+
+    if drive.design.gears is None:
+        return
+    pairs = [(stage_name(pair), pair) for pair in drive.by_stage]
+    drive.require_sound_pairs()
+    yield (
+        "teeth",
+        {
+            "facts": [fact for _, pair in pairs for fact in typeset(gear_facts(pair), pair.stage)],
+            "tables": [_contact_table(stage, pair) for stage, pair in pairs],
+        },
+    )
+    yield "strength", [table_data(table) for _, pair in pairs for table in strength_tables(pair)]
+    for _, pair in pairs:
+        yield from drawn_charts(charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
+    yield "verdict", verdict_data(judged(drive, Known.TEETH))
+
+
+def _shown(scene: Scene, *, gears: bool) -> dict[str, Any]:
+    return {"svg": scene_svg(scene), "data": scene_data(scene), "gears": gears}
+
+
+def _contact_table(stage: str, pair: Drive) -> dict[str, Any]:
+    from ncgear.figures.summary.build_summary import designed_contact
+    from ncgear.figures.tables import Column, Table
+    from ncgear.figures.terminal import labelled
+    from ncgear.studio.told import table_data
+
+    found = designed_contact(pair.designed_contact, pair.contact_extremes)
+    plain = {key: value for key, value in found.items() if not isinstance(value, list)}
+    rows = tuple(labelled(plain))
+    return table_data(
+        Table(f"Contact of the teeth{f', {stage}' if stage else ''}", (Column(""), Column("as designed")), rows)
+    )

@@ -1,0 +1,94 @@
+"""The chain of the motion: what a law does with a mechanism, for which no tooth is needed.
+
+What it tells first follows the hand, so it asks for little: charts are drawn, and the design is judged, after it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from ncgear.drawings.charts.chart import Line
+from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.page.chart_figure import PageChart
+from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
+from ncgear.drawings.page.motion_charts import motion_charts, quantities_of
+from ncgear.drawings.scene.scene import scene_without_gears
+from ncgear.project.drive import Drive
+from ncgear.studio.answers import Answer
+from ncgear.studio.handles import handles
+
+FIRST = (Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER, Quantity.RATIO)
+"""The charts that a designer looks at first, which are drawn first."""
+
+LIVE_POINTS = 400
+"""Points of a line that follows while something is dragged: one for each pixel or two of a chart."""
+
+
+def motion_answers(drive: Drive) -> Iterator[Answer]:
+    """Law, motion and power: ``motion``, ``figures``, ``chart`` for each chart, ``verdict``."""
+    scene = scene_without_gears(drive)
+    asked = [one for one in quantities_of(drive) if one is not Quantity.POWER or not power_needs_gears(drive)]
+    charts = motion_charts(drive, scene.loop_rad, asked)
+    yield (
+        "motion",
+        {
+            "loop": scene.loop_rad,
+            "swings": scene.swings,
+            "paces": [asdict(pace) for pace in paces(drive.design.operation.speed_rpm)],
+            "shafts": shaft_tables(scene),
+            "charts": [live(chart) for chart in charts],
+            "handles": handles(drive),
+        },
+    )
+    from ncgear.drawings.page.tables import comparison_tables, typeset
+    from ncgear.figures.advice.verdict import Known, judged
+    from ncgear.figures.answers.machine import machine_facts
+    from ncgear.figures.wished import achieved_lines
+    from ncgear.studio.told import drawn_charts, table_data, verdict_data
+
+    yield (
+        "figures",
+        {
+            "facts": typeset(machine_facts(drive)),
+            "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
+            "tables": [table_data(table) for table in comparison_tables(drive)],
+        },
+    )
+    first = [quantity.key_of(drive.linkage.OUTPUT) for quantity in FIRST]
+    charts = motion_charts(drive, scene.loop_rad) if power_needs_gears(drive) else charts
+    yield from drawn_charts(sorted(charts, key=lambda one: first.index(one.key) if one.key in first else len(first)))
+    yield "verdict", verdict_data(judged(drive, Known.MOTION))
+
+
+def power_needs_gears(drive: Drive) -> bool:
+    """Whether the power counts the inertia of gears, which may take their teeth to know."""
+    return drive.masses_left_out is None and drive.design.gears is not None
+
+
+def live(page_chart: PageChart) -> dict[str, Any]:
+    """A chart for lines that follow at once; the page draws them on the scales of the last drawn chart."""
+    chart = page_chart.chart
+    return {
+        "key": page_chart.key,
+        "name": chart.name,
+        "unit": chart.unit,
+        "decimals": page_chart.decimals,
+        "lines": [_thinned(line, page_chart.decimals + MORE_DECIMALS) for line in chart.lines],
+    }
+
+
+def _thinned(line: Line, decimals: int) -> dict[str, Any]:
+    step = max(1, len(line.x) // LIVE_POINTS)
+    # Both ends and both sides of every jump stay.
+    jumps = np.nonzero(np.diff(line.x) < 1e-6)[0]
+    places = np.unique(np.concatenate([np.arange(0, len(line.x), step), jumps, jumps + 1, [len(line.x) - 1]]))
+    return {
+        "role": str(line.role),
+        "label": line.label,
+        "x": np.round(line.x[places], 4).tolist(),
+        "y": np.round(line.values[places], decimals).tolist(),
+    }
