@@ -50,10 +50,11 @@ QUICK = """
 check designs/baler.yaml --verbose | balance none.yaml | explain backlash_mm | explain | schema | new mine | bench none
 optimize none.yaml | frontier none.yaml | sweep none.yaml --vary a=1:2 | measured none.yaml | tolerance none.yaml
 size none.yaml | animate none.yaml | report none.yaml | simulate none.yaml | studio none.yaml | build none.yaml
-strength none.yaml | reproduce --out designs/pusher.yaml/x
+strength none.yaml | compare none.yaml none.yaml | reproduce --out designs/pusher.yaml/x
 """
 SLOW = """
-strength designs/baler-holds.yaml --verbose | sweep designs/pusher.yaml --vary linkage.rod_mm=50:400:4 --verbose
+compare designs/pusher.yaml designs/baler.yaml | strength designs/baler-holds.yaml --verbose
+sweep designs/pusher.yaml --vary linkage.rod_mm=50:400:4 --verbose
 animate designs/ellipse.yaml --frames=2 --width=320
 """
 LONG = """
