@@ -19,7 +19,7 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.chart_svg import drawn
+from ncgear.drawings.page.chart_svg import Size, drawn
 from ncgear.drawings.page.data import paces, page_data, scene_data, shaft_tables
 from ncgear.drawings.page.page import stage_name
 from ncgear.drawings.page.page_charts import charts_of_pair, motion_charts
@@ -29,12 +29,13 @@ from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_w
 from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.advice.verdict import Known, Verdict, judged
-from ncgear.figures.answers.machine import gear_facts, machine_facts
+from ncgear.figures.answers.machine import compared_rows, gear_facts, machine_facts, safety
 from ncgear.figures.summary.build_summary import designed_contact
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import labelled
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
+from ncgear.studio.best import saved
 from ncgear.studio.handles import handles
 
 Answer = tuple[str, Any]
@@ -42,12 +43,15 @@ Answer = tuple[str, Any]
 FIRST = (Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER, Quantity.RATIO)
 """The charts that a designer looks at first, which are drawn first."""
 
+CHART: Size = (280.0, 164.0)
+"""Size of a chart: two stand side by side beside values and figures at 1280 pixels, with text of 11 pixels or more."""
+
 LIVE_POINTS = 400
 """Points of a line that follows while something is dragged: one for each pixel or two of a chart."""
 
 
 def motion_answers(text: str, path: Path) -> Iterator[Answer]:
-    """Law, motion and power: ``motion``, ``figures`` with the verdict, ``chart`` for each chart."""
+    """Law, motion and power: ``motion``, ``figures`` with the verdict, ``chart`` for each chart, ``best`` of all laws."""
     yield from _guarded("design", partial(_motion, text, path))
 
 
@@ -102,13 +106,15 @@ def _motion(text: str, path: Path) -> Iterator[Answer]:
     yield (
         "figures",
         {
-            "facts": typeset(machine_facts(drive)),
+            "facts": _facts(drive),
+            "crank": drive.linkage.UNIFORM,
             "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
             "tables": [_table(table) for table in comparison_tables(drive)],
             "verdict": _verdict(judged(drive, Known.MOTION)),
         },
     )
     yield from _drawn(scene, charts)
+    yield "best", saved(drive.design)
 
 
 def _gears(text: str, path: Path) -> Iterator[Answer]:
@@ -133,10 +139,27 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
         },
     )
     yield "scene", _shown(scene_of(drive), gears=True)
-    yield "strength", [_table(table) for _, pair in pairs for table in strength_tables(pair)]
+    yield "strength", _strength(pairs)
     yield "verdict", _verdict(judged(drive, Known.TEETH))
     for _, pair in pairs:
         yield from _drawn(scene, charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
+
+
+def _facts(drive: Drive) -> list[list[str]]:
+    """Name and text of each figure, the peaks before all else with those of the crank and how much they differ."""
+    compared = {row.name: row.texts for row in compared_rows(drive)}
+    rows = {name: (text,) for name, text in machine_facts(drive)} | compared
+    ordered = dict.fromkeys([*compared, *rows])
+    return [[name, *(text for _, text in typeset((name, one) for one in rows[name]))] for name in ordered]
+
+
+def _strength(pairs: Sequence[tuple[str, Drive]]) -> dict[str, Any]:
+    """The least safeties of each pair, and the tables of the weakest teeth."""
+    told = [(pair.stage, safety(pair)) for _, pair in pairs]
+    return {
+        "facts": [fact for stage, text in told if text for fact in typeset([("safety", text)], stage)],
+        "tables": [_table(table) for _, pair in pairs for table in strength_tables(pair)],
+    }
 
 
 def _shown(scene: Scene, *, gears: bool) -> dict[str, Any]:
@@ -171,7 +194,7 @@ def _thinned(line: Line) -> dict[str, Any]:
 def _drawn(scene: Scene, charts: Sequence[PageChart]) -> Iterator[Answer]:
     """Each chart as the report has it: its drawing, its scales, its lines."""
     for chart in charts:
-        figure = drawn(chart)
+        figure = drawn(chart, CHART)
         data = page_data(scene, [figure])
         lines = [{"label": line.label, "role": str(line.role)} for line in chart.chart.lines]
         yield (

@@ -28,6 +28,7 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.files.publish import real_place
 from ncgear.studio.open_page import OpenPage
 from ncgear.studio.page import page
+from ncgear.studio.zipped import zipped
 
 HOST = "127.0.0.1"
 """The loopback address; other computers cannot reach it."""
@@ -127,6 +128,14 @@ class Studio:
         headers = {"content-security-policy": SANDBOX, "x-content-type-options": "nosniff", "cache-control": "no-store"}
         return FileResponse(wanted, headers=headers)
 
+    async def zip(self, request: Request) -> Response:
+        """A folder of the export folder as one zip."""
+        folder = self.out / request.path_params["name"]
+        if folder.name.startswith(".") or folder.parent != self.out or not folder.is_dir() or folder.is_symlink():
+            return PlainTextResponse("no such folder", status_code=404)
+        headers = {"content-disposition": f'attachment; filename="{folder.name}.zip"', "cache-control": "no-store"}
+        return Response(await asyncio.to_thread(zipped, folder), media_type="application/zip", headers=headers)
+
     async def talk(self, socket: WebSocket) -> None:
         """The conversation with one page."""
         name = socket.query_params.get("page", "")[:64]
@@ -200,6 +209,7 @@ def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
     routes = [
         Route(f"/{token}/", studio.index),
         Route(f"/{token}/export/{{name:path}}", studio.file),
+        Route(f"/{token}/zip/{{name}}", studio.zip),
         WebSocketRoute(f"/{token}/talk", studio.talk),
     ]
     return Guard(Starlette(routes=routes, lifespan=lifespan), hosts, token)

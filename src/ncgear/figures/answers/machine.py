@@ -200,7 +200,7 @@ def _gears(drive: Drive, contact: PairContact) -> list[Row]:
     of = "" if drive.stage is None else f"stage {drive.stage}: "
     facts = dict(gear_facts(drive))
     rows = [
-        *([] if (safety := _safety(drive)) is None else [("safety", safety)]),
+        *([] if (told := safety(drive)) is None else [("safety", told)]),
         *((first, _joined(facts, first, others)) for first, others in TOGETHER.items()),
         *((name, facts[name]) for name in facts if name not in {*TOGETHER, *chain.from_iterable(TOGETHER.values())}),
     ]
@@ -219,7 +219,7 @@ def _joined(facts: dict[str, str], first: str, others: Sequence[str]) -> str:
     return ", ".join([facts[first], *(f"{name.removeprefix(f'{first}, ')} {facts[name]}" for name in others)])
 
 
-def _safety(drive: Drive) -> str | None:
+def safety(drive: Drive) -> str | None:
     """The least safety against each kind of damage, or roughly; None where no load is known."""
     rating = known_rating(drive)
     if isinstance(rating, Rating):

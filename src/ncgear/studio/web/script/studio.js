@@ -58,7 +58,8 @@ function start() {
       state.newest = Math.max(state.newest, n);
     }
     const answers = { state: takeState, motion: takeMotion, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
-    Object.assign(answers, { verdict: told.verdict, strength: told.strength, chart: takeChart, job: making.show, said: say, question: saving.ask });
+    Object.assign(answers, { verdict: told.verdict, strength: told.strength, best: told.best, chart: takeChart });
+    Object.assign(answers, { job: making.show, said: say, question: saving.ask });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
     if (is === "done") settled(message);
@@ -116,7 +117,7 @@ function start() {
   function takeRefusal(message) {
     state.refused[message.from] = message.content;
     if (message.from === PART_OF_GEARS) told.withoutGears(message.content.after);
-    machine.pale();
+    if (message.from === PART_OF_GEARS || !message.content.wrong_input) machine.pale();
     showRefusals();
   }
 
@@ -131,7 +132,7 @@ function start() {
     const found = Object.values(state.refused).filter(Boolean);
     const once = found.filter((one, i) => found.findIndex((other) => other.problem === one.problem) === i);
     told.refusals(once);
-    form.mark(new Set(once.map((one) => one.key)));
+    form.mark(new Map(once.map((one) => [one.key, one.problem])));
   }
 
   function settled(message) {
@@ -144,7 +145,7 @@ function start() {
     board.hold(state.held ? state.motion : null);
     told.hold(state.held);
     at("hold").setAttribute("aria-pressed", String(state.held));
-    at("hold").textContent = state.held ? "Let go of the kept one" : "Keep to compare";
+    at("hold").textContent = state.held ? "Stop comparing" : "Keep to compare";
     clock.set(clock.deg());
   }
 
