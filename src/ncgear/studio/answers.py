@@ -29,7 +29,7 @@ from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_w
 from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.advice.verdict import Known, Verdict, judged
-from ncgear.figures.answers.machine import compared_rows, gear_facts, machine_facts, safety
+from ncgear.figures.answers.machine import compared_rows, gear_facts, machine_facts, safeties
 from ncgear.figures.summary.build_summary import designed_contact
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import labelled
@@ -51,7 +51,7 @@ LIVE_POINTS = 400
 
 
 def motion_answers(text: str, path: Path) -> Iterator[Answer]:
-    """Law, motion and power: ``motion``, ``figures`` with the verdict, ``chart`` for each chart, ``best`` of all laws."""
+    """Law, motion and power: ``motion``, ``figures`` with the verdict, each ``chart``, ``best`` of all laws."""
     yield from _guarded("design", partial(_motion, text, path))
 
 
@@ -155,9 +155,13 @@ def _facts(drive: Drive) -> list[list[str]]:
 
 def _strength(pairs: Sequence[tuple[str, Drive]]) -> dict[str, Any]:
     """The least safeties of each pair, and the tables of the weakest teeth."""
-    told = [(pair.stage, safety(pair)) for _, pair in pairs]
     return {
-        "facts": [fact for stage, text in told if text for fact in typeset([("safety", text)], stage)],
+        "facts": [
+            fact
+            for _, pair in pairs
+            for damage, safety, wanted in safeties(pair) or ()
+            for fact in typeset([(f"safety against {damage}, {wanted} wanted", safety)], pair.stage)
+        ],
         "tables": [_table(table) for _, pair in pairs for table in strength_tables(pair)],
     }
 

@@ -31,7 +31,9 @@ def saved(design: Design) -> dict[str, str] | None:
     goal, unit = best.wishes.goal, unit_of_goal(best)
     least, own = bound.value, best.wishes.prices.of(given)
     name = GOALS.get(goal, goal.value).removeprefix("least").strip("_ ").replace("_", " ")
-    figures = f"{to_digits(own, 4)} now, no law below {to_digits(least, 4)}{'' if goal is Goal.WEIGHTED else f' {unit}'}"
+    figures = (
+        f"{to_digits(own, 4)} now, no law below {to_digits(least, 4)}{'' if goal is Goal.WEIGHTED else f' {unit}'}"
+    )
     if own < least:
         return {"words": f"{name} {difference(least, own)}", "in_full": f"{name}: {figures} keeps every wish and limit"}
     if own <= (1.0 + NEAR) * least:

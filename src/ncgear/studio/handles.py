@@ -1,27 +1,34 @@
 """Points of the charts that can be dragged: where each one is, and which key of the design it moves, by how much.
 
 A handle has a place on a chart of ``motion_charts``: the driving angle in degrees and the chart's value, both at the
-operating speed.  Along each axis it may move one key: ``key = base + factor * (coordinate - at)``.
+operating speed.  Along each axis it may move one key: ``key = base + factor * (coordinate - at)``, and others with it.
+Of dense points every few have a handle, which takes its neighbours along; a point of a series moves its coefficients.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from math import degrees, pi
+from collections.abc import Iterator, Sequence
+from math import cos, degrees, pi
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ncgear.design.keys.base import FULL_TURN
 from ncgear.design.laws.base import LawPoint
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.project.drive import Drive
+from ncgear.studio.number_handles import Grip, grips
 
 Handle = dict[str, Any]
 
 MOST_HANDLES = 60
-"""Points of a table or a spline that can be dragged; more could not be told apart on a chart."""
+"""Points of a table or a spline that have a handle each; more could not be told apart on a chart."""
+
+THINNED = 30
+"""Handles of more points than that: 10 pixels apart or more on a chart, so that they do not touch."""
+
+MOST_TAKEN_ALONG = 180
+"""Points that one handle moves at most; a message to the studio changes 200 keys."""
 
 
 def handles(drive: Drive) -> list[Handle]:
@@ -29,15 +36,60 @@ def handles(drive: Drive) -> list[Handle]:
 
     Each has ``name``, ``chart`` (key of a chart), ``x`` in deg, ``y`` in the chart's unit, and ``moves``: for ``x`` and
     ``y``, where they move something, the ``key``, its value ``base`` at that place, its ``factor``, and its ``unit``.
+    A key within a formula has ``text``, what stands before and after its number.  A move may have no key but ``along``,
+    others that go with it from ``base`` on, numbers or lists of them: by ``sum`` times its step, by its growth to the
+    ``power``, or by ``log`` times the logarithm of its growth.
     """
     points = drive.design.motion.law_points
-    return [*(_of_point(drive, point) for point in points if len(points) <= MOST_HANDLES), *_of_wishes(drive)]
+    if not points:
+        return [*(_of_number(drive, one) for one in grips(drive)), *_of_wishes(drive)]
+    if len(points) <= MOST_HANDLES:
+        return [*(_of_point(drive, *one) for one in _placed(drive, points)), *_of_wishes(drive)]
+    return [*_of_few(drive, points), *_of_wishes(drive)]
 
 
-def _of_point(drive: Drive, point: LawPoint) -> Handle:
+def _of_few(drive: Drive, points: Sequence[LawPoint]) -> Iterator[Handle]:
+    """Handles of some of the points, evenly spread in their order, which closes after the last one.
+
+    A point between two handles goes with each by the square of a cosine of its way to it, so that all points go alike
+    where all handles do, and the moved curve has no corner that it did not have.  Ratios go by a common power.
+    """
+    count = len(points)
+    number = max(THINNED, -(-2 * count // MOST_TAKEN_ALONG))
+    if number > MOST_HANDLES:
+        return
+    places = [round(place * count / number) for place in range(number + 1)]
+    chosen = _placed(drive, [points[place] for place in places[:-1]])
+    for one, before, place, after in zip(chosen, [places[-2] - count, *places], places, places[1:], strict=False):
+        made = _of_point(drive, *one)
+        by = "power" if points[place].quantity == "ratio" else "sum"
+        along = []
+        for at in (*range(before + 1, place), *range(place + 1, after)):
+            way = (place - at) / (place - before) if at < place else (at - place) / (after - place)
+            other = points[at % count]
+            along.append({"key": f"motion.{other.value_key}", "base": other.value, by: cos(pi / 2.0 * way) ** 2})
+        made["moves"]["y"]["along"] = along
+        yield made
+
+
+def _placed(drive: Drive, points: Sequence[LawPoint]) -> list[tuple[LawPoint, float, float]]:
+    """Each point with its driving angle in deg and the value of its quantity there."""
+    period = drive.transmission.lobes.driven_period_rad
+    shares = np.array([point.driven_share or 0.0 for point in points])
+    angles = np.array([point.phi1_rad or 0.0 for point in points])
+    turned = shares > 0.0
+    angles[turned] = drive.machine.driving_angles(period * shares[turned])
+    motion, output = drive.machine.motion(angles), drive.linkage.OUTPUT
+    values = {name: Quantity[name.upper()].values(motion, output) for name in {point.quantity for point in points}}
+    return [
+        (point, degrees(angle), float(values[point.quantity][row]))
+        for row, (point, angle) in enumerate(zip(points, angles.tolist(), strict=True))
+    ]
+
+
+def _of_point(drive: Drive, point: LawPoint, angle_deg: float, shown: float) -> Handle:
     """The handle of a point of the law."""
     quantity = Quantity[point.quantity.upper()]
-    angle_deg = degrees(_driving_rad(drive, point))
     moves: dict[str, Any] = {}
     if point.angle_key:
         unit = point.angle_key.rpartition("_")[2]
@@ -53,10 +105,23 @@ def _of_point(drive: Drive, point: LawPoint) -> Handle:
         moves["y"] = {
             "key": f"motion.{point.value_key}",
             "base": point.value,
-            "factor": _factor(drive, point, _value_at(drive, quantity, angle_deg)),
+            "factor": _factor(drive, point, shown),
             "unit": quantity.unit_of(drive.linkage.OUTPUT).text,
         }
-    return _handle(drive, point.name, quantity, angle_deg, moves)
+    if point.coefficients:
+        along = [{"key": f"motion.{key}", "base": base, "log": by} for key, base, by in point.coefficients]
+        moves["y"] = {"key": "", "base": shown, "factor": 1.0, "unit": "", "along": along}
+    chart = quantity.key_of(drive.linkage.OUTPUT)
+    return {"name": point.name, "chart": chart, "x": angle_deg, "y": shown, "moves": moves}
+
+
+def _of_number(drive: Drive, grip: Grip) -> Handle:
+    """The handle of a number of the law."""
+    number = grip.number
+    move: dict[str, Any] = {"key": f"motion.{number.key}", "base": number.value, "factor": grip.factor, "unit": ""}
+    if number.before or number.after:
+        move["text"] = [number.before, number.after]
+    return _handle(drive, number.name, Quantity.RATIO, grip.angle_deg, {"y": move})
 
 
 def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
@@ -70,19 +135,6 @@ def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
         case "ratio":
             return point.value / shown
     return 1.0
-
-
-def _driving_rad(drive: Drive, point: LawPoint) -> float:
-    """The driving angle of a point in rad."""
-    if point.driven_share is None:
-        assert point.phi1_rad is not None
-        return point.phi1_rad
-    law = drive.transmission
-    driven = law.lobes.driven_period_rad * point.driven_share
-    if driven == 0.0:
-        return 0.0
-    end = law.lobes.driving_period_rad
-    return float(brentq(lambda phi1: float(law.driven_angle(np.array([phi1])).value[0]) - driven, 0.0, end))
 
 
 def _of_wishes(drive: Drive) -> Iterator[Handle]:

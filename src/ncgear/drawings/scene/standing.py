@@ -182,6 +182,10 @@ Box = tuple[float, float, float, float]
 """Left, bottom, width and height in mm of the frame of the scene."""
 
 
+NOTHING: Box = (-1.0, -1.0, 2.0, 2.0)
+"""The box of a view in which nothing stands."""
+
+
 def views(scene: Scene) -> dict[str, Box]:
     """The boxes of the views: the whole machine, and where there are gears, all gears and the mesh.
 
@@ -195,7 +199,9 @@ def views(scene: Scene) -> dict[str, Box]:
     # Two corners of the square in which each gear turns.
     corners = [np.array(gear.axis_mm) + side * gear.body.reach_mm for gear in scene.gears for side in (-1.0, 1.0)]
     gears = np.array(corners).reshape(-1, 2)
-    found = {"machine": _box_around(np.vstack([crank, *standing, gears]))}
+    seen = np.vstack([crank, *standing, gears])
+    # A shaft by itself whose gears are not made shows nothing.
+    found = {"machine": _box_around(seen) if seen.size else NOTHING}
     if scene.pairs:
         found["gears"] = _box_around(gears)
         size = MESH_IN_MODULES * max(pair.module_mm for pair in scene.pairs)
