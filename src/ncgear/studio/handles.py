@@ -8,6 +8,7 @@ Of dense points every few have a handle, which takes its neighbours along; a poi
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from math import cos, degrees, pi
 from typing import Any
 
@@ -24,8 +25,8 @@ Handle = dict[str, Any]
 MOST_HANDLES = 60
 """Points of a table or a spline that have a handle each; more could not be told apart on a chart."""
 
-THINNED = 30
-"""Handles of more points than that: 10 pixels apart or more on a chart, so that they do not touch."""
+THINNED = (18, 36, MOST_HANDLES)
+"""Handles of more points than that, the fewest that take no more along than they can: 18 do not touch on a chart."""
 
 MOST_TAKEN_ALONG = 180
 """Points that one handle moves at most; a message to the studio changes 200 keys."""
@@ -49,24 +50,34 @@ def handles(drive: Drive) -> list[Handle]:
 
 
 def _of_few(drive: Drive, points: Sequence[LawPoint]) -> Iterator[Handle]:
-    """Handles of some of the points, evenly spread in their order, which closes after the last one.
+    """Handles of some of the points, evenly spread over the driving angle, whose cycle closes after the last one.
 
     A point between two handles goes with each by the square of a cosine of its way to it, so that all points go alike
     where all handles do, and the moved curve has no corner that it did not have.  Ratios go by a common power.
     """
     count = len(points)
-    number = max(THINNED, -(-2 * count // MOST_TAKEN_ALONG))
-    if number > MOST_HANDLES:
+    if count > MOST_HANDLES * MOST_TAKEN_ALONG:
         return
-    places = [round(place * count / number) for place in range(number + 1)]
-    chosen = _placed(drive, [points[place] for place in places[:-1]])
-    for one, before, place, after in zip(chosen, [places[-2] - count, *places], places, places[1:], strict=False):
+    law, lobes = drive.transmission, drive.transmission.lobes
+    over_driven = points[0].driven_share is not None
+    at = np.array([point.driven_share if over_driven else point.phi1_rad for point in points])
+    for number in THINNED:
+        even = np.arange(number) * (lobes.driving_period_rad / number)
+        wanted = law.driven_angle(even).value / lobes.driven_period_rad if over_driven else even
+        places: list[int] = np.unique(np.argmin(np.abs(at - wanted[:, None]), axis=1)).tolist()
+        places.append(places[0] + count)
+        if max(after - before for before, after in pairwise(places)) <= MOST_TAKEN_ALONG // 2:
+            break
+    else:
+        return
+    placed = _placed(drive, [points[place] for place in places[:-1]])
+    for one, before, place, after in zip(placed, [places[-2] - count, *places], places, places[1:], strict=False):
         made = _of_point(drive, *one)
         by = "power" if points[place].quantity == "ratio" else "sum"
         along = []
-        for at in (*range(before + 1, place), *range(place + 1, after)):
-            way = (place - at) / (place - before) if at < place else (at - place) / (after - place)
-            other = points[at % count]
+        for near in (*range(before + 1, place), *range(place + 1, after)):
+            way = (near - place) / (after - place) if near > place else (place - near) / (place - before)
+            other = points[near % count]
             along.append({"key": f"motion.{other.value_key}", "base": other.value, by: cos(pi / 2.0 * way) ** 2})
         made["moves"]["y"]["along"] = along
         yield made
