@@ -29,13 +29,14 @@ from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_w
 from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.advice.verdict import Known, Verdict, judged
-from ncgear.figures.answers.machine import compared_rows, gear_facts, machine_facts, safeties
+from ncgear.figures.answers.machine import gear_facts
 from ncgear.figures.summary.build_summary import designed_contact
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.terminal import labelled
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 from ncgear.studio.best import saved
+from ncgear.studio.facts import facts, safety_facts
 from ncgear.studio.handles import handles
 
 Answer = tuple[str, Any]
@@ -106,7 +107,7 @@ def _motion(text: str, path: Path) -> Iterator[Answer]:
     yield (
         "figures",
         {
-            "facts": _facts(drive),
+            "facts": facts(drive),
             "crank": drive.linkage.UNIFORM,
             "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
             "tables": [_table(table) for table in comparison_tables(drive)],
@@ -139,31 +140,11 @@ def _gears(text: str, path: Path) -> Iterator[Answer]:
         },
     )
     yield "scene", _shown(scene_of(drive), gears=True)
-    yield "strength", _strength(pairs)
+    strong = [_table(table) for _, pair in pairs for table in strength_tables(pair)]
+    yield "strength", {"facts": safety_facts(drive.by_stage), "tables": strong}
     yield "verdict", _verdict(judged(drive, Known.TEETH))
     for _, pair in pairs:
         yield from _drawn(scene, charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
-
-
-def _facts(drive: Drive) -> list[list[str]]:
-    """Name and text of each figure, the peaks before all else with those of the crank and how much they differ."""
-    compared = {row.name: row.texts for row in compared_rows(drive)}
-    rows = {name: (text,) for name, text in machine_facts(drive)} | compared
-    ordered = dict.fromkeys([*compared, *rows])
-    return [[name, *(text for _, text in typeset((name, one) for one in rows[name]))] for name in ordered]
-
-
-def _strength(pairs: Sequence[tuple[str, Drive]]) -> dict[str, Any]:
-    """The least safeties of each pair, and the tables of the weakest teeth."""
-    return {
-        "facts": [
-            fact
-            for _, pair in pairs
-            for damage, safety, wanted in safeties(pair) or ()
-            for fact in typeset([(f"safety against {damage}, {wanted} wanted", safety)], pair.stage)
-        ],
-        "tables": [_table(table) for _, pair in pairs for table in strength_tables(pair)],
-    }
 
 
 def _shown(scene: Scene, *, gears: bool) -> dict[str, Any]:

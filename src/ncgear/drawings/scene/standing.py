@@ -182,26 +182,22 @@ Box = tuple[float, float, float, float]
 """Left, bottom, width and height in mm of the frame of the scene."""
 
 
-NOTHING: Box = (-1.0, -1.0, 2.0, 2.0)
-"""The box of a view in which nothing stands."""
-
-
 def views(scene: Scene) -> dict[str, Box]:
     """The boxes of the views: the whole machine, and where there are gears, all gears and the mesh.
 
-    The box of the mesh is about the origin; it has to be moved to the pitch point.
+    The box of the mesh is about the origin; it has to be moved to the pitch point.  A shaft by itself, whose gears
+    cannot be made, has nothing to be seen: the box of its machine is a square about its axis.
     """
     linkage = scene.machine.linkage
     reach = linkage.crank_mm * (1.0 + CRANK_EYE)
-    crank = np.array([[-reach, -reach], [reach, reach]]) if scene.links else np.empty((0, 2))
+    square = np.array([[-reach, -reach], [reach, reach]])
+    crank = square if scene.links or not scene.pairs else np.empty((0, 2))
     lines, strokes = [*supports_mm(linkage), *walls_mm(scene)], [support_hatches_mm(linkage), hatches_mm(scene)]
     standing = [*lines, *(some.reshape(-1, 2) for some in (*strokes, *scene.swept_mm.values()))]
     # Two corners of the square in which each gear turns.
     corners = [np.array(gear.axis_mm) + side * gear.body.reach_mm for gear in scene.gears for side in (-1.0, 1.0)]
     gears = np.array(corners).reshape(-1, 2)
-    seen = np.vstack([crank, *standing, gears])
-    # A shaft by itself whose gears are not made shows nothing.
-    found = {"machine": _box_around(seen) if seen.size else NOTHING}
+    found = {"machine": _box_around(np.vstack([crank, *standing, gears]))}
     if scene.pairs:
         found["gears"] = _box_around(gears)
         size = MESH_IN_MODULES * max(pair.module_mm for pair in scene.pairs)
