@@ -31,10 +31,10 @@ WISHES: dict[str, tuple[str, dict[str, Any]]] = {
 
 SHAPES = (LawName.ELLIPSE, LawName.PITCH_CURVE, LawName.SPIRAL)
 FORMULAS = (LawName.RATIO_EXPRESSION, LawName.FUNCTION_GENERATOR, LawName.HARMONIC_RATIO)
-STROKES = (LawName.THREE_SEGMENT_STROKE, LawName.TABLE, LawName.SPLINE_RATIO, LawName.UNIFORM_CRANK)
-"""Laws of gears by their shape, by a formula, and of a slider that is drawn or typed."""
+POINTS = (LawName.TABLE, LawName.SPLINE_RATIO)
+"""Laws of gears by themselves, and of a slider point by point; those left are a wish and the machine without a law."""
 
-GROUPS = ("A machine", "A wish", "A shape", "A formula", "A worked design")
+GROUPS = ("A machine", "A wish", "A shape", "A formula or points", "A worked design")
 
 SHIPPED = Path(ncgear.__file__).parents[2] / "designs"
 """The worked designs, beside the sources."""
@@ -63,10 +63,12 @@ def beginnings() -> list[Beginning]:
             Beginning(machine, one.value, CHOICES[one], partial(begun, beginning=one, answers={}))
             for one in MachineName
         ),
-        *(Beginning(machine, _name(one), design_law(one).choice, partial(_of_law, one)) for one in STROKES),
+        _by_law(machine, LawName.UNIFORM_CRANK, _of_law),
+        _by_law(wish, LawName.THREE_SEGMENT_STROKE, _of_law),
         *(Beginning(wish, name, words, partial(_of_wish, wishes)) for name, (words, wishes) in WISHES.items()),
-        *(Beginning(shape, _name(one), design_law(one).choice, partial(_of_gears, one)) for one in SHAPES),
-        *(Beginning(formula, _name(one), design_law(one).choice, partial(_of_gears, one)) for one in FORMULAS),
+        *(_by_law(shape, one, _of_gears) for one in SHAPES),
+        *(_by_law(formula, one, _of_gears) for one in FORMULAS),
+        *(_by_law(formula, one, _of_law) for one in POINTS),
         *(Beginning(worked, path.stem, words, partial(_copied, path)) for path, words in _worked()),
     ]
 
@@ -94,8 +96,8 @@ def begin(key: str, folder: Path) -> Path:
     raise AssertionError
 
 
-def _name(law: LawName) -> str:
-    return law.value.replace("_", "-")
+def _by_law(group: str, law: LawName, text: Callable[[LawName, str], str]) -> Beginning:
+    return Beginning(group, law.value.replace("_", "-"), design_law(law).choice, partial(text, law))
 
 
 def _of_law(law: LawName, name: str) -> str:

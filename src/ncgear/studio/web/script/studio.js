@@ -1,10 +1,11 @@
 // The page put together: one design, and everything that shows it or changes it.
 
 const PART_OF_GEARS = "gears";
+const FIRST_CRANK_DEG = 60;
 
 function start() {
   const at = (id) => document.getElementById(id);
-  const state = { newest: 0, refused: { motion: null, gears: null }, motion: null, held: false };
+  const state = { newest: 0, refused: { motion: null, gears: null }, motion: null, held: false, begun: false };
   const link = createLink(hear, (on, taken) => {
     document.body.classList.toggle("offline", !on);
     if (taken) say("This page goes on in another tab; load it anew to go on here.");
@@ -92,8 +93,16 @@ function start() {
     clear("gears");
     machine.take(content);
     finder.fit();
-    clock.set(clock.deg());
+    clock.set(state.begun ? clock.deg() : firstPose());
+    state.begun = true;
     if (!content.gears) told.withoutGears("");
+  }
+
+  // Driving angle in degrees at which the crank first stands well off its dead centre, so that it is seen beside the rod.
+  function firstPose() {
+    const scene = machine.scene();
+    const degrees = Array.from({ length: 90 }, (_, i) => (i * clock.cycle()) / 90);
+    return degrees.find((deg) => scene.driven_angle(deg * RAD) >= FIRST_CRANK_DEG * RAD) ?? 0;
   }
 
   // Without teeth the mechanism alone is shown, unless there is an earlier machine to be seen behind the refusal.
