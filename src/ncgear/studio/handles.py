@@ -17,7 +17,6 @@ import numpy as np
 from ncgear.design.keys.base import FULL_TURN
 from ncgear.design.laws.base import LawPoint
 from ncgear.drawings.charts.slider_charts import Quantity
-from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.studio.number_handles import Grip, grips
 
@@ -63,7 +62,7 @@ def _of_few(drive: Drive, points: Sequence[LawPoint]) -> Iterator[Handle]:
     over_driven = points[0].driven_share is not None
     at = np.array([point.driven_share if over_driven else point.phi1_rad for point in points])
     for number in THINNED:
-        even: Array = np.arange(number) * (lobes.driving_period_rad / number)
+        even = np.linspace(0.0, lobes.driving_period_rad, number, endpoint=False)
         wanted = law.driven_angle(even).value / lobes.driven_period_rad if over_driven else even
         places: list[int] = np.unique(np.argmin(np.abs(at - wanted[:, None]), axis=1)).tolist()
         places.append(places[0] + count)

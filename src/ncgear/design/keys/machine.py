@@ -248,8 +248,8 @@ class Resistance(StrokeForce):
     )
     shown_as: Literal["load", "straw", "carton", "sheet"] = Field(
         default="load",
-        description="what pictures show where the force acts: load, a plain block in a chamber, straw, as in a baler, or "
-        "what is pushed along a table, a carton or a sheet",
+        description="what pictures show where the force acts: load, a plain block in a chamber; straw, as in a baler; "
+        "carton or sheet, pushed along a table",
     )
 
     @model_validator(mode="after")
