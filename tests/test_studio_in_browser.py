@@ -283,8 +283,9 @@ SMALLEST_TEXT = """Math.min(...[...document.querySelectorAll(".plot svg text")].
   .map((one) => parseFloat(getComputedStyle(one).fontSize) * one.getScreenCTM().a))"""
 """Size in pixels of the smallest text of a chart as it is seen."""
 
-CLIPPED = """[...document.querySelectorAll(".value .unit, .value label, #facts td, #facts th, .tools button, .key span")]
-  .filter((one) => one.checkVisibility() && one.scrollWidth > one.clientWidth + 1 && getComputedStyle(one).display !== "inline")
+CLIPPED = """[...document.querySelectorAll(".value .unit, .value label, #facts td, #facts th, .tools button")]
+  .filter((one) => one.checkVisibility() && one.scrollWidth > one.clientWidth + 1)
+  .filter((one) => getComputedStyle(one).display !== "inline")
   .map((one) => one.outerHTML.slice(0, 120))"""
 """Texts that do not fit into their places."""
 
