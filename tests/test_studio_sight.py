@@ -57,6 +57,8 @@ def test_every_choice_is_a_design_with_a_motion_and_gears(key: str) -> None:
     chosen = next(one for one in OWN if one.key == key)
     made = Drive(parsed(chosen.text("mine"), Path("mine.yaml")).design)
     assert made.design.name == "mine"
+    alone = key.startswith("a-shape") or key.endswith(("expression", "generator", "harmonic-ratio"))
+    assert ("linkage" in read_yaml(chosen.text("mine"), "mine").data) is not alone
     assert made.check.peak_speed.value > 0.0
     assert made.pitch.size.driving_teeth > 0
 
