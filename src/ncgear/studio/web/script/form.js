@@ -123,7 +123,7 @@ function createForm(place, find, acts) {
     const help = made("p", { class: "help", id: `${id}-help` }, `${row.meaning}. ${row.allowed}. Left out: ${row.default}.`);
     input.setAttribute("aria-describedby", help.id);
     input.setAttribute("aria-label", [row.label, row.unit].filter(Boolean).join(" in "));
-    const fault = made("p", { class: "fault", role: "alert" });
+    const fault = made("p", { class: "fault", "aria-live": "polite" });
     const known = { row, input, fault, typing: false };
     state.inputs.set(row.path, known);
     listen(known, label);
