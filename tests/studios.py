@@ -54,6 +54,13 @@ class Studio:
             answer = made.getresponse()
             return answer.status, {name.lower(): value for name, value in answer.getheaders()}, answer.read()
 
+    def post(self, path: str, body: str, **headers: str) -> tuple[int, Mapping[str, str], bytes]:
+        """The same of a form that is sent."""
+        with closing(HTTPConnection("127.0.0.1", self.port, timeout=20)) as made:
+            made.request("POST", path, body, {"Content-Type": "application/x-www-form-urlencoded", **headers})
+            answer = made.getresponse()
+            return answer.status, {name.lower(): value for name, value in answer.getheaders()}, answer.read()
+
     @contextmanager
     def page(self, name: str = "test", **more: Any) -> Iterator[Page]:
         """A page's conversation."""
@@ -109,11 +116,12 @@ def children(process: int) -> list[int]:
 
 
 @contextmanager
-def running(path: Path, out: Path) -> Iterator[Studio]:
+def running(path: Path | None, out: Path) -> Iterator[Studio]:
     """A studio that is ended by Ctrl-C; it must end by itself then, and say nothing of a fault."""
-    command = [sys.executable, "-m", "ncgear", "studio", str(path), "--no-browser", f"--out={out}"]
+    opened = [] if path is None else [str(path)]
+    command = [sys.executable, "-m", "ncgear", "studio", *opened, "--no-browser", f"--out={out}"]
     process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=path.parent, env=environment()
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=out.parent, env=environment()
     )
     assert process.stdout is not None
     assert process.stderr is not None
@@ -121,7 +129,7 @@ def running(path: Path, out: Path) -> Iterator[Studio]:
     found = re.search(r"http://\S+", said)
     assert found, said + process.stderr.read()
     try:
-        yield Studio(process, path, out, found[0])
+        yield Studio(process, path or out.parent, out, found[0])
     finally:
         if process.poll() is None:
             process.send_signal(signal.SIGINT)

@@ -7,13 +7,21 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, DesignFile
+from ncgear.cli.arguments import EXPORT, files_to_complete
 from ncgear.errors import WrongInput
 from ncgear.extras import require
 
 
 def studio(
-    design_file: DesignFile,
+    design_file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="DESIGN.yaml",
+            help="The design file; without one the page asks what to begin with, and writes it into this folder.",
+            show_default="a choice",
+            autocompletion=files_to_complete,
+        ),
+    ] = None,
     out: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for what the page makes, one folder for each design.")
     ] = EXPORT,
@@ -28,7 +36,7 @@ def studio(
     """
     for library in ("starlette", "uvicorn", "websockets"):
         require(library, "studio", "ncgear studio")
-    if not design_file.exists():
+    if design_file is not None and not design_file.exists():
         name = design_file.stem or "machine"
         raise WrongInput(f"is not there; `ncgear new {name}` writes a design to begin with", location=str(design_file))
 
@@ -36,7 +44,8 @@ def studio(
     from ncgear.studio.on_disk import design_on_disk
     from ncgear.studio.server import listening, serve
 
-    design_on_disk(design_file)
+    if design_file is not None:
+        design_on_disk(design_file)
     try:
         bound = listening(port)
     except OSError as error:
@@ -45,7 +54,7 @@ def studio(
         ) from error
 
     def begun(address: str) -> None:
-        typer.echo(f"{design_file} is open at {address}")
+        typer.echo(f"{design_file or 'The studio'} is open at {address}")
         typer.echo("Ctrl-C ends the studio; what is not saved is there again when it is opened next.")
         if not no_browser:
             open_in_browser(address)

@@ -110,6 +110,7 @@ fit: {driving_shaft: ends}   # below the rod, which passes over it
 resistance:
   table: {displacement_mm: [0, 80, 90, 250], force_n: [0, 0, 50, 50]}   # the carton stands a third of the way off
   friction_n: 10           # of the guides, on both strokes
+  shown_as: carton         # in pictures
 
 masses:
   slider_kg: 3
@@ -149,6 +150,7 @@ resistance:
   polynomial_n: [120]                # the sheet is pushed in
   returning: {polynomial_n: [15]}    # the gripper comes back empty
   friction_n: 25                     # of the guides, on both strokes
+  shown_as: sheet                    # in pictures
 
 masses:
   slider_kg: 6

@@ -95,7 +95,7 @@ resistance:                # the force against the slider; left out: none
   # table: {displacement_mm: [0, 400, 760], force_n: [0, 2000, 30000]}   # instead, or {file: points.csv}
   # expression_n: "200 + 3*exp(x/90)"                                  # instead: a formula of x, the displacement
   where_negative: zero     # zero, or keep
-  shown_as: straw          # in pictures: straw, or load, a plain block
+  shown_as: straw          # in pictures: straw; load, a plain block; carton; sheet
   # returning: {polynomial_n: [50]}   # the force on the way back, in any of the three forms; left out: none
   # friction_n: 20         # constant, against the motion, on both strokes
 """

@@ -171,7 +171,7 @@ def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
     if name not in MECHANISMS:
         raise WrongInput(f"{name!r} given; a mechanism of ncgear is right", key="linkage.kind")
     if name == NO_LINKAGE:
-        return {"linkage": None, "masses": None, "resistance": None, "wishes": None, "optimize": None}
+        return {"linkage": None, "fit": None, "masses": None, "resistance": None, "wishes": None, "optimize": None}
     document = read_yaml(text, "design")
     own = document.at("linkage.crank_mm") or document.at("linkage.radius_mm") or 40
     unit = float(own) if isinstance(own, int | float) else 40.0

@@ -26,9 +26,22 @@ SHORT = {
     "degrees": "\u00b0",
     "radians": "rad",
     "mm/s2": "mm/s\u00b2",
+    "m/s2": "m/s\u00b2",
     "rad/s2": "rad/s\u00b2",
+    "mm2/s": "mm\u00b2/s",
+    "mm/s3": "mm/s\u00b3",
+    "kg mm2": "kg mm\u00b2",
+    "kg m2": "kg m\u00b2",
+    "kg/m3": "kg/m\u00b3",
+    "N at a depth of 1 mm": "N, 1 mm deep",
 }
 """Units as they stand beside a number on the page."""
+
+LEFT_OUT = {"may be left out": "left out", "none: it must be given": "needed"}
+"""What stands in the field of a key without a value, where that is not its default; in full it is below the field."""
+
+LONGEST_HINT = 18
+"""Letters of a default that stand in a field uncut."""
 
 MOST_ITEMS = 40
 """Items of a list that have a row each; longer lists are points, which are dragged, or stand in the text."""
@@ -115,6 +128,8 @@ def _plain(key: Key, given: bool, value: Any, root: type[BaseModel]) -> Row:
     rules = choices(key.rule)
     row = {**_head(key, given), "allowed": allowed(key), "default": default_words(key), "value": value}
     row["needed"] = key.field.is_required()
+    hint = LEFT_OUT.get(row["default"], row["default"].partition(",")[0])
+    row["hint"] = hint if len(hint) <= LONGEST_HINT else ""
     if key.is_law_name:
         return {**row, "kind": "choice", "choices": [law.value for law in LawName]}
     words = [str(word) for rule in rules for word in rule.get("enum", [rule["const"]] if "const" in rule else [])]

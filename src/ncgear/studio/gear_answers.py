@@ -41,6 +41,7 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
     from ncgear.drawings.page.tables import strength_tables, typeset
     from ncgear.figures.advice.verdict import Known, judged
     from ncgear.figures.answers.machine import gear_facts
+    from ncgear.studio.facts import safety_facts
     from ncgear.studio.told import drawn_charts, table_data, verdict_data
 
     if drive.design.gears is None:
@@ -54,7 +55,8 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
             "tables": [_contact_table(stage, pair) for stage, pair in pairs],
         },
     )
-    yield "strength", [table_data(table) for _, pair in pairs for table in strength_tables(pair)]
+    strong = [table_data(table) for _, pair in pairs for table in strength_tables(pair)]
+    yield "strength", {"facts": safety_facts(drive.by_stage), "tables": strong}
     for _, pair in pairs:
         yield from drawn_charts(charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
     yield "verdict", verdict_data(judged(drive, Known.TEETH))

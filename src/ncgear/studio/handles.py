@@ -1,13 +1,15 @@
 """Points of the charts that can be dragged: where each one is, and which key of the design it moves, by how much.
 
 A handle has a place on a chart of ``motion_charts``: the driving angle in degrees and the chart's value, both at the
-operating speed.  Along each axis it may move one key: ``key = base + factor * (coordinate - at)``.
+operating speed.  Along each axis it may move one key: ``key = base + factor * (coordinate - at)``, and others with it.
+Of dense points every few have a handle, which takes its neighbours along; a point of a series moves its coefficients.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import degrees
+from itertools import pairwise
+from math import cos, degrees, pi, radians
 from typing import Any
 
 import numpy as np
@@ -16,14 +18,19 @@ from ncgear.design.keys.base import FULL_TURN
 from ncgear.design.laws.base import LawPoint
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.kinematics.motion import sample_angles
-from ncgear.numerics.arrays import Array
-from ncgear.numerics.zeros import zeros_between
 from ncgear.project.drive import Drive
+from ncgear.studio.number_handles import Grip, grips
 
 Handle = dict[str, Any]
 
 MOST_HANDLES = 60
-"""Points of a table or a spline that can be dragged; more could not be told apart on a chart."""
+"""Points of a table or a spline that have a handle each; more could not be told apart on a chart."""
+
+THINNED = (18, 36, MOST_HANDLES)
+"""Handles of more points than that, the fewest that take no more along than they can: 18 do not touch on a chart."""
+
+MOST_TAKEN_ALONG = 180
+"""Points that one handle moves at most; a message to the studio changes 200 keys."""
 
 
 def handles(drive: Drive) -> list[Handle]:
@@ -31,24 +38,70 @@ def handles(drive: Drive) -> list[Handle]:
 
     Each has ``name``, ``chart`` (key of a chart), ``x`` in deg, ``y`` in the chart's unit, and ``moves``: for ``x`` and
     ``y``, where they move something, the ``key``, its value ``base`` at that place, its ``factor``, and its ``unit``.
+    A key within a formula has ``text``, what stands before and after its number.  A move may have no key but ``along``,
+    others that go with it from ``base`` on, numbers or lists of them: by ``sum`` times its step, by its growth to the
+    ``power``, or by ``log`` times the logarithm of its growth.
     """
-    return [*_of_points(drive), *_of_wishes(drive)]
-
-
-def _of_points(drive: Drive) -> Iterator[Handle]:
     points = drive.design.motion.law_points
-    if not 0 < len(points) <= MOST_HANDLES:
+    if not points:
+        return [*(_of_number(drive, one) for one in grips(drive)), *_of_wishes(drive)]
+    if len(points) <= MOST_HANDLES:
+        return [*(_of_point(drive, *one) for one in _placed(drive, points)), *_of_wishes(drive)]
+    return [*_of_few(drive, points), *_of_wishes(drive)]
+
+
+def _of_few(drive: Drive, points: Sequence[LawPoint]) -> Iterator[Handle]:
+    """Handles of some of the points, evenly spread over the driving angle, whose cycle closes after the last one.
+
+    A point between two handles goes with each by the square of a cosine of its way to it, so that all points go alike
+    where all handles do, and the moved curve has no corner that it did not have.  Ratios go by a common power.
+    """
+    count = len(points)
+    if count > MOST_HANDLES * MOST_TAKEN_ALONG:
         return
-    angles_rad = _driving_rad(drive, points)
-    motion = drive.machine.motion(angles_rad)
-    for place, point in enumerate(points):
-        quantity = Quantity[point.quantity.upper()]
-        shown = float(quantity.values(motion, drive.linkage.OUTPUT)[place])
-        yield _of_point(drive, point, quantity, degrees(angles_rad[place]), shown)
+    law, lobes = drive.transmission, drive.transmission.lobes
+    over_driven = points[0].driven_share is not None
+    at = np.array([point.driven_share if over_driven else point.phi1_rad for point in points])
+    for number in THINNED:
+        even = np.linspace(0.0, lobes.driving_period_rad, number, endpoint=False)
+        wanted = law.driven_angle(even).value / lobes.driven_period_rad if over_driven else even
+        places: list[int] = np.unique(np.argmin(np.abs(at - wanted[:, None]), axis=1)).tolist()
+        places.append(places[0] + count)
+        if max(after - before for before, after in pairwise(places)) <= MOST_TAKEN_ALONG // 2:
+            break
+    else:
+        return
+    placed = _placed(drive, [points[place] for place in places[:-1]])
+    for one, before, place, after in zip(placed, [places[-2] - count, *places], places, places[1:], strict=False):
+        made = _of_point(drive, *one)
+        by = "power" if points[place].quantity == "ratio" else "sum"
+        along = []
+        for near in (*range(before + 1, place), *range(place + 1, after)):
+            way = (near - place) / (after - place) if near > place else (place - near) / (place - before)
+            other = points[near % count]
+            along.append({"key": f"motion.{other.value_key}", "base": other.value, by: cos(pi / 2.0 * way) ** 2})
+        made["moves"]["y"]["along"] = along
+        yield made
 
 
-def _of_point(drive: Drive, point: LawPoint, quantity: Quantity, angle_deg: float, shown: float) -> Handle:
-    """The handle of a point of the law, which has a value on its chart."""
+def _placed(drive: Drive, points: Sequence[LawPoint]) -> list[tuple[LawPoint, float, float]]:
+    """Each point with its driving angle in deg and the value of its quantity there."""
+    period = drive.transmission.lobes.driven_period_rad
+    shares = np.array([point.driven_share or 0.0 for point in points])
+    angles = np.array([point.phi1_rad or 0.0 for point in points])
+    turned = shares > 0.0
+    angles[turned] = drive.machine.driving_angles(period * shares[turned])
+    motion, output = drive.machine.motion(angles), drive.linkage.OUTPUT
+    values = {name: Quantity[name.upper()].values(motion, output) for name in {point.quantity for point in points}}
+    return [
+        (point, degrees(angle), float(values[point.quantity][row]))
+        for row, (point, angle) in enumerate(zip(points, angles.tolist(), strict=True))
+    ]
+
+
+def _of_point(drive: Drive, point: LawPoint, angle_deg: float, shown: float) -> Handle:
+    """The handle of a point of the law."""
+    quantity = Quantity[point.quantity.upper()]
     moves: dict[str, Any] = {}
     if point.angle_key:
         unit = point.angle_key.rpartition("_")[2]
@@ -67,7 +120,21 @@ def _of_point(drive: Drive, point: LawPoint, quantity: Quantity, angle_deg: floa
             "factor": _factor(drive, point, shown),
             "unit": quantity.unit_of(drive.linkage.OUTPUT).text,
         }
+    if point.coefficients:
+        along = [{"key": f"motion.{key}", "base": base, "log": by} for key, base, by in point.coefficients]
+        moves["y"] = {"key": "", "base": shown, "factor": 1.0, "unit": "", "along": along}
     return _handle(drive, point.name, quantity, (angle_deg, shown), moves)
+
+
+def _of_number(drive: Drive, grip: Grip) -> Handle:
+    """The handle of a number of the law."""
+    number = grip.number
+    move: dict[str, Any] = {"key": f"motion.{number.key}", "base": number.value, "factor": grip.factor, "unit": ""}
+    if number.before or number.after:
+        move["text"] = [number.before, number.after]
+    motion = drive.machine.motion(np.array([radians(grip.angle_deg)]))
+    shown = float(Quantity.RATIO.values(motion, drive.linkage.OUTPUT)[0])
+    return _handle(drive, number.name, Quantity.RATIO, (grip.angle_deg, shown), {"y": move})
 
 
 def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
@@ -81,16 +148,6 @@ def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
         case "ratio":
             return point.value / shown
     return 1.0
-
-
-def _driving_rad(drive: Drive, points: Sequence[LawPoint]) -> Array:
-    """The driving angles of points in rad, shape (n,)."""
-    if all(point.driven_share is None for point in points):
-        return np.array([point.phi1_rad for point in points])
-    law = drive.transmission
-    driven = law.lobes.driven_period_rad * np.array([point.driven_share for point in points])
-    end = np.full(driven.shape, law.lobes.driving_period_rad)
-    return zeros_between(lambda phi1: law.driven_angle(phi1).value - driven, np.zeros(driven.shape), end)
 
 
 def _of_wishes(drive: Drive) -> Iterator[Handle]:

@@ -29,7 +29,7 @@ LIVE_POINTS = 400
 
 
 def motion_answers(drive: Drive) -> Iterator[Answer]:
-    """Law, motion and power: ``motion``, ``figures``, ``chart`` for each chart, ``verdict``."""
+    """Law, motion and power: ``motion``, ``figures``, each ``chart``, ``verdict``, ``best`` of all laws."""
     scene = scene_without_gears(drive)
     asked = [one for one in quantities_of(drive) if one is not Quantity.POWER or not power_needs_gears(drive)]
     charts = motion_charts(drive, scene.loop_rad, asked)
@@ -44,16 +44,18 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
             "handles": handles(drive),
         },
     )
-    from ncgear.drawings.page.tables import comparison_tables, typeset
+    from ncgear.drawings.page.tables import comparison_tables
     from ncgear.figures.advice.verdict import Known, judged
-    from ncgear.figures.answers.machine import machine_facts
     from ncgear.figures.wished import achieved_lines
+    from ncgear.studio.best import saved
+    from ncgear.studio.facts import facts
     from ncgear.studio.told import drawn_charts, table_data, verdict_data
 
     yield (
         "figures",
         {
-            "facts": typeset(machine_facts(drive)),
+            "facts": facts(drive),
+            "crank": drive.linkage.UNIFORM,
             "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
             "tables": [table_data(table) for table in comparison_tables(drive)],
         },
@@ -62,6 +64,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
     charts = motion_charts(drive, scene.loop_rad) if power_needs_gears(drive) else charts
     yield from drawn_charts(sorted(charts, key=lambda one: first.index(one.key) if one.key in first else len(first)))
     yield "verdict", verdict_data(judged(drive, Known.MOTION))
+    yield "best", saved(drive.design)
 
 
 def power_needs_gears(drive: Drive) -> bool:

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from ncgear import __version__
 from ncgear.drawings.page.assets import PACKAGE, hash_of, in_own_scope, page_style, shared_script
+from ncgear.studio.beginnings import GROUPS, beginnings
 from ncgear.studio.jobs import COMMANDS
 
 WEB = "ncgear.studio.web"
@@ -40,6 +41,21 @@ def page(file_name: str) -> tuple[str, str]:
         "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     )
     return content, policy
+
+
+def start_page(folder: str, problem: str = "") -> tuple[str, str]:
+    """The page of a studio without a file, which has no script, and its policy: its form goes to its own server."""
+    environment = Environment(loader=PackageLoader(WEB, ""), autoescape=True, undefined=StrictUndefined)
+    choices = beginnings()
+    content = environment.get_template("start.html.j2").render(
+        groups=[(group, [one for one in choices if one.group == group]) for group in GROUPS],
+        folder=folder,
+        problem=problem,
+        ncgear_version=__version__,
+        css=Markup(page_style() + _asset("studio.css")),
+    )
+    policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'self'"
+    return content, f"{policy}; frame-ancestors 'none'"
 
 
 def _asset(name: str) -> str:

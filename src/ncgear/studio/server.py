@@ -17,21 +17,24 @@ from collections.abc import Awaitable, Callable, MutableMapping
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
+from urllib.parse import parse_qs
 
 import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
-from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from ncgear.errors import WrongInput
+from ncgear.errors import DesignError, WrongInput
 from ncgear.files.publish import real_place
+from ncgear.studio.beginnings import begin
 from ncgear.studio.chains import Chains
 from ncgear.studio.entrance import leading_to
 from ncgear.studio.faults import words_of
 from ncgear.studio.open_page import OpenPage
-from ncgear.studio.page import page
+from ncgear.studio.page import page, start_page
+from ncgear.studio.zipped import zipped
 
 HOST = "127.0.0.1"
 """The loopback address; other computers cannot reach it."""
@@ -49,6 +52,9 @@ TAKEN_OVER = 4001
 
 LARGEST_MESSAGE = 2 << 20
 """Bytes of a message from a page: a text of a megabyte, escaped."""
+
+LONGEST_CHOICE = 1000
+"""Bytes of the answer to what to begin with."""
 
 SANDBOX = "sandbox allow-scripts; frame-ancestors 'none'"
 """Files of the export folder are shown as if they came from elsewhere: no script of theirs reaches the studio."""
@@ -102,9 +108,9 @@ class Guard:
 
 
 class Studio:
-    """All pages of one design."""
+    """All pages of one design; without a path the first page asks what to begin with."""
 
-    def __init__(self, path: Path, out: Path) -> None:
+    def __init__(self, path: Path | None, out: Path) -> None:
         self.path, self.out = path, out.absolute()
         self.pages: dict[str, OpenPage] = {}
         self.open: dict[str, WebSocket] = {}
@@ -112,6 +118,7 @@ class Studio:
 
     def page_of(self, name: str) -> OpenPage:
         """A page by the name that it has chosen; the oldest ones that are closed are forgotten."""
+        assert self.path is not None
         if name not in self.pages:
             for old in [one for one in self.pages if one not in self.open][: len(self.pages) - MOST_REMEMBERED + 1]:
                 self.pages.pop(old).draft.let_go()
@@ -122,10 +129,26 @@ class Studio:
 
     async def index(self, request: Request) -> Response:
         """The page."""
-        content, policy = page(self.path.name)
+        return self._begun_with() if self.path is None else self._shown(*page(self.path.name), "no-referrer")
+
+    async def begin(self, request: Request) -> Response:
+        """What was chosen on the first page becomes the design, unless another page has chosen already."""
+        chosen = parse_qs((await request.body())[:LONGEST_CHOICE].decode(errors="replace")).get("begin", [""])[0]
+        if self.path is None:
+            try:
+                self.path = await asyncio.to_thread(begin, chosen, Path.cwd())
+            except DesignError as error:
+                return self._begun_with(str(error))
+        return RedirectResponse("./", status_code=303)
+
+    def _begun_with(self, problem: str = "") -> Response:
+        # The form's own address has to be told with it, or the guard would take it for one of another page.
+        return self._shown(*start_page(str(Path.cwd()), problem), "same-origin")
+
+    def _shown(self, content: str, policy: str, referrer: str) -> Response:
         headers = {
             "content-security-policy": policy,
-            "referrer-policy": "no-referrer",
+            "referrer-policy": referrer,
             "cache-control": "no-store",
             "x-content-type-options": "nosniff",
         }
@@ -144,9 +167,17 @@ class Studio:
         headers = {"content-security-policy": SANDBOX, "x-content-type-options": "nosniff", "cache-control": "no-store"}
         return FileResponse(wanted, headers=headers)
 
+    async def zip(self, request: Request) -> Response:
+        """A folder of the export folder as one zip."""
+        folder = self.out / request.path_params["name"]
+        if folder.name.startswith(".") or folder.parent != self.out or not folder.is_dir() or folder.is_symlink():
+            return PlainTextResponse("no such folder", status_code=404)
+        headers = {"content-disposition": f'attachment; filename="{folder.name}.zip"', "cache-control": "no-store"}
+        return Response(await asyncio.to_thread(zipped, folder), media_type="application/zip", headers=headers)
+
     async def talk(self, socket: WebSocket) -> None:
         """The conversation with one page."""
-        name = socket.query_params.get("page", "")[:64]
+        name = socket.query_params.get("page", "")[:64] if self.path is not None else ""
         await socket.accept()
         if not name or (name not in self.open and len(self.open) >= MOST_PAGES):
             said = {"is": "said", "content": f"{MOST_PAGES} pages are open; close one"}
@@ -212,7 +243,9 @@ def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
 
     routes = [
         Route("/", studio.index),
+        Route("/begin", studio.begin, methods=["POST"]),
         Route("/export/{name:path}", studio.file),
+        Route("/zip/{name}", studio.zip),
         WebSocketRoute("/talk", studio.talk),
     ]
     faults = {Exception: _told}
@@ -231,8 +264,8 @@ def listening(port: int) -> socket.socket:
     return made
 
 
-def serve(path: Path, out: Path, bound: socket.socket, begun: Callable[[str], None]) -> None:
-    """Serve a design until Ctrl-C; calls ``begun`` with the address once the server answers."""
+def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[str], None]) -> None:
+    """Serve a design, or one that is chosen first, until Ctrl-C; ``begun`` hears of the address once it answers."""
     port, token = bound.getsockname()[1], secrets.token_urlsafe(TOKEN_BYTES)
     hosts = frozenset({f"{HOST}:{port}", f"localhost:{port}"})
     config = uvicorn.Config(

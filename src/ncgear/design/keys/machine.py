@@ -246,9 +246,10 @@ class Resistance(StrokeForce):
     friction_n: float = Field(
         default=0.0, ge=0.0, description="constant force in N against the slider's motion, on both strokes"
     )
-    shown_as: Literal["load", "straw"] = Field(
+    shown_as: Literal["load", "straw", "carton", "sheet"] = Field(
         default="load",
-        description="what pictures show where the force acts: load, a plain block, or straw, as in a baler",
+        description="what pictures show where the force acts: load, a plain block in a chamber; straw, as in a baler; "
+        "carton or sheet, pushed along a table",
     )
 
     @model_validator(mode="after")

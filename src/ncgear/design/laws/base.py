@@ -30,6 +30,8 @@ class LawPoint:
     It stands at ``phi1_rad``, or where the driven gear has turned by a share of its period, ``driven_share``.  Along
     the angle it moves ``angle_key``, along the quantity ``value_key`` from ``value``; a key is empty where it moves
     none, and counts from ``motion``.  ``value`` holds at ``speed_rpm``; None stands for the speed of the law.
+    A point of a series has ``coefficients`` instead: keys of lists, the lists, and by how much they change for each
+    change of the logarithm of the quantity.
     """
 
     name: str
@@ -40,6 +42,25 @@ class LawPoint:
     value_key: str = ""
     value: float = 0.0
     speed_rpm: float | None = None
+    coefficients: tuple[tuple[str, tuple[float, ...], tuple[float, ...]], ...] = ()
+
+
+@dataclass(frozen=True)
+class LawNumber:
+    """A number that shapes a law, with the name that a handle of it has: alone under its key, or within a formula.
+
+    The formula goes on ``before`` and ``after`` it.  Keys count from ``motion``.
+    """
+
+    name: str
+    key: str
+    value: float
+    before: str = ""
+    after: str = ""
+
+    def written(self, value: float) -> float | str:
+        """The key's value with another number."""
+        return f"{self.before}{value:.12g}{self.after}" if self.before or self.after else value
 
 
 class LawKeys(Model):
@@ -113,6 +134,11 @@ class LawKeys(Model):
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
         """The points that make the law; none for a law of a formula or of a few numbers."""
+        return ()
+
+    @property
+    def law_numbers(self) -> tuple[LawNumber, ...]:
+        """The numbers that shape a law without points."""
         return ()
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import allow_one, angle_rad, spellings
-from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.laws.base import DesignLaw, LawKeys, LawNumber
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -38,6 +38,11 @@ class Ellipse(LawKeys):
     def _one_phase(self) -> Self:
         allow_one(self, spellings("phase"))
         return self
+
+    @property
+    def law_numbers(self) -> tuple[LawNumber, ...]:
+        """The eccentricity."""
+        return (LawNumber("eccentricity", "eccentricity", self.eccentricity),)
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """Elliptical gears, or their relatives of several lobes."""

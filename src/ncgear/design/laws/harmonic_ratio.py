@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from math import cos, pi, sin
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, Strict
 
 from ncgear.design.keys.base import Model
-from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.laws.base import DesignLaw, LawKeys, LawPoint
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -17,6 +18,9 @@ MOST_HARMONICS = 200
 
 LARGEST_COEFFICIENT = 10.0
 """Largest coefficient of ln i12: one harmonic of 7 alone has a range of 1:1e6, and the driven gear stands still."""
+
+MOST_POINTS = 31
+"""Points by which the curve of a series is bent: those of 15 harmonics."""
 
 Coefficient = Annotated[float, Field(ge=-LARGEST_COEFFICIENT, le=LARGEST_COEFFICIENT)]
 Coefficients = Annotated[tuple[Coefficient, ...], Strict(False), Field(max_length=MOST_HARMONICS)]
@@ -51,6 +55,32 @@ class HarmonicRatio(LawKeys):
     def pairs_in_series(self) -> int:
         """Two where a second stage is given."""
         return 1 if self.second_stage is None else 2
+
+    @property
+    def law_points(self) -> tuple[LawPoint, ...]:
+        """Two points for each harmonic and one more, evenly spread; none of two pairs in series.
+
+        A point bends the curve by the harmonics that there are, the higher ones the less (Fejer's kernel), so that the
+        curve beside it does not ring.
+        """
+        waves = range(1, max(len(self.cosine), len(self.sine)) + 1)
+        if self.second_stage is not None or not waves:
+            return ()
+        count, weights = min(2 * len(waves) + 1, MOST_POINTS), [1.0 - wave / (len(waves) + 1) for wave in waves]
+        found = []
+        for place in range(count):
+            share = place / count
+            terms = (("cosine", self.cosine, cos), ("sine", self.sine, sin))
+            coefficients = tuple(
+                (
+                    key,
+                    (*own, *[0.0] * (len(waves) - len(own))),
+                    tuple(w * of(2.0 * pi * k * share) / sum(weights) for k, w in zip(waves, weights, strict=True)),
+                )
+                for key, own, of in terms
+            )
+            found.append(LawPoint(f"point {place + 1}", "ratio", None, share, coefficients=coefficients))
+        return tuple(found)
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law of the whole machine, phi2(phi1)."""

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, fault, require_one
-from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, DesignLaw, LawKeys
+from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, DesignLaw, LawKeys, LawNumber
+from ncgear.design.laws.formula_numbers import numbers_of
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -54,6 +55,11 @@ class RatioExpression(LawKeys):
     def is_open(self) -> bool:
         """Whether a range is given."""
         return self.range_deg is not None
+
+    @property
+    def law_numbers(self) -> tuple[LawNumber, ...]:
+        """The numbers of the formula."""
+        return numbers_of("ratio", self.ratio) if self.ratio else numbers_of("driven_angle", self.driven_angle or "0")
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The law by the given formula."""

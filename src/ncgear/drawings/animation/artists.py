@@ -118,30 +118,27 @@ def _path(contours: Sequence[Array]) -> Path:
 def material_artists(axes: Axes, scene: Scene) -> Iterator[Moving]:
     """The material before the slider, up to the chamber's wall, and the material behind it, where there is any."""
     chamber = scene.chamber
-    if chamber is None:
-        return
-    if chamber.begins_mm is not None:
-        yield _strip(axes, chamber, lambda poses: poses.material_mm, -1.0, chamber.end_mm)
-    if chamber.behind_mm is not None:
-        yield _strip(axes, chamber, lambda poses: poses.material_behind_mm, 0.0, chamber.start_mm)
+    if chamber is not None:
+        shown = (("material", chamber.begins_mm), ("material-behind", chamber.behind_mm))
+        yield from (_strip(axes, scene, chamber, name) for name, met_mm in shown if met_mm is not None)
 
 
-def _strip(axes: Axes, chamber: Chamber, depths_mm: Callable[[Poses], Array], left: float, at_mm: float) -> Moving:
-    """A strip of unit depth from ``left``, squeezed to the depth of the material; its 0 is put to a place."""
+def _strip(axes: Axes, scene: Scene, chamber: Chamber, name: str) -> Moving:
+    """A strip of unit length, squeezed to that of the material, whose left end is put to its place."""
     squeezed = Affine2D()
     transform = squeezed + axes.transData
     parts: list[Artist] = [
-        Rectangle((left, -0.5), 1.0, 1.0, transform=transform, **(CHARGE if chamber.straw else BLOCK))
+        Rectangle((0.0, -0.5), 1.0, 1.0, transform=transform, **(CHARGE if chamber.straw else BLOCK))
     ]
     axes.add_artist(parts[0])
     if chamber.straw:
-        grain = LineCollection(list(straws() + np.array([left, 0.0])), transform=transform, **STRAW)
+        grain = LineCollection(list(straws()), transform=transform, **STRAW)
         axes.add_collection(grain, autolim=False)
         parts.append(grain)
 
     def pose(poses: Poses, row: int) -> None:
-        depth_mm = float(depths_mm(poses)[row])
-        squeezed.clear().scale(depth_mm, chamber.height_mm).translate(at_mm, chamber.linkage.offset_mm)
+        left_mm, depth_mm = (float(values[row]) for values in scene.strips_mm(poses)[name])
+        squeezed.clear().scale(depth_mm, chamber.material_height_mm).translate(left_mm, chamber.level_mm)
         for artist in parts:
             artist.set_visible(depth_mm != 0.0)
 

@@ -74,14 +74,9 @@ def _ways(scene: Scene, phi1: Array) -> Iterator[tuple[str, list[str]]]:
         yield pin, [_moved(x, y) for x, y in poses.places[link].origin_mm]
     for number, points in enumerate(poses.pitch_points_mm, start=1):
         yield f"pitch-point-{number}", [_moved(x, y) for x, y in points]
-    chamber = scene.chamber
-    if chamber is None:
-        return
-    if chamber.begins_mm is not None:
-        yield "material", _stretched(chamber.end_mm - poses.material_mm, linkage.offset_mm, poses.material_mm)
-    if chamber.behind_mm is not None:
-        starts = np.full_like(phi1, chamber.start_mm)
-        yield "material-behind", _stretched(starts, linkage.offset_mm, poses.material_behind_mm)
+    for name, (left, length) in scene.strips_mm(poses).items():
+        assert scene.chamber is not None
+        yield name, _stretched(left, scene.chamber.level_mm, length)
 
 
 def _stretched(x_mm: Array, y_mm: float, depth_mm: Array) -> list[str]:

@@ -23,10 +23,10 @@ from ncgear.drawings.charts.drawer import DASHED, Look, draw
 from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, ChartFigure, PageChart
 from ncgear.drawings.plots.canvas import JOINT
 
-WIDTH, HEIGHT = 430.0, 190.0
-"""Size of a chart in SVG units, which are CSS pixels where it is not scaled."""
+Size = tuple[float, float]
+"""Width and height of a chart in SVG units, which are CSS pixels where it is not scaled."""
 
-MARGINS = {"left": 46.0 / WIDTH, "right": 1.0 - 12.0 / WIDTH, "bottom": 38.0 / HEIGHT, "top": 1.0 - 16.0 / HEIGHT}
+OF_REPORT: Size = (430.0, 190.0)
 
 POINTS_PER_INCH = 72
 """The resolution of matplotlib's SVG files: with it, display coordinates are SVG units."""
@@ -67,7 +67,7 @@ def _dress(axes: Axes, chart: Chart, _: str) -> None:
     axes.xaxis.set_major_locator(MultipleLocator(60.0 * max(round(chart.end / 360.0), 1)))
     axes.yaxis.set_major_locator(MaxNLocator(5, min_n_ticks=3))
     axes.tick_params(labelsize=TEXT_SIZE, labelcolor=INK, color=UNIFORM_COLOR, length=3.0)
-    axes.set_title(chart.unit, size=TEXT_SIZE, color=INK, loc="left", pad=4.0, x=-34.0 / WIDTH)
+    axes.set_title(chart.unit, size=TEXT_SIZE, color=INK, loc="left", pad=4.0, x=-34.0 / OF_REPORT[0])
     axes.grid(True, color=GRID, linewidth=0.8)
     axes.set_axisbelow(True)
     for name, spine in axes.spines.items():
@@ -93,12 +93,14 @@ def all_drawn(page_charts: Sequence[PageChart]) -> list[ChartFigure]:
     return [drawn(page_chart) for page_chart in page_charts]
 
 
-def drawn(page_chart: PageChart) -> ChartFigure:
+def drawn(page_chart: PageChart, size: Size = OF_REPORT) -> ChartFigure:
     """The drawn chart; the same chart gives the same text."""
+    width, height = size
+    margins = {"left": 46.0 / width, "right": 1.0 - 12.0 / width, "bottom": 38.0 / height, "top": 1.0 - 16.0 / height}
     with mpl.rc_context(SETTINGS):
-        made = Figure(figsize=(WIDTH / POINTS_PER_INCH, HEIGHT / POINTS_PER_INCH), dpi=POINTS_PER_INCH)
+        made = Figure(figsize=(width / POINTS_PER_INCH, height / POINTS_PER_INCH), dpi=POINTS_PER_INCH)
         FigureCanvasSVG(made)
-        axes = made.subplots(gridspec_kw=MARGINS)
+        axes = made.subplots(gridspec_kw=margins)
         draw(axes, page_chart.chart, PAGE_LOOK)
         axes.set_xlabel(ANGLE_NAMES[page_chart.shaft], size=TEXT_SIZE, color=INK)
         text = StringIO()
@@ -107,7 +109,7 @@ def drawn(page_chart: PageChart) -> ChartFigure:
         corners = axes.transData.transform([(left, low), (right, high)])
     (x0, y0), (x1, y1) = corners.tolist()
     svg = for_page(text.getvalue(), page_chart.key)
-    return ChartFigure(page_chart, svg, (left, right), (x0, x1), (low, high), (HEIGHT - y0, HEIGHT - y1))
+    return ChartFigure(page_chart, svg, (left, right), (x0, x1), (low, high), (height - y0, height - y1))
 
 
 def for_page(document: str, key: str) -> str:

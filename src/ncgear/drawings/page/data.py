@@ -146,6 +146,8 @@ def _chamber(chamber: Chamber) -> dict[str, Any]:
         "end": chamber.end_mm,
         "begins": chamber.begins_mm,
         "behind": chamber.behind_mm,
+        "level": chamber.level_mm,
+        "pushed": chamber.pushed_mm,
     }
 
 

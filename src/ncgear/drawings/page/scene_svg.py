@@ -97,7 +97,7 @@ def _standing(scene: Scene) -> Iterator[str]:
 
 def _material(chamber: Chamber) -> str:
     """A strip of unit depth; scene.js stretches it to the depth of the material."""
-    height = chamber.height_mm
+    height = chamber.material_height_mm
     kind = "charge" if chamber.straw else "load"
     strip = f'<rect class="{kind}" x="0" y="{-height / 2.0:.6g}" width="1" height="{height:.6g}"/>'
     if not chamber.straw:

@@ -5,7 +5,9 @@ crank lies along +x from its axis.  A slider has its pin at the origin and its f
 mechanism says where the bars, eyes and slots of the other links are.
 
 A slider moves in a guide.  Where it works against a force, the guide is a chamber with a load in it: a plain block, or
-straw where a design file says so; both are called material here.  A design file gives the force, but not the chamber.
+straw where a design file says so; both are called material here.  A carton or a sheet is not pressed but pushed along a
+table: it stands where the force reaches half of its greatest, goes with the slider to the extended end, and stays there
+until the next stroke begins with a new one.  A design file gives the force, but not the chamber.
 So the height of the chamber, the length of the slider and the least depth of the material are chosen in proportion to
 the stroke.  The material reaches from the place where the force first acts to the end of the chamber.  On its way back
 the slider leaves it pressed; the next stroke begins with new material.  Where a force acts on the way back, there is
@@ -141,19 +143,43 @@ HEIGHT = 0.5
 REST = 0.14
 """Length of the slider, height of the chamber and least depth of the material, as shares of the stroke."""
 
+PUSHED = {"carton": (0.32, 0.4), "sheet": (0.6, 0.04)}
+PUSHER_HEIGHT = 0.22
+"""Length and height of what is pushed along a table, and height of its slider, as shares of the stroke."""
+
 
 @dataclass(frozen=True)
 class Chamber:
     """A rectangle about the slider's line y = ``offset_mm``; places along it count from the crank's axis.
 
     ``begins_mm`` is the slider's displacement at which it meets the material, ``behind_mm`` the one at which it meets
-    the material behind it on its way back; None where there is none.  ``straw`` tells whether the material has a grain.
+    the material behind it on its way back; None where there is none.  ``shown_as`` is what the material is.
     """
 
     linkage: Mechanism
     begins_mm: float | None
     behind_mm: float | None
-    straw: bool = False
+    shown_as: str = "load"
+
+    @property
+    def straw(self) -> bool:
+        """Whether the material has a grain."""
+        return self.shown_as == "straw"
+
+    @property
+    def pushed_mm(self) -> float | None:
+        """Length of what is pushed along a table; None where material is pressed in a chamber."""
+        return PUSHED[self.shown_as][0] * self.linkage.stroke_mm if self.shown_as in PUSHED else None
+
+    @property
+    def material_height_mm(self) -> float:
+        """Size of the material across the slider's line."""
+        return PUSHED[self.shown_as][1] * self.linkage.stroke_mm if self.shown_as in PUSHED else self.height_mm
+
+    @property
+    def level_mm(self) -> float:
+        """Level of the middle of the material: that of the slider's line, or on the table."""
+        return self.linkage.offset_mm + (self.material_height_mm - self.height_mm) / 2.0
 
     @property
     def face_mm(self) -> float:
@@ -163,7 +189,7 @@ class Chamber:
     @property
     def height_mm(self) -> float:
         """Size across the slider's line; the slider is as high."""
-        return HEIGHT * self.linkage.stroke_mm
+        return (HEIGHT if self.pushed_mm is None else PUSHER_HEIGHT) * self.linkage.stroke_mm
 
     @property
     def start_mm(self) -> float:
@@ -172,8 +198,9 @@ class Chamber:
 
     @property
     def end_mm(self) -> float:
-        """Place of the wall against which the slider presses the material."""
-        return self.linkage.farthest_mm + self.face_mm + REST * self.linkage.stroke_mm
+        """Place of the wall against which the slider presses the material, or of the end of the table."""
+        rest = REST * self.linkage.stroke_mm if self.pushed_mm is None else self.pushed_mm
+        return self.linkage.farthest_mm + self.face_mm + rest
 
     def material_mm(self, displacement_mm: Array, working: Mask) -> Array:
         """Depth of the material before the chamber's end, shape (n,); 0 in a guide without material."""
@@ -190,12 +217,21 @@ class Chamber:
         return np.where(working, 0.0, np.minimum(displacement_mm, self.behind_mm))
 
 
-def chamber_of(linkage: Mechanism, load: SliderLoad, straw: bool = False) -> Chamber | None:
+def chamber_of(linkage: Mechanism, load: SliderLoad, shown_as: str = "load") -> Chamber | None:
     """The chamber of a mechanism whose piston works against a load; an empty guide where no force but friction acts."""
     if not linkage.PISTON:
         return None
     out, back = (_acting_mm(force, linkage.stroke_mm) for force in (load.working, load.returning))
-    return Chamber(linkage, out and out[0], back and back[1], straw)
+    if shown_as in PUSHED:
+        return Chamber(linkage, out and _half_mm(load.working, linkage.stroke_mm), None, shown_as)
+    return Chamber(linkage, out and out[0], back and back[1], shown_as)
+
+
+def _half_mm(resistance: Resistance, stroke_mm: float) -> float:
+    """The least displacement, of a thousand, at which a force reaches half of its greatest."""
+    at = np.linspace(0.0, stroke_mm, 1001)
+    force = resistance.force_n(at)
+    return float(at[np.argmax(force >= force.max() / 2.0)])
 
 
 def _acting_mm(resistance: Resistance, stroke_mm: float) -> tuple[float, float] | None:

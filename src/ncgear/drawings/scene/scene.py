@@ -142,6 +142,21 @@ class Scene:
             *self._material_mm(motion.displacement, working),
         )
 
+    def strips_mm(self, poses: Poses) -> dict[str, tuple[Array, Array]]:
+        """Left end and length of the material and of that behind the slider, shape (n,) each; without those not there.
+
+        What is pushed along keeps its length.
+        """
+        chamber, found = self.chamber, dict[str, tuple[Array, Array]]()
+        if chamber is not None and chamber.begins_mm is not None:
+            depth, pushed = poses.material_mm, chamber.pushed_mm
+            length = depth if pushed is None else np.full_like(depth, pushed)
+            found["material"] = chamber.end_mm - depth, length
+        if chamber is not None and chamber.behind_mm is not None:
+            behind = poses.material_behind_mm
+            found["material-behind"] = np.full_like(behind, chamber.start_mm), behind
+        return found
+
     def _material_mm(self, displacement_mm: Array, working: Mask) -> tuple[Array, Array]:
         if self.chamber is None:
             return np.zeros_like(displacement_mm), np.zeros_like(displacement_mm)
@@ -172,5 +187,5 @@ def scene_of_teeth(drive: Drive) -> Scene:
 def scene_without_gears(drive: Drive) -> Scene:
     """The scene of a drive's mechanism alone; raises WrongInput or NoSuchMechanism where its law cannot be made."""
     machine, asked = drive.machine, drive.design.resistance
-    chamber = chamber_of(drive.linkage, machine.load, isinstance(asked, Resistance) and asked.shown_as == "straw")
+    chamber = chamber_of(drive.linkage, machine.load, asked.shown_as if isinstance(asked, Resistance) else "load")
     return Scene(drive.design.name, machine, drive.law.train, (), chamber)

@@ -52,9 +52,9 @@ WALL_GAP = 0.03
 def walls_mm(scene: Scene) -> list[Array]:
     """The open lines of the chamber's walls in mm, shape (n, 2) each; none without a chamber.
 
-    Two sides, and an end where there is material.  Where there is material behind the slider, there is a wall too, with
-    an opening for the links that pass.  A side begins where no link reaches it any more: a rod that swings out passes
-    before it, not through it.
+    Two sides, and an end where there is material; of a table the lower side alone.  Where there is material behind the
+    slider, there is a wall too, with an opening for the links that pass.  A side begins where no link reaches it any
+    more: a rod that swings out passes before it, not through it.
     """
     chamber = scene.chamber
     if chamber is None:
@@ -62,6 +62,8 @@ def walls_mm(scene: Scene) -> list[Array]:
     low, high = _sides_mm(chamber)
     low_start, high_start = wall_starts_mm(scene, chamber)
     end = chamber.end_mm
+    if chamber.pushed_mm is not None:
+        return [np.array([[low_start, low], [end, low]])]
     lower, upper = np.array([[low_start, low], [end, low]]), np.array([[end, high], [high_start, high]])
     walls = [np.vstack([lower, upper])] if chamber.begins_mm is not None else [lower, upper]
     if chamber.behind_mm is not None:
@@ -119,8 +121,8 @@ def hatches_mm(scene: Scene) -> Array:
         return np.empty((0, 2, 2))
     length, strokes = HATCH_LENGTH * chamber.height_mm, []
     feet = np.linspace(chamber.start_mm, chamber.end_mm, HATCHES + 1)[1:]
-    sides = zip(_sides_mm(chamber), wall_starts_mm(scene, chamber), (-length, length), strict=True)
-    for side, start, across in sides:
+    sides = list(zip(_sides_mm(chamber), wall_starts_mm(scene, chamber), (-length, length), strict=True))
+    for side, start, across in sides if chamber.pushed_mm is None else sides[:1]:
         foot = feet[feet >= start]
         level = np.full_like(foot, side)
         strokes.append(np.stack([np.stack([foot, level], -1), np.stack([foot - length, level + across], -1)], axis=1))

@@ -219,8 +219,11 @@ def _joined(facts: dict[str, str], first: str, others: Sequence[str]) -> str:
     return ", ".join([facts[first], *(f"{name.removeprefix(f'{first}, ')} {facts[name]}" for name in others)])
 
 
-def _safety(drive: Drive) -> str | None:
-    """The least safety against each kind of damage, or roughly; None where no load is known."""
+def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:
+    """The least safety against each kind of damage, in words, and the one wanted; rough ones are "about" so much.
+
+    Empty where it cannot be judged, None where no load is known.
+    """
     rating = known_rating(drive)
     if isinstance(rating, Rating):
         told = [(one.damage.words, one.share, to_digits(one.safety, 3), one.wanted) for one in rating.weakest]
@@ -229,15 +232,21 @@ def _safety(drive: Drive) -> str | None:
         if found is None:
             return None
         if not found.safeties or found.needs_teeth:
-            return "not judged"
+            return []
         told = [
             (rough_damage(found, one), one.safety / one.wanted, f"about {to_digits(one.safety, 2)}", one.wanted)
             for one in found.safeties
         ]
     least = [min((one for one in told if one[0] == damage), key=itemgetter(1)) for damage, *_ in dict.fromkeys(told)]
-    return ", ".join(
-        f"{safety} against {damage} ({wanted:g} wanted)" for damage, _, safety, wanted in dict.fromkeys(least)
-    )
+    return [(damage, safety, f"{wanted:g}") for damage, _, safety, wanted in dict.fromkeys(least)]
+
+
+def _safety(drive: Drive) -> str | None:
+    """All least safeties in one text; None where no load is known."""
+    found = safeties(drive)
+    if not found:
+        return None if found is None else "not judged"
+    return ", ".join(f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found)
 
 
 SIZES = ("module_mm", "face_width_mm", "center_distance_mm")

@@ -40,7 +40,9 @@ function showMaterial(groups, data, places, phi2) {
   const strips = { material: data.chamber.end - depths.material, "material-behind": data.chamber.start };
   for (const [name, at] of Object.entries(strips)) {
     if (!groups[name]) continue;
-    groups[name].setAttribute("transform", `translate(${at} ${data.linkage.offset}) scale(${depths[name]} 1)`);
+    // What is pushed along keeps its length.
+    const length = (name === "material" && data.chamber.pushed) || depths[name];
+    groups[name].setAttribute("transform", `translate(${at} ${data.chamber.level}) scale(${length} 1)`);
   }
 }
 

@@ -1,5 +1,11 @@
 // The values of the design: every key with its name, unit, meaning and range, all of it told by the server.
 
+// Width of a window in pixels up to which all stands in one column.
+const NARROW = 800;
+
+// Letters of a text beyond which it stands below its name, on the whole width.
+const LONG_TEXT = 18;
+
 // Pixels of dragging a name sideways for one step of its value.
 const PIXELS_A_STEP = 4;
 
@@ -39,7 +45,7 @@ function valueOf(row, input) {
 
 // `acts.change(changes)` hears of every value on the way, `acts.set(changes)` of the one that is meant.
 function createForm(place, find, acts) {
-  const state = { shape: "", inputs: new Map() };
+  const state = { shape: "", inputs: new Map(), faults: new Map() };
 
   function show(rows) {
     const shape = JSON.stringify(rows, (key, value) => (["value", "step"].includes(key) ? undefined : value));
@@ -49,7 +55,8 @@ function createForm(place, find, acts) {
 
   function build(rows, shape) {
     const open = new Set([...place.querySelectorAll("details[open]")].map((one) => one.dataset.path));
-    if (!state.shape) ["motion", "gears", "operation", "linkage"].forEach((path) => open.add(path));
+    // On a phone all groups begin closed, so that every one of them is in reach.
+    if (!state.shape && innerWidth > NARROW) ["motion", "gears", "operation", "linkage"].forEach((path) => open.add(path));
     const focused = document.activeElement?.closest?.("[data-path]")?.dataset.path;
     state.shape = shape;
     state.inputs = new Map();
@@ -71,6 +78,7 @@ function createForm(place, find, acts) {
     known.row = row;
     const { input } = known;
     if (input === document.activeElement && known.typing) return;
+    say(known, state.faults.get(row.path) ?? "");
     if (input.type === "checkbox") input.checked = row.value === true;
     else input.value = textOf(row.value);
     if (input.type === "number") input.step = row.kind === "integer" ? 1 : row.step;
@@ -115,11 +123,20 @@ function createForm(place, find, acts) {
     const help = made("p", { class: "help", id: `${id}-help` }, `${row.meaning}. ${row.allowed}. Left out: ${row.default}.`);
     input.setAttribute("aria-describedby", help.id);
     input.setAttribute("aria-label", [row.label, row.unit].filter(Boolean).join(" in "));
-    const known = { row, input, typing: false };
+    const fault = made("p", { class: "fault", "aria-live": "polite" });
+    const known = { row, input, fault, typing: false };
     state.inputs.set(row.path, known);
     listen(known, label);
     const out = row.given && !row.needed ? outButton(row) : null;
-    return made("div", { class: `value ${row.kind}`, "data-path": row.path }, label, input, unit, out, help);
+    const long = row.kind === "text" && String(row.value ?? "").length > LONG_TEXT ? " long" : "";
+    return made("div", { class: `value ${row.kind}${long}`, "data-path": row.path }, label, input, unit, out, fault, help);
+  }
+
+  // What is wrong with a key, beside it; nothing where the text is empty.
+  function say(known, text) {
+    known.fault.textContent = text;
+    known.input.setAttribute("aria-invalid", String(text !== ""));
+    known.input.closest(".value")?.classList.toggle("refused", text !== "");
   }
 
   function outButton(row) {
@@ -133,28 +150,34 @@ function createForm(place, find, acts) {
   function inputOf(row, id) {
     if (row.kind === "truth") return made("input", { id, type: "checkbox" });
     if (row.kind === "choice") {
-      const none = row.given ? [] : [made("option", { value: "" }, `(${row.default})`)];
+      const none = row.given ? [] : [made("option", { value: "" }, row.hint ? `(${row.hint})` : "")];
       const choices = row.choices.map((choice) => made("option", { value: String(choice) }, String(choice).replaceAll("_", " ")));
       return made("select", { id }, ...none, ...choices);
     }
     if (row.kind === "number" || row.kind === "integer") {
-      return made("input", { id, type: "number", min: row.least, max: row.most, step: "any", placeholder: row.default });
+      return made("input", { id, type: "number", min: row.least, max: row.most, step: "any", placeholder: row.hint });
     }
-    return made("input", { id, type: "text", placeholder: row.default, autocomplete: "off", spellcheck: "false" });
+    const more = { id, placeholder: row.hint, autocomplete: "off", spellcheck: "false" };
+    return row.kind === "text" ? made("textarea", { ...more, rows: 1 }) : made("input", { ...more, type: "text" });
   }
 
   function listen(known, label) {
     const { input } = known;
     const told = (act) => {
       const value = valueOf(known.row, input);
-      input.setAttribute("aria-invalid", String(value === undefined));
-      if (value !== undefined) act({ [known.row.path]: value });
+      const emptied = value === null && known.row.given && known.row.needed;
+      const fault = emptied ? "nothing given; needed" : value === undefined ? "not understood" : "";
+      say(known, fault && `${fault}: ${known.row.allowed}`);
+      if (!fault) act({ [known.row.path]: value });
     };
     const isNumber = () => input.type === "number";
     input.addEventListener("input", () => {
       known.typing = true;
       if (isNumber() && input.value !== "") told(acts.change);
     });
+    if (input.tagName === "TEXTAREA") {
+      input.addEventListener("keydown", (event) => event.key === "Enter" && !event.shiftKey && (event.preventDefault(), input.blur()));
+    }
     input.addEventListener("change", () => {
       known.typing = false;
       told(acts.set);
@@ -210,11 +233,10 @@ function createForm(place, find, acts) {
     }
   }
 
-  // Marks the key that a refusal names.
-  function mark(paths) {
-    for (const [path, { input }] of state.inputs) {
-      input.closest(".value").classList.toggle("refused", paths.has(path));
-    }
+  // Says what refusals say of keys beside these, by the keys' paths.
+  function mark(faults) {
+    state.faults = faults;
+    for (const [path, known] of state.inputs) say(known, faults.get(path) ?? "");
   }
 
   function reveal(path) {

@@ -4,6 +4,12 @@
 const NUDGE = 0.005;
 const LEAP = 5;
 
+// Radius of a handle with its stroke of 2.5: 16 pixels across.
+const RADIUS = 6.75;
+
+// Significant digits of what is dragged: a pixel of a chart is a hundredth or more of its value.
+const DRAGGED_DIGITS = 3;
+
 const AXES = { x: { scale: "angle_deg", place: "x" }, y: { scale: "values", place: "y" } };
 
 function digits(value) {
@@ -16,8 +22,27 @@ function spoken(handle, at) {
     .join(", ");
 }
 
+// Where nothing was moved the value keeps all its digits.
 function valueAt(move, step) {
-  return move.base + move.factor * step;
+  return step ? Number((move.base + move.factor * step).toPrecision(DRAGGED_DIGITS)) : move.base;
+}
+
+// The changes of keys that a move to a value makes: its own key, and those that go along with it.
+function changesOf(move, value) {
+  const changes = move.key ? { [move.key]: move.text ? move.text.join(value) : value } : {};
+  for (const one of move.along ?? []) {
+    const gone = (base, place) => {
+      if (one.power !== undefined) return base * (value / move.base) ** one.power;
+      if (one.log !== undefined) return base + one.log[place] * Math.log(value / move.base);
+      return base + one.sum * (value - move.base);
+    };
+    changes[one.key] = Array.isArray(one.base) ? one.base.map(gone) : gone(one.base, 0);
+  }
+  return changes;
+}
+
+function lastDigit(value) {
+  return value ? 10 ** (Math.floor(Math.log10(Math.abs(value))) + 1 - DRAGGED_DIGITS) : 0;
 }
 
 // `acts.change(changes)` hears of every place on the way, `acts.keep()` of its end.
@@ -27,13 +52,14 @@ function createHandles(acts) {
   function changesAt(handle, at) {
     // An axis along which nothing was moved leaves its key as it is.
     const moves = Object.entries(handle.moves).filter(([axis]) => at[axis] !== handle[axis]);
-    return Object.fromEntries(moves.map(([axis, move]) => [move.key, valueAt(move, at[axis] - handle[axis])]));
+    return Object.assign({}, ...moves.map(([axis, move]) => changesOf(move, valueAt(move, at[axis] - handle[axis]))));
   }
 
   function move(dot, handle, at, chart) {
     const free = { x: "x" in handle.moves ? at.x : handle.x, y: "y" in handle.moves ? at.y : handle.y };
     place(dot, free, chart);
     dot.setAttribute("aria-valuetext", spoken(handle, free));
+    tell(dot, handle, free, chart);
     const changes = changesAt(handle, free);
     if (Object.keys(changes).length) acts.change(changes);
   }
@@ -41,6 +67,21 @@ function createHandles(acts) {
   function place(dot, at, chart) {
     dot.setAttribute("cx", between(at.x, chart.angle_deg, chart.x));
     dot.setAttribute("cy", between(at.y, chart.values, chart.y));
+  }
+
+  // The value beside a handle, on the side of the chart where there is room.
+  function tell(dot, handle, at, chart) {
+    const told = dot.parentNode.querySelector("text");
+    const x = between(at.x, chart.angle_deg, chart.x);
+    const left = x > (chart.x[0] + chart.x[1]) / 2;
+    told.textContent = `${handle.name}: ${spoken(handle, at)}`;
+    told.setAttribute("text-anchor", left ? "end" : "start");
+    told.setAttribute("x", x + (left ? -12 : 12));
+    told.setAttribute("y", Math.max(between(at.y, chart.values, chart.y) - 10, 12));
+  }
+
+  function untell(dot) {
+    if (state.dragged === null) dot.parentNode?.querySelector("text")?.replaceChildren();
   }
 
   // Where the handle is when the pointer has taken it along from where it was grasped.
@@ -87,7 +128,9 @@ function createHandles(acts) {
     dot.at = dot.at ?? { x: handle.x, y: handle.y };
     Object.keys(AXES).forEach((axis, i) => {
       const [low, high] = chart[AXES[axis].scale];
-      if (axis in handle.moves) dot.at[axis] += steps[i] * share * (high - low);
+      const move = handle.moves[axis];
+      // At least one step of the last digit that is kept, so that no press is lost.
+      if (move) dot.at[axis] += steps[i] * Math.max(share * (high - low), Math.abs(lastDigit(move.base) / move.factor));
     });
     move(dot, handle, dot.at, chart);
   }
@@ -99,19 +142,21 @@ function createHandles(acts) {
     svg.querySelector("g.handles")?.remove();
     const group = svgElement("g", { class: "handles" }, svg);
     for (const handle of handles.filter((one) => one.chart === chart.key)) {
-      const name = Object.values(handle.moves).map((move) => move.key).join(" ");
+      const name = `${handle.name} ${Object.values(handle.moves).map((move) => move.key).join(" ")}`;
       const dot = svgElement(
         "circle",
-        { r: 7, tabindex: 0, role: "slider", "aria-label": handle.name, "data-handle": name },
+        { r: RADIUS, tabindex: 0, role: "slider", "aria-label": handle.name, "data-handle": name },
         group,
       );
       const main = handle.moves.y ?? handle.moves.x;
       dot.setAttribute("aria-valuenow", main.base);
       dot.setAttribute("aria-valuetext", spoken(handle, handle));
-      svgElement("title", {}, dot).textContent = `${handle.name}: ${spoken(handle, handle)}`;
+      for (const name of ["pointerenter", "focus"]) dot.addEventListener(name, () => state.dragged ?? tell(dot, handle, handle, chart));
+      for (const name of ["pointerleave", "blur"]) dot.addEventListener(name, () => untell(dot));
       place(dot, handle, chart);
       listen(dot, handle, svg, chart);
     }
+    svgElement("text", { class: "told", "aria-hidden": true }, group);
     if (focused) focus(svg, focused);
   }
 

@@ -29,13 +29,13 @@ function createMachine(stage, heldStage) {
     if (!state.scene) return false;
     const data = structuredClone(state.data);
     state.held = put(heldStage, state.svg, data);
-    heldStage.hidden = false;
+    heldStage.hidden = stage.querySelector(".legend").hidden = false;
     return true;
   }
 
   function release() {
     heldStage.querySelector("svg.scene")?.remove();
-    heldStage.hidden = true;
+    heldStage.hidden = stage.querySelector(".legend").hidden = true;
     state.held = null;
   }
 

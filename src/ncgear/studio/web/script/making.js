@@ -5,12 +5,27 @@ const BOX = { width: 360, height: 220, left: 48, right: 12, top: 14, bottom: 34 
 
 function createMaking(place, send) {
   const items = new Map();
+  const state = { zipWanted: false };
 
   for (const button of document.querySelectorAll("[data-run]")) {
     button.addEventListener("click", () => send({ do: "run", command: button.dataset.run }));
   }
 
+  // All files that a build makes, fetched as one zip once they are there.
+  document.getElementById("zip").addEventListener("click", () => {
+    state.zipWanted = true;
+    send({ do: "run", command: "build" });
+  });
+
+  function fetchZip(job) {
+    state.zipWanted = false;
+    const [folder] = job.files[0].split("/");
+    made("a", { href: `zip/${encodeURIComponent(folder)}`, download: `${folder}.zip` }).click();
+  }
+
   function show(job) {
+    if (state.zipWanted && job.name === "build" && job.files?.length) fetchZip(job);
+    else if (state.zipWanted && job.name === "build" && !job.running) state.zipWanted = false;
     const item = items.get(job.job) ?? made("li", {});
     const wasOpen = item.querySelector("details")?.open ?? false;
     item.replaceChildren(...parts(job));
@@ -26,6 +41,7 @@ function createMaking(place, send) {
     const found = [title];
     if (job.running) found.push(made("p", { class: "progress" }, job.progress || "starting"));
     if (job.done && job.name === "optimize") {
+      found.push(made("p", {}, job.lines.find((line) => line.includes("limit")) ?? ""));
       title.append(button("take over", () => send({ do: "adopt", job: job.job }), "take over the best law"));
     }
     if (job.frontier) found.push(frontierElement(job.frontier));

@@ -1,8 +1,10 @@
 // The page put together: one design, and everything that shows it or changes it.
 
+const FIRST_CRANK_DEG = 60;
+
 function start() {
   const at = (id) => document.getElementById(id);
-  const state = { newest: 0, refused: {}, motion: null, power: [], held: false };
+  const state = { newest: 0, refused: {}, motion: null, power: [], held: false, begun: false };
   const link = createLink(hear, (on, taken) => {
     document.body.classList.toggle("offline", !on);
     if (taken) say("This page goes on in another tab; load it anew to go on here.");
@@ -56,7 +58,8 @@ function start() {
       state.newest = Math.max(state.newest, n);
     }
     const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
-    Object.assign(answers, { verdict: told.verdict, strength: told.strength, chart: takeChart, job: making.show, said: say, question: saving.ask });
+    Object.assign(answers, { verdict: told.verdict, strength: told.strength, best: told.best, chart: takeChart });
+    Object.assign(answers, { job: making.show, said: say, question: saving.ask });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
     if (["motion", "scene", "strength", "done"].includes(is)) settled(message);
@@ -94,8 +97,16 @@ function start() {
   function takeScene(content) {
     machine.take(content);
     finder.fit();
-    clock.set(clock.deg());
+    clock.set(state.begun ? clock.deg() : firstPose());
+    state.begun = true;
     if (!content.gears) told.withoutGears("");
+  }
+
+  // Driving angle in degrees at which the crank first stands well off its dead centre, so that it is seen beside the rod.
+  function firstPose() {
+    const scene = machine.scene();
+    const degrees = Array.from({ length: 90 }, (_, i) => (i * clock.cycle()) / 90);
+    return degrees.find((deg) => scene.driven_angle(deg * RAD) >= FIRST_CRANK_DEG * RAD) ?? 0;
   }
 
   // Without teeth the mechanism alone is shown, unless there is an earlier machine to be seen behind the refusal.
@@ -128,7 +139,7 @@ function start() {
     const once = found.filter((one, i) => found.findIndex((other) => other.problem === one.problem) === i);
     machine.refuse(found.length > 0);
     told.refusals(once);
-    form.mark(new Set(once.map((one) => one.key)));
+    form.mark(new Map(once.map((one) => [one.key, one.problem])));
   }
 
   // What is answered to its end, or up to its picture while a newer change waits, is not refused any more.
@@ -145,7 +156,7 @@ function start() {
     board.hold(state.held ? [...state.power, ...state.motion.charts] : null);
     told.hold(state.held);
     at("hold").setAttribute("aria-pressed", String(state.held));
-    at("hold").textContent = state.held ? "Let go of the kept one" : "Keep to compare";
+    at("hold").textContent = state.held ? "Stop comparing" : "Keep to compare";
     clock.set(clock.deg());
   }
 

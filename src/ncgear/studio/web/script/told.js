@@ -19,22 +19,48 @@ function tableElement(table) {
   return frame;
 }
 
+// The number at the beginning of a text, and what follows it; null for a text of more than one number.
+function measured(text) {
+  const [, number, unit] = /^([-\u2212]?[\d.]+(?:e[+-]?\d+)?)(?:\s(.*))?$/.exec(text) ?? [];
+  return number === undefined ? null : { number: Number(number.replace("\u2212", "-")), unit: unit ?? "" };
+}
+
+// What a text says more or less than another one, in hundredths, or in its unit where the other one is nought.
+function differenceOf(text, other) {
+  if (text === other) return "the same";
+  const [now, before] = [measured(text), measured(other)];
+  if (!now || !before || now.unit !== before.unit) return "";
+  const more = now.number - before.number;
+  const share = (100 * more) / Math.abs(before.number);
+  const told = before.number ? `${Math.abs(share) < 9.95 ? share.toFixed(1) : share.toFixed(0)} %` : `${digits(more)} ${now.unit}`;
+  return `${more > 0 ? "+" : ""}${told}`.replace("-", "\u2212");
+}
+
 // `acts.set(changes)` takes a remedy, `acts.reveal(key)` shows a key of the form.
 function createTold(acts) {
   const at = (id) => document.getElementById(id);
-  const parts = { facts: [], teeth: [], verdict: null, verdictOf: -1, tables: { motion: [], gears: [], strength: [] } };
+  const parts = { facts: [], teeth: [], safety: [], crank: "", verdict: null, verdictOf: -1, tables: { motion: [], gears: [], strength: [] } };
   let held = null;
 
+  // The peaks and the safeties first; beside them the crank, or the kept design in its place.
+  function rowsOfFacts() {
+    const compared = parts.facts.filter((one) => one.length > 2);
+    const others = parts.facts.filter((one) => one.length <= 2);
+    return [...compared, ...parts.safety, ...others, ...parts.teeth];
+  }
+
   function showFacts() {
-    const facts = [...parts.facts, ...parts.teeth];
-    const before = held && new Map(held);
-    const rows = facts.map(([name, value]) => {
-      const cells = [cell("th", name, { scope: "row" }), cell("td", value)];
-      if (before) cells.push(cell("td", before.get(name) ?? ""));
-      return made("tr", {}, ...cells);
+    const before = held && new Map(held.map(([name, text]) => [name, text]));
+    const rows = rowsOfFacts().map(([name, text, ...crank]) => {
+      const other = before?.get(name) ?? "";
+      const beside = before ? [other, other && differenceOf(text, other)] : crank;
+      const cells = [text, ...beside].map((one) => cell("td", one));
+      return made("tr", {}, cell("th", name, { scope: "row" }), ...cells);
     });
-    at("facts").tHead.hidden = !before;
+    at("facts").tHead.rows[0].cells[2].textContent = before ? "kept" : parts.crank;
     at("facts").tBodies[0].replaceChildren(...rows);
+    at("crank").textContent = parts.crank;
+    at("legend").hidden = !before;
   }
 
   // The newest verdict counts: that of the motion until the teeth of the same design are judged.
@@ -72,7 +98,7 @@ function createTold(acts) {
   }
 
   function figures(content) {
-    parts.facts = content.facts;
+    Object.assign(parts, { facts: content.facts, crank: content.crank });
     parts.tables.motion = content.tables;
     at("achieved").replaceChildren(...content.achieved.map((line) => cell("li", line)));
     showFacts();
@@ -87,20 +113,23 @@ function createTold(acts) {
   }
 
   function strength(content) {
-    parts.tables.strength = content;
+    parts.safety = content.facts;
+    parts.tables.strength = content.tables;
+    showFacts();
     showTables();
   }
 
   // Parts of gears that do not exist are not shown as if they did.
   function withoutGears(after) {
     if (!["teeth", "verdict", "strength", "chart"].includes(after)) Object.assign(parts, { teeth: [] });
+    parts.safety = [];
     Object.assign(parts.tables, { gears: [], strength: [] });
     showFacts();
     showTables();
   }
 
   function hold(on) {
-    held = on ? [...parts.facts, ...parts.teeth] : null;
+    held = on ? rowsOfFacts() : null;
     showFacts();
   }
 
@@ -108,7 +137,8 @@ function createTold(acts) {
     const items = found.map((one) => {
       const place = one.line ? `line ${one.line}, ` : "";
       const item = made("div", { class: "refusal" });
-      const what = one.wrong_input ? "This cannot be read" : "There is no such machine";
+      const read = one.key ? "This value is not right" : "This cannot be read";
+      const what = one.wrong_input ? read : "There is no such machine";
       item.append(cell("p", what, { class: "what" }), cell("p", `${place}${one.key ? `${one.key}: ` : ""}${one.problem}`));
       if (one.key) {
         const go = made("button", { type: "button", class: "small" }, `go to ${one.key}`);
@@ -120,5 +150,11 @@ function createTold(acts) {
     at("refusals").replaceChildren(...items);
   }
 
-  return { figures, teeth, verdict, strength, withoutGears, hold, refusals };
+  // What the best law would save stands on its button.
+  function best(content) {
+    at("best-saves").textContent = content ? `: ${content.words}` : "";
+    at("best").title = content?.in_full ?? "";
+  }
+
+  return { best, figures, teeth, verdict, strength, withoutGears, hold, refusals };
 }

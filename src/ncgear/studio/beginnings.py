@@ -1,0 +1,130 @@
+"""What a studio without a file begins with: a machine, a wish, a shape, a formula, or a worked design."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import ncgear
+from ncgear.design.beginning import begun
+from ncgear.design.laws.registry import LawName, design_law
+from ncgear.design.machines import CHOICES, MachineName
+from ncgear.design.mechanisms import NO_LINKAGE
+from ncgear.design.reading.design_file import parsed
+from ncgear.design.rewritten import design_copy
+from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
+from ncgear.studio.editing import edited
+
+WISHES: dict[str, tuple[str, dict[str, Any]]] = {
+    "even-speed": ("push or cut at constant speed", {"constant_speed": [{"from_mm": 60, "to_mm": 130}]}),
+    "linger": ("linger at an end", {"dwell": [{"at": "extended", "within_mm": 1, "for_deg": 24}]}),
+    "quick-return": ("come back quickly", {"time_ratio": {"at_least": 1.5}}),
+    "slow-place": ("pass a place slowly", {"speed_at": [{"at_mm": 150, "make": "slowest", "hard": False}]}),
+    "places": ("be at places at angles", {"positions": [{"at_mm": 80, "phi1_deg": 70, "tolerance_mm": 1}]}),
+}
+"""Wishes of a slider with a stroke of 200 mm, by the names of the designs that begin with them."""
+
+SHAPES = (LawName.ELLIPSE, LawName.PITCH_CURVE, LawName.SPIRAL)
+FORMULAS = (LawName.RATIO_EXPRESSION, LawName.FUNCTION_GENERATOR, LawName.HARMONIC_RATIO)
+POINTS = (LawName.TABLE, LawName.SPLINE_RATIO)
+"""Laws of gears by themselves, and of a slider point by point; those left are a wish and the machine without a law."""
+
+GROUPS = ("A machine", "A wish", "A shape", "A formula or points", "A worked design")
+
+SHIPPED = Path(ncgear.__file__).parents[2] / "designs"
+"""The worked designs, beside the sources."""
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """A choice in its group: a name, which the new file has, words for it, and its text for a name."""
+
+    group: str
+    name: str
+    words: str
+    text: Callable[[str], str]
+
+    @property
+    def key(self) -> str:
+        """The choice among all, which may have one name in two groups."""
+        return f"{self.group}/{self.name}".lower().replace(" ", "-")
+
+
+def beginnings() -> list[Beginning]:
+    """All choices, those of a group together."""
+    machine, wish, shape, formula, worked = GROUPS
+    return [
+        *(
+            Beginning(machine, one.value, CHOICES[one], partial(begun, beginning=one, answers={}))
+            for one in MachineName
+        ),
+        _by_law(machine, LawName.UNIFORM_CRANK, _of_law),
+        _by_law(wish, LawName.THREE_SEGMENT_STROKE, _of_law),
+        *(Beginning(wish, name, words, partial(_of_wish, wishes)) for name, (words, wishes) in WISHES.items()),
+        *(_by_law(shape, one, _of_gears) for one in SHAPES),
+        *(_by_law(formula, one, _of_gears) for one in FORMULAS),
+        *(_by_law(formula, one, _of_law) for one in POINTS),
+        *(Beginning(worked, path.stem, words, partial(_copied, path)) for path, words in _worked()),
+    ]
+
+
+def begin(key: str, folder: Path) -> Path:
+    """Write the design of a choice into a folder, under its name or the first free one after it.
+
+    Raises WrongInput for what is no choice, and where the file cannot be written.
+    """
+    chosen = next((one for one in beginnings() if one.key == key), None)
+    if chosen is None:
+        raise WrongInput(f"{key!r} given; one of the choices is right", key="begin")
+    for number in count(1):
+        free = chosen.name if number == 1 else f"{chosen.name}-{number}"
+        path = folder / f"{free}.yaml"
+        try:
+            # Mode x: a file that is there already is never written over.
+            with path.open("x", encoding="utf-8") as file:
+                file.write(chosen.text(free))
+            return path
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise WrongInput(f"cannot be written ({error.strerror})", location=str(path)) from error
+    raise AssertionError
+
+
+def _by_law(group: str, law: LawName, text: Callable[[LawName, str], str]) -> Beginning:
+    return Beginning(group, law.value.replace("_", "-"), design_law(law).choice, partial(text, law))
+
+
+def _of_law(law: LawName, name: str) -> str:
+    return begun(name, law, {})
+
+
+def _of_gears(law: LawName, name: str) -> str:
+    """Gears by themselves, whose shaft moves nothing yet."""
+    return edited(begun(name, law, {}), {"linkage.kind": NO_LINKAGE})
+
+
+def _of_wish(wishes: dict[str, Any], name: str) -> str:
+    """A slider with some friction, whose law is looked for."""
+    text = begun(name, LawName.HARMONIC_RATIO, {"stroke_mm": 200, "speed_rpm": 40}, wishes)
+    return edited(text, {"resistance": {"friction_n": 50}})
+
+
+def _worked() -> Iterator[tuple[Path, str]]:
+    """The worked designs with what they say of themselves; none where ncgear was installed without its sources."""
+    for path in sorted(SHIPPED.glob("*.yaml")):
+        # Reading all of them as designs would take seconds.
+        said = re.search(r'^description: *"?(.*?)"?$', path.read_text(encoding="utf-8"), re.MULTILINE)
+        yield path, said[1] if said else ""
+
+
+def _copied(path: Path, name: str) -> str:
+    """A worked design that needs no file beside it, under another name."""
+    loaded = parsed(path.read_text(encoding="utf-8"), path)
+    text = design_copy(loaded, {}) if loaded.source.from_files else path.read_text(encoding="utf-8")
+    return text if name == loaded.design.name else edited(text, {"name": name})
