@@ -57,7 +57,12 @@ class Studio:
     def post(self, path: str, body: str, **headers: str) -> tuple[int, Mapping[str, str], bytes]:
         """The same of a form that is sent."""
         with closing(HTTPConnection("127.0.0.1", self.port, timeout=20)) as made:
-            made.request("POST", path, body, {"Content-Type": "application/x-www-form-urlencoded", **headers})
+            made.request(
+                "POST",
+                path,
+                body,
+                {"Content-Type": "application/x-www-form-urlencoded", "Cookie": self.cookie, **headers},
+            )
             answer = made.getresponse()
             return answer.status, {name.lower(): value for name, value in answer.getheaders()}, answer.read()
 
