@@ -261,10 +261,10 @@ def test_handles_lie_on_the_curves(name: str) -> None:
 CHANGED: list[dict[str, Any]] = [
     {"operation.speed_rpm": 33.25},
     {"gears.face_width_mm": 11},
+    {"output.chord_tolerance_mm": 0.01},
     {"gears.backlash_mm": 0.2},
     {"gears.rack": {"pressure_angle_deg": 21}},
     {"gears.teeth": 39},
-    {"output.chord_tolerance_mm": 0.01},
     {"motion.eccentricity": 0.21},
     {"linkage.rod_mm": 333},
     {"gears": None},
