@@ -16,20 +16,20 @@ from ncgear.design.laws.formula_numbers import numbers_of
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.drawings.page.chart_svg import TEXT_SIZE, drawn
-from ncgear.drawings.page.page_charts import motion_charts
+from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.scene.scene import scene_without_gears
 from ncgear.drawings.scene.standing import hatches_mm, walls_mm
 from ncgear.errors import WrongInput
 from ncgear.figures.numbers import shown
 from ncgear.project.drive import Drive
 from ncgear.studio import best
-from ncgear.studio.answers import CHART
 from ncgear.studio.beginnings import GROUPS, SHIPPED, begin, beginnings
-from ncgear.studio.editing import Edited
+from ncgear.studio.editing import edited
 from ncgear.studio.facts import facts, safety_facts
 from ncgear.studio.form import form
 from ncgear.studio.handles import MOST_TAKEN_ALONG, handles
 from ncgear.studio.page import start_page
+from ncgear.studio.told import CHART
 from ncgear.studio.zipped import zipped
 
 Handle = dict[str, Any]
@@ -187,7 +187,7 @@ def dragged(handle: Handle, grown: float) -> dict[str, Any]:
 
 def after(name: str, changes: dict[str, Any]) -> Drive:
     text = (DESIGNS / f"{name}.yaml").read_text(encoding="utf-8")
-    return Drive(parsed(Edited(text).with_changes(changes), DESIGNS / f"{name}.yaml").design)
+    return Drive(parsed(edited(text, changes), DESIGNS / f"{name}.yaml").design)
 
 
 def ratio_at(made: Drive, phi1: np.ndarray) -> np.ndarray:

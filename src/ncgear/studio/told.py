@@ -6,18 +6,21 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.chart_svg import drawn
+from ncgear.drawings.page.chart_svg import Size, drawn
 from ncgear.drawings.page.data import chart_data
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.tables import Table
 from ncgear.studio.answers import Answer
 
+CHART: Size = (280.0, 164.0)
+"""Size of a chart: two stand side by side beside values and figures at 1280 pixels, with text of 11 pixels or more."""
+
 
 def drawn_charts(charts: Sequence[PageChart]) -> Iterator[Answer]:
     """Each chart as the report has it: its drawing, its scales, its lines."""
     for chart in charts:
-        figure = drawn(chart)
+        figure = drawn(chart, CHART)
         data = chart_data([figure])
         lines = [{"label": line.label, "role": str(line.role)} for line in chart.chart.lines]
         yield (
