@@ -480,6 +480,8 @@ def test_a_studio_without_a_file_asks_what_to_begin_with_and_opens_it(tmp_path: 
         status, headers, content = studio.get(f"/{studio.token}/")
         assert status == 200
         assert "form-action 'self'" in headers["content-security-policy"]
+        # Without its origin a browser's form is one of another page.
+        assert headers["referrer-policy"] == "same-origin"
         assert all(one in content for one in (b"A machine", b"A wish", b"A shape", b"A formula", b"A worked design"))
         other = {"Origin": "http://example.org"}
         assert studio.post(f"/{studio.token}/begin", "begin=a-machine/pump", **other)[0] == 403

@@ -40,9 +40,6 @@ SHORT = {
 LEFT_OUT = {"may be left out": "left out", "none: it must be given": "needed"}
 """What stands in the field of a key without a value, where that is not its default; in full it is below the field."""
 
-LONGEST_HINT = 18
-"""Letters of a default that stand in a field uncut."""
-
 MOST_ITEMS = 40
 """Items of a list that have a row each; longer lists are points, which are dragged, or stand in the text."""
 
@@ -128,8 +125,7 @@ def _plain(key: Key, given: bool, value: Any, root: type[BaseModel]) -> Row:
     rules = choices(key.rule)
     row = {**_head(key, given), "allowed": allowed(key), "default": default_words(key), "value": value}
     row["needed"] = key.field.is_required()
-    hint = LEFT_OUT.get(row["default"], row["default"].partition(",")[0])
-    row["hint"] = hint if len(hint) <= LONGEST_HINT else ""
+    row["hint"] = LEFT_OUT.get(row["default"], row["default"].partition(",")[0])
     if key.is_law_name:
         return {**row, "kind": "choice", "choices": [law.value for law in LawName]}
     words = [str(word) for rule in rules for word in rule.get("enum", [rule["const"]] if "const" in rule else [])]

@@ -170,7 +170,7 @@ class Studio:
     async def zip(self, request: Request) -> Response:
         """A folder of the export folder as one zip."""
         folder = self.out / request.path_params["name"]
-        if folder.name.startswith(".") or folder.parent != self.out or not folder.is_dir() or folder.is_symlink():
+        if folder.name.startswith(".") or not folder.is_dir() or folder.is_symlink():
             return PlainTextResponse("no such folder", status_code=404)
         headers = {"content-disposition": f'attachment; filename="{folder.name}.zip"', "cache-control": "no-store"}
         return Response(await asyncio.to_thread(zipped, folder), media_type="application/zip", headers=headers)
