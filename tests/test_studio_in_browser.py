@@ -89,7 +89,7 @@ def opened(browser: Any, studio: Studio) -> Iterator[Opened]:
     made = Opened(browser, studio)
     yield made
     assert made.errors == []
-    outside = [url for url in made.requests if not url.startswith((studio.address, "data:"))]
+    outside = [url for url in made.requests if not url.startswith((f"http://127.0.0.1:{studio.port}/", "data:"))]
     assert outside == []
     made.page.context.close()
 
