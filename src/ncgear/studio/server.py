@@ -159,9 +159,9 @@ class Studio:
         root = self.out.resolve()
         try:
             wanted = await asyncio.to_thread(real_place, self.out / request.path_params["name"])
+            inside = wanted.is_relative_to(root) and wanted.is_file()
         except (WrongInput, OSError, ValueError):
-            wanted = root
-        inside = wanted.is_relative_to(root) and wanted.is_file()
+            inside = False
         if not inside or any(part.startswith(".") for part in wanted.relative_to(root).parts):
             return PlainTextResponse("no such file", status_code=404)
         headers = {"content-security-policy": SANDBOX, "x-content-type-options": "nosniff", "cache-control": "no-store"}
@@ -170,7 +170,11 @@ class Studio:
     async def zip(self, request: Request) -> Response:
         """A folder of the export folder as one zip."""
         folder = self.out / request.path_params["name"]
-        if folder.name.startswith(".") or not folder.is_dir() or folder.is_symlink():
+        try:
+            made = folder.is_dir() and not folder.is_symlink()
+        except (OSError, ValueError):
+            made = False
+        if not made or folder.name.startswith("."):
             return PlainTextResponse("no such folder", status_code=404)
         headers = {"content-disposition": f'attachment; filename="{folder.name}.zip"', "cache-control": "no-store"}
         return Response(await asyncio.to_thread(zipped, folder), media_type="application/zip", headers=headers)
