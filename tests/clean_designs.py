@@ -27,6 +27,9 @@ STRESS_N_MM2 = {"POM": 0.6, "PLA-print": 0.4}
 
 METAL_N_MM2 = 6.0
 
+FROM_SHORT, FROM_SILENT = 300, 320
+"""Seeds from which on designs are spoiled, by short tips and by forces that never act."""
+
 
 def design(seed: int) -> Data:
     """The design of a seed, as a file's keys."""
@@ -60,7 +63,23 @@ def design(seed: int) -> Data:
     _toleranced(random, data)
     if "linkage" in data and kind != "rocker" and random.random() < 0.15:
         data["wishes"] = {"time_ratio": {"at_least": _even(random, 0.9, 1.15)}}
+    _spoiled(np.random.default_rng([84, seed]), data, seed)
     return data
+
+
+def _spoiled(random: np.random.Generator, data: Data, seed: int) -> None:
+    """From FROM_SHORT on tips are so short that many flanks part, from FROM_SILENT on forces never act."""
+    if FROM_SHORT <= seed < FROM_SILENT:
+        gears = data["gears"]
+        gears |= {"least_contact_ratio": 0.0, "rack": {**gears.get("rack", {}), "addendum": _even(random, 0.4, 0.6)}}
+        data["output"] = {"chord_tolerance_mm": 1e-4 * gears["module_mm"]}
+    elif seed >= FROM_SILENT and "resistance" in data:
+        key = "polynomial_n" if "polynomial_n" in data["resistance"] else "polynomial_n_m"
+        silent, load = {key: [-1.0], "where_negative": "zero"}, data["resistance"]
+        if random.random() < 0.5:
+            load["returning"] = silent
+        if random.random() < 0.7:
+            load |= silent
 
 
 def ready(seed: int, data: Data | None = None) -> Drive:

@@ -21,8 +21,9 @@ from oracles.meshing import Pair
 Array = np.ndarray
 Data = dict[str, Any]
 
-POSITIONS, WIDE_POSITIONS, TURNS = 48, 12, 16
-"""Driving angles at which outlines must pass, and at which they must hold; steps of a pitch there."""
+POSITIONS, WIDE_POSITIONS, TURNS = 61, 12, 16
+"""Driving angles at which outlines must pass, a prime number, so that teeth stand differently at each; those at which
+they must hold; steps of a pitch there."""
 
 
 @dataclass(frozen=True, eq=False)
