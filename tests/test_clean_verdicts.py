@@ -513,7 +513,7 @@ def test_contact_that_is_lost_and_forces_that_never_act_are_seen() -> None:
     lost, silent = (Seen(design(seed), ready(seed)) for seed in (308, 326))
     assert "a gap of" in str(contact(lost, kept(Kind.CONTACT_RATIO)))
     assert "is silent" in str(given(silent, kept(Kind.WITHOUT_EFFECT)))
-    assert "told" in str(given(lost, replace(broken(Kind.WITHOUT_EFFECT), advices=(SILENT,))))
+    assert "told" in str(given(seen_of(CLEAN), replace(broken(Kind.WITHOUT_EFFECT), advices=(SILENT,))))
 
 
 @pytest.mark.thorough
