@@ -83,9 +83,9 @@ except SystemExit as exit_:
 """A command as a user gives it, in an interpreter that has loaded nothing else."""
 
 
-def loaded_by(*arguments: str, folder: Path = ROOT) -> set[str]:
-    """Top-level modules that a command loads."""
-    return modules_after(COMMAND.format(arguments=["ncgear", *arguments]), folder)
+def loaded_by(*arguments: str, folder: Path = ROOT, before: str = "") -> set[str]:
+    """Top-level modules that a command loads, after a text that is executed before it."""
+    return modules_after(before + COMMAND.format(arguments=["ncgear", *arguments]), folder)
 
 
 def changed(text: str, old: str, new: str) -> str:

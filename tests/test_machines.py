@@ -13,7 +13,8 @@ import pytest
 from commands import Run
 from ncgear.design.keys.design import Design
 from ncgear.design.machines import MachineName, machine_template
-from ncgear.project.drive import Drive, load, loads
+from ncgear.project.drive import Drive
+from ncgear.project.opened import load, loads
 from tiers import long_but
 
 pytestmark = pytest.mark.judges("design")

@@ -22,7 +22,7 @@ from ncgear.design.laws.registry import LawName
 from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import template
-from ncgear.project.drive import load, loads
+from ncgear.project.opened import load, loads
 from tiers import long_but
 
 SOURCE = str(Path(ncgear.__file__).parents[1])

@@ -12,7 +12,7 @@ from drives import drive
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
-from ncgear.project.drive import load
+from ncgear.project.opened import load
 from ncgear.strength.stiffness import nearest_on_flanks
 from ncgear.teeth.gear import ToothedGear
 from tooth_places import circular_pair, random_places

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     import ncgear.plots as plots
     from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
     from ncgear.figures.side_by_side import compare
-    from ncgear.project.drive import Drive, load, loads
+    from ncgear.project.drive import Drive
     from ncgear.project.mending import mending
+    from ncgear.project.opened import load, loads
 
 __version__ = "0.1.0"
 
@@ -38,8 +39,8 @@ _MODULES = {
     "NoSuchMechanism": "ncgear.errors",
     "WrongInput": "ncgear.errors",
     "compare": "ncgear.figures.side_by_side",
-    "load": "ncgear.project.drive",
-    "loads": "ncgear.project.drive",
+    "load": "ncgear.project.opened",
+    "loads": "ncgear.project.opened",
     "mending": "ncgear.project.mending",
 }
 """Where the public names live."""

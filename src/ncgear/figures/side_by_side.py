@@ -15,7 +15,8 @@ from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import aligned
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import label_and_unit
-from ncgear.project.drive import Drive, load
+from ncgear.project.drive import Drive
+from ncgear.project.opened import load
 
 SECTIONS = ("drive", "check", "motion", "ratio", "pitch")
 """Sections of a summary whose numbers are compared, in this order."""

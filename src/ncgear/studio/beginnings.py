@@ -17,6 +17,7 @@ from ncgear.design.mechanisms import NO_LINKAGE
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import WrongInput
+from ncgear.files.one_file import put_at_free_place
 from ncgear.frozen import dataclass
 from ncgear.studio.editing import edited
 
@@ -85,9 +86,7 @@ def begin(key: str, folder: Path) -> Path:
         free = chosen.name if number == 1 else f"{chosen.name}-{number}"
         path = folder / f"{free}.yaml"
         try:
-            # Mode x: a file that is there already is never written over.
-            with path.open("x", encoding="utf-8") as file:
-                file.write(chosen.text(free))
+            put_at_free_place(path, chosen.text(free).encode())
             return path
         except FileExistsError:
             continue
