@@ -99,6 +99,8 @@ def marked(arguments: list[str], folder: Path) -> Iterator[tuple[subprocess.Pope
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # Tests that run below nohup hand on that the signal is ignored.
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
     )
     try:
         assert run.stdout is not None
