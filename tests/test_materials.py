@@ -13,7 +13,7 @@ import pytest
 from commands import ROOT
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
-from ncgear.project.drive import loads
+from ncgear.project.opened import loads
 from ncgear.project.service import choices_of, conditions_of
 from ncgear.strength.classes import (
     ALLOY,

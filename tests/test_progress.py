@@ -10,7 +10,7 @@ import pytest
 
 from ncgear.cli import progress
 from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
-from ncgear.project.drive import loads
+from ncgear.project.opened import loads
 
 GEARS = """
 name: small

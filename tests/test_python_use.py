@@ -23,7 +23,7 @@ BALER = ROOT / "designs" / "baler.yaml"
 
 EXAMPLES = """
 import doctest, importlib, sys
-modules = map(importlib.import_module, ("ncgear.project.drive", "ncgear.project.mending", "ncgear.plots"))
+modules = map(importlib.import_module, ("ncgear.project.opened", "ncgear.project.mending", "ncgear.plots"))
 sys.exit(sum(doctest.testmod(module).failed for module in modules))
 """
 """In a process of its own, as the examples open figures of pyplot's."""

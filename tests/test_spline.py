@@ -23,7 +23,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.periodic_cubic import PeriodicCubic, periodic_cubic
 from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear
-from ncgear.project.drive import loads
+from ncgear.project.opened import loads
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.over_driven_angle import LogRatioLaw
 from ncgear.ratio.laws.spline import closed_spline, even_steps, spline_ratio_law, spline_ratio_staged

@@ -166,7 +166,7 @@ def mending(
     The search takes so many ``seconds`` of processor time at the most.  Raises WrongInput or NoSuchMechanism where
     something else than the teeth is refused, as a law or pitch curves.
 
-    >>> from ncgear.project.drive import loads
+    >>> from ncgear.project.opened import loads
     >>> machine = "linkage: {crank_mm: 40, rod_mm: 90}, operation: {speed_rpm: 30}, motion: {law: uniform_crank}"
     >>> found = mending(loads(f"{{name: few, {machine}, gears: {{teeth: 8, module_mm: 5, face_width_mm: 9}}}}"))
     >>> found.found.way.changes
