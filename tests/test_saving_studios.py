@@ -20,7 +20,7 @@ from ncgear.studio.server import TAKEN_OVER
 from saving_only import saving_only
 from studios import Page, Studio
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 DOUBLE_KILLS = 100
 
