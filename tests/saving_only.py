@@ -34,6 +34,8 @@ def saving_only(path: Path) -> Iterator[Studio]:
     with patch.dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path)):
         # The process from which all are forked does not hear of this one's path in any other way.
         process.start()
+    # A studio that ends before it says its address is an error here then, and nothing waits for it.
+    there.close()
     try:
         yield Studio(process, path, path.parent / "export", here.recv())
     finally:

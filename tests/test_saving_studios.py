@@ -20,7 +20,7 @@ from ncgear.studio.server import TAKEN_OVER
 from saving_only import saving_only
 from studios import Page, Studio
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 
 DOUBLE_KILLS = 100
 
@@ -200,7 +200,7 @@ def test_a_page_that_is_loaded_anew_soon_after_a_change_goes_on_with_it(path: Pa
 
 
 @FEW
-@pytest.mark.tiers(rest="long")
+@pytest.mark.tiers(slow=["True-4"], rest="long")
 @pytest.mark.parametrize("by_move", [False, True])
 def test_a_save_that_races_an_editor_takes_nothing_from_it(path: Path, times: int, by_move: bool) -> None:
     chance, said = random.Random(6), list[str]()

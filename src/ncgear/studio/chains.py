@@ -129,7 +129,8 @@ class Chains:
     async def start(self) -> None:
         """Start the first before there is a question: the motion is what is seen first."""
         self.chains = [Chain(name, self._tell) for name in CHAINS]
-        await self.chains[0].start()
+        for first in self.chains[:1]:
+            await first.start()
 
     async def _tell(self, line: str) -> None:
         if self.told is not None:
