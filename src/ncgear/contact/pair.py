@@ -147,8 +147,7 @@ def sound_extremes(
 ) -> ContactExtremes:
     """The extremes of the contact; raises as ``refuse_overlap`` where teeth overlap between its positions."""
     found = contact_extremes(teeth, pitch, designed, speed_rad_s)
-    if found.overlap_mm.value > tolerance_mm:
-        raise _overlapping(found.overlap_mm, found.overlap_teeth[0], designed.placement.mesh)
+    _refuse_between(found, tolerance_mm, designed)
     return found
 
 
@@ -161,8 +160,7 @@ def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
         _refuse(written.overlap_mm, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
         _require_as_designed(written, contact.as_designed, CHORDS_ASTRAY * tolerance_mm)
     for found in contact.extremes:
-        if found.overlap_mm.value > CHORDS_OVERLAP * tolerance_mm:
-            raise _overlapping(found.overlap_mm, found.overlap_teeth[0], contact.as_designed.placement.mesh)
+        _refuse_between(found, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
 
 
 def _refuse(overlap_mm: Array, allowed_mm: float, designed: AsDesigned) -> None:
@@ -171,6 +169,11 @@ def _refuse(overlap_mm: Array, allowed_mm: float, designed: AsDesigned) -> None:
         return
     deepest = Extremum(float(overlap_mm[worst]), float(designed.placement.phi1_rad[worst]))
     raise _overlapping(deepest, designed.placement.teeth_at(worst)[0], designed.placement.mesh)
+
+
+def _refuse_between(found: ContactExtremes | WrittenExtremes, allowed_mm: float, designed: AsDesigned) -> None:
+    if found.overlap_mm.value > allowed_mm:
+        raise _overlapping(found.overlap_mm, found.overlap_teeth[0], designed.placement.mesh)
 
 
 def _overlapping(deepest: Extremum, tooth: int, mesh: Mesh) -> NoSuchMechanism:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from math import ceil, degrees, floor, inf, log10
 
 from ncgear.design.keys.base import given, spellings
@@ -107,27 +108,13 @@ def _gentle(asked: Timing, linkage: Mechanism) -> Iterator[values.Wish]:
     for number, wish in enumerate(asked.gentle_stop):
         start, end = (place / output.place.factor for place in wish.ends(output.place.factor * linkage.stroke_mm))
         key, stroke = f"wishes.gentle_stop.{number}", None if wish.stroke == "both" else Stroke(wish.stroke)
-        speed, deceleration = wish.bound("speed"), wish.bound("deceleration")
-        if speed is not None:
-            yield values.GentleSpeed(
-                key=key,
-                weight=wish.soft_weight,
-                output=output,
-                from_mm=start,
-                to_mm=end,
-                stroke=stroke,
-                most_mm_s=speed,
-            )
-        elif deceleration is not None:
-            yield values.GentleStop(
-                key=key,
-                weight=wish.soft_weight,
-                output=output,
-                from_mm=start,
-                to_mm=end,
-                stroke=stroke,
-                most_mm_s2=deceleration,
-            )
+        bounded, most = wish.bound
+        made: Callable[..., values.Wish]
+        if bounded == "speed":
+            made = partial(values.GentleSpeed, most_mm_s=most)
+        else:
+            made = partial(values.GentleStop, most_mm_s2=most)
+        yield made(key=key, weight=wish.soft_weight, output=output, from_mm=start, to_mm=end, stroke=stroke)
 
 
 def _positions(asked: Timing, output: Output) -> Iterator[values.Wish]:

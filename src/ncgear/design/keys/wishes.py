@@ -256,10 +256,11 @@ class Gentle(Wish):
         description="on the way out (working), on the way back (return), or on both ways, about one end or all round",
     )
 
-    def bound(self, quantity: str) -> float | None:
-        """The greatest ``speed`` or ``deceleration`` in the unit of the file; None where it is left out."""
-        found: float | None = getattr(self, self._bound_key(quantity))
-        return found
+    @property
+    def bound(self) -> tuple[str, float]:
+        """What is bounded, ``speed`` or ``deceleration``, and its greatest value in the unit of the file."""
+        speed = getattr(self, self._bound_key("speed"))
+        return ("deceleration", getattr(self, self._bound_key("deceleration"))) if speed is None else ("speed", speed)
 
     def _bound_key(self, quantity: str) -> str:
         return f"{quantity}_at_most_{self.SPEED}{'2' if quantity == 'deceleration' else ''}"
