@@ -17,7 +17,7 @@ from collections.abc import Awaitable, Callable, MutableMapping
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
-from urllib.parse import parse_qs
+from urllib.parse import parse_qs, quote
 
 import uvicorn
 from starlette.applications import Starlette
@@ -156,28 +156,33 @@ class Studio:
 
     async def file(self, request: Request) -> Response:
         """A file of the export folder."""
-        root = self.out.resolve()
-        try:
-            wanted = await asyncio.to_thread(real_place, self.out / request.path_params["name"])
-            inside = wanted.is_relative_to(root) and wanted.is_file()
-        except (WrongInput, OSError, ValueError):
-            inside = False
-        if not inside or any(part.startswith(".") for part in wanted.relative_to(root).parts):
+        place = await self._made(request.path_params["name"])
+        if place is None or not place.is_file():
             return PlainTextResponse("no such file", status_code=404)
         headers = {"content-security-policy": SANDBOX, "x-content-type-options": "nosniff", "cache-control": "no-store"}
-        return FileResponse(wanted, headers=headers)
+        return FileResponse(place, headers=headers)
 
     async def zip(self, request: Request) -> Response:
         """A folder of the export folder as one zip."""
-        folder = self.out / request.path_params["name"]
-        try:
-            made = folder.is_dir() and not folder.is_symlink()
-        except (OSError, ValueError):
-            made = False
-        if not made or folder.name.startswith("."):
+        place = await self._made(request.path_params["name"])
+        if place is None or not place.is_dir():
             return PlainTextResponse("no such folder", status_code=404)
-        headers = {"content-disposition": f'attachment; filename="{folder.name}.zip"', "cache-control": "no-store"}
-        return Response(await asyncio.to_thread(zipped, folder), media_type="application/zip", headers=headers)
+        headers = {
+            "content-disposition": f"attachment; filename*=UTF-8''{quote(place.name)}.zip",
+            "cache-control": "no-store",
+        }
+        return Response(await asyncio.to_thread(zipped, place), media_type="application/zip", headers=headers)
+
+    async def _made(self, name: str) -> Path | None:
+        """What stands in the export folder under a name; None for what is hidden, elsewhere, or not there."""
+        root = self.out.resolve()
+        try:
+            place = await asyncio.to_thread(real_place, self.out / name)
+            inside = place.exists() and root in place.parents
+        except (WrongInput, OSError, ValueError):
+            return None
+        hidden = inside and any(part.startswith(".") for part in place.relative_to(root).parts)
+        return place if inside and not hidden else None
 
     async def talk(self, socket: WebSocket) -> None:
         """The conversation with one page."""
