@@ -11,7 +11,8 @@ from typing import Any
 
 import ncgear
 from ncgear.design.beginning import begun
-from ncgear.design.laws.registry import LawName, design_law
+from ncgear.design.laws.base import Begins
+from ncgear.design.laws.registry import SOUGHT_LAW, LawName, design_law
 from ncgear.design.machines import CHOICES, MachineName
 from ncgear.design.mechanisms import NO_LINKAGE
 from ncgear.design.reading.design_file import parsed
@@ -29,11 +30,6 @@ WISHES: dict[str, tuple[str, dict[str, Any]]] = {
     "places": ("be at places at angles", {"positions": [{"at_mm": 80, "phi1_deg": 70, "tolerance_mm": 1}]}),
 }
 """Wishes of a slider with a stroke of 200 mm, by the names of the designs that begin with them."""
-
-SHAPES = (LawName.ELLIPSE, LawName.PITCH_CURVE, LawName.SPIRAL)
-FORMULAS = (LawName.RATIO_EXPRESSION, LawName.FUNCTION_GENERATOR, LawName.HARMONIC_RATIO)
-POINTS = (LawName.TABLE, LawName.SPLINE_RATIO)
-"""Laws of gears by themselves, and of a slider point by point; those left are a wish and the machine without a law."""
 
 GROUPS = ("A machine", "A wish", "A shape", "A formula or points", "A worked design")
 
@@ -59,19 +55,23 @@ class Beginning:
 def beginnings() -> list[Beginning]:
     """All choices, those of a group together."""
     machine, wish, shape, formula, worked = GROUPS
-    return [
+    by_law = {
+        Begins.MACHINE: (machine, _of_law),
+        Begins.WISH: (wish, _of_law),
+        Begins.SHAPE: (shape, _of_gears),
+        Begins.FORMULA: (formula, _of_gears),
+        Begins.POINTS: (formula, _of_law),
+    }
+    found = [
         *(
             Beginning(machine, one.value, CHOICES[one], partial(begun, beginning=one, answers={}))
             for one in MachineName
         ),
-        _by_law(machine, LawName.UNIFORM_CRANK, _of_law),
-        _by_law(wish, LawName.THREE_SEGMENT_STROKE, _of_law),
+        *(_by_law(law, *by_law[design_law(law).begins]) for law in LawName),
         *(Beginning(wish, name, words, partial(_of_wish, wishes)) for name, (words, wishes) in WISHES.items()),
-        *(_by_law(shape, one, _of_gears) for one in SHAPES),
-        *(_by_law(formula, one, _of_gears) for one in FORMULAS),
-        *(_by_law(formula, one, _of_law) for one in POINTS),
         *(Beginning(worked, path.stem, words, partial(_copied, path)) for path, words in _worked()),
     ]
+    return sorted(found, key=lambda one: GROUPS.index(one.group))
 
 
 def begin(key: str, folder: Path) -> Path:
@@ -95,7 +95,7 @@ def begin(key: str, folder: Path) -> Path:
     raise AssertionError
 
 
-def _by_law(group: str, law: LawName, text: Callable[[LawName, str], str]) -> Beginning:
+def _by_law(law: LawName, group: str, text: Callable[[LawName, str], str]) -> Beginning:
     return Beginning(group, law.value.replace("_", "-"), design_law(law).choice, partial(text, law))
 
 
@@ -110,7 +110,7 @@ def _of_gears(law: LawName, name: str) -> str:
 
 def _of_wish(wishes: dict[str, Any], name: str) -> str:
     """A slider with some friction, whose law is looked for."""
-    text = begun(name, LawName.HARMONIC_RATIO, {"stroke_mm": 200, "speed_rpm": 40}, wishes)
+    text = begun(name, SOUGHT_LAW, {"stroke_mm": 200, "speed_rpm": 40}, wishes)
     return edited(text, {"resistance": {"friction_n": 50}})
 
 

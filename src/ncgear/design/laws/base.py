@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
+from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Literal
 
 from ncgear.design.keys.base import Model
@@ -149,6 +150,16 @@ class LawKeys(Model):
         return {}
 
 
+class Begins(StrEnum):
+    """What a person begins with who takes a law: the machine, a wish, a shape, a formula, or points."""
+
+    MACHINE = "machine"
+    WISH = "wish"
+    SHAPE = "shape"
+    FORMULA = "formula"
+    POINTS = "points"
+
+
 @dataclass(frozen=True)
 class DesignLaw:
     """A law as design files and ``ncgear new`` know it."""
@@ -157,6 +168,9 @@ class DesignLaw:
 
     choice: str
     """The words for the law in the menu of ``ncgear new``."""
+
+    begins: Begins
+    """What a person begins with; gears of a shape or a formula stand by themselves at first."""
 
     asked_length: Literal["crank_mm", "stroke_mm"] = "crank_mm"
     """The length that ``ncgear new`` asks for; the other length follows from it."""

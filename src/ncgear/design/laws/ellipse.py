@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import allow_one, angle_rad, spellings
-from ncgear.design.laws.base import DesignLaw, LawKeys, LawNumber
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawNumber
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -58,4 +58,5 @@ class Ellipse(LawKeys):
 LAW = DesignLaw(
     keys=Ellipse,
     choice="elliptical gears",
+    begins=Begins.SHAPE,
 )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import FORMULA, Expression, fault
-from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, DesignLaw, LawKeys
+from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -57,5 +57,6 @@ class FunctionGenerator(LawKeys):
 LAW = DesignLaw(
     keys=FunctionGenerator,
     choice="a function y = f(x) that the gears compute, over a range of both angles",
+    begins=Begins.FORMULA,
     narrower_ratio="take a smaller range of x (motion.x_from, motion.x_to) or a function that is more even",
 )

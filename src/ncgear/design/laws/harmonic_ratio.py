@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field, Strict
 
 from ncgear.design.keys.base import Model
-from ncgear.design.laws.base import DesignLaw, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -112,4 +112,5 @@ class HarmonicRatio(LawKeys):
 LAW = DesignLaw(
     keys=HarmonicRatio,
     choice="the ratio by harmonics of the driven angle",
+    begins=Begins.FORMULA,
 )

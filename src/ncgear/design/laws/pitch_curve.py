@@ -29,7 +29,7 @@ from ncgear.design.keys.pitch_shapes import (
     RoundedPolygon,
     Solvable,
 )
-from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -192,6 +192,7 @@ class PitchCurve(LawKeys):
 LAW = DesignLaw(
     keys=PitchCurve,
     choice="the pitch curve of one gear, whose mate follows",
+    begins=Begins.SHAPE,
     examples={
         "expression_mm": '"30 + 4*cos(phi)"',
         "points": "{file: points.csv, tolerance_mm: 0.05}",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, fault, require_one
-from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, DesignLaw, LawKeys, LawNumber
+from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys, LawNumber
 from ncgear.design.laws.formula_numbers import numbers_of
 
 if TYPE_CHECKING:
@@ -88,4 +88,5 @@ class RatioExpression(LawKeys):
 LAW = DesignLaw(
     keys=RatioExpression,
     choice="the ratio of the gears as a formula of the driving angle",
+    begins=Begins.FORMULA,
 )

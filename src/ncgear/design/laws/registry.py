@@ -42,6 +42,9 @@ class LawName(StrEnum):
 DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE
 """The law of a new design if no other one is asked for."""
 
+SOUGHT_LAW = LawName.HARMONIC_RATIO
+"""The law of a new design of which wishes tell what is sought: it is replaced by the best one."""
+
 
 def design_law(name: LawName) -> DesignLaw:
     """The keys and the questions of a law."""

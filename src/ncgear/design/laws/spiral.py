@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
 
-from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, DesignLaw, LawKeys
+from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -49,5 +49,6 @@ class Spiral(LawKeys):
 LAW = DesignLaw(
     keys=Spiral,
     choice="logarithmic spirals that turn less than once",
+    begins=Begins.SHAPE,
     narrower_ratio="bring motion.ratio_start and motion.ratio_end nearer to each other",
 )

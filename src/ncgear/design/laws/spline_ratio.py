@@ -19,7 +19,7 @@ from ncgear.design.keys.base import (
     require_rising,
     spellings,
 )
-from ncgear.design.laws.base import DesignLaw, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -148,6 +148,7 @@ class SplineRatio(LawKeys):
 LAW = DesignLaw(
     keys=SplineRatio,
     choice="the ratio as a smooth curve over the driven angle",
+    begins=Begins.POINTS,
     examples={
         "driven_angle_rad": "[0, 1.5, 3, 4.5]",
         "driven_angle_pi": "[0, 0.5, 1, 1.5]",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import FULL_TURN, Numbers, fault, given, in_rad, require_one, require_rising, spellings
-from ncgear.design.laws.base import DesignLaw, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
@@ -130,6 +130,7 @@ class TableLaw(LawKeys):
 LAW = DesignLaw(
     keys=TableLaw,
     choice="the ratio or the displacement point by point",
+    begins=Begins.POINTS,
     examples={
         "phi1_rad": "[0, 1.5, 3, 4.5]",
         "phi1_deg": "[0, 90, 180, 270]",

@@ -24,7 +24,7 @@ from ncgear.design.keys.base import (
     require_one,
     spellings,
 )
-from ncgear.design.laws.base import DesignLaw, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.design.reading.text import quoted
 from ncgear.errors import WrongInput
 
@@ -357,6 +357,7 @@ def out_of_order(angles_rad: Sequence[float]) -> tuple[str, str] | None:
 LAW = DesignLaw(
     keys=ThreeSegmentStroke,
     choice="the slider works in three segments: it goes, presses at constant speed, slows down",
+    begins=Begins.WISH,
     asked_length="stroke_mm",
     grows_with_machine=("v2_mm_s", "a1_mm_s2", "law_speed_rpm"),
     narrower_ratio="move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps",

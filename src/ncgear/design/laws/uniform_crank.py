@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
-from ncgear.design.laws.base import DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -28,4 +28,5 @@ class UniformCrank(LawKeys):
 LAW = DesignLaw(
     keys=UniformCrank,
     choice="circular gears",
+    begins=Begins.MACHINE,
 )
