@@ -261,7 +261,7 @@ def test_a_curve_in_mm_has_no_smaller_size() -> None:
 @pytest.mark.slow
 def test_a_curve_that_grows_with_its_gears_is_sized() -> None:
     text = curve_text(", semi_minor_mm: 16.44", "scale", "").replace("module_mm: 2", "module_mm: 1")
-    assert smallest_gears(drive_of_text(text), Space())[0].verdict.holds
+    assert smallest_gears(drive_of_text(text), Space())[0].rating.holds
 
 
 @pytest.mark.slow

@@ -80,8 +80,8 @@ def finished(
     where processes die again and again without a result.
     """
     if scheduler is not None:
-        with _cluster(scheduler, processes or core_count()) as (executor, ahead):
-            yield from _through(lambda: executor, ahead, partial(_on_cluster, function), iter(tasks))
+        with _cluster(scheduler, processes or core_count()) as (client, ahead):
+            yield from _through_cluster(client, ahead, partial(_on_cluster, function), iter(tasks))
     elif (count := processes or core_count()) == 1:
         yield from ((task, function(task)) for task in tasks)
     else:
@@ -118,6 +118,24 @@ def _through(
                 raise RuntimeError(f"{DEATHS} processes in a row died without a result; is there enough memory?")
             executor, again = new_executor(), list(running.values())
             running = {_handed_out(executor, function, task): task for task in again}
+
+
+def _through_cluster(
+    client: Any, ahead: int, function: Callable[[Task], Result], tasks: Iterator[Task]
+) -> Iterator[tuple[Task, Result]]:
+    """Results of tasks on a cluster, at most ``ahead`` of which are handed out; it replaces its own processes."""
+    from distributed import as_completed
+
+    running = {client.submit(function, task, pure=False): task for task in islice(tasks, ahead)}
+    # With results: Dask's own executor fails where a process dies between the end of its task and the reading of it.
+    done = as_completed(running, with_results=True)
+    for future, result in done:
+        if isinstance(result, CancelledError):
+            raise result
+        yield running.pop(future), result
+        for task in islice(tasks, 1):
+            running[handed_out := client.submit(function, task, pure=False)] = task
+            done.add(handed_out)
 
 
 def _handed_out(executor: Executor, function: Callable[[Task], Result], task: Task) -> Future[Result]:
@@ -204,8 +222,8 @@ def _same_environment() -> Iterator[None]:
 
 
 @contextmanager
-def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
-    """A context with a Dask cluster as an executor, and the number of tasks to hand out at a time.
+def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Any, int]]:
+    """A context with the client of a Dask cluster, and the number of tasks to hand out at a time.
 
     Raises WrongInput where its scheduler ends before it does.
     """
@@ -213,7 +231,7 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Executor, int]]:
     with _without_logs(), _client(scheduler, processes) as client:
         threads = sum(client.nthreads().values())
         try:
-            yield client.get_executor(pure=False), max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
+            yield client, max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
         except Exception as error:
             # Tasks are cancelled by the end of the scheduler alone.
             if client.status == "running" and not isinstance(error, CancelledError):
