@@ -64,7 +64,7 @@ def motion_facts(found: Achieved, linkage: Mechanism) -> list[tuple[str, str]]:
     length = f"within {100.0 * EVEN:g} % over {to_digits(place.factor * even, 3)} {place.text}"
     if found.time_ratio is None:
         return [("constant speed", length)]
-    share, near = to_digits(100.0 * even / linkage.stroke_mm, 3), to_digits(place.factor * found.near_mm, 6)
+    share, near = to_digits(100.0 * even / linkage.stroke_mm, 3), to_digits(place.factor * found.near_mm, 4)
     dwells = ", ".join(f"{to_digits(degrees(found.dwell_rad[end]), 3)} deg {end.value}" for end in reversed(End))
     return [
         ("constant speed", f"{length}, {share} % of the stroke"),

@@ -83,7 +83,9 @@ function createBoard(place, handles, onPick) {
   }
 
   function point(one) {
-    if (!one.chart || !state.degrees) return;
+    if (!one.chart) return;
+    one.figure.classList.toggle("unplaced", !state.degrees);
+    if (!state.degrees) return;
     const values = valuesAt(one);
     one.cursor.show(state.degrees[one.chart.angle], values);
     for (const cell of one.cells) cell.textContent = shown(values[Number(cell.dataset.value)], one.chart.decimals);
