@@ -150,7 +150,10 @@ def test_function_generators_compute_their_function(name: str, y: Any, ends: tup
     ("text", "ends", "said"),
     [
         ("x**2", (-1.0, 1.0), "rises or falls throughout"),
-        ("x**2", (-1.0, 2.0), "stands still or turns round at x = -5?"),
+        ("x**2 - 0.2*x", (-1.0, 2.0), r"stands still or turns round at x = 0\.1:"),
+        ("sin(x)", (1.0, 2.5), r"turns round at x = 1\.5708:"),
+        ("-sin(2*x)", (0.1, 1.2), r"turns round at x = 0\.785398:"),
+        ("x**3", (-1.0, 2.0), r"turns round at x = 0:"),
         ("sqrt(x)", (0.0, 1.0), "not smooth near x = 0"),
         ("abs(x) + 2*x", (-1.0, 1.0), "a corner at x = 0"),
         ("x if x < 1 else x + 1", (0.0, 2.0), "jumps at x = 1, from 1 to 2"),

@@ -37,8 +37,9 @@ makers of machines keep to 10 or 12."""
 STRONGER = ("PETG-print", "PLA-print", "PA66", "POM", "C45", "42CrMo4", "34CrNiMo6", "42CrMo4-nitrided", "18CrNiMo7-6")
 """Materials of the table by what they endure, the weakest first."""
 
-NOTHING_N = 1e-6
-"""Force under which teeth bear nothing but rounding errors: far below the weight of any part."""
+NOTHING_MPA = 1e-9
+"""Force over face width and module under which teeth of any size bear nothing but rounding errors: no material endures
+less than a thousand million times as much."""
 
 TRIALS = 4
 """How often a guess is made larger.  The second is mostly right: load factors change little with the size."""
@@ -67,7 +68,8 @@ def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = Non
         raise why
     method = method or drive.design.strength.method
     strength, loading = drive.strength_by(method), drive.loading_by(method)
-    if strength.contacts.force_n.max(initial=0.0) < NOTHING_N:
+    area_mm2 = drive.gears.face_width_mm * drive.pitch.size.module_mm
+    if strength.contacts.force_n.max(initial=0.0) < NOTHING_MPA * area_mm2:
         raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
     wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
     return Rating(strength, loading, tuple(weakest_teeth(strength, wanted)))

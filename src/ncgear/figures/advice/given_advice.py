@@ -89,11 +89,12 @@ def _beyond(drive: Drive) -> Iterator[Advice]:
         places, forces = (tuple(getattr(table, column) or ()) for column in table.COLUMNS)
         idle = _idle_points(places, forces, stroke)
         if idle:
-            within = any(0.0 <= place <= stroke for place in places)
+            aside = max(places) < 0.0 or min(places) > stroke
             yield _advice(
-                f"{idle} of {len(places)} points of {key}.table lie beyond the stroke of {_stroke(drive)}",
-                "they change nothing" if within else "they change nothing: the force is that of the nearest point",
-                matters=not within,
+                f"{f'all {len(places)}' if aside else f'{idle} of {len(places)}'} points of {key}.table lie beyond the "
+                f"stroke of {_stroke(drive)}",
+                "the force is that of the nearest one" if aside else "they change nothing",
+                matters=not any(0.0 <= place <= stroke for place in places),
             )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
@@ -21,6 +22,10 @@ from ncgear.ratio.transmission import DrivenGearStops, Piece, Range, Transmissio
 
 NO_JUMP = 1e-9
 """Share of the function's whole change by which it may jump where it goes over from one formula to another."""
+
+PLACES = 1025
+"""Places of a formula's range between which a change of its slope's sign is looked for; a touch in between is told as
+the place of the least slope."""
 
 
 def generated_function(
@@ -56,8 +61,9 @@ def generated_function(
     try:
         return Transmission(pieces, Range(driving_rad=driving_rad, driven_rad=driven_rad))
     except DrivenGearStops as stop:
+        x = _stop(parts, first + rate * stop.at_rad)
         raise NoSuchMechanism(
-            f"the function stands still or turns round at x = {first + rate * stop.at_rad:.6g}: gears need one that "
+            f"the function stands still or turns round at x = {x:.6g}: gears need one that "
             "rises or falls throughout; a range of x on one side of that place is right",
             key=key,
         ) from stop
@@ -74,6 +80,17 @@ def _piece(
         return (formula(Jet.variable(phi1, order) * rate + first) - zero) * scale
 
     return Piece((start - first) / rate, end_rad, driven_angle, tuple(((knots - first) / rate).tolist()))
+
+
+def _stop(parts: list[tuple[float, float, Formula]], least: float) -> float:
+    """The x where the slope of a function first changes its sign; ``least``, where it is least, if it touches zero."""
+    for start, end, formula in parts:
+        slope = formula.derivative()
+        places = np.linspace(start, end, PLACES)
+        turns = np.flatnonzero(np.diff(np.sign(slope.values(places))))
+        if turns.size:
+            return float(brentq(lambda x, of=slope: _value(of, x), places[turns[0]], places[turns[0] + 1]))
+    return least
 
 
 def _value(formula: Formula, x: float) -> float:
