@@ -68,7 +68,6 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
         even=np.ones(count, dtype=bool),
         transmission_error_rad=120e-6,
         contact_ratio=1.5,
-        fewest_pairs=1,
         cycle_turns=1,
     )
 

@@ -25,6 +25,7 @@ from ncgear.drivetrain.bearings import (
     life_h,
     most_bent,
     rating_for_n,
+    shaft_loads,
 )
 from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of
 from ncgear.drivetrain.demand import Demand
@@ -32,11 +33,21 @@ from ncgear.drivetrain.keys import Key, key_safety
 from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
-from ncgear.drivetrain.shafts import STEELS, TEMPERED, Section, Steel, shaft_safety
+from ncgear.drivetrain.shafts import (
+    STEELS,
+    TEMPERED,
+    Borne,
+    Section,
+    ShaftSafety,
+    Steel,
+    fatigue_strengths_mpa,
+    shaft_safety,
+)
 from ncgear.drivetrain.speed import LineDrive, disc, speed_course
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.quadrature import gauss_points
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.drivetrain import DrivetrainResult
 
@@ -93,28 +104,38 @@ def test_two_bearings_by_moments() -> None:
 # Shafts and keys
 
 
+TURN = np.linspace(0.0, 2.0 * pi, 721)
+
+
+def bent_by(moment_n_mm: Callable[[Array], ComplexArray], torque_n_mm: float = 0.0) -> Borne:
+    """A shaft that turns with the driving angle, its moment by that angle."""
+    return lambda phi1: (moment_n_mm(phi1), np.full(phi1.shape, torque_n_mm), phi1)
+
+
 def test_published_example_of_a_shaft_with_a_keyway() -> None:
     """A course's example (MEL1 2024W 2, public repository hanslhansl/din743): safeties 1.472 and 2.568."""
-    section, turned = Section(60.0, 80.0, Steel(750.0, 520.0, *TEMPERED)), np.linspace(0.0, 2.0 * pi, 721)
-    bending, torque = np.full(turned.shape, 1402.294e3 + 0j), np.full(turned.shape, 1336.902e3)
-    assert shaft_safety(section, bending, torque, turned, np.zeros(1)).fatigue == pytest.approx(1.472, abs=5e-4)
-    overload = shaft_safety(section, 1.8 * bending, 1.8 * torque, turned, np.zeros(1))
-    assert overload.yielding == pytest.approx(2.568, abs=5e-4)
+    section = Section(60.0, 80.0, Steel(750.0, 520.0, *TEMPERED))
+
+    def safety(share: float) -> ShaftSafety:
+        borne = bent_by(lambda phi1: np.full(phi1.shape, share * 1402.294e3 + 0j), share * 1336.902e3)
+        return shaft_safety(section, borne, TURN, np.zeros(1))
+
+    assert safety(1.0).fatigue == pytest.approx(1.472, abs=5e-4)
+    assert safety(1.8).yielding == pytest.approx(2.568, abs=5e-4)
 
 
 def test_fibres_see_what_turns_against_them() -> None:
     """A force that stands still bends to and fro; one that turns with the shaft bends one way; a smaller shaft less."""
-    turned = np.linspace(0.0, 2.0 * pi, 721)
-    section, torque = Section(50.0, 50.0, STEELS["C45"]), np.zeros(turned.shape)
-    still = shaft_safety(section, np.full(turned.shape, 1e6 + 0j), torque, turned, np.zeros(1))
+    standing = bent_by(lambda phi1: np.full(phi1.shape, 1e6 + 0j))
+    section = Section(50.0, 50.0, STEELS["C45"])
+    still = shaft_safety(section, standing, TURN, np.zeros(1))
     stress = 1e6 / (pi * 50.0**3 / 32.0)
-    assert still.stresses.bending_amplitude_mpa == pytest.approx(stress, rel=1e-5)
-    assert still.stresses.bending_mean_mpa == pytest.approx(0.0, abs=1e-3 * stress)
-    along = shaft_safety(section, 1e6 * np.exp(1j * turned), torque, turned, np.zeros(1))
+    assert still.stresses.bending_amplitude_mpa == pytest.approx(stress, rel=2e-6)
+    assert still.stresses.bending_mean_mpa == pytest.approx(0.0, abs=2e-6 * stress)
+    along = shaft_safety(section, bent_by(lambda phi1: 1e6 * np.exp(1j * phi1)), TURN, np.zeros(1))
     assert along.stresses.bending_amplitude_mpa == pytest.approx(0.0, abs=1e-9 * stress)
     assert along.fatigue > 3.0 * still.fatigue
-    thin = Section(25.0, 50.0, STEELS["C45"])
-    thinner = shaft_safety(thin, np.full(turned.shape, 1e6 + 0j), torque, turned, np.zeros(1))
+    thinner = shaft_safety(Section(25.0, 50.0, STEELS["C45"]), standing, TURN, np.zeros(1))
     # Eight times the stress, but thin shafts endure more of it
     assert 7.0 < still.fatigue / thinner.fatigue < 8.0
 
@@ -122,10 +143,66 @@ def test_fibres_see_what_turns_against_them() -> None:
 def test_a_shaft_that_needs_two_turns_sees_both() -> None:
     """A pull once in two turns, half a turn on: the same fibre is pulled, then pressed, only if both are followed."""
     turned = np.linspace(0.0, pi, 361)
-    section, pull = Section(50.0, 50.0, STEELS["C45"]), np.where(turned < 0.1, 1e6 + 0j, 0j)
-    once = shaft_safety(section, pull, np.zeros(turned.shape), turned, np.zeros(1))
-    both = shaft_safety(section, pull, np.zeros(turned.shape), turned, np.array([0.0, pi]))
-    assert both.stresses.bending_amplitude_mpa == pytest.approx(2.0 * once.stresses.bending_amplitude_mpa, rel=1e-3)
+    section, pull = Section(50.0, 50.0, STEELS["C45"]), bent_by(lambda phi1: np.where(phi1 < 0.1, 1e6 + 0j, 0j))
+    once = shaft_safety(section, pull, turned, np.zeros(1))
+    both = shaft_safety(section, pull, turned, np.array([0.0, pi]))
+    assert both.stresses.bending_amplitude_mpa == pytest.approx(2.0 * once.stresses.bending_amplitude_mpa, rel=1e-6)
+
+
+def test_the_worst_fibre_and_its_stresses_lie_between_places() -> None:
+    """Eight places over a turn: every fibre sees one amplitude, that at 2 rad, or opposite, the largest mean."""
+    places, section = np.linspace(0.0, 2.0 * pi, 9), Section(50.0, 50.0, STEELS["C45"])
+
+    def moment(phi1: Array) -> ComplexArray:
+        # In the shaft's frame a circle about a point beside its axis
+        return np.asarray(1e6 * np.exp(1j * phi1) * (np.exp(-1j * phi1) + 0.2 * np.exp(2.0j)))
+
+    found = shaft_safety(section, bent_by(moment), places, np.zeros(1)).stresses
+    stress = 1e6 / (pi * 50.0**3 / 32.0)
+    assert found.bending_amplitude_mpa == pytest.approx(stress, rel=2e-6)
+    assert abs(found.bending_mean_mpa) == pytest.approx(0.2 * stress, rel=1e-5)
+    # The places alone see no more of it than this
+    assert np.real(np.exp(-1j * (places - 2.0))).max() < 0.99
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gear", Gear)
+def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> None:
+    """Nothing at 4001 other places, nor at 721 fibres, is beyond what is told."""
+    of_cycle, around = whole().demand.cycle, drive(DESIGN).design.drivetrain
+    found = whole().driving_shaft if gear is Gear.DRIVING else whole().driven_shaft
+    assert around is not None
+    assert around.driven_shaft is not None
+    assert found is not None
+    assert found.bearings is not None
+    assert found.most_bent is not None
+    assert found.shaft is not None
+    crank_at_mm = 0.0 if gear is Gear.DRIVING else around.driven_shaft.crank_at_mm
+    loads = shaft_loads(of_cycle, gear, np.linspace(of_cycle.breaks_rad[0], of_cycle.breaks_rad[-1], 4001))
+    both = found.bearings[0].bearing, found.bearings[1].bearing
+    for one, force in zip(found.bearings, bearing_forces(loads, both, crank_at_mm), strict=True):
+        assert 0.999 < np.abs(force).max() / one.largest_n.value < 1.0 + 1e-9
+    assert 0.999 < most_bent(loads, both, crank_at_mm).moment_n_mm / found.most_bent.moment_n_mm < 1.0 + 1e-9
+    section, stresses = found.shaft.section, found.shaft.stresses
+    resistance = pi * section.diameter_mm**3 / 32.0
+    torsion = np.abs(loads.torque_n_mm).max() / (2.0 * resistance)
+    assert 0.999 < torsion / stresses.torsion_largest_mpa < 1.0 + 1e-9
+    once = of_cycle.cycle_rad if gear is Gear.DRIVING else 2.0 * pi
+    assert once == pytest.approx(2.0 * pi)  # each cycle sees the shaft as the one before
+    turning = bending_moment_n_mm(loads, both, crank_at_mm, 0.0) / resistance * np.exp(-1j * loads.turned_rad)
+    most = 0.0
+    for fibre in np.linspace(0.0, 2.0 * pi, 721):
+        seen = np.real(turning * np.exp(1j * fibre))
+        lasting = np.hypot((seen.max() + seen.min()) / 2.0, sqrt(3.0) * stresses.torsion_mean_mpa)
+        terms = zip(
+            fatigue_strengths_mpa(section),
+            (np.ptp(seen) / 2.0, stresses.torsion_amplitude_mpa),
+            (lasting, lasting / sqrt(3.0)),
+            strict=True,
+        )
+        used = [a / s + m / (2.0 * section.tensile_mpa - s) for s, a, m in terms]
+        most = max(most, float(np.hypot(*used)))
+    assert 1.0 - 2e-5 < most * found.shaft.fatigue < 1.0 + 2e-6
 
 
 def test_a_key_in_closed_form() -> None:

@@ -13,7 +13,7 @@ import drives
 from engaged import LAWS, MODULE, RINGS, made
 from loaded import FRICTION, LINEAR, SMOOTH
 from ncgear.contact.designed.as_designed import contacts_within
-from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, placed
+from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, placed, placed_at
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.motion_in_time import law_table
@@ -159,7 +159,9 @@ def test_backs_that_no_torque_presses_change_nothing(name: str, teeth: int) -> N
         for found in (teeth_of(name, teeth), teeth_of(name, teeth, sides=(PUSHING,)))
     )
     np.testing.assert_array_equal(one.contacts.driving_flank, both.contacts.driving_flank)
-    np.testing.assert_allclose(one.contacts.force_n, both.contacts.force_n, rtol=1e-9)
+    # Angles that are known to 1e-15 rad leave so much of forces that are next to nothing.
+    least = 1e-11 * both.contacts.force_n.max()
+    np.testing.assert_allclose(one.contacts.force_n, both.contacts.force_n, rtol=1e-9, atol=least)
     np.testing.assert_allclose(one.error_rad, both.error_rad, rtol=0.0, atol=1e-15)
 
 
@@ -232,14 +234,14 @@ def test_few_newtons_bear_on_as_many_pairs_as_the_closed_form_counts() -> None:
     tip = 13.0 * MODULE
     ratio = (2.0 * sqrt(tip**2 - BASE**2) - 48.0 * sin(radians(20.0))) / (pi * MODULE * cos(radians(20.0)))
     assert found.contact_ratio == pytest.approx(ratio, abs=1.0 / 20.0)
-    assert found.fewest_pairs == 1
+    assert np.bincount(found.contacts.position).min() == 1
     assert even("uniform", 24, 1e5).contact_ratio > ratio + 0.05
 
 
 def test_without_torque_nothing_bears() -> None:
     found = even("uniform", 24, 0.0)
     assert found.contacts.force_n.size == 0
-    assert (found.contact_ratio, found.fewest_pairs) == (0.0, 0)
+    assert found.contact_ratio == 0.0
     assert np.abs(found.error_rad).max() < 1e-9
 
 
@@ -322,6 +324,24 @@ def test_largest_loads_converge_with_the_positions(name: str, teeth: int) -> Non
     assert errors[0] < 0.01
     assert errors[1] > 4.0 * errors[0]
     assert found.transmission_error_rad == pytest.approx(float(np.ptp(exact.error_rad)), rel=1e-3)
+
+
+@pytest.mark.parametrize("torque_n_mm", [10.0, 2e4])
+def test_errors_and_forces_at_shifted_positions_are_within_the_extremes(torque_n_mm: float) -> None:
+    """At 1280 shifted positions a pitch; without the search a torque of 10 N mm misses 2 % of the error."""
+    pitch, pair = made("sine", 31)
+    asked = AskedTorque.of(pitch, lambda phi1: torque_n_mm * (1.0 + 0.3 * np.sin(phi1)))
+    found = loading_of(teeth_of("sine", 31), pair, pitch, asked, even_speed)
+    solved, shift = asked.placement, (np.arange(16) + 0.37) / 16
+    rolled = (solved.rolled_mm[:, None] + solved.step_mm * shift).ravel()
+    phi1 = placed_at(pitch, solved, rolled).phi1_rad
+    other = shared(teeth_of("sine", 31), phi1, asked.between(phi1))
+    width, shifted = found.transmission_error_rad, np.ptp(other.error_rad)
+    assert (1.0 - 1e-4) * shifted < width < (1.0 + 2e-3) * shifted
+    assert found.contacts.force_n.max() == pytest.approx(other.force_n.max(), rel=1e-4)
+    assert found.contacts.force_n.max() > (1.0 - 1e-4) * other.force_n.max()
+    sampled = np.ptp(shared(teeth_of("sine", 31), solved.phi1_rad, asked.torque_n_mm).error_rad)
+    assert sampled < (1.0 - 1e-4) * width
 
 
 # --- drives -----------------------------------------------------------------------------------------------------------

@@ -54,7 +54,7 @@ class PairContact:
     @property
     def transmission_error_rad(self) -> float:
         """Peak to peak, of the worst outlines."""
-        return max(found.pushing_rad.width for found in self.extremes)
+        return max(found.transmission_error_rad for found in self.extremes)
 
     @property
     def penetration_mm(self) -> float:

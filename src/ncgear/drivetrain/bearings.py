@@ -18,7 +18,6 @@ all from secondary sources).  Lubrication and dirt (the factor a_ISO) are not co
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import log, pi
 
 import numpy as np
@@ -120,19 +119,22 @@ class Bend:
     at_mm: float
 
 
-def loads_with_peaks(cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> ShaftLoads:
-    """The loads of a shaft at the cycle's points, and where its torque and its bending at any place are greatest."""
+def shaft_loads(cycle: Cycle, gear: Gear, phi1_rad: Array) -> ShaftLoads:
+    """The loads of the driving or of the driven shaft at driving angles in rad, shape (n,)."""
+    return _of(loads_at(cycle.rigid, phi1_rad, cycle.mesh_share), gear)
 
-    def sizes(loads: LoadsAt) -> Array:
-        shaft = _of(loads, gear)
+
+def peak_places_rad(cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Array:
+    """The cycle's places, and where a shaft's torque and its bending at any place are greatest, shape (n,)."""
+
+    def sizes(phi1: Array) -> Array:
+        shaft = shaft_loads(cycle, gear, phi1)
         bending = [
             np.abs(bending_moment_n_mm(shaft, bearings, crank_at_mm, at)) for at in _places(bearings, crank_at_mm)
         ]
         return np.stack([*bending, shaft.torque_n_mm, -shaft.torque_n_mm])
 
-    points = cycle.loads.phi1_rad
-    peaks = [peak.at for peak in largest_of_each(_by_angle(cycle, sizes), points)]
-    return _of(loads_at(cycle.rigid, np.union1d(points, peaks), cycle.mesh_share), gear)
+    return np.union1d(cycle.places_rad, [peak.at for peak in largest_of_each(sizes, cycle.places_rad)])
 
 
 def _of(loads: LoadsAt, gear: Gear) -> ShaftLoads:
@@ -182,21 +184,17 @@ def bearing_lives(
     """Both bearings of the driving or of the driven shaft."""
     driving = gear is Gear.DRIVING
 
-    def pressing(loads: LoadsAt) -> Array:
-        return np.abs(np.stack(bearing_forces(_of(loads, gear), bearings, crank_at_mm)))
+    def pressing(loads: ShaftLoads) -> Array:
+        return np.abs(np.stack(bearing_forces(loads, bearings, crank_at_mm)))
 
     weight = cycle.weight_rad if driving else cycle.weight_rad * cycle.loads.driven_slope
     speed = cycle.speed_rad_s * float(weight.sum()) / cycle.cycle_rad
-    peaks = largest_of_each(_by_angle(cycle, pressing), cycle.loads.phi1_rad)
+    peaks = largest_of_each(lambda phi1: pressing(shaft_loads(cycle, gear, phi1)), cycle.places_rad)
     first, second = (
         _life(bearing, equivalent_load_n(force, weight, EXPONENTS[bearing.kind]), peak, speed, wanted)
-        for bearing, force, peak in zip(bearings, pressing(cycle.loads), peaks, strict=True)
+        for bearing, force, peak in zip(bearings, pressing(_of(cycle.loads, gear)), peaks, strict=True)
     )
     return first, second
-
-
-def _by_angle(cycle: Cycle, quantity: Callable[[LoadsAt], Array]) -> Callable[[Array], Array]:
-    return lambda phi1: quantity(loads_at(cycle.rigid, phi1, cycle.mesh_share))
 
 
 def _life(bearing: Bearing, load_n: float, peak: Extremum, speed: float, wanted: WantedLife) -> BearingLife:

@@ -109,6 +109,11 @@ class Cycle:
     mesh_share: float = 0.0
 
     @property
+    def places_rad(self) -> Array:
+        """Driving angles from which largest values are searched, shape (n + m,): loads have kinks at the breaks."""
+        return np.union1d(self.breaks_rad, self.loads.phi1_rad)
+
+    @property
     def cycle_rad(self) -> float:
         """Driving angle of the cycle."""
         return float(np.ptp(self.breaks_rad))

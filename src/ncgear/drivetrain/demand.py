@@ -78,5 +78,5 @@ class Demand:
             asked = self.torque_n_mm(phi1)
             return np.stack([-asked, asked])
 
-        least, most = largest_of_each(both, self.cycle.loads.phi1_rad)
+        least, most = largest_of_each(both, self.cycle.places_rad)
         return Extremum(-least.value, least.at), most

@@ -2,8 +2,8 @@
 
 A fibre of the shaft's surface sees the bending moment turn against it, so its stress follows from the moment in the
 frame of the machine and from the angle that the shaft has turned.  It is followed over all turns in which gears and
-cycle come back to where they began, at fibres all around; its amplitude and its mean are those of the fibre that is
-worst.  Torsion is the same at all fibres.
+cycle come back to where they began.  The worst fibre is searched around the shaft, and its largest and least stress
+over the cycle.  Torsion is the same at all fibres.
 
 After DIN 743:2012, from secondary sources (B. Schlecht, "Maschinenelemente 1", Pearson 2007, chapter 10; the public
 repository hanslhansl/din743), with stresses of the full section of diameter d, sigma_B the tensile and sigma_S the
@@ -28,15 +28,21 @@ grooves and press fits beside the keyway are not looked at: an estimate, in plac
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import log10, pi, sqrt
 
 import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.highest import largest_from
 
 FIBRES = 72
-"""Fibres around the shaft: the worst one is missed by 2.5 degrees at most, which changes its stress by 0.1 %."""
+"""Fibres around the shaft from which the worst one is searched."""
+
+KNOWN = 1e-6
+"""Share of the largest bending stress to which a fibre's largest and least one are known at least, and of what the
+worst fibre uses of its strength."""
 
 
 @dataclass(frozen=True)
@@ -123,33 +129,48 @@ class ShaftSafety:
     yielding: float
 
 
-def shaft_safety(
-    section: Section,
-    moment_n_mm: ComplexArray,
-    torque_n_mm: Array,
-    turned_rad: Array,
-    cycles_rad: Array,
-) -> ShaftSafety:
-    """The safety of a shaft whose moments, torques and angles (shape (n,)) are those of one cycle.
+Borne = Callable[[Array], tuple[ComplexArray, Array, Array]]
+"""From driving angles in rad: the bending moment as x + i y in the frame of the machine and the torque in N mm, and
+the angle in rad that the shaft has turned, shape (n,) each."""
 
-    Moments are x + i y in the frame of the machine.  ``cycles_rad`` (shape (k,)) are the angles that the shaft has
-    turned at the beginning of the cycles after which it stands as at first, k of them.  Peaks are those of the n
-    angles.
+
+def shaft_safety(section: Section, borne: Borne, places_rad: Array, cycles_rad: Array) -> ShaftSafety:
+    """The safety of a shaft by what it bears over one cycle.
+
+    ``places_rad`` (shape (n,), rising) are driving angles from the beginning of the cycle to its end, among them those
+    of the largest moment and of the least and the largest torque.  ``cycles_rad`` (shape (k,)) are the angles that the
+    shaft has turned at the beginning of the cycles after which it stands as at first, k of them.
     """
     resistance_mm3 = pi * section.diameter_mm**3 / 32.0
-    bending, torsion = moment_n_mm / resistance_mm3, torque_n_mm / (2.0 * resistance_mm3)
-    fibres = np.exp(2j * pi * np.arange(FIBRES) / FIBRES)
-    turned = np.exp(-1j * (turned_rad + cycles_rad[:, None])).ravel()
-    seen = np.real(np.tile(bending, cycles_rad.size) * turned * fibres[:, None])
-    high, low = seen.max(axis=1), seen.min(axis=1)
-    amplitude, mean = (high - low) / 2.0, (high + low) / 2.0
-    torsion_amplitude, torsion_mean = float(np.ptp(torsion)) / 2.0, float(torsion.max() + torsion.min()) / 2.0
-    used = _fatigue_used(section, amplitude, mean, torsion_amplitude, torsion_mean)
-    worst = int(np.argmax(used))
+    moment, torque, _ = borne(places_rad)
+    bending, torsion = moment / resistance_mm3, torque / (2.0 * resistance_mm3)
     largest = float(np.abs(bending).max()), float(np.abs(torsion).max())
-    stresses = ShaftStresses(float(amplitude[worst]), float(mean[worst]), torsion_amplitude, torsion_mean, *largest)
+    torsion_amplitude, torsion_mean = float(np.ptp(torsion)) / 2.0, float(torsion.max() + torsion.min()) / 2.0
+
+    def alternating(fibre_rad: Array) -> tuple[Array, Array]:
+        """Amplitude and mean of the bending stress that fibres see over all cycles, shape (f,) each."""
+
+        def seen(phi1: Array) -> Array:
+            moment, _, turned = borne(phi1)
+            turning = moment / resistance_mm3 * np.exp(-1j * (turned + cycles_rad[:, None, None]))
+            stress = np.real(turning * np.exp(1j * fibre_rad)[:, None])
+            return np.stack([stress, -stress]).reshape(-1, phi1.size)
+
+        known = seen(places_rad)
+        found = largest_from(seen, places_rad, known, np.full(len(known), KNOWN * largest[0]))
+        high, low = np.array([one.value for one in found]).reshape(2, cycles_rad.size, fibre_rad.size).max(axis=1)
+        return (high + low) / 2.0, (high - low) / 2.0
+
+    def used(fibre_rad: Array) -> Array:
+        return _fatigue_used(section, *alternating(fibre_rad), torsion_amplitude, torsion_mean)[None]
+
+    fibres = np.linspace(0.0, 2.0 * pi, FIBRES + 1)
+    sampled = used(fibres)
+    worst = largest_from(used, fibres, sampled, KNOWN * sampled.max(axis=1))[0]
+    amplitude, mean = (float(part[0]) for part in alternating(np.array([worst.at])))
+    stresses = ShaftStresses(amplitude, mean, torsion_amplitude, torsion_mean, *largest)
     strained = sqrt(largest[0] ** 2 + 3.0 * largest[1] ** 2) / section.yield_mpa
-    return ShaftSafety(section, stresses, _inverse(float(used[worst])), _inverse(strained))
+    return ShaftSafety(section, stresses, _inverse(worst.value), _inverse(strained))
 
 
 def _inverse(used: float) -> float:

@@ -23,25 +23,24 @@ SIDES = ("back", "front")
 
 def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
     """Plain values whose keys end in their unit."""
-    place = pair.least_play
-    driving, driven = pair.placement.teeth_at(place)
-    measured, exact = pair.measured, pair.exact
+    measured, exact = pair.measured_extremes, pair.exact_extremes
+    least, (driving, driven) = measured.backlash_rad.low, measured.tightest_teeth
     return {
         "design": {"name": name},
         **{one.gear.value: gear_figures(one) for one in pair.gears},
         "contact": {
             "positions": pair.placement.count,
-            "least_play_rad": float(measured.backlash_rad.min()),
-            "least_play_exact_rad": float(exact.backlash_rad.min()),
-            "least_play_at_rad": float(pair.placement.phi1_rad[place]),
+            "least_play_rad": least.value,
+            "least_play_exact_rad": exact.backlash_rad.low.value,
+            "least_play_at_rad": least.at,
             "least_play_driving_tooth": driving,
             "least_play_driven_tooth": driven,
             "transmission_error_rad": measured.transmission_error_rad,
             "transmission_error_exact_rad": exact.transmission_error_rad,
             "jams": [{"driving_tooth": one, "driven_tooth": other} for one, other in pair.jams],
             "needed_backlash_mm": pair.needed_backlash_mm,
-            "driving_tip_clearance_mm": _or_none(measured.driving_tips_mm),
-            "driven_tip_clearance_mm": _or_none(measured.driven_tips_mm),
+            "driving_tip_clearance_mm": _or_none(pair.measured.driving_tips_mm),
+            "driven_tip_clearance_mm": _or_none(pair.measured.driven_tips_mm),
         },
     }
 

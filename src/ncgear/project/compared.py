@@ -16,6 +16,7 @@ import numpy as np
 
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
+from ncgear.contact.written.extremes import PlayExtremes, play_extremes
 from ncgear.design.reading.measured_file import MeasuredFile
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
@@ -68,8 +69,9 @@ class ComparedGear:
 class ComparedPair:
     """Measured gears, and the contact of the pair as measured beside that of the exact outlines.
 
-    A gear that was not measured is exact.  ``lever_mm`` is the arm by which an angle of the driven gear is the least
-    normal backlash of the design.
+    A gear that was not measured is exact.  ``measured_extremes`` and ``exact_extremes`` are searched between the
+    positions as well.  ``lever_mm`` is the arm by which an angle of the driven gear is the least normal backlash of the
+    design.
     """
 
     gears: tuple[ComparedGear, ...]
@@ -77,25 +79,24 @@ class ComparedPair:
     placement: Placement
     measured: AsWritten
     exact: AsWritten
+    measured_extremes: PlayExtremes
+    exact_extremes: PlayExtremes
     lever_mm: float
-
-    @property
-    def least_play(self) -> int:
-        """The position with the least play of the pair as measured."""
-        return int(np.argmin(self.measured.backlash_rad))
 
     @property
     def jams(self) -> list[tuple[int, int]]:
         """Driving and driven tooth, from 1, of each pitch in which the teeth have no room, the tightest first."""
         play = self.measured.backlash_rad
         tight = np.flatnonzero(play < -JAM_RAD)
-        pairs = (self.placement.teeth_at(int(place)) for place in tight[np.argsort(play[tight], kind="stable")])
+        pairs = [self.placement.teeth_at(int(place)) for place in tight[np.argsort(play[tight], kind="stable")]]
+        if self.measured_extremes.backlash_rad.low.value < -JAM_RAD:
+            pairs.insert(0, self.measured_extremes.tightest_teeth)
         return list(dict.fromkeys(pairs))
 
     @property
     def needed_backlash_mm(self) -> float:
         """How much more ``backlash_mm`` the pair as measured needs in order to turn; 0 where it does."""
-        return max(0.0, -float(self.measured.backlash_rad.min()) * self.lever_mm)
+        return max(0.0, -self.measured_extremes.backlash_rad.low.value * self.lever_mm)
 
 
 JAM_RAD = 1e-9
@@ -115,12 +116,14 @@ def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, pr
     exact = {gear: teeth.of(gear).outline_mm for gear in Gear}
     found = {**exact, **{one.gear: one.outline_mm for one in gears}}
     both = [
-        _contact(Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN]), teeth, placement, reach)
+        Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN])
         for name, of in (("measured points", found), ("exact outlines", exact))
     ]
+    contact = [_contact(one, teeth, placement, reach) for one in both]
+    extremes = [play_extremes(one, pitch, at, placement, reach) for one, at in zip(both, contact, strict=True)]
     angle = 1e-6
     lever = play_of(pitch, drive.rack, Backlash(0.0, angle, drive.gears.backlash_share)).least_normal_mm.value / angle
-    return ComparedPair(gears, teeth, placement, both[0], both[1], lever)
+    return ComparedPair(gears, teeth, placement, contact[0], contact[1], extremes[0], extremes[1], lever)
 
 
 NEIGHBOURS = 5

@@ -13,8 +13,9 @@ from ncgear.drivetrain.bearings import (
     WantedLife,
     bearing_lives,
     bending_moment_n_mm,
-    loads_with_peaks,
     most_bent,
+    peak_places_rad,
+    shaft_loads,
 )
 from ncgear.drivetrain.cycle import Cycle, cycle_of, rubbing
 from ncgear.drivetrain.demand import Demand
@@ -27,7 +28,7 @@ from ncgear.drivetrain.speed import Disc, LineDrive, SpeedCourse, disc, speed_co
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear
 
@@ -145,7 +146,8 @@ def _shaft(
         Bearing(a.at_mm, a.kind, a.dynamic_rating_n, a.static_rating_n),
         Bearing(b.at_mm, b.kind, b.dynamic_rating_n, b.static_rating_n),
     )
-    loads = loads_with_peaks(cycle, gear, bearings, crank_at_mm)
+    places = peak_places_rad(cycle, gear, bearings, crank_at_mm)
+    loads = shaft_loads(cycle, gear, places)
     lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)
     bent = most_bent(loads, bearings, crank_at_mm)
     if not given.has_strength:
@@ -155,15 +157,13 @@ def _shaft(
     if diameter is None:
         raise WrongInput(f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm")
     steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
-    moment = bending_moment_n_mm(loads, bearings, crank_at_mm, 0.0)
     section = Section(diameter, given.blank_mm or diameter, steel)
-    safety = shaft_safety(
-        section,
-        moment,
-        loads.torque_n_mm,
-        loads.turned_rad,
-        _cycles_rad(gear, cycle),
-    )
+
+    def borne(phi1: Array) -> tuple[ComplexArray, Array, Array]:
+        at = shaft_loads(cycle, gear, phi1)
+        return bending_moment_n_mm(at, bearings, crank_at_mm, 0.0), at.torque_n_mm, at.turned_rad
+
+    safety = shaft_safety(section, borne, places, _cycles_rad(gear, cycle))
     return ShaftResult(lives, bent, safety, _key(design, gear, given, section, loads.torque_n_mm))
 
 

@@ -8,13 +8,16 @@ begins or ceases to bear load, the others' forces change within a small part of 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
+from ncgear.contact.designed.extremes import over_cycle
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
 from ncgear.dynamics.meshing import Meshing
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
+from ncgear.numerics.highest import largest_from
 from ncgear.numerics.plane import along
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
@@ -36,6 +39,9 @@ BETWEEN = 8
 """Parts into which such a step is cut.  Where a tooth bears all load for a moment only, as with contact ratios next to
 2 or 3, its largest force is then met to 1 % (tests/test_loading.py); even positions alone may miss a quarter of it."""
 
+KNOWN = 1e-4
+"""Share of its variation over the cycle to which an extreme of the error and the largest force of all are known."""
+
 ROUNDING_RAD = 1e-15
 """Steps of the driven angle at which it is found."""
 
@@ -50,10 +56,10 @@ IDLE = 1e-9
 class Loading:
     """The teeth under load over a cycle in which every tooth meets all its mates.
 
-    ``contacts`` are those at n positions: even ones and, between them, those at which a pair bears its largest force.
-    ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its angle beyond the law's) have shape
-    (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak to peak variation of the error.
-    ``contact_ratio`` is the mean number of pairs that bear load and ``fewest_pairs`` the least, where there is load.
+    ``contacts`` are those at n positions: even ones and, between them, those at which a pair bears its largest force,
+    the largest of all among them.  ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its
+    angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
+    to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
     ``cycle_turns`` is how often the driving gear turns in the cycle.
     """
 
@@ -64,7 +70,6 @@ class Loading:
     even: Mask
     transmission_error_rad: float
     contact_ratio: float
-    fewest_pairs: int
     cycle_turns: int
 
 
@@ -119,10 +124,9 @@ def loading_of(
     # Where forces never change, as without a torque, one step is looked at all the same.
     jumps[0] |= not jumps.any()
     between = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
-    added = placed_at(pitch, solved, between.ravel())
-    added_torque = asked.between(added.phi1_rad)
-    found = Shared.joined([first, shared(meshing, added.phi1_rad, added_torque)])
-    every, torque = solved.followed_by(added), np.concatenate([asked.torque_n_mm, added_torque])
+    every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), between.ravel())
+    extreme_mm = _extreme_places_mm(meshing, pitch, asked, every, found)
+    every, torque, found = _added(meshing, pitch, asked, (every, torque, found), extreme_mm)
     loaded = found.force_n > IDLE * found.force_n.max()
     position, slot = np.nonzero(loaded)
     largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
@@ -142,7 +146,6 @@ def loading_of(
         even=even[chosen],
         transmission_error_rad=float(np.ptp(found.error_rad)),
         contact_ratio=float(pairs.mean()) if pairs.size else 0.0,
-        fewest_pairs=int(pairs.min()) if pairs.size else 0,
         cycle_turns=solved.meetings // solved.driving_teeth,
     )
 
@@ -179,6 +182,40 @@ def shared(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array) -> Shared:
     error = urge * at
     meshing.require_reach(phi1_rad, error)
     return Shared(near.stiffness * near.lever_mm * np.maximum(ahead - at[:, None], 0.0), error)
+
+
+Solved = tuple[Placement, Array, Shared]
+"""Positions, the torques asked at them, and how pairs share these."""
+
+
+def _added(meshing: Meshing, pitch: PitchPair, asked: AskedTorque, known: Solved, rolled_mm: Array) -> Solved:
+    """What is known, and then the same at further positions."""
+    placement, torque, found = known
+    added = placed_at(pitch, asked.placement, rolled_mm)
+    added_torque = asked.between(added.phi1_rad)
+    both = Shared.joined([found, shared(meshing, added.phi1_rad, added_torque)])
+    return placement.followed_by(added), np.concatenate([torque, added_torque]), both
+
+
+def _extreme_places_mm(
+    meshing: Meshing, pitch: PitchPair, asked: AskedTorque, known: Placement, found: Shared
+) -> Array:
+    """Rolled lengths of the largest and the least error and of the largest force of a pair, where they are not known.
+
+    ``found`` is what is known at positions, in any order.
+    """
+
+    def sizes(one: Shared) -> Array:
+        return np.stack([one.error_rad, -one.error_rad, one.force_n.max(axis=1)])
+
+    def at(rolled_mm: Array) -> Array:
+        phi1 = placed_at(pitch, asked.placement, rolled_mm).phi1_rad
+        return sizes(shared(meshing, phi1, asked.between(phi1)))
+
+    rolled, order = np.unique(known.rolled_mm, return_index=True)
+    places, values = over_cycle(replace(known, rolled_mm=rolled), sizes(found)[:, order])
+    extremes = largest_from(at, places, values, KNOWN * np.ptp(values, axis=1))
+    return np.setdiff1d([one.at for one in extremes], places)
 
 
 def _bearing(meshing: Meshing, placement: Placement, loaded: Mask) -> IndexArray:

@@ -7,7 +7,7 @@ both sides are near, and where there is room nothing overlaps.  Where something 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,21 +29,58 @@ KNOWN = 1e-2
 outlines vary by about two."""
 
 
+FINEST_MM = 1e-4
+"""Length at the pitch point to which extremes of outlines as measured are known at least: points are known to no less
+than a tenth of a micrometre, and the outlines through them have kinks of that size everywhere."""
+
+
 @dataclass(frozen=True)
-class WrittenExtremes:
+class PlayExtremes:
     """Extremes over a whole cycle, ``at`` driving angles in rad; quantities as in ``AsWritten``.
+
+    ``tightest_teeth`` are the numbers of the driving and the driven tooth at the pitch point where the play is least.
+    """
+
+    pushing_rad: Range
+    back_rad: Range
+    backlash_rad: Range
+    tightest_teeth: tuple[int, int]
+
+    @property
+    def transmission_error_rad(self) -> float:
+        """Peak to peak variation of the driven angle at which pushing flanks touch."""
+        return self.pushing_rad.width
+
+
+@dataclass(frozen=True)
+class WrittenExtremes(PlayExtremes):
+    """Extremes of outlines beside the exact teeth, ``at`` driving angles in rad.
 
     ``from_design_rad`` is how far from the exact teeth's contact the outlines touch at most, on either side of the
     teeth.  ``overlap_mm`` is 0 where outlines never run into each other; ``overlap_teeth`` are the numbers of the
     driving and the driven tooth at the pitch point where they do so most.
     """
 
-    pushing_rad: Range
-    back_rad: Range
-    backlash_rad: Range
     from_design_rad: Extremum
     overlap_mm: Extremum
     overlap_teeth: tuple[int, int]
+
+
+Touched = tuple[Placement, Array, Array]
+"""Positions, the driven angles beyond the law's at which pushing flanks and backs touch, shape (2, n), and overlaps."""
+
+
+def play_extremes(
+    outlines: Outlines, pitch: PitchPair, known: AsWritten, even: Placement, reach_mm: float
+) -> PlayExtremes:
+    """The extremes of outlines as measured, whose contact is ``known`` at ``even`` positions.
+
+    Raises as ``as_written``.
+    """
+    touched = _touched_at(outlines, pitch, known, even, reach_mm)
+    finest_rad = FINEST_MM / float(even.driven_radius_mm.min())
+    found = _largest(lambda rolled: _ranged(touched(rolled)[1]), even, _ranged(_both_sides(known)), finest_rad)
+    return PlayExtremes(*_play_of(pitch, even, found))
 
 
 def written_extremes(
@@ -54,13 +91,50 @@ def written_extremes(
     Raises as ``as_written``.
     """
     even, errors_at = designed.placement, _errors_at(pitch, teeth, designed)
-    touch = np.stack([known.pushing_rad, known.back_rad])
-    rolled, values = over_cycle(even, _quantities(even, touch, errors_at(even.rolled_mm), known.overlap_mm))
-    middle = over_cycle(even, touch)[1].mean(axis=0)
+    touched = _touched_at(outlines, pitch, known, even, reach_mm)
+    found = _largest(
+        lambda rolled: _quantities(touched(rolled), errors_at(rolled)),
+        even,
+        _quantities((even, _both_sides(known), known.overlap_mm), errors_at(even.rolled_mm)),
+    )
+    astray, deepest = (at_angle(pitch, even, one) for one in found[-2:])
+    overlap = replace(deepest, value=max(deepest.value, 0.0))
+    return WrittenExtremes(*_play_of(pitch, even, found[:-2]), astray, overlap, _teeth_at(pitch, even, found[-1]))
 
-    def quantities(rolled_mm: Array) -> Array:
+
+def _largest(
+    quantities: Callable[[Array], Array], even: Placement, known: Array, finest: float = 0.0
+) -> list[Extremum]:
+    """The largest values of quantities at rolled lengths, from those at even positions, shape (q, n)."""
+    rolled, values = over_cycle(even, known)
+    return largest_from(quantities, rolled, values, np.maximum(KNOWN * np.ptp(values, axis=1), finest))
+
+
+def _play_of(
+    pitch: PitchPair, even: Placement, found: Sequence[Extremum]
+) -> tuple[Range, Range, Range, tuple[int, int]]:
+    """What ``PlayExtremes`` has, from the largest values of ``_ranged``."""
+    pushing, back, backlash = ranges_of([at_angle(pitch, even, one) for one in found])
+    return pushing, back, backlash, _teeth_at(pitch, even, found[-1])
+
+
+def _teeth_at(pitch: PitchPair, even: Placement, found: Extremum) -> tuple[int, int]:
+    return placed_at(pitch, even, np.array([found.at])).teeth_at(0)
+
+
+def _both_sides(known: AsWritten) -> Array:
+    return np.stack([known.pushing_rad, known.back_rad])
+
+
+def _touched_at(
+    outlines: Outlines, pitch: PitchPair, known: AsWritten, even: Placement, reach_mm: float
+) -> Callable[[Array], Touched]:
+    """What touches at rolled lengths, between the even positions at which it is known."""
+    rolled, middle = over_cycle(even, _both_sides(known).mean(axis=0, keepdims=True))
+
+    def touched(rolled_mm: Array) -> Touched:
         at = placed_at(pitch, even, rolled_mm)
-        between_rad = np.interp(rolled_mm, rolled, middle)
+        between_rad = np.interp(rolled_mm, rolled, middle[0])
         touch, overlap_mm = _touch(outlines, replace(at, phi2_rad=at.phi2_rad + between_rad), reach_mm)
         touch += between_rad
         doubtful = np.flatnonzero((overlap_mm > 0.0) | (touch[0] > ALIKE_RAD) | (touch[1] < -ALIKE_RAD))
@@ -69,13 +143,9 @@ def written_extremes(
             law, overlap_mm[doubtful] = _touch(outlines, placed_at(pitch, even, rolled_mm[doubtful]), reach_mm)
             # A corner that has passed what it would touch looks as if it touched; the wider play is free all along.
             touch[:, doubtful] = np.where(law[1] - law[0] > (touch[1] - touch[0])[doubtful], law, touch[:, doubtful])
-        return _quantities(at, touch, errors_at(rolled_mm), overlap_mm)
+        return at, touch, overlap_mm
 
-    found = largest_from(quantities, rolled, values, KNOWN * np.ptp(values, axis=1))
-    *ranges, astray, deepest = (at_angle(pitch, even, one) for one in found)
-    overlap, where = replace(deepest, value=max(deepest.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
-    pushing, back, backlash = ranges_of(ranges)
-    return WrittenExtremes(pushing, back, backlash, astray, overlap, where.teeth_at(0))
+    return touched
 
 
 def _touch(outlines: Outlines, at: Placement, reach_mm: float) -> tuple[Array, Array]:
@@ -102,10 +172,15 @@ def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Ca
     return errors
 
 
-def _quantities(at: Placement, touch_rad: Array, errors_rad: Array, overlap_mm: Array) -> Array:
-    """What the largest values are sought of, shape (q, n); where nothing overlaps, the room that is left counts."""
+def _ranged(touch_rad: Array) -> Array:
+    """The pushing flanks' angle, the backs' and the play, each with its negative, shape (6, n)."""
     pushing, back = touch_rad
-    ranges = [pushing, back, back - pushing]
+    return np.stack([sign * values for values in (pushing, back, back - pushing) for sign in (1.0, -1.0)])
+
+
+def _quantities(touched: Touched, errors_rad: Array) -> Array:
+    """What the largest values are sought of, shape (8, n); where nothing overlaps, the room that is left counts."""
+    at, touch_rad, overlap_mm = touched
     astray = np.abs(touch_rad - errors_rad).max(axis=0)
-    room = np.maximum(np.minimum(-pushing, back), 0.0) * at.driven_radius_mm
-    return np.stack([*(sign * values for values in ranges for sign in (1.0, -1.0)), astray, overlap_mm - room])
+    room = np.maximum(np.minimum(-touch_rad[0], touch_rad[1]), 0.0) * at.driven_radius_mm
+    return np.vstack([_ranged(touch_rad), astray, overlap_mm - room])

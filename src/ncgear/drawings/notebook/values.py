@@ -222,6 +222,7 @@ def _contact(contact: AsDesigned) -> Iterator[Markup]:
             "penetration_max_mm": float(contact.overlap_mm.max()),
         }
     )
+    yield facts([("error and greatest values", f"at {contact.placement.count} positions")])
     drawn = contact_charts.pressure_angle(contact), contact_charts.sliding(contact), contact_charts.backlash(contact)
     yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
 

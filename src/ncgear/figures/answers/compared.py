@@ -76,17 +76,16 @@ def _sides(found: dict[str, object], key: str) -> str:
 
 
 def _play(pair: ComparedPair, *, measured: bool) -> str:
-    play = (pair.measured if measured else pair.exact).backlash_rad
-    place = int(play.argmin())
-    length = float(play[place]) * pair.lever_mm
-    driving, driven = pair.placement.teeth_at(place)
+    found = pair.measured_extremes if measured else pair.exact_extremes
+    length = found.backlash_rad.low.value * pair.lever_mm
+    driving, driven = found.tightest_teeth
     teeth = f" at driving tooth {driving}, driven tooth {driven}" if measured else ""
     return f"{micrometres(length)}{teeth}"
 
 
 def _errors(pair: ComparedPair) -> str:
     key = "transmission_error_rad"
-    measured, exact = (figure(key, one.transmission_error_rad) for one in (pair.measured, pair.exact))
+    measured, exact = (figure(key, one.transmission_error_rad) for one in (pair.measured_extremes, pair.exact_extremes))
     return f"{measured}; {exact} of the exact outlines"
 
 

@@ -333,7 +333,7 @@ def _clearances(designed: AsDesigned) -> dict[str, Any]:
 
 def _as_written(written: AsWritten, extremes: WrittenExtremes, designed: AsDesigned) -> dict[str, Any]:
     return {
-        "transmission_error_rad": extremes.pushing_rad.width,
+        "transmission_error_rad": extremes.transmission_error_rad,
         "transmission_error_back_rad": extremes.back_rad.width,
         **_by_tooth(designed.pushing, written.pushing_rad),
         **_extreme("from_design_max", "rad", extremes.from_design_rad),
