@@ -408,7 +408,7 @@ def _closing_inverse(ends: ReturnEnds, base: Polynomial, direction: Polynomial) 
 
 def _positive_inverse(ends: ReturnEnds, polynomial: Polynomial) -> ReturnLaw:
     """The return whose inverse ratio a polynomial is; raises NoSuchMechanism where that is not positive."""
-    coefficients = np.asarray(polynomial.coef)
+    coefficients = np.asarray(polynomial.coef, dtype=float)
     # A polynomial on [0, 1] is no less than its least coefficient in Bernstein's form.
     if not np.min(_to_bernstein(coefficients.size - 1) @ coefficients) > 0.0:
         least, at = _lowest(polynomial)
