@@ -16,14 +16,10 @@ from ncgear.numerics.arrays import Array, Columns, IndexArray, distinct
 from ncgear.numerics.extrema import Extremum
 
 SHARES = 8
-"""Parts, at least, into which an interval is cut in a round."""
-
-PLACES = 512
-"""Parts of all intervals together into which they are cut where few are left: a round takes its time however few places
-it asks for, and smaller parts save rounds."""
+"""Parts into which an interval is cut in a round."""
 
 ROUNDS = 16
-"""Most rounds: intervals shrink to 8^-16 of their length, next to rounding.  Only many cusps at once take as many."""
+"""Most rounds: intervals shrink to 8^-16 of their length, next to rounding.  Only a cusp takes as many."""
 
 STEEPER = 2.0
 """How much steeper than beside an interval a function may rise into it.  Towards a top that is flat it rises less."""
@@ -92,8 +88,7 @@ def largest_from(functions: Callable[[Array], Array], places: Array, values: Arr
         left = _worth_cutting(left, top, np.maximum(missed, EVEN * np.abs(top)))
         if not left.owner.size:
             break
-        parts = max(SHARES, PLACES // left.owner.size)
-        inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, parts) / parts)
+        inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, SHARES) / SHARES)
         found = _evaluated(functions, inner.ravel()).reshape(-1, *inner.shape)[left.owner, np.arange(left.owner.size)]
         left = _cut(left, inner, found)
         for number in distinct(left.owner):
@@ -131,12 +126,12 @@ def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
 
 
 def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
-    """The parts of intervals that were cut at inner places, shape (k, parts - 1), with the values found there."""
+    """The parts of intervals that were cut at inner places, shape (k, SHARES - 1), with the values found there."""
     places = np.column_stack([whole.low, inner, whole.high])
     values = np.column_stack([whole.at_low, found, whole.at_high])
     length = np.diff(places, axis=1)
     slope = np.diff(values, axis=1) / np.where(length > 0.0, length, np.inf)
     before, after = np.column_stack([whole.before, slope[:, :-1]]), np.column_stack([slope[:, 1:], whole.after])
-    owner = np.repeat(whole.owner, length.shape[1])
+    owner = np.repeat(whole.owner, SHARES)
     columns = places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], before, after
     return _Intervals(owner, *(column.ravel() for column in columns))
