@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -50,6 +51,10 @@ NEXT = 1e-3
 1e-6 there, which is more than rounding; an extremum that is nearer to an inflection differs from it in height by at
 most 1e-9 of the step's rise."""
 
+LEADING = 2.0
+"""How much steeper than at the ends of a step over which its slope changes its sign a function may be within it, where
+it is looked at for the largest and the smallest value only: towards an extremum it gets less steep."""
+
 NO_KNOTS = np.empty(0)
 
 
@@ -68,29 +73,69 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
     [start, end] only.  It varies about equally between any two neighbours of ``knots`` (shape (m,), rising); knots
     outside [start, end] are ignored.
     """
-    return _stationary(lambda points: [function(points)], grid_between(start, end, knots))[0]
+
+    def functions(points: Array) -> list[Jet]:
+        return [function(points)]
+
+    samples = _sampled_each(functions, grid_between(start, end, knots))
+    return _stationary(functions, samples, [of.changes for of in samples])[0]
 
 
 Functions = Callable[[Array], Sequence[Jet]]
 """From points, shape (n,), to jets of several functions there, each of order 1 or more."""
 
 
-def _stationary(functions: Functions, grid: Array) -> list[Array]:
-    """As ``stationary_points``, of each of several functions, on a grid that is given."""
-    sampled = [
-        _beside_flat(one, *_sampled(one, grid, first))
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """A function at rising points, with its slopes there; shape (n,) each."""
+
+    points: Array
+    values: Array
+    slopes: Array
+
+    @property
+    def rise(self) -> float:
+        """The rise over a step up to which a slope counts as zero."""
+        return FLAT * float(np.max(np.abs(self.values)))
+
+    @property
+    def changes(self) -> IndexArray:
+        """The steps, by the numbers of their first points, over which the slope changes its sign."""
+        return np.nonzero(np.sign(self.slopes[:-1]) * np.sign(self.slopes[1:]) < 0)[0]
+
+    @property
+    def leading_changes(self) -> IndexArray:
+        """Those of ``changes`` over which the function may go beyond all samples, where it is at most LEADING steep."""
+        step = self.changes
+        beside = np.array([step, step + 1])
+        values, rises = self.values[beside], LEADING * np.abs(self.slopes[beside]) * np.diff(self.points)[step]
+        # What is no number is looked at.
+        within = (values + rises < self.values.max()) & (values - rises > self.values.min())
+        leads: IndexArray = step[~within.all(axis=0)]
+        return leads
+
+
+def _sampled_each(functions: Functions, grid: Array) -> list[_Samples]:
+    """Each of several functions on a grid, refined where that tells too little."""
+    return [
+        _beside_flat(one, _sampled(one, grid, first))
         for number, first in enumerate(functions(grid))
         for one in (partial(_one_of, functions, number),)
     ]
-    changes = [np.nonzero(np.sign(slope[:-1]) * np.sign(slope[1:]) < 0)[0] for _, slope in sampled]
+
+
+def _stationary(functions: Functions, samples: list[_Samples], changes: list[IndexArray]) -> list[Array]:
+    """As ``stationary_points``, of each of several functions, in the steps over which their slopes change signs."""
     brackets = [
-        np.array([points[change], points[change + 1], slope[change], slope[change + 1]])
-        for (points, slope), change in zip(sampled, changes, strict=True)
+        np.array(
+            [of.points[step], of.points[step + 1], of.slopes[step], of.slopes[step + 1], np.full(step.size, of.rise)]
+        )
+        for of, step in zip(samples, changes, strict=True)
     ]
-    found = _changes_of_sign(functions, brackets)
     return [
-        distinct(np.concatenate([grid[[0, -1]], points[1:-1][(slope[1:-1] == 0.0) | ~np.isfinite(slope[1:-1])], zeros]))
-        for (points, slope), zeros in zip(sampled, found, strict=True)
+        distinct(np.concatenate([of.points[[0, -1]], of.points[1:-1][inner], zeros]))
+        for of, zeros in zip(samples, _changes_of_sign(functions, brackets), strict=True)
+        for inner in ((of.slopes[1:-1] == 0.0) | ~np.isfinite(of.slopes[1:-1]),)
     ]
 
 
@@ -101,9 +146,9 @@ def _one_of(functions: Functions, number: int, points: Array) -> Jet:
 def _changes_of_sign(functions: Functions, brackets: list[Array]) -> list[Array]:
     """Zeros of the slopes of several functions, all sought at once since these have much in common.
 
-    The brackets of each have shape (4, n): low and high ends, and slopes there.
+    The brackets of each have shape (5, n): low and high ends, slopes there, and the rise that counts as none.
     """
-    low, high, *known = np.concatenate(brackets, axis=1)
+    low, high, at_low, at_high, least = np.concatenate(brackets, axis=1)
     if not low.size:
         return [low for _ in brackets]
     counts = [bracket.shape[1] for bracket in brackets]
@@ -111,9 +156,9 @@ def _changes_of_sign(functions: Functions, brackets: list[Array]) -> list[Array]
 
     def slopes(points: Array) -> Array:
         chosen: Array = np.array([jet.derivative(1) for jet in functions(points)])[owner, every]
-        return chosen
+        return np.where(np.abs(chosen) * (high - low) <= least, 0.0, chosen)
 
-    return np.split(zeros_between(slopes, low, high, (known[0], known[1])), np.cumsum(counts)[:-1])
+    return np.split(zeros_between(slopes, low, high, (at_low, at_high)), np.cumsum(counts)[:-1])
 
 
 def grid_between(start: float, end: float, knots: Array) -> Array:
@@ -127,8 +172,8 @@ def grid_between(start: float, end: float, knots: Array) -> Array:
     return np.append((edges[:-1, None] + np.diff(edges)[:, None] * shares).ravel(), end)
 
 
-def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> tuple[Array, Array]:
-    """Points and slopes, more of them than those of the grid where the function's ``jet`` there tells too little.
+def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> _Samples:
+    """Samples, more of them than those of the grid where the function's ``jet`` there tells too little.
 
     That is where a sample is far from the cubic through its two neighbours.
     The samples compared are every other point of the grid, from the second on; they lie halfway between neighbours.
@@ -143,7 +188,7 @@ def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> tuple[A
         if not halving:
             far = np.mean(missed > ROUGH * scale)
             if far > DOUBTFUL and _is_noise(function, points, values):
-                return points, np.zeros_like(slopes)
+                return _Samples(points, values, np.zeros_like(slopes))
             if far > WAVY:
                 break
         rough = (missed > ROUGH * scale) | ((missed > FINE * scale) & _may_be_extreme(values, missed, middle))
@@ -155,10 +200,10 @@ def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> tuple[A
         points = np.concatenate([points, between])
         values, slopes = np.concatenate([values, jet.value]), np.concatenate([slopes, jet.derivative(1)])
     order = np.argsort(points, kind="stable")
-    points, slopes = points[order], slopes[order]
-    step = np.diff(points)
-    rise = np.abs(slopes) * np.maximum(np.append(step, 0.0), np.append(0.0, step))
-    return points, np.where(rise <= FLAT * np.max(np.abs(values)), 0.0, slopes)
+    found = _Samples(points[order], values[order], slopes[order])
+    step = np.diff(found.points)
+    rise = np.abs(found.slopes) * np.maximum(np.append(step, 0.0), np.append(0.0, step))
+    return replace(found, slopes=np.where(rise <= found.rise, 0.0, found.slopes))
 
 
 def _is_noise(function: Callable[[Array], Jet], points: Array, values: Array) -> bool:
@@ -167,19 +212,22 @@ def _is_noise(function: Callable[[Array], Jet], points: Array, values: Array) ->
     return bool(np.mean(np.abs(beside - values[:-1]) > ROUGH * np.max(np.abs(values))) > DOUBTFUL)
 
 
-def _beside_flat(function: Callable[[Array], Jet], grid: Array, slope: Array) -> tuple[Array, Array]:
+def _beside_flat(function: Callable[[Array], Jet], known: _Samples) -> _Samples:
     """The samples, with one on either side of each whose slope is zero.
 
     At an inflection the slope has the same sign on both sides, and its zero would hide a change in the step before.
     """
-    flat = np.nonzero(slope[1:-1] == 0.0)[0] + 1
-    if not flat.size or flat.size == slope.size - 2:
-        return grid, slope
+    grid = known.points
+    flat = np.nonzero(known.slopes[1:-1] == 0.0)[0] + 1
+    if not flat.size or flat.size == grid.size - 2:
+        return known
     beside = [grid[flat] - NEXT * (grid[flat] - grid[flat - 1]), grid[flat] + NEXT * (grid[flat + 1] - grid[flat])]
+    jets = [function(points) for points in beside]
     points = np.concatenate([grid, *beside])
-    slopes = np.concatenate([slope, *(function(points).derivative(1) for points in beside)])
+    values = np.concatenate([known.values, *(jet.value for jet in jets)])
+    slopes = np.concatenate([known.slopes, *(jet.derivative(1) for jet in jets)])
     order = np.argsort(points, kind="stable")
-    return points[order], slopes[order]
+    return _Samples(points[order], values[order], slopes[order])
 
 
 def _missed(points: Array, values: Array, slopes: Array, triples: tuple[IndexArray, IndexArray, IndexArray]) -> Array:
@@ -206,7 +254,8 @@ def extremes(
 
 def extremes_on(functions: Functions, grid: Array) -> list[tuple[Extremum, Extremum]]:
     """Smallest and largest value of several functions on a grid as ``grid_between`` makes it, from end to end."""
-    places = _stationary(functions, grid)
+    samples = _sampled_each(functions, grid)
+    places = _stationary(functions, samples, [of.leading_changes for of in samples])
     ends = np.cumsum([points.size for points in places])
     found = []
     for number, (points, jet) in enumerate(zip(places, functions(np.concatenate(places)), strict=True)):

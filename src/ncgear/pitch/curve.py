@@ -124,7 +124,8 @@ class PitchCurve:
 
         The values come from piecewise polynomials, which agree with the closed form to rounding error.
         """
-        columns = self._cells(np.mod(sigma_mm, self.length_mm))
+        # As ``np.mod``, which takes a quarter of the whole time.
+        columns = self._cells(sigma_mm - self.length_mm * np.floor(sigma_mm / self.length_mm))
         return CurvePoints(columns[..., 0:2], columns[..., 2:4], columns[..., 4:6], columns[..., 6])
 
     def feet(self, points: ComplexArray, start_mm: Array, within_mm: float) -> tuple[Array, Array]:

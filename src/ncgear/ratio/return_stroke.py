@@ -11,9 +11,10 @@ searched for the least peak acceleration.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import field, replace
 from functools import cache, cached_property
+from math import comb
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
@@ -318,7 +319,7 @@ def return_with_constant(ends: ReturnEnds, constant: float, *, inverse: bool = F
     """
     base, direction = published_family(ends.inverted() if inverse else ends, constant)
     if inverse:
-        return _closed_inverse(ends, base, direction)
+        return _positive_inverse(ends, _closing_inverse(ends, base, direction))
     return _polished(_closed_ratio(ends, base, direction), direction)
 
 
@@ -338,29 +339,88 @@ def hermite(
     return start, slope0, 3.0 * rise - 2.0 * slope0 - slope1, slope0 + slope1 - 2.0 * rise
 
 
-def _ratio_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
-    """The ratio's returns by their skewness, each closed; they raise NoSuchMechanism where none closes."""
-    base = ends.cubic
-    return lambda skewness: _closed_ratio(ends, base + skewness * SKEW * BUMP, BUMP)
+SKEWED = SKEW * BUMP
+"""What skews a return; its integral is zero, so that it leaves the angle covered by 1/i12 as it is."""
 
 
-def _inverse_family(ends: ReturnEnds) -> Callable[[float], ReturnLaw]:
-    """The returns whose inverse ratio is a polynomial, by their skewness; a linear equation closes each.
+@dataclass(frozen=True, eq=False)
+class _RatioReturns:
+    """The ratio's returns by their skewness, each closed, at driving angles ``phi1``, shape (n,)."""
 
-    They raise NoSuchMechanism where the polynomial is not positive.
+    ends: ReturnEnds
+    phi1: Array
+
+    def law(self, skewness: float) -> ReturnLaw:
+        """The return; raises NoSuchMechanism where none closes."""
+        return _closed_ratio(self.ends, self.ends.cubic + skewness * SKEWED, BUMP)
+
+    def slopes(self, skewness: Array) -> Array:
+        """1/i12 and its slope by phi1, shape (2, k, n), NaN where no return closes."""
+        slopes = np.full((2, skewness.size, self.phi1.size), np.nan)
+        for number, one in enumerate(skewness.tolist()):
+            with suppress(NoSuchMechanism):
+                slopes[:, number] = self.law(one).slope(self.phi1, 1).coefficients
+        return slopes
+
+
+@dataclass(frozen=True, eq=False)
+class _InverseReturns:
+    """As ``_RatioReturns``, of the returns whose inverse ratio is a polynomial: the one without skewness, and the rest.
+
+    A linear equation closes each.
     """
-    base = ends.inverted().cubic
-    return lambda skewness: _closed_inverse(ends, base + skewness * SKEW * BUMP, BUMP)
+
+    ends: ReturnEnds
+    phi1: Array
+
+    def law(self, skewness: float) -> ReturnLaw:
+        """The return; raises NoSuchMechanism where the polynomial is not positive."""
+        return _positive_inverse(self.ends, self._even + skewness * SKEWED)
+
+    def slopes(self, skewness: Array) -> Array:
+        """1/i12 and its slope by phi1, shape (2, k, n), NaN where it is not positive."""
+        even, skewed = self._parts
+        slopes = even[:, None] + skewness[:, None] * skewed[:, None]
+        for number, one in enumerate(skewness.tolist()):
+            try:
+                self.law(one)
+            except NoSuchMechanism:
+                slopes[:, number] = np.nan
+        return slopes
+
+    @cached_property
+    def _even(self) -> Polynomial:
+        return _closing_inverse(self.ends, self.ends.inverted().cubic, BUMP)
+
+    @cached_property
+    def _parts(self) -> tuple[Array, Array]:
+        """1/i12 of the return without skewness and what skewness adds, with their slopes, shape (2, n) each."""
+        parts = (ReturnLaw(self.ends, part, inverse=True) for part in (self._even, SKEWED))
+        even, skewed = (part.slope(self.phi1, 1).coefficients for part in parts)
+        return even, skewed
 
 
-def _closed_inverse(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> ReturnLaw:
+def _closing_inverse(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> Polynomial:
     """1/i12 = base + c direction with c such that the return covers its driven angle; ``direction`` is positive."""
     missing = ends.driven_length_rad / ends.length_rad - _unit_integral(base)
-    polynomial = base + direction * (missing / _unit_integral(direction))
-    least, at = _lowest(polynomial)
-    if not least > 0.0:
-        raise _not_positive(ends.start_rad + at * ends.length_rad, ends)
+    return base + direction * (missing / _unit_integral(direction))
+
+
+def _positive_inverse(ends: ReturnEnds, polynomial: Polynomial) -> ReturnLaw:
+    """The return whose inverse ratio a polynomial is; raises NoSuchMechanism where that is not positive."""
+    coefficients = np.asarray(polynomial.coef, dtype=float)
+    # A polynomial on [0, 1] is no less than its least coefficient in Bernstein's form.
+    if not np.min(_to_bernstein(coefficients.size - 1) @ coefficients) > 0.0:
+        least, at = _lowest(polynomial)
+        if not least > 0.0:
+            raise _not_positive(ends.start_rad + at * ends.length_rad, ends)
     return ReturnLaw(ends, polynomial, inverse=True)
+
+
+@cache
+def _to_bernstein(degree: int) -> Array:
+    """Matrix from coefficients of powers on [0, 1] to those of Bernstein's polynomials."""
+    return np.array([[comb(i, j) / comb(degree, j) for j in range(degree + 1)] for i in range(degree + 1)])
 
 
 def return_of_least_acceleration(ends: ReturnEnds, linkage: Mechanism, *, inverse: bool) -> ReturnLaw:
@@ -370,33 +430,33 @@ def return_of_least_acceleration(ends: ReturnEnds, linkage: Mechanism, *, invers
     """
     from scipy.optimize import minimize_scalar
 
-    family = _inverse_family(ends) if inverse else _ratio_family(ends)
     evaluator = _ReturnAcceleration(ends, linkage)
+    family = (_InverseReturns if inverse else _RatioReturns)(ends, evaluator.points)
 
-    def peak(skewness: float) -> float:
-        try:
-            return evaluator.peak(family(skewness))
-        except NoSuchMechanism:
-            return np.inf
+    def peaks(skewness: Array) -> Array:
+        return evaluator.peaks(family.slopes(skewness))
 
     scale = 16.0 * (ends.driven_length_rad / ends.length_rad) ** (1 if inverse else -1)
     grid = scale * np.sinh(np.linspace(-3.0, 3.0, 31))
-    peaks = np.array([peak(skewness) for skewness in grid])
-    best = int(np.argmin(peaks))
-    if not np.isfinite(peaks[best]):
-        family(0.0)  # refuses by itself where the return cannot close
+    known = peaks(grid)
+    best = int(np.argmin(known))
+    if not np.isfinite(known[best]):
+        family.law(0.0)  # refuses by itself where the return cannot close
         raise NoSuchMechanism("no return of this basis has a finite acceleration", key="motion.return")
     bounds = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
-    wall = 1e6 * peaks[best]  # a minimiser that interpolates cannot work with infinities
+    wall = 1e6 * known[best]  # a minimiser that interpolates cannot work with infinities
     refined = minimize_scalar(
-        lambda skewness: min(peak(skewness), wall), bounds=bounds, method="bounded", options={"xatol": 1e-7 * scale}
+        lambda skewness: min(float(peaks(np.array([skewness]))[0]), wall),
+        bounds=bounds,
+        method="bounded",
+        options={"xatol": 1e-7 * scale},
     )
-    law = family(float(refined.x) if refined.fun <= peaks[best] else float(grid[best]))
+    law = family.law(float(refined.x) if refined.fun <= known[best] else float(grid[best]))
     return law if inverse else _polished(law, BUMP)
 
 
 class _ReturnAcceleration:
-    """Peak of |d2x/dphi1^2| over a return, on one Chebyshev grid whose integration matrix is made once."""
+    """Peaks of |d2x/dphi1^2| over returns, on one Chebyshev grid whose integration matrix is made once."""
 
     DEGREE = 128
 
@@ -404,16 +464,19 @@ class _ReturnAcceleration:
         self._start = ends.start_driven_rad
         self._linkage = linkage
         start, end = np.array([ends.start_rad]), np.array([ends.end_rad])
-        self._points = chebyshev.nodes(start, end, self.DEGREE).ravel()
-        self._integration = chebyshev.integration_matrix(self.DEGREE) * (ends.length_rad / 2.0)
+        self.points = chebyshev.nodes(start, end, self.DEGREE).ravel()
+        self._integration: Array = chebyshev.integration_matrix(self.DEGREE).T * (ends.length_rad / 2.0)
 
-    def peak(self, law: ReturnLaw) -> float:
-        """The peak; infinite where the ratio is zero at a point of the grid."""
+    def peaks(self, slopes: Array) -> Array:
+        """The peaks of k returns from 1/i12 and its slope by phi1 at the n points of the grid, shape (2, k, n).
+
+        A peak is infinite where the ratio is zero at a point of the grid, or no number.
+        """
         with np.errstate(all="ignore"):
-            slope = law.slope(self._points, 1)
-            driven = slope.integrated(self._start + self._integration @ slope.value)
-            peak = _interpolated_peak(self._points, np.abs(self._linkage.displacement(driven).derivative(2)))
-        return peak if np.isfinite(peak) else np.inf
+            driven = Jet(slopes.reshape(2, -1)).integrated((self._start + slopes[0] @ self._integration).ravel())
+            accelerations = np.abs(self._linkage.displacement(driven).derivative(2)).reshape(slopes.shape[1:])
+            found = np.array([_interpolated_peak(self.points, values) for values in accelerations])
+        return np.where(np.isfinite(found), found, np.inf)
 
 
 def _interpolated_peak(points: Array, values: Array) -> float:

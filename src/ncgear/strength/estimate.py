@@ -190,15 +190,14 @@ class Estimate:
         shear = self.material.youngs_modulus_mpa / (2.0 * (1.0 + poisson))
         foot = self.halves.low_mm.reshape(-1, 2).max(axis=1)[load.tooth]
         length = np.maximum(load.height_mm - foot, 0.0)
-        height = foot[:, None] + length[:, None] * (NODES + 1.0) / 2.0
-        near, far = (self.halves.at(flank[:, None], height) for flank in (places.flank, places.flank ^ 1))
+        # A row for each node: from one load to the next a height changes little, so its place in the table is near.
+        height = foot + length * (NODES[:, None] + 1.0) / 2.0
+        near, far = (self.halves.at(flank, height) for flank in (places.flank, places.flank ^ 1))
         width, off = near + far, (near - far) / 2.0
-        across, down = load.across[:, None], load.down[:, None]
-        moment = across * (load.height_mm[:, None] - height) - down * (load.aside_mm[:, None] - off)
-        energy = (
-            12.0 * moment * moment / (width * width * width) + down * down / width
-        ) / modulus + 1.2 * across**2 / (shear * width)
-        tooth = length / 2.0 * (energy @ WEIGHTS)
+        moment = load.across * (load.height_mm - height) - load.down * (load.aside_mm - off)
+        bent, pressed_down = 12.0 / modulus * moment * moment, load.down**2 / modulus
+        energy = (bent / (width * width) + pressed_down + 1.2 / shear * load.across**2) / width
+        tooth = length / 2.0 * np.sum(WEIGHTS[:, None] * energy, axis=0)
 
         root, other = (self.halves.at(flank, foot) for flank in (places.flank, places.flank ^ 1))
         # The moment about the foot's middle is what the load's part across has by its arm u.

@@ -263,15 +263,14 @@ class SeenGear:
         ``points`` has a row of c points for each flank, ``position`` the shape (m, k); the result has the shape
         (m, k, c), and k = 1 where nothing moves.
         """
-        own = points[self.flank]
         if not self.moving:
-            return square(own)[:, None]
+            return square(points)[self.flank][:, None]
         # |z turn + axis|^2 = |z|^2 + 2 Re(z turn conj(axis)) + |axis|^2
         axis = self.placement.driving_points(np.zeros(1, dtype=complex), position)
         swing = 2.0 * self.placement.driving_directions(np.ones(1, dtype=complex), position) * np.conj(axis)
         columns = np.stack([swing.real, -swing.imag, np.ones(swing.shape)], axis=-1)
-        rows = np.stack([own.real, own.imag, square(own) + self.placement.center_distance_mm**2], axis=1)
-        return np.asarray(columns @ rows)
+        rows = np.stack([points.real, points.imag, square(points) + self.placement.center_distance_mm**2], axis=1)
+        return np.asarray(columns @ rows[self.flank])
 
     def directions(self, vectors: ComplexArray, position: IndexArray) -> ComplexArray:
         """Directions of the gear's own frame as seen at positions; shapes broadcast."""
