@@ -50,8 +50,8 @@ BETWEEN = 8
 """Angles between two points at which that is measured."""
 
 PIECES, HALVINGS = 64, 8
-"""Pieces of a cycle at first, and how often they are halved: the last ones are 0.02 deg.  A peak narrower than a hundredth
-of a radian may lie between the angles of the first ones."""
+"""Pieces of a cycle at first, and how often they are halved: the last ones are 0.02 deg.  A peak narrower than
+a hundredth of a radian may lie between the angles of the first ones."""
 
 DEGREE = 16
 
