@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from math import cos, pi
+from math import cos, exp, pi, sin
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,9 @@ import ncgear
 from conftest import Run
 from drives import DESIGNS, drive
 from ncgear.figures.summary.check_summary import check_summary
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.traced import NotTraced, formula_of
+from ncgear.project.function_laws import DIED, _decay
 
 pytestmark = pytest.mark.judges("design")
 
@@ -111,6 +113,36 @@ def test_a_function_is_sampled_to_a_told_error() -> None:
     own = np.max(np.abs(found / np.mean(found / wanted) - wanted)) / wanted.max()
     assert 0.5 * own < followed.error < 1e-9
     assert f"{followed.points} points of the function" in str(followed)
+    assert "its series on 64 pieces die away to" in str(followed)
+
+
+def bump(width: float) -> Callable[[float], float]:
+    return lambda phi: 1.0 + 0.1 * exp(-(((phi - 2.0) / width) ** 2))
+
+
+@pytest.mark.parametrize(
+    ("ratio", "rough"),
+    [
+        (lambda phi: 1.0 + 0.2 * abs(sin(phi - 1.0)), [1.0, 1.0 + pi]),
+        (lambda phi: 1.0 + 0.2 * sin(phi / 2.0), [0.0]),
+        (lambda phi: 1.0 + 1e-6 * (3.0 < phi < 4.0), [3.0, 4.0]),
+        (bump(0.005), []),
+        (lambda phi: 1.0 + 0.2 * cos(phi) + 0.1 * max(0.0, sin(phi)) ** 9, []),
+    ],
+    ids=["corners", "a corner at the end", "small jumps", "a narrow peak", "smooth"],
+)
+def test_where_a_function_is_rough_is_told(ratio: Callable[[float], float], rough: list[float]) -> None:
+    """Up to the width of the narrowest pieces; what they resolve is told as well."""
+
+    def called(phi1: Array) -> Array:
+        return np.array(list(map(ratio, phi1.tolist())))
+
+    pieces, tail, found = _decay(called, 2.0 * pi)
+    off = (np.array(found)[:, None] - rough + pi) % (2.0 * pi) - pi
+    assert np.all(np.abs(off).min(axis=0, initial=9.0) < 1e-3)
+    assert len(found) == len(rough)
+    assert pieces >= 64 - len(rough)
+    assert tail <= DIED
 
 
 def test_a_displacement_by_a_function_has_its_extended_end() -> None:

@@ -29,7 +29,7 @@ from ncgear.metrology import best_fit as best_fit_module
 from ncgear.metrology.alone import alone_mm, are_judged
 from ncgear.metrology.best_fit import best_fit
 from ncgear.metrology.deviations import deviations
-from ncgear.metrology.exact_outline import ExactOutline, exact_outline
+from ncgear.metrology.exact_outline import TIP_LAND_CURVE, ExactOutline, exact_outline
 from ncgear.numerics.plane import as_complex, as_points
 from ncgear.pitch.shape import Gear
 from ncgear.project.compared import ComparedPair, Fit, compared_gear, compared_pair
@@ -291,9 +291,48 @@ class TestPointsThatStandAlone:
             at, _, normal = flank_points(own.teeth.driving, count)
             at[7] += 0.12 * normal[7]
             pair = compared_pair(own, {Gear.DRIVING: file_of(at)}, Fit.ROTATION, 0.0)
-            told = f"Not judged: whether points stand alone on flanks with fewer than 3: {at.size} of the driving gear"
-            assert compared_answer(pair, "ellipse", Fit.ROTATION, "").not_judged == (told if said else "")
+            assert not_judged(pair) == (f"{FEW}: {at.size} of the driving gear" if said else "")
             assert pair.gears[0].fit.alone.any() != said
+
+    def test_a_spike_on_a_tip_of_two_points_is_said_to_be_not_judged(self) -> None:
+        """It jams the pair as metal would; with a third point beside them it is left out."""
+        own = drive("ellipse")
+        at, _, _ = flank_points(own.teeth.driving, 5)
+        outline = exact_outline(own.teeth.driving)
+        land = int(np.flatnonzero(outline.part == TIP_LAND_CURVE)[3])
+        for count, said in ((2, True), (3, False)):
+            share = np.linspace(0.4, 0.6, count)
+            on, slope = outline.at(np.full(count, land), share)
+            on[0] -= 0.12j * outline.material * slope[0] / abs(slope[0])
+            pair = compared_pair(own, {Gear.DRIVING: file_of(np.append(at, on))}, Fit.ROTATION, 0.0)
+            assert not_judged(pair) == (f"{FEW}: 2 of the driving gear" if said else "")
+            assert pair.gears[0].fit.alone.any() != said
+
+    def test_one_spike_of_few_points_is_found(self) -> None:
+        """Of fifteen points a single one is more than one in twenty, and no roughness."""
+        outline = outline_of("asymmetric-ellipse")
+        at, flank, normal = flank_points(outline.gear, 3)
+        at[4] += 0.12 * normal[4]
+        points = at[flank < 5]
+        assert points.size == 15
+        assert np.flatnonzero(best_fit(outline, points, 0.0, rigid=False).alone).tolist() == [4]
+
+    def test_how_many_points_are_rough_is_told(self) -> None:
+        own = drive("ellipse")
+        at, _, normal = flank_points(own.teeth.driving, 14)
+        for every, said in ((7, True), (28, False)):
+            rows = np.arange(at.size) % every == 3
+            pair = compared_pair(own, {Gear.DRIVING: file_of(at + 0.1 * rows * normal)}, Fit.ROTATION, 0.0)
+            told = f"where over 5 % stand off, which all count: {np.count_nonzero(rows)} of the driving gear"
+            assert not_judged(pair) == (f"Not judged: whether points stand alone {told}" if said else "")
+            assert pair.gears[0].fit.alone.any() != said
+
+
+FEW = "Not judged: whether points stand alone on flanks, roots and tip lands with fewer than 3"
+
+
+def not_judged(pair: ComparedPair) -> str:
+    return compared_answer(pair, "ellipse", Fit.ROTATION, "").not_judged
 
 
 @pytest.mark.slow

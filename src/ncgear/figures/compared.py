@@ -12,7 +12,8 @@ from ncgear.figures.csv_text import csv_text, rows_text
 from ncgear.figures.numbers import fixed, micrometres, to_digits
 from ncgear.figures.tables import aligned
 from ncgear.frozen import dataclass
-from ncgear.metrology.alone import are_judged
+from ncgear.metrology.alone import are_judged, rough_points
+from ncgear.metrology.as_measured import is_metal
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE
 from ncgear.numerics.arrays import Array
 from ncgear.project.compared import ComparedGear, ComparedPair
@@ -48,6 +49,7 @@ def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
 def gear_figures(one: ComparedGear) -> dict[str, Any]:
     """The fit of a gear, its worst deviations, and what its points miss."""
     fit, found = one.fit, one.deviations
+    metal = fit.counted | is_metal(one.outline, fit)
     flanks, thickness = found.flanks, found.thickness_mm[np.isfinite(found.thickness_mm)]
     shift = fit.pose.shift_mm
     moved = (
@@ -67,7 +69,8 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         "points_on_tip": found.beside["tip"],
         "points_astray": found.beside["astray"],
         "points_alone": int(np.count_nonzero(fit.alone)),
-        "points_not_judged": int(np.count_nonzero(fit.counted & ~are_judged(one.outline, fit.feet))),
+        "points_not_judged": int(np.count_nonzero(metal & ~are_judged(one.outline, fit.feet))),
+        "points_rough": rough_points(one.outline, fit.feet),
         "alone": [vars(point) for point in alone_points(one)],
         "teeth_with_missing_points": found.missing_teeth,
         "turned_rad": fit.pose.angle_rad,

@@ -159,6 +159,9 @@ def _wish(wish: Wish) -> str:
             return f"speed at {at(wish.at_mm)} {unit.text}{_of(wish.stroke)}"
         case GentleStretch():
             what = "greatest speed" if isinstance(wish, GentleSpeed) else "greatest deceleration"
+            if wish.driving is not None:
+                start, end = (to_digits(degrees(angle), DIGITS) for angle in wish.driving[:2])
+                return f"{what} from driving angle {start} to {end} deg"
             strokes = " of both strokes" if wish.stroke is None else _of(wish.stroke)
             return f"{what} from {at(wish.from_mm)} to {at(wish.to_mm)} {unit.text}{strokes}"
         case TimeRatio():

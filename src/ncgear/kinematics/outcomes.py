@@ -21,6 +21,7 @@ from ncgear.kinematics.wishes import (
     ExtremeSpeed,
     GentleSpeed,
     GentleStop,
+    GentleStretch,
     Position,
     SpeedAt,
     Stroke,
@@ -166,9 +167,9 @@ def outcome(machine: Machine, wish: Wish) -> Outcome:
         case ExtremeSpeed():
             return _between(wish, speeds_mm_s(machine, wish.place(linkage))[0])
         case GentleSpeed():
-            return _between(wish, speeds_mm_s(machine, wish.stretch(linkage))[1], most=wish.most_mm_s)
+            return _between(wish, speeds_mm_s(machine, _gentle(machine, wish))[1], most=wish.most_mm_s)
         case GentleStop():
-            return _between(wish, deceleration_mm_s2(machine, wish.stretch(linkage)), most=wish.most_mm_s2)
+            return _between(wish, deceleration_mm_s2(machine, _gentle(machine, wish)), most=wish.most_mm_s2)
         case TimeRatio():
             return _between(wish, time_ratio(machine), wish.at_least)
         case WorkingStroke():
@@ -180,6 +181,19 @@ def outcome(machine: Machine, wish: Wish) -> Outcome:
         case Position():
             return _passed(machine, wish)
     raise TypeError(f"{type(wish).__name__} is no known kind of wish")
+
+
+def crank_rad(machine: Machine, phi1_rad: float) -> float:
+    """Crank angle at a driving angle of any cycle, counted from the retracted dead centre."""
+    turns, local = divmod(phi1_rad, machine.transmission.cycle_rad)
+    return 2.0 * pi * turns + float(machine.transmission.driven_angle(np.array([local]), 0).value[0])
+
+
+def _gentle(machine: Machine, wish: GentleStretch) -> CrankStretch:
+    """The crank angles of a gentle stretch: of a driving range, those that the motion passes in it."""
+    if wish.driving is None:
+        return wish.stretch(machine.linkage)
+    return CrankStretch(crank_rad(machine, wish.driving.start_rad), crank_rad(machine, wish.driving.end_rad))
 
 
 def _between(

@@ -18,11 +18,11 @@ those that bound them take the requirements; ``kinematics.outcomes`` judges a mo
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import field
+from dataclasses import field, replace
 from enum import Enum
 from itertools import pairwise
 from math import inf, pi
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -192,18 +192,60 @@ class ExtremeSpeed(Wish):
         return ()
 
 
+class DrivingRange(NamedTuple):
+    """Driving angles from ``start_rad`` to ``end_rad``; a start under 0 lies in the cycle before.
+
+    A bound over them is held over ``crank``, crank angles that the law must not pass before or after that range.
+    """
+
+    start_rad: float
+    end_rad: float
+    crank: CrankStretch
+
+
 @dataclass(frozen=True, kw_only=True)
 class GentleStretch(Wish, ABC):
-    """A motion that is gentle between two places of one stroke, or of both (None), which then meet at an end."""
+    """A motion that is gentle between two places of one stroke, or of both (None), which then meet at an end.
+
+    With a ``driving`` range it is gentle over that, wherever the output is then.
+    """
 
     LIST: ClassVar[str] = "gentle_stop"
 
-    from_mm: float
-    to_mm: float
+    from_mm: float = 0.0
+    to_mm: float = inf
     stroke: Stroke | None = Stroke.WORKING
+    driving: DrivingRange | None = None
+
+    @abstractmethod
+    def bound(self, stretch: CrankStretch) -> Requirement:
+        """What is asked on the stretch."""
+
+    def held_over(self, crank: CrankStretch) -> Self:
+        """The wish with its driving range held over other crank angles."""
+        return self if self.driving is None else replace(self, driving=self.driving._replace(crank=crank))
+
+    def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
+        """The bound; of a driving range also that its crank angles begin no later, and end no earlier, than it does.
+
+        Enough for the range, and of the laws that keep it those only that pass these crank angles so.
+        """
+        asked = self.bound(self.stretch(linkage))
+        if self.driving is None:
+            return (asked,)
+        start, end, crank = self.driving
+        times = []
+        for angle, place, sign in ((start, crank.start_rad, 1.0), (end, crank.end_rad, -1.0)):
+            way = CrankStretch(min(place, 0.0), max(place, 0.0))
+            if 0.0 < way.end_rad - way.start_rad < 2.0 * pi:
+                most = sign * angle > 0.0
+                times.append(TimeWithin(way, most_rad=abs(angle)) if most else TimeWithin(way, least_rad=abs(angle)))
+        return (asked, *times)
 
     def stretch(self, linkage: Mechanism) -> CrankStretch:
         """The crank angles between both places; a turn where they are both ends, and both strokes are asked for."""
+        if self.driving is not None:
+            return self.driving.crank
         far, turn = linkage.working_angle_rad, 2.0 * pi
         whole, outer = self.from_mm <= 0.0, self.to_mm >= linkage.stroke_mm
         out = 0.0 if whole else crank_angle_rad(linkage, self.from_mm, Stroke.WORKING)
@@ -221,9 +263,9 @@ class GentleSpeed(GentleStretch):
 
     most_mm_s: float
 
-    def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
+    def bound(self, stretch: CrankStretch) -> Requirement:
         """The upper bound of the speed."""
-        return (SpeedWithin(self.stretch(linkage), most_mm_s=self.most_mm_s),)
+        return SpeedWithin(stretch, most_mm_s=self.most_mm_s)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,9 +274,9 @@ class GentleStop(GentleStretch):
 
     most_mm_s2: float
 
-    def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
+    def bound(self, stretch: CrankStretch) -> Requirement:
         """The bound of the deceleration."""
-        return (DecelerationWithin(self.stretch(linkage), self.most_mm_s2),)
+        return DecelerationWithin(stretch, self.most_mm_s2)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -43,8 +43,26 @@ def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
     """How far each point stands off alone from those beside it in mm, shape (n,); 0 of the points that do not.
 
     Positive is away from the material.  Points at one place are one.  Of a curve with fewer than three places none
-    stands alone (``are_judged``).
+    stands alone (``are_judged``), and of a rough gear none either (``rough_points``).
     """
+    off, same = _standing_off(outline, feet)
+    found: Array = off[same] if _are_few(off) else np.zeros(same.size)
+    return found
+
+
+def rough_points(outline: ExactOutline, feet: Feet) -> int:
+    """How many places stand off from those beside them where they are too many to be faults; 0 where they are not."""
+    off, _ = _standing_off(outline, feet)
+    return 0 if _are_few(off) else int(np.count_nonzero(off))
+
+
+def _are_few(off: Array) -> bool:
+    """Whether places that stand off are so few that they are no roughness; one always is, however few points are."""
+    return int(np.count_nonzero(off)) <= max(1.0, MOST * off.size)
+
+
+def _standing_off(outline: ExactOutline, feet: Feet) -> tuple[Array, IndexArray]:
+    """How far each place stands off in mm, 0 where it does not, and the number of the place of each point."""
     from scipy.ndimage import maximum_filter1d
     from scipy.stats import median_abs_deviation
 
@@ -65,9 +83,7 @@ def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
     steps_mm = np.concatenate(steps)
     noise = float(median_abs_deviation(steps_mm, scale="normal")) / sqrt(2.0) if steps_mm.size else 0.0
     least = np.maximum(least, max(SIGMAS * noise, LEAST_IN_MODULES * outline.gear.flanks.rack.module_mm))
-    alone = np.abs(off) > least
-    found: Array = np.where(alone & (np.count_nonzero(alone) <= MOST * alone.size), off, 0.0)[same]
-    return found
+    return np.where(np.abs(off) > least, off, 0.0), same
 
 
 def are_judged(outline: ExactOutline, feet: Feet) -> Mask:

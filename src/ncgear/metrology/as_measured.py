@@ -28,9 +28,7 @@ def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
 
     Raises WrongInput where it crosses itself.
     """
-    feet = fit.feet
-    beside_edge = (outline.part[feet.row] == TIP_LAND_CURVE) & (np.abs(feet.share - 0.5) > 1.0 / 6.0)
-    sound = feet.kept(~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge)
+    sound = fit.feet.kept(is_metal(outline, fit))
     place, moved = sound.place_mm, sound.distance_mm * sound.outwards
     end_place, end_moved = _flank_ends(outline, sound.row, sound.place_mm, sound.distance_mm)
     places, shifts = _in_order(
@@ -54,6 +52,14 @@ def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
             "points that follow each other along the flanks, and no faulty ones, are right"
         )
     return found[::-1].copy() if signed_area(found) < 0.0 else found
+
+
+def is_metal(outline: ExactOutline, fit: BestFit) -> Mask:
+    """Which points the outline as measured goes through, shape (n,)."""
+    feet = fit.feet
+    beside_edge = (outline.part[feet.row] == TIP_LAND_CURVE) & (np.abs(feet.share - 0.5) > 1.0 / 6.0)
+    metal: Mask = ~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge
+    return metal
 
 
 def _flank_ends(outline: ExactOutline, row: IndexArray, place: Array, error: Array) -> tuple[Array, ComplexArray]:

@@ -216,7 +216,7 @@ def fitted(
     done: list[tuple[Array, Array]] = []
     scale = 0.0
     for _ in range(HALVINGS):
-        coefficients = _panel_coefficients(function, left, right, degree)
+        coefficients = panel_coefficients(function, left, right, degree)
         tails, sizes = _largest(coefficients[-3:]), _largest(coefficients)
         # Only panels that are resolved by their own size set the scale: one value beside a pole would dwarf all others.
         scale = max(scale, float(np.max(sizes, where=tails <= RESOLVED * sizes, initial=0.0)))
@@ -259,7 +259,8 @@ def _largest(coefficients: Array) -> Array:
     return largest
 
 
-def _panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array, degree: int) -> Array:
+def panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array, degree: int) -> Array:
+    """Coefficients on each panel, shape (degree + 1, m, ...); raises NotSmooth where a value is not finite."""
     points = nodes(left, right, degree)
     values = np.asarray(function(points.ravel()), dtype=float)
     wrong = ~np.isfinite(values).reshape(points.size, -1).all(axis=1)

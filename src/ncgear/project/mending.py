@@ -107,6 +107,10 @@ NOTCH_TEETH = 4.0
 """About how many teeth the circles at a notch of a pitch curve must differ by: with fewer, tips run into each other as
 those of an internal gear and its pinion do.  It is where the search for a number begins, and trials correct it."""
 
+NOTCH_SHARE = 0.1
+"""Share of that number by which the least one mostly differs from it: it is 0.9 to 1 times it for squares with corners
+of 4, 6 and 8 mm, 1 to 1.05 times for a pentagon and a hexagon, 0.95 to 1.1 times for notched formulas."""
+
 SAME_SHIFT = 0.01
 """Modules by which shifts differ at least that are worth a trial."""
 
@@ -253,9 +257,14 @@ class _Trials:
         each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
         most = min(MOST_FINER * low, MOST_TEETH // each * each)
         high, found = most + each, None
+        about = NOTCH_SHARE if self.needed > low else FINER_STEP - 1.0
 
         def more(teeth: int) -> int:
-            return min(_up(max(self.needed, FINER_STEP * teeth), each), most)
+            step = 1.0 + about if teeth >= self.needed else FINER_STEP
+            return min(_up(max(self.needed, step * teeth), each), most)
+
+        def between() -> int:
+            return _up(max((low + high - each) / 2.0, (1.0 - about) * high - each), each)
 
         count = more(low)
         while low < count < high:
@@ -267,7 +276,7 @@ class _Trials:
                 low = count
             else:
                 break
-            count = more(low) if found is None else _up((low + high - each) / 2.0, each)
+            count = more(low) if found is None else between()
         return found
 
     def _sound(self, way: Way, share: float) -> Mend | None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from math import ceil, degrees, floor, inf, log10
+from math import ceil, degrees, floor, inf, log10, pi
 
 from ncgear.design.keys.base import given, spellings
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
-from ncgear.design.keys.wishes import Dwelling, Passing, Timing, strokes_of
+from ncgear.design.keys.wishes import Dwelling, Gentle, Passing, Timing, strokes_of
 from ncgear.design.keys.wishes import WorkingStroke as WorkingStrokeKeys
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics import wishes as values
@@ -39,7 +39,7 @@ def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tu
         *_times(asked),
         *_dwells(asked, output),
         *_speeds(asked, output),
-        *_gentle(asked, linkage),
+        *_gentle(asked, linkage, cycle_rad),
         *_positions(asked, output),
     )
 
@@ -103,18 +103,30 @@ def _speeds(asked: Timing, output: Output) -> Iterator[values.Wish]:
             )
 
 
-def _gentle(asked: Timing, linkage: Mechanism) -> Iterator[values.Wish]:
-    output = linkage.OUTPUT
+def _gentle(asked: Timing, linkage: Mechanism, cycle_rad: float) -> Iterator[values.Wish]:
+    """Driving ranges are held over the crank angles of an even crank, until a law is known."""
+    output, even = linkage.OUTPUT, 2.0 * pi / cycle_rad
     for number, wish in enumerate(asked.gentle_stop):
         start, end = (place / output.place.factor for place in wish.ends(output.place.factor * linkage.stroke_mm))
         key, stroke = f"wishes.gentle_stop.{number}", None if wish.stroke == "both" else Stroke(wish.stroke)
+        driving = None
+        if (ends := wish.driving_rad) is not None:
+            driving = values.DrivingRange(*ends, values.CrankStretch(even * ends[0], even * ends[1]))
         bounded, most = wish.bound
         made: Callable[..., values.Wish]
         if bounded == "speed":
             made = partial(values.GentleSpeed, most_mm_s=most)
         else:
             made = partial(values.GentleStop, most_mm_s2=most)
-        yield made(key=key, weight=wish.soft_weight, output=output, from_mm=start, to_mm=end, stroke=stroke)
+        yield made(
+            key=key,
+            weight=wish.soft_weight,
+            output=output,
+            from_mm=start,
+            to_mm=end,
+            stroke=stroke,
+            driving=driving,
+        )
 
 
 def _positions(asked: Timing, output: Output) -> Iterator[values.Wish]:
@@ -174,8 +186,25 @@ def _refuse_angles(asked: Timing, cycle_rad: float) -> None:
                 "less is right",
                 key=f"wishes.{group}.{name}",
             )
+    for number, gentle in enumerate(asked.gentle_stop):
+        _refuse_driving_range(f"wishes.gentle_stop.{number}", gentle, cycle_rad)
     _refuse_ratio_and_angle(asked, cycle_rad)
     _refuse_two_dwells(asked, cycle_rad)
+
+
+def _refuse_driving_range(key: str, wish: Gentle, cycle_rad: float) -> None:
+    """Refuse driving angles beyond the cycle to either side, and a stretch that leaves nothing of it."""
+    if (ends := wish.driving_rad) is None:
+        return
+    start, end = ends
+    for name, beyond in (("from", start <= -cycle_rad), ("to", end > cycle_rad), ("to", end - start >= cycle_rad)):
+        if beyond:
+            raise WrongInput(
+                f"from {degrees(start):g} to {degrees(end):g} deg given, but a cycle takes {degrees(cycle_rad):g} deg "
+                "of the driving angle from the retracted end on, and as many before it; a part of a cycle within them "
+                "is right, or stroke: both without places for all of it",
+                key=f"{key}.{given(wish, spellings(f'{name}_phi1'))[0]}",
+            )
 
 
 def _refuse_ratio_and_angle(asked: Timing, cycle_rad: float) -> None:

@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import cos, degrees, pi, radians
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ncgear.design.keys.base import FULL_TURN
+from ncgear.design.keys.base import FULL_TURN, given, spellings
+from ncgear.design.keys.wishes import Gentle
 from ncgear.design.laws.base import LawPoint
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.kinematics.motion import sample_angles
@@ -104,15 +105,8 @@ def _of_point(drive: Drive, point: LawPoint, angle_deg: float, shown: float) -> 
     quantity = Quantity[point.quantity.upper()]
     moves: dict[str, Any] = {}
     if point.angle_key:
-        unit = point.angle_key.rpartition("_")[2]
-        # Per degree of the chart, the part of a turn in the unit of the key.
-        factor = FULL_TURN[unit] / 360.0
-        moves["x"] = {
-            "key": f"motion.{point.angle_key}",
-            "base": getattr(drive.design.motion, point.angle_key),
-            "factor": factor,
-            "unit": {"pi": "pi", "deg": "\u00b0", "rad": "rad"}[unit],
-        }
+        base, unit = getattr(drive.design.motion, point.angle_key), point.angle_key.rpartition("_")[2]
+        moves["x"] = _along_angle(f"motion.{point.angle_key}", base, unit)
     if point.value_key:
         moves["y"] = {
             "key": f"motion.{point.value_key}",
@@ -150,37 +144,99 @@ def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
     return 1.0
 
 
+class Wished(NamedTuple):
+    """A handle of a wish: its key below ``wishes`` and the key's value, which is moved along ``quantity``.
+
+    It stands where the output passes a place of a stroke, or at a driving angle in rad, with ``sign`` times the value
+    on the chart.  An angle's own handle has its ``unit``, moves along the driving angle, and stands at ``shown``.
+    """
+
+    name: str
+    quantity: Quantity
+    key: str
+    value: float
+    place: float = 0.0
+    returning: bool = False
+    sign: float = 1.0
+    angle_rad: float | None = None
+    unit: str = ""
+    shown: float = 0.0
+
+
 def _of_wishes(drive: Drive) -> Iterator[Handle]:
-    """Places of wishes along the displacement, their speeds along the speed, where the output is on its way out."""
+    """Places of wishes along the displacement, their bounds along speed or acceleration, angles along the driving's."""
     wished = list(_wished(drive)) if drive.linkage.RETURNS else []
     if not wished:
         return
-    motion = drive.machine.motion(sample_angles(drive.transmission))
-    out = drive.machine.working(motion.phi2_rad)
-    displacement, angle_deg = drive.linkage.OUTPUT.place.factor * motion.displacement[out], np.degrees(motion.phi1_rad)
-    for name, place, quantity, key, value in wished:
-        nearest = int(np.argmin(np.abs(displacement - place)))
-        unit = quantity.unit_of(drive.linkage.OUTPUT).text
-        moves = {"y": {"key": f"wishes.{key}", "base": value, "factor": 1.0, "unit": unit}}
-        yield _handle(drive, name, quantity, (float(angle_deg[out][nearest]), value), moves)
+    motion, output = drive.machine.motion(sample_angles(drive.transmission)), drive.linkage.OUTPUT
+    working, angle_deg = drive.machine.working(motion.phi2_rad), np.degrees(motion.phi1_rad)
+    displacement, cycle = output.place.factor * motion.displacement, drive.transmission.cycle_rad
+    for one in wished:
+        key, stroke = f"wishes.{one.key}", ~working if one.returning else working
+        if one.angle_rad is not None:
+            at_deg = degrees(one.angle_rad % cycle)
+        else:
+            at_deg = float(angle_deg[stroke][np.argmin(np.abs(displacement[stroke] - one.place))])
+        if one.unit:
+            moves, shown = {"x": _along_angle(key, one.value, one.unit)}, one.shown
+        else:
+            text, shown = one.quantity.unit_of(output).text, one.sign * one.value
+            moves = {"y": {"key": key, "base": one.value, "factor": one.sign, "unit": text}}
+        yield _handle(drive, one.name, one.quantity, (at_deg, shown), moves)
 
 
-def _wished(drive: Drive) -> Iterator[tuple[str, float, Quantity, str, float]]:
-    """Name, place of the output, quantity, key below ``wishes`` and value of each handle."""
+def _wished(drive: Drive) -> Iterator[Wished]:
+    """The handles of all wishes that have places or bounds."""
     output, wishes = drive.linkage.OUTPUT, drive.design.wishes
     place, speed = output.place.ending, output.speed.ending
     for number, wish in enumerate(wishes.constant_speed):
         group, ends = f"constant_speed.{number}", [getattr(wish, f"{end}_{place}") for end in ("from", "to")]
+        back = wish.stroke == "return"
         for end, at in zip(("from", "to"), ends, strict=True):
-            yield f"even speed {end}", at, Quantity.DISPLACEMENT, f"{group}.{end}_{place}", at
+            yield Wished(f"even speed {end}", Quantity.DISPLACEMENT, f"{group}.{end}_{place}", at, at, back)
         if (wanted := getattr(wish, f"speed_{speed}")) is not None:
-            yield "even speed", sum(ends) / 2.0, Quantity.VELOCITY, f"{group}.speed_{speed}", wanted
+            key, middle = f"{group}.speed_{speed}", sum(ends) / 2.0
+            yield Wished("even speed", Quantity.VELOCITY, key, wanted, middle, back, -1.0 if back else 1.0)
     for number, passed in enumerate(wishes.speed_at):
-        group, at = f"speed_at.{number}", getattr(passed, f"at_{place}")
-        yield "speed at", at, Quantity.DISPLACEMENT, f"{group}.at_{place}", at
+        group, at, back = f"speed_at.{number}", getattr(passed, f"at_{place}"), passed.stroke == "return"
+        yield Wished("speed at", Quantity.DISPLACEMENT, f"{group}.at_{place}", at, at, back)
         for bound in ("at_least", "at_most"):
             if (value := getattr(passed, f"{bound}_{speed}")) is not None:
-                yield bound.replace("_", " "), at, Quantity.VELOCITY, f"{group}.{bound}_{speed}", value
+                key, sign = f"{group}.{bound}_{speed}", -1.0 if back else 1.0
+                yield Wished(bound.replace("_", " "), Quantity.VELOCITY, key, value, at, back, sign)
+    for number, gentle in enumerate(wishes.gentle_stop):
+        yield from _gentle(drive, f"gentle_stop.{number}", gentle)
+
+
+def _gentle(drive: Drive, group: str, wish: Gentle) -> Iterator[Wished]:
+    """The ends of a gentle stretch as far as they are given, and its bound in the middle."""
+    output, (bounded, value) = drive.linkage.OUTPUT, wish.bound
+    key, place = f"{group}.{wish.bound_key(bounded)}", output.place.ending
+    quantity = Quantity.VELOCITY if bounded == "speed" else Quantity.ACCELERATION
+    start, end = wish.ends(output.place.factor * drive.linkage.stroke_mm)
+    back, middle, angle = wish.stroke == "return", (start + end) / 2.0, None
+    if (driving := wish.driving_rad) is not None:
+        angle = sum(driving) / 2.0
+        phi2 = drive.machine.motion(np.array([angle % drive.transmission.cycle_rad])).phi2_rad
+        back = not bool(drive.machine.working(phi2)[0])
+    # A falling speed is a negative acceleration on the way out, and a positive one on the way back
+    sign = 1.0 if back is (quantity is Quantity.ACCELERATION) else -1.0
+    yield Wished(f"gentle {bounded}", quantity, key, value, middle, back, sign, angle)
+    for name, at in zip(("from", "to"), driving or (start, end), strict=True):
+        if driving is not None:
+            own = given(wish, spellings(f"{name}_phi1"))[0]
+            written, unit = getattr(wish, own), own.rpartition("_")[2]
+            yield Wished(
+                f"gentle {name}", quantity, f"{group}.{own}", written, angle_rad=at, unit=unit, shown=sign * value
+            )
+        elif getattr(wish, f"{name}_{place}") is not None:
+            yield Wished(f"gentle {name}", Quantity.DISPLACEMENT, f"{group}.{name}_{place}", at, at, back)
+
+
+def _along_angle(key: str, base: Any, unit: str) -> dict[str, Any]:
+    """The move of an angle's key: per degree of the chart, the part of a turn in the unit of the key."""
+    shown = {"pi": "pi", "deg": "\u00b0", "rad": "rad"}[unit]
+    return {"key": key, "base": base, "factor": FULL_TURN[unit] / 360.0, "unit": shown}
 
 
 def _handle(drive: Drive, name: str, quantity: Quantity, at: tuple[float, float], moves: dict[str, Any]) -> Handle:

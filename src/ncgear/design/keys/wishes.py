@@ -255,14 +255,34 @@ class Gentle(Wish):
         default="working",
         description="on the way out (working), on the way back (return), or on both ways, about one end or all round",
     )
+    from_phi1_rad: float | None = Field(
+        default=None, description="in place of places: driving angle in rad where the stretch begins, the smaller"
+    )
+    from_phi1_deg: float | None = Field(
+        default=None, description="the same in degrees; negative before the retracted end, where phi1 is 0"
+    )
+    from_phi1_pi: float | None = Field(default=None, description="the same in multiples of pi")
+    to_phi1_rad: float | None = Field(
+        default=None, description="driving angle in rad where the stretch ends, the larger"
+    )
+    to_phi1_deg: float | None = Field(default=None, description="the same in degrees")
+    to_phi1_pi: float | None = Field(default=None, description="the same in multiples of pi")
+
+    @property
+    def driving_rad(self) -> tuple[float, float] | None:
+        """Both driving angles in rad; None for a stretch between places."""
+        if not given(self, spellings("from_phi1")):
+            return None
+        return angle_rad(self, "from_phi1"), angle_rad(self, "to_phi1")
 
     @property
     def bound(self) -> tuple[str, float]:
         """What is bounded, ``speed`` or ``deceleration``, and its greatest value in the unit of the file."""
-        speed = getattr(self, self._bound_key("speed"))
-        return ("deceleration", getattr(self, self._bound_key("deceleration"))) if speed is None else ("speed", speed)
+        speed = getattr(self, self.bound_key("speed"))
+        return ("deceleration", getattr(self, self.bound_key("deceleration"))) if speed is None else ("speed", speed)
 
-    def _bound_key(self, quantity: str) -> str:
+    def bound_key(self, quantity: str) -> str:
+        """The key of a bound of ``speed`` or ``deceleration``."""
         return f"{quantity}_at_most_{self.SPEED}{'2' if quantity == 'deceleration' else ''}"
 
     def ends(self, stroke: float) -> tuple[float, float]:
@@ -275,7 +295,7 @@ class Gentle(Wish):
 
     @model_validator(mode="after")
     def _one_bound_and_a_length(self) -> Self:
-        require_one(self, (self._bound_key("deceleration"), self._bound_key("speed")))
+        require_one(self, (self.bound_key("deceleration"), self.bound_key("speed")))
         start, end = self._given_ends()
         if start is not None and end is not None and not start < end:
             raise fault(
@@ -288,6 +308,22 @@ class Gentle(Wish):
                 f"both given from {start:g} to {end:g} {self.PLACE}; a wish for each stroke is right, or leave out "
                 f"from_{self.PLACE} or to_{self.PLACE}, so that both ways meet at an end",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _places_or_driving_angles(self) -> Self:
+        ends = [spellings(f"{end}_phi1") for end in ("from", "to")]
+        if not any(given(self, names) for names in ends):
+            return self
+        for names in ends:
+            require_one(self, names)
+        if beside := [name for name in (f"from_{self.PLACE}", f"to_{self.PLACE}") if getattr(self, name) is not None]:
+            raise fault(beside[0], "given with driving angles, which are in its place; keep one")
+        if "stroke" in self.model_fields_set:
+            raise fault("stroke", "given with driving angles, which tell the stroke themselves; leave it out")
+        if not angle_rad(self, "from_phi1") < angle_rad(self, "to_phi1"):
+            (start,), (end,) = (given(self, names) for names in ends)
+            raise fault(end, f"{getattr(self, end):g} given, which is not over {start}; a larger angle is right")
         return self
 
 

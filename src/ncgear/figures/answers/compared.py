@@ -8,7 +8,7 @@ from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.compared import SIDES, alone_points, gear_figures, length_words, turned_words
 from ncgear.figures.numbers import fixed, micrometres, to_digits
 from ncgear.figures.quantities import figure
-from ncgear.metrology.alone import FEWEST_PLACES
+from ncgear.metrology.alone import FEWEST_PLACES, MOST
 from ncgear.project.compared import ComparedGear, ComparedPair, Fit
 
 MOST_TEETH = 5
@@ -128,7 +128,13 @@ def _alone(one: ComparedGear) -> list[Fault]:
 
 
 def _not_judged(pair: ComparedPair, found: list[dict[str, Any]]) -> str:
-    """Points that are taken as metal since too few are beside them."""
-    few = [(one.gear.value, told["points_not_judged"]) for one, told in zip(pair.gears, found, strict=True)]
-    named = ", ".join(f"{many} of the {gear} gear" for gear, many in few if many)
-    return named and f"Not judged: whether points stand alone on flanks with fewer than {FEWEST_PLACES}: {named}"
+    """Points that are taken as metal since too few are beside them, or since too many stand off."""
+
+    def named(key: str) -> str:
+        each = [(one.gear.value, told[key]) for one, told in zip(pair.gears, found, strict=True)]
+        return ", ".join(f"{many} of the {gear} gear" for gear, many in each if many)
+
+    few, rough = named("points_not_judged"), named("points_rough")
+    said = [f"on flanks, roots and tip lands with fewer than {FEWEST_PLACES}: {few}"] if few else []
+    said += [f"where over {100.0 * MOST:g} % stand off, which all count: {rough}"] if rough else []
+    return f"Not judged: whether points stand alone {'; '.join(said)}" if said else ""

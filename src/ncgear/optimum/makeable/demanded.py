@@ -12,6 +12,7 @@ from ncgear.kinematics.wishes import (
     DecelerationWithin,
     Dwell,
     EvenSpeed,
+    GentleStretch,
     Requirement,
     SpeedWithin,
     TimeWithin,
@@ -24,6 +25,7 @@ from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, le
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
+from ncgear.optimum.makeable.driving_ranges import sure_crank
 from ncgear.optimum.makeable.motion_wishes import deceleration_offer, evenness_offer, speed_offer, time_offer
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer
@@ -53,16 +55,17 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
     limits = wishes.limits
     _refuse_slow_gear(task, wishes.driven_speed_rad_s)
     slowest = 0.0 if wishes.driven_speed_rad_s is None else task.speed_rad_s / wishes.driven_speed_rad_s
+    fastest = max(limits.ratio_min, slowest)
     asked = [
         one
         for wish in wishes.motion
         if wish.hard
-        for requirement in wish.requirements(task.linkage, task.cycle_rad)
+        for requirement in _of_every_law(task, wish, fastest, limits.ratio_max)
         for one in _demands(task, wish, requirement, limits.ratio_max)
     ]
     one_pair, loads_known = wishes.two_stages is None, knows_loads(task, wishes)
     return Demands(
-        ratio_min=max(limits.ratio_min, slowest),
+        ratio_min=fastest,
         ratio_max=limits.ratio_max,
         steepness=limits.steepness if one_pair else inf,
         rack_angle_rad=limits.rack_angle_rad,
@@ -78,6 +81,14 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         speeds=tuple(one for one in asked if isinstance(one, SpeedRange)),
         decelerations=tuple(one for one in asked if isinstance(one, GreatestDeceleration)),
     )
+
+
+def _of_every_law(task: Task, wish: Wish, ratio_min: float, ratio_max: float) -> tuple[Requirement, ...]:
+    """What a wish asks of every law; of a driving range the bound where laws of these ratios all are within it."""
+    if isinstance(wish, GentleStretch) and wish.driving is not None:
+        crank = sure_crank(wish.driving, task.cycle_rad, ratio_min, ratio_max)
+        return (wish.bound(crank),) if crank.start_rad < crank.end_rad else ()
+    return wish.requirements(task.linkage, task.cycle_rad)
 
 
 def _refuse_slow_gear(task: Task, limit_rad_s: float | None) -> None:
@@ -238,6 +249,9 @@ NOT_COVERED = {
     "curvature_turns": "least radius or undercut",
 }
 
+DRIVING_RANGE = "gentle stops over some driving angles"
+"""Where a law within the ratios may be outside a range, no bound holds for every law."""
+
 
 def not_covered(task: Task, wishes: Wishes) -> list[str]:
     """What restricts the law, in words, and the certified limit does not know."""
@@ -245,6 +259,8 @@ def not_covered(task: Task, wishes: Wishes) -> list[str]:
     limits = wishes.limits
     loads = {"bearing_force_n": "bearing force", "shaking_force_n": "shaking force", "tooth_force_n": "tooth force"}
     found += [said for name, said in loads.items() if getattr(limits, name) is not None]
+    if any(isinstance(wish, GentleStretch) and wish.driving is not None for wish in wishes.motion):
+        found.append(DRIVING_RANGE)
     if wishes.two_stages is not None:
         found.append("curves and pressure angles of the two pairs")
     if not knows_loads(task, wishes):

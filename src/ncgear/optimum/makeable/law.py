@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from math import ceil, pi
 
@@ -17,6 +18,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
+from ncgear.optimum.makeable.driving_ranges import best_held, held_as, ranges
 from ncgear.optimum.makeable.levels import OF_LIMITS, Level
 from ncgear.optimum.makeable.programme import Solution
 from ncgear.optimum.makeable.search import Kept, Search, goal_weights, kept, searched
@@ -88,6 +90,11 @@ class MakeableLaw:
         """What was to be least, in units of the levels."""
         return float(sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True)))
 
+    def cost(self, first: float) -> float:
+        """What was to be least with what soft wishes cost where it is ``first``."""
+        least = np.array([level.least for level in self.levels])
+        return float(goal_weights(self.levels, first) @ np.maximum(self.reached, least))
+
 
 def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
     """The best law found from a motion.
@@ -97,6 +104,15 @@ def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
     angles is least.  Raises NoSuchMechanism with the limits that cannot be kept together, and for each the nearest
     value with which the others can be kept.
     """
+    if not ranges(wishes):
+        return _held_law(task, wishes, start)
+    begun = held_as(wishes, start, task.cycle_rad)
+    first = _held_law(task, begun, start)
+    return best_held(begun, first, partial(_kept_law, task))
+
+
+def _held_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
+    """The best law found with every driving range held over the crank angles that its wish names."""
     search = searched(task, wishes)
     begun = search.begun(start)
     found = kept(search, begun) or _from_even(search)
@@ -122,8 +138,15 @@ def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> Makeable
 
     See ``Search.elsewhere``.
     """
-    search = searched(task, wishes)
+    search = searched(task, held_as(wishes, start, task.cycle_rad))
     found = kept(search, search.elsewhere(search.begun(start), number))
+    return None if found is None else _weighed(search, law_of(search, found))
+
+
+def _kept_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw | None:
+    """The best law found from a motion; None where none is."""
+    search = searched(task, wishes)
+    found = kept(search, search.begun(start))
     return None if found is None else _weighed(search, law_of(search, found))
 
 

@@ -18,10 +18,12 @@ from ncgear.kinematics.wishes import (
     ConstantSpeed,
     CrankStretch,
     DecelerationWithin,
+    DrivingRange,
     Dwell,
     EvenSpeed,
     ExtremeSpeed,
     GentleSpeed,
+    GentleStretch,
     Position,
     SpeedAt,
     SpeedWithin,
@@ -230,6 +232,14 @@ def time_offer(wish: Wish, level: float, sign: float, cycle: float) -> Offer:
             shown, place = shown_above if sign > 0.0 else shown_below, wish.output.place
             name, number = "phi1_deg", shown(degrees(wish.phi1_rad + sign * level))
             said = f"{place.factor * wish.at_mm:g} {place.text} passed at {number} deg"
+        case GentleStretch(driving=DrivingRange(start, end, _)):
+            # Its start is passed too late by the level, or its end too early
+            angles = {"from": shown_above(degrees(start + level)), "to": shown_below(degrees(end - level))}
+            said = " ".join(f"{name} {number}" for name, number in angles.items())
+            return Offer(
+                f"a stretch {said} deg",
+                tuple((f"{wish.key}.{name}_phi1_deg", float(number)) for name, number in angles.items()),
+            )
         case _:
             raise TypeError(f"{type(wish).__name__} asks for no time")
     return Offer(said, ((f"{wish.key}.{name}", float(number)),))

@@ -1,0 +1,140 @@
+"""Gentle stretches over driving angles: the crank angles over which a search holds them, moved until no law is better.
+
+Which crank angles a law passes in a range of driving angles is known when the law is.  A search therefore holds the
+bound over given crank angles and asks that the law begins them no later, and ends them no earlier, than the range; such
+a law keeps the wish.  The crank angles begin as those that a first law passes, and are moved, each end by itself, as
+long as the law found over them is better.  The certified limit holds the bound where every law is within the range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from math import pi
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from ncgear.kinematics.wishes import CrankStretch, DrivingRange, GentleStretch
+from ncgear.optimum.certified.limit import Motion
+from ncgear.optimum.makeable.wishes import Wishes
+
+STEPS = (0.1, 0.03)
+"""Crank angles in rad by which ends are moved, one after the other: the second leaves a degree."""
+
+MOST_MOVES = 4
+"""Moves of one end by a step at most; a search takes a second or so."""
+
+BETTER = 1e-4
+"""Share of what is to be least by which a law must be better for crank angles to be moved."""
+
+LEAST = 1e-3
+"""Crank angle in rad that a stretch keeps, from end to end and to the dead centre that it begins or ends at."""
+
+
+class Law(Protocol):
+    """What a search finds."""
+
+    @property
+    def motion(self) -> Motion:
+        """How the crank turns."""
+
+    def cost(self, first: float) -> float:
+        """What is to be least, with what soft wishes cost where it is ``first``."""
+
+    @property
+    def goal(self) -> float:
+        """What is to be least."""
+
+
+Found = TypeVar("Found", bound=Law)
+
+
+def sure_crank(driving: DrivingRange, cycle_rad: float, ratio_min: float, ratio_max: float) -> CrankStretch:
+    """The crank angles in rad that every law with i12 = dphi1/dphi2 in a range passes within driving angles.
+
+    The crank turns by phi1/i12_max to phi1/i12_min from the retracted dead centre on, and so back from the next one.
+    There are none where the start is not under the end.
+    """
+
+    def turned(phi1: float, slow: float, fast: float) -> tuple[float, float]:
+        turns, local = divmod(phi1, cycle_rad)
+        return 2.0 * pi * turns + local / slow, 2.0 * pi * (turns + 1.0) - (cycle_rad - local) / fast
+
+    start = min(turned(driving.start_rad, ratio_min, ratio_max))
+    end = max(turned(driving.end_rad, ratio_max, ratio_min))
+    return CrankStretch(start, end)
+
+
+def ranges(wishes: Wishes) -> list[int]:
+    """Numbers of the wishes of the motion that are over driving angles."""
+    return [
+        number
+        for number, wish in enumerate(wishes.motion)
+        if isinstance(wish, GentleStretch) and wish.driving is not None
+    ]
+
+
+def held_as(wishes: Wishes, motion: Motion, cycle_rad: float) -> Wishes:
+    """The wishes with every driving range held over the crank angles that a motion passes in it."""
+    crank = np.linspace(0.0, 2.0 * pi, 4001)
+    slow = 1.0 / np.interp(crank, motion.crank_angle_rad, motion.turning, period=2.0 * pi)
+    gone = np.concatenate([[0.0], np.cumsum((slow[1:] + slow[:-1]) / 2.0)])
+
+    def passed(phi1: float) -> float:
+        turns, local = divmod(phi1, cycle_rad)
+        return 2.0 * pi * turns + float(np.interp(local, gone * cycle_rad / gone[-1], crank))
+
+    for number in ranges(wishes):
+        driving = _driving(wishes, number)
+        crank_rad = CrankStretch(passed(driving.start_rad), passed(driving.end_rad))
+        wishes = _held_over(wishes, number, crank_rad)
+    return wishes
+
+
+def best_held(wishes: Wishes, found: Found, find: Callable[[Wishes, Motion], Found | None]) -> Found:
+    """The best law that ``find`` finds for wishes whose driving ranges are held over other crank angles.
+
+    ``found`` is the law for the crank angles of ``wishes``; ``find`` starts from a motion.  Each end is moved by
+    itself, so that both together may do better.
+    """
+    first, ends = found.goal, [(number, end) for number in ranges(wishes) for end in (0, 1)]
+    for step in STEPS:
+        for number, end in ends:
+            for side in (-step, step):
+                before = found
+                for moved in _moved(wishes, number, end, side):
+                    other = find(moved, found.motion)
+                    if other is None or not other.cost(first) < found.cost(first) - BETTER * abs(first):
+                        break
+                    wishes, found = moved, other
+                if found is not before:
+                    break
+    return found
+
+
+def _moved(wishes: Wishes, number: int, end: int, step: float) -> Iterator[Wishes]:
+    """The wishes with one end of a range's crank angles moved further and further; not one at the retracted end."""
+    crank = _driving(wishes, number).crank
+    turn = 2.0 * pi * np.floor(crank[end] / (2.0 * pi))
+    if not turn < crank[end] < turn + 2.0 * pi:
+        return
+    for times in range(1, MOST_MOVES + 1):
+        at = list(crank)
+        at[end] += times * step
+        inside = turn + LEAST < at[end] < turn + 2.0 * pi - LEAST
+        if not (inside and LEAST < at[1] - at[0] < 2.0 * pi - LEAST):
+            return
+        yield _held_over(wishes, number, CrankStretch(*at))
+
+
+def _driving(wishes: Wishes, number: int) -> DrivingRange:
+    driving = getattr(wishes.motion[number], "driving", None)
+    assert isinstance(driving, DrivingRange)
+    return driving
+
+
+def _held_over(wishes: Wishes, number: int, crank: CrankStretch) -> Wishes:
+    wish = wishes.motion[number]
+    assert isinstance(wish, GentleStretch)
+    return replace(wishes, motion=(*wishes.motion[:number], wish.held_over(crank), *wishes.motion[number + 1 :]))
