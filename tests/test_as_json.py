@@ -147,6 +147,7 @@ def test_a_report_without_gears_tells_what_a_check_tells(run: Run) -> None:
     assert report == check
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_sizes_are_those_of_the_design_that_is_written(run: Run) -> None:
     write_files(DESIGN)

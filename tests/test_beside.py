@@ -149,6 +149,7 @@ def test_without_a_second_free_core_this_process_draws(monkeypatch: pytest.Monke
         assert made.begun(PRODUCT, [2, 2])() == 4
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_pictures_are_the_same_wherever_they_are_drawn(tmp_path: Any) -> None:
     """The same build by a process that has matplotlib already, and so draws by itself."""

@@ -63,7 +63,7 @@ def test_what_is_made_closes_and_no_peak_is_passed_by(name: str) -> None:
     assert told(name)[-1] == "made"
 
 
-@pytest.mark.tiers(slow=["lobes-1-2", "table-noisy-displacements"], rest="long")
+@pytest.mark.tiers(slow=["lobes-1-2"], rest="long")
 @pytest.mark.parametrize("name", long_but([name for name in MADE if name != "table-noisy-ratios"], MADE))
 def test_no_figure_is_off_by_more_than_the_page_tells(name: str) -> None:
     """Twice what it says, for another machine's rounding, or the same rounding errors where they are few."""

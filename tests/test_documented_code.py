@@ -17,7 +17,7 @@ from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 from tiers import long_but
 
-LONG = ("frontier", "simulate", "new", "size", "strength", "baler")
+LONG = ("frontier", "optimize", "simulate", "new", "size", "strength", "baler")
 THOROUGH = ["README.md", "docs/commands/balance.md"]
 
 

@@ -108,6 +108,7 @@ def heavy(knots: int = 16) -> Design:
     return design(knots).model_copy(update={"masses": holds})
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_family_of_a_machine_with_masses_is_what_check_says(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each law of the family, written into the design file, has the frontier's peaks; cheap starts, as above."""

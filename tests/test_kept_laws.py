@@ -184,7 +184,8 @@ def test_no_limit_of_a_machine_with_masses_is_above_a_law(name: str) -> None:
 RAISED = ({"acceleration_mm_s2": 1.0}, {"power_w": 1.0}, {"power_w": 1.0, "braking_w": 1.0}, {"torque_n_mm": 1.0})
 
 
-@pytest.mark.tiers(slow=["designs/pump-both-ways-power_w and braking_w"], rest="long")
+@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("prices", RAISED, ids=" and ".join)
 @pytest.mark.parametrize(
     "name",

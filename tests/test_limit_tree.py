@@ -69,7 +69,7 @@ def best_of(folder: Path, text: str) -> BestLaw:
     return BestLaw(load(path).design)
 
 
-@pytest.mark.tiers(slow=["speeds", "heavy slider, dented"], rest="long")
+@pytest.mark.tiers(slow=["heavy slider, dented"], rest="long")
 @pytest.mark.parametrize(
     ("text", "before", "gap"),
     [

@@ -141,6 +141,7 @@ def test_the_page_is_small() -> None:
     assert len(reports.page("baler").encode()) < 1e6
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_four_hundred_teeth_stay_under_five_megabytes(run: Run, tmp_path: Path) -> None:
     text = (ROOT / "designs" / "ellipse.yaml").read_text()

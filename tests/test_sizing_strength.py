@@ -264,6 +264,7 @@ def test_a_curve_that_grows_with_its_gears_is_sized() -> None:
     assert smallest_gears(drive_of_text(text), Space())[0].rating.holds
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_gears_far_too_weak_to_be_rated_are_sized_all_the_same() -> None:
     """To what is found from gears that can be: the smallest of both are as small, within the steps that are tried."""
