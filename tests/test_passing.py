@@ -67,6 +67,7 @@ def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | Point]:
     return [LineString([start, end]) for start, end in zip(np.stack([x, y], axis=-1), ends, strict=True)]
 
 
+PIVOTS = {"rocker": (120.0, 0.0), "lever": (0.0, -80.0)}
 KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20.0), ("lever", -100.0), ("yoke", 180.0)]
 
 
@@ -77,11 +78,12 @@ def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> Non
     phi1 = np.linspace(0.0, found.transmission.cycle_rad, 4001)
     assert {one.part for one in found.passings} == {CRANK_PIN, *found.linkage.rod_ends_mm}
     for one in found.passings:
-        sampled = np.array([line.distance(axis_mm(found)) for line in lines_at(found, one.part, phi1)])
+        center = axis_mm(found) if one.standing.about_driving_axis else Point(PIVOTS[kind])
+        sampled = np.array([line.distance(center) for line in lines_at(found, one.part, phi1)])
         assert sampled.min() >= one.distance_mm - 1e-9
         assert sampled.min() <= one.distance_mm + 0.1
         (there,) = lines_at(found, one.part, np.array([one.phi1_rad]))
-        assert there.distance(axis_mm(found)) == pytest.approx(one.distance_mm, abs=1e-9)
+        assert there.distance(center) == pytest.approx(one.distance_mm, abs=1e-9)
 
 
 @pytest.mark.thorough
@@ -214,3 +216,29 @@ def test_fit_without_a_crank_or_gears_is_refused(text: str) -> None:
     with pytest.raises(WrongInput) as told:
         drive_of_text(text)
     assert told.value.key == "fit"
+
+
+LEVER = "{{kind: slotted_lever, crank_mm: 30, pivot_mm: {pivot}, lever_mm: 90}}"
+
+
+@pytest.mark.parametrize(("pivot", "meets"), [(31, True), (35.9, True), (36.1, False), (45, False)])
+def test_a_crank_pin_that_covers_the_lever_s_axis_is_told(pivot: float, meets: bool) -> None:
+    """The pin, 12 mm thick as the shaft, comes within pivot - crank of the axis, whatever the driving shaft does."""
+    text = TEXT.format(linkage=LEVER.format(pivot=pivot), axis=180.0, more="fit: {driving_shaft: ends}")
+    told = [one.what for one in crank_pin(drive_of_text(text)) if isinstance(one, Advice)]
+    assert told == ([f"the crank pin passes {pivot - 30:g} mm from the lever's axis"] if meets else [])
+
+
+@pytest.mark.parametrize(("width", "meets"), [(1.01, True), (0.99, False)])
+def test_a_coupler_that_covers_the_rocker_s_axis_is_told(width: float, meets: bool) -> None:
+    """By sampled triangles of crank pin, rocker's pin and its axis; the rocker itself may lie over its own axis."""
+    linkage = "{kind: crank_rocker, crank_mm: 15, coupler_mm: 50, rocker_mm: 65.5, ground_mm: 100}"
+    theta = np.linspace(0.0, 2.0 * pi, 200_001)
+    pin = 15.0 * np.exp(1j * theta)
+    reach = np.abs(pin - 100.0)
+    share = (65.5**2 + reach**2 - 50.0**2) / (2.0 * reach)
+    joint = 100.0 + (pin - 100.0) / reach * (share + 1j * np.sqrt(65.5**2 - share**2))
+    least = from_segment(100.0 + 0.0j, pin, joint).min()
+    fit = f"fit: {{driving_shaft: ends, rod_width_mm: {2.0 * least * width}}}"
+    found = drive_of_text(TEXT.format(linkage=linkage, axis=180.0, more=fit))
+    assert ["coupler meets the rocker's axis" in advice.what for advice in rods(found)] == [True] * meets

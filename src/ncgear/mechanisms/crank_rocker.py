@@ -292,9 +292,9 @@ class CrankRocker(CrankRockers[float], Mechanism):
         return float(self.side * self._start_rad)
 
     @property
-    def pivots_mm(self) -> tuple[Point, ...]:
+    def pivots_mm(self) -> Mapping[str, Point]:
         """The rocker's axis."""
-        return ((self.ground_mm, 0.0),)
+        return {"rocker": (self.ground_mm, 0.0)}
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
         """Rocker, crank and coupler; each own frame has +x towards the pin of the next body and 0 at the one before.

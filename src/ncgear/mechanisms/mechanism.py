@@ -281,9 +281,9 @@ class Mechanism(Mechanisms[float]):
         return {}
 
     @property
-    def pivots_mm(self) -> tuple[Point, ...]:
-        """Axes in the frame, the crank's apart, about which links turn."""
-        return ()
+    def pivots_mm(self) -> Mapping[str, Point]:
+        """Axes in the frame, the crank's apart, by the names of the links that turn about them."""
+        return {}
 
     @property
     def guides_mm(self) -> tuple[tuple[Point, Point], ...]:

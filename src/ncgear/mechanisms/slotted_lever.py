@@ -206,9 +206,9 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         return {"lever": ((0.0, 0.0), (self.lever_mm, 0.0))}
 
     @property
-    def pivots_mm(self) -> tuple[Point, ...]:
+    def pivots_mm(self) -> Mapping[str, Point]:
         """The lever's axis."""
-        return ((0.0, -self.pivot_mm),)
+        return {"lever": (0.0, -self.pivot_mm)}
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
         """Ram, crank, lever, and the block on the crank's pin, which turns with the lever.

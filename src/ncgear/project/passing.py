@@ -1,7 +1,9 @@
-"""Whether the crank pin and the rods pass what stands beside the gears: the driving shaft with its hub, end stops.
+"""Whether the crank pin and the rods pass what stands beside the gears: the driving shaft with its hub, end stops,
+axes about which other links turn.
 
 The model is plane.  Crank pin and rods move in one plane beside the gears, seen along the axes.  What can stand in it
-are the driving gear's shaft (as thick as its bore) or hub, and the pins of end stops.  A rod is the straight line
+are the driving gear's shaft (as thick as its bore) or hub, the pins of end stops, and the axes of rocker and lever,
+taken as lines since no key says how thick they are.  A rod is the straight line
 between its joints, with half its width on both sides and round ends.  The driven shaft cannot stand in the plane: at a
 dead centre every rod lies over the crank's axis.
 
@@ -34,12 +36,14 @@ CRANK_PIN = "crank pin"
 class Standing:
     """Something round that stands beside the gears: its name, its centre in the mechanism's frame, its radius in mm.
 
-    The radius is None where the design does not say how thick it is.
+    The radius is None where the design does not say how thick it is, 0 for a line.  ``carries`` is the link about whose
+    axis it stands, if any.
     """
 
     name: str
     center_mm: tuple[float, float]
     radius_mm: float | None
+    carries: str = ""
 
     @property
     def about_driving_axis(self) -> bool:
@@ -86,6 +90,7 @@ def passings_of(drive: Geared) -> tuple[Passing, ...]:
         Passing(part, one, *least_distance(lines, one.center_mm, drive.transmission), _half_mm(drive, part))
         for part, lines in center_lines(drive.linkage).items()
         for one in standing_of(drive)
+        if one.carries != part
     )
 
 
@@ -99,12 +104,13 @@ def _half_mm(drive: Geared, part: str) -> float | None:
 
 
 def standing_of(drive: Geared) -> tuple[Standing, ...]:
-    """What stands beside a pair of gears: shaft or hub of the driving gear, and the pins of end stops."""
+    """What stands beside gears: shaft or hub of the driving gear, axes of other links, and the pins of end stops."""
     gears, distance_mm = drive.gears, drive.pitch.center_distance_mm
     axis_rad = radians(gears.driving_axis_deg)
     driving = distance_mm * cos(axis_rad), distance_mm * sin(axis_rad)
     name, radius_mm = about_axis(gears.driving)
-    found = [Standing(f"driving {name}", driving, radius_mm)]
+    axes = [Standing(f"{link}'s axis", center, 0.0, link) for link, center in drive.linkage.pivots_mm.items()]
+    found = [Standing(f"driving {name}", driving, radius_mm), *axes]
     if drive.pitch.mesh is Mesh.INTERNAL:
         return tuple(found)
     for gear, body, (x, y) in ((Gear.DRIVING, gears.driving, driving), (Gear.DRIVEN, gears.driven, (0.0, 0.0))):
