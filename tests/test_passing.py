@@ -10,7 +10,7 @@ from math import cos, hypot, pi, radians, sin
 
 import numpy as np
 import pytest
-from shapely import LineString, Point
+from shapely import LineString, MultiLineString, Point
 
 from drives import drive, drive_of_text
 from ncgear.errors import WrongInput
@@ -54,9 +54,13 @@ def axis_mm(found: Drive) -> Point:
     return Point(found.pitch.center_distance_mm * cos(at), found.pitch.center_distance_mm * sin(at))
 
 
-def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | Point]:
+def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | MultiLineString | Point]:
     """The middle of a part at driving angles, by the joints that the mechanism's own bodies have."""
     machine: Machine = found.machine
+    if part == "slider":  # a yoke's slot and bar, by the pin's place
+        pins = -machine.linkage.crank_mm * np.exp(-1j * machine.transmission.driven_angle(phi1).value)
+        r = machine.linkage.crank_mm
+        return [MultiLineString([[(x, -r), (x, r)], [(x, 0.0), (x + 2.7 * r, 0.0)]]) for x in pins.real]
     links = machine.linkage.links(Jet(machine.transmission.driven_angle(phi1).value[None, :]))
     link = links["crank"] if part == CRANK_PIN else links[part]
     x, y, angle = link.origin.x.value, link.origin.y.value, link.angle.value
@@ -76,7 +80,7 @@ KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20
 def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> None:
     found = made(kind, axis)
     phi1 = np.linspace(0.0, found.transmission.cycle_rad, 4001)
-    assert {one.part for one in found.passings} == {CRANK_PIN, *found.linkage.rod_ends_mm}
+    assert {one.part for one in found.passings} == {CRANK_PIN, *found.linkage.rod_lines_mm}
     for one in found.passings:
         center = axis_mm(found) if one.standing.about_driving_axis else Point(PIVOTS[kind])
         sampled = np.array([line.distance(center) for line in lines_at(found, one.part, phi1)])
@@ -116,7 +120,7 @@ def test_a_narrow_passage_between_two_samples_is_not_missed() -> None:
     least, at = least_distance(lines, center, transmission)
     dense = np.linspace(0.0, transmission.cycle_rad, 400_001)
     start, stop, _ = lines(transmission.driven_angle(dense).value)
-    sampled = from_segment(complex(*center), start, stop)
+    sampled = from_segment(complex(*center), start[0], stop[0])
     assert least <= sampled.min() + 1e-12
     assert least >= sampled.min() - 0.05
     assert 0.0 <= at <= transmission.cycle_rad
@@ -242,3 +246,13 @@ def test_a_coupler_that_covers_the_rocker_s_axis_is_told(width: float, meets: bo
     fit = f"fit: {{driving_shaft: ends, rod_width_mm: {2.0 * least * width}}}"
     found = drive_of_text(TEXT.format(linkage=linkage, axis=180.0, more=fit))
     assert ["coupler meets the rocker's axis" in advice.what for advice in rods(found)] == [True] * meets
+
+
+@pytest.mark.parametrize(
+    ("axis", "width", "meets"), [(0.0, 1, True), (180.0, 1, False), (90.0, 87.3, True), (90.0, 87.2, False)]
+)
+def test_a_yoke_s_bar_and_slot_meet_what_stands_in_their_way(axis: float, width: float, meets: bool) -> None:
+    """The bar runs along the slider's line; the slot ends 43.63 mm from the shaft across it."""
+    found = made("yoke", axis, f"fit: {{rod_width_mm: {width}}}")
+    assert found.pitch.center_distance_mm - 30.0 - 6.0 == pytest.approx(43.629, abs=1e-3)
+    assert [advice.what.partition(":")[0] for advice in rods(found)] == ["the slider meets the driving shaft"] * meets

@@ -317,14 +317,14 @@ class CrankRocker(CrankRockers[float], Mechanism):
         return Link(pin, -self.side * gamma)
 
     @property
-    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """The coupler from the crank pin to the rocker, and the rocker from its pin to its axis."""
         lengths = {"coupler": self.coupler_mm, "rocker": self.rocker_mm}
-        return {name: ((0.0, 0.0), (length, 0.0)) for name, length in lengths.items()}
+        return {name: (((0.0, 0.0), (length, 0.0)),) for name, length in lengths.items()}
 
     def shapes(self) -> Mapping[str, Shape]:
         """Rocker and coupler with an eye at each end."""
-        return {name: Shape((ends,), ends) for name, ends in self.rod_ends_mm.items()}
+        return {name: Shape(bars, bars[0]) for name, bars in self.rod_lines_mm.items()}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
         """Rocker and coupler."""

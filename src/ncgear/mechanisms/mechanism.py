@@ -276,8 +276,8 @@ class Mechanism(Mechanisms[float]):
         return {}
 
     @property
-    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
-        """The joints at both ends of each rod that moves beside the gears, by its name, in the frame of its link."""
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
+        """The middle lines of each link that moves beside the gears, by its name, in its frame: from joint to joint."""
         return {}
 
     @property

@@ -201,9 +201,9 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         return pi + asin(self.crank_mm / self.pivot_mm)
 
     @property
-    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """The lever from its far pin to its axis."""
-        return {"lever": ((0.0, 0.0), (self.lever_mm, 0.0))}
+        return {"lever": (((0.0, 0.0), (self.lever_mm, 0.0)),)}
 
     @property
     def pivots_mm(self) -> Mapping[str, Point]:

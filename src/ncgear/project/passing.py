@@ -3,8 +3,8 @@ axes about which other links turn.
 
 The model is plane.  Crank pin and rods move in one plane beside the gears, seen along the axes.  What can stand in it
 are the driving gear's shaft (as thick as its bore) or hub, the pins of end stops, and the axes of rocker and lever,
-taken as lines since no key says how thick they are.  A rod is the straight line
-between its joints, with half its width on both sides and round ends.  The driven shaft cannot stand in the plane: at a
+taken as lines since no key says how thick they are.  A rod is the straight line between its joints, with half its width
+on both sides and round ends; a yoke is two such lines, slot and bar.  The driven shaft cannot stand in the plane: at a
 dead centre every rod lies over the crank's axis.
 
 Over the cycle the distance of an axis from such a line is a continuous function of the driving angle, which changes no
@@ -131,7 +131,8 @@ def about_axis(body: GearBody) -> tuple[str, float | None]:
 
 
 CenterLines = Callable[[Array], tuple[Array, Array, float]]
-"""From crank angles in rad (n,): both ends of a line in mm, complex (n,) each, and their greatest speed in mm/rad."""
+"""From crank angles in rad (n,): both ends of a part's m lines in mm, complex (m, n) each, and their greatest speed in
+mm/rad."""
 
 
 def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
@@ -140,10 +141,11 @@ def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
     def pin(crank_rad: Array) -> tuple[Array, Array, float]:
         at = linkage.crank_body(Jet(crank_rad[None, :]), 0.0).pin
         place = at.x.value + 1j * at.y.value
-        return place, place, linkage.crank_mm
+        return place[None], place[None], linkage.crank_mm
 
     def rod(name: str) -> CenterLines:
-        (x0, y0), (x1, y1) = linkage.rod_ends_mm[name]
+        # Both ends of all lines, shape (2, m, 1)
+        own = (np.array(linkage.rod_lines_mm[name]) @ (1.0, 1j)).T[..., None]
 
         def ends(crank_rad: Array) -> tuple[Array, Array, float]:
             link = linkage.links(Jet.variable(crank_rad, 1))[name]
@@ -151,13 +153,12 @@ def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
             origin = link.origin.x.value + 1j * link.origin.y.value
             slide = link.origin.x.derivative(1) + 1j * link.origin.y.derivative(1)
             turn = 1j * link.angle.derivative(1) * way
-            own = complex(x0, y0), complex(x1, y1)
-            speed = max(float(np.abs(slide + turn * end).max()) for end in own)
-            return origin + way * own[0], origin + way * own[1], speed
+            start, stop = origin + way * own
+            return start, stop, float(np.abs(slide + turn * own).max())
 
         return ends
 
-    return {CRANK_PIN: pin, **{name: rod(name) for name in linkage.rod_ends_mm}}
+    return {CRANK_PIN: pin, **{name: rod(name) for name in linkage.rod_lines_mm}}
 
 
 STEPS, PARTS, LEVELS = 720, 16, 2
@@ -187,7 +188,7 @@ def least_distance(
         crank = transmission.driven_angle(phi1_rad.ravel()).value
         start, stop, speed = lines(crank)
         way = FASTER * speed * np.abs(np.diff(crank.reshape(phi1_rad.shape), axis=-1))
-        return from_segment(point, start, stop).reshape(phi1_rad.shape), way
+        return from_segment(point, start, stop).min(axis=0).reshape(phi1_rad.shape), way
 
     edges = np.linspace(0.0, end, STEPS + 1)
     steps = np.stack([edges[:-1], edges[1:]], axis=-1)
@@ -219,7 +220,7 @@ def _narrowed(distance: Callable[[Array], Array], low: float, high: float) -> tu
 
 
 def from_segment(point: complex, start: Array, stop: Array) -> Array:
-    """Distance of a point from the segments between complex ends, shape (n,)."""
+    """Distance of a point from the segments between complex ends, of their shape."""
     along = stop - start
     square = np.abs(along) ** 2
     with np.errstate(invalid="ignore", divide="ignore"):
