@@ -10,9 +10,10 @@ from math import cos, hypot, pi, radians, sin
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 from shapely import LineString, MultiLineString, Point
 
-from drives import drive, drive_of_text
+from drives import design_of, drive, drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, pin_beside_hub, rods
 from ncgear.figures.advice.values import Advice
@@ -202,10 +203,26 @@ def test_pins_of_end_stops_stand_where_the_frame_has_them() -> None:
     assert hypot(x, y) == pytest.approx(found.gears.driving.end_stop.radius_mm)
 
 
-@pytest.mark.parametrize("name", ["rack-feed", "desk-toy"])
-def test_gears_without_a_crank_have_nothing_to_pass(name: str) -> None:
-    assert drive(name).passings == ()
-    assert passed_summary(drive(name)) == {}
+def test_gears_without_a_linkage_have_nothing_to_pass() -> None:
+    assert drive("desk-toy").passings == ()
+    assert passed_summary(drive("desk-toy")) == {}
+
+
+@pytest.mark.parametrize(
+    ("axis", "radius", "met"),
+    [(-90, 111.9, []), (-90, 112.1, ["pinion"]), (0, 111.9, []), (90, 111.9, []), (90, 112.1, ["pinion", "rack"])],
+)
+def test_pinion_and_rack_are_judged_against_the_driving_shaft(axis: float, radius: float, met: list[str]) -> None:
+    """At 120 mm the shaft of 16 mm leaves 112 mm for the pinion, and for the rack's line over it."""
+    gears = {"driving_axis_deg": axis}
+    keys = drive("rack-feed").design.model_dump(exclude_unset=True)
+    keys["linkage"]["radius_mm"], keys["gears"] = radius, {**keys["gears"], **gears}
+    found = Drive(design_of(keys))
+    told = [advice.what.partition(":")[0] for advice in rods(found)]
+    assert told == [f"the {part} meets the driving shaft" for part in met]
+    assert rods(Drive(design_of({**keys, "fit": {"driving_shaft": "ends"}}))) == []
+    with pytest.raises(ValidationError, match="turns no crank"):
+        design_of({**keys, "fit": {"rod_width_mm": 3.0}})
 
 
 @pytest.mark.parametrize(

@@ -281,6 +281,11 @@ class Mechanism(Mechanisms[float]):
         return {}
 
     @property
+    def discs_mm(self) -> Mapping[str, float]:
+        """Radii of round bodies about the crank's axis that turn beside the gears, by their names."""
+        return {}
+
+    @property
     def pivots_mm(self) -> Mapping[str, Point]:
         """Axes in the frame, the crank's apart, by the names of the links that turn about them."""
         return {}

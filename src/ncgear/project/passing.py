@@ -4,8 +4,8 @@ axes about which other links turn.
 The model is plane.  Crank pin and rods move in one plane beside the gears, seen along the axes.  What can stand in it
 are the driving gear's shaft (as thick as its bore) or hub, the pins of end stops, and the axes of rocker and lever,
 taken as lines since no key says how thick they are.  A rod is the straight line between its joints, with half its width
-on both sides and round ends; a yoke is two such lines, slot and bar.  The driven shaft cannot stand in the plane: at a
-dead centre every rod lies over the crank's axis.
+on both sides and round ends; a yoke is two such lines, slot and bar, a rack its pitch line, and a pinion a disc.  The
+driven shaft cannot stand in the plane: at a dead centre every rod lies over the crank's axis.
 
 Over the cycle the distance of an axis from such a line is a continuous function of the driving angle, which changes no
 faster than the ends of the line move.  So a step between two samples is left out only where it cannot hold the least
@@ -15,7 +15,7 @@ distance; in all others it is looked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import cos, pi, radians, sin
+from math import cos, hypot, pi, radians, sin
 
 import numpy as np
 
@@ -83,15 +83,24 @@ class Passing:
 
 
 def passings_of(drive: Geared) -> tuple[Passing, ...]:
-    """All parts of a pair's crank beside all that stands there; none where the pair turns no crank."""
-    if not drive.turns_crank:
+    """All parts that a pair moves beside all that stands there; none where no linkage moves."""
+    linkage = drive.linkage
+    if not (drive.moves_output and linkage.rod_lines_mm):
         return ()
-    return tuple(
+    standing = standing_of(drive)
+    discs = [
+        Passing(disc, one, hypot(*one.center_mm), 0.0, radius_mm)
+        for disc, radius_mm in linkage.discs_mm.items()
+        for one in standing
+    ]
+    lines = [
         Passing(part, one, *least_distance(lines, one.center_mm, drive.transmission), _half_mm(drive, part))
-        for part, lines in center_lines(drive.linkage).items()
-        for one in standing_of(drive)
+        for part, lines in center_lines(linkage).items()
+        if part != CRANK_PIN or drive.turns_crank
+        for one in standing
         if one.carries != part
-    )
+    ]
+    return (*discs, *lines)
 
 
 def _half_mm(drive: Geared, part: str) -> float | None:

@@ -73,6 +73,10 @@ def _crank(drive: Drive) -> bool:
     return _gears(drive) and drive.turns_crank and drive.linkage.RETURNS
 
 
+def _beside(drive: Drive) -> bool:
+    return _gears(drive) and drive.moves_output and bool(drive.linkage.rod_lines_mm)
+
+
 def _load(drive: Drive) -> bool:
     return drive.design.resistance is not None or drive.design.masses is not None
 
@@ -126,7 +130,7 @@ CONDITIONS: dict[Kind, Condition] = {
         _crank,
         lambda drive: (*law_advice.crank_pin(drive), law_advice.pin_beside_hub(drive)),
     ),
-    Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _crank, law_advice.rods),
+    Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _beside, law_advice.rods),
     Kind.DRIVETRAIN: Condition(
         "drivetrain",
         "shafts, keys, bearings, motor and couplings hold",
