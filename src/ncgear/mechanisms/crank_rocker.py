@@ -316,6 +316,12 @@ class CrankRocker(CrankRockers[float], Mechanism):
         pin = Vector(self.ground_mm - self.rocker_mm * cosine, self.side * self.rocker_mm * sine)
         return Link(pin, -self.side * gamma)
 
+    def transmission_rad(self, crank_rad: Array) -> Array:
+        """Between coupler and rocker."""
+        links = self.links(Jet(crank_rad[None, :]))
+        angle: Array = np.arcsin(np.abs(np.sin(links["coupler"].angle.value - links["rocker"].angle.value)))
+        return angle
+
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """The coupler from the crank pin to the rocker, and the rocker from its pin to its axis."""

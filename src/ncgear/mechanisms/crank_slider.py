@@ -203,6 +203,11 @@ class CrankSlider(CrankSliders[float], RodMechanism):
             "rod": Link(rod.pin, rod.angle),
         }
 
+    def transmission_rad(self, crank_rad: Array) -> Array:
+        """Between the rod and the direction across the slider's line."""
+        angle: Array = 0.5 * pi - np.abs(self.rod(Jet(crank_rad[None, :])).angle.value)
+        return angle
+
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """From the crank pin to the wrist."""

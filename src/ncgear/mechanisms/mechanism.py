@@ -275,6 +275,13 @@ class Mechanism(Mechanisms[float]):
         """How the links are drawn, except a plain crank, and an output that slides where it is a mere piston."""
         return {}
 
+    def transmission_rad(self, crank_rad: Array) -> Array:
+        """Transmission angles, 0 to pi/2, at crank angles in rad (n,): from what pushes the output to across its way.
+
+        They are least at a dead centre or one of the ``corners``, and pi/2 where the output is pushed along its way.
+        """
+        return np.full_like(crank_rad, 0.5 * pi)
+
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """The middle lines of each link that moves beside the gears, by its name, in its frame: from joint to joint."""

@@ -200,6 +200,11 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         """Across the lever."""
         return pi + asin(self.crank_mm / self.pivot_mm)
 
+    def transmission_rad(self, crank_rad: Array) -> Array:
+        """Between the way of the lever's pin and the ram's slot: the less, the more the lever leans."""
+        angle: Array = 0.5 * pi - np.abs(self._angle(Jet(crank_rad[None, :])).value - 0.5 * pi)
+        return angle
+
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """The lever from its far pin to its axis."""

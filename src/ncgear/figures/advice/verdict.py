@@ -15,7 +15,15 @@ from typing import Any
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
-from ncgear.figures.advice import drivetrain_advice, given_advice, law_advice, made_advice, strength_advice, wish_advice
+from ncgear.figures.advice import (
+    drivetrain_advice,
+    given_advice,
+    law_advice,
+    linkage_advice,
+    made_advice,
+    strength_advice,
+    wish_advice,
+)
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
@@ -123,6 +131,13 @@ CONDITIONS: dict[Kind, Condition] = {
         f"the pressure angle stays within {law_advice.STEEPEST_DEG:g} deg",
         _gears,
         _one(law_advice.pressure_angle),
+    ),
+    Kind.TRANSMISSION_ANGLE: Condition(
+        "transmission angle",
+        f"the transmission angle stays over {linkage_advice.FLATTEST_DEG:g} deg",
+        lambda drive: bool(drive.linkage.RODS),
+        _one(linkage_advice.transmission_angle),
+        of_pair=False,
     ),
     Kind.CRANK_PIN: Condition(
         "crank pin",
