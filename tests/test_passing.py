@@ -247,7 +247,7 @@ def test_a_crank_pin_that_covers_the_lever_s_axis_is_told(pivot: float, meets: b
     """The pin, 12 mm thick as the shaft, comes within pivot - crank of the axis, whatever the driving shaft does."""
     text = TEXT.format(linkage=LEVER.format(pivot=pivot), axis=180.0, more="fit: {driving_shaft: ends}")
     told = [one.what for one in crank_pin(drive_of_text(text)) if isinstance(one, Advice)]
-    assert told == ([f"the crank pin passes {pivot - 30:g} mm from the lever's axis"] if meets else [])
+    assert told == ([f"the crank pin passes {pivot - 30:g} mm from the middle of the lever's axis"] if meets else [])
 
 
 @pytest.mark.parametrize(("width", "meets"), [(1.01, True), (0.99, False)])
@@ -273,3 +273,14 @@ def test_a_yoke_s_bar_and_slot_meet_what_stands_in_their_way(axis: float, width:
     found = made("yoke", axis, f"fit: {{rod_width_mm: {width}}}")
     assert found.pitch.center_distance_mm - 30.0 - 6.0 == pytest.approx(43.629, abs=1e-3)
     assert [advice.what.partition(":")[0] for advice in rods(found)] == ["the slider meets the driving shaft"] * meets
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("axis", "radius", "told"), [(0.0, 36.0, 1), (0.0, 35.0, 0), (180.0, 36.0, 0)])
+def test_a_crank_pin_that_sweeps_over_an_end_stop_is_told(axis: float, radius: float, told: int) -> None:
+    """A pin of 14 mm at 45 mm and a stop of 5 mm touch within 9.5 mm; with the axis behind the crank stays opposite."""
+    keys = drive("spiral-pair").design.model_dump(exclude_unset=True)
+    stop = {"bore_mm": 14, "end_stop": {"pin_mm": 5, "radius_mm": radius}}
+    keys["linkage"]["crank_mm"], keys["gears"] = 45.0, {**keys["gears"], "driving_axis_deg": axis, "driven": stop}
+    found = crank_pin(Drive(design_of(keys)))
+    assert ["driven gear's end stop" in advice.what for advice in found] == [True] * told

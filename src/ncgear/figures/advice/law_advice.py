@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import cos, degrees, floor, hypot, isclose, radians
+from math import cos, degrees, floor, isclose, radians
 
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
@@ -162,7 +162,7 @@ def ring(drive: Drive) -> Advice | None:
 
 
 def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
-    """A crank pin that comes near to the driving shaft, to the hub or shaft that carries it, or to another link's axis.
+    """A crank pin that comes near to the driving shaft, to what carries it, to another link's axis or to an end stop.
 
     The crank is carried by the last driven shaft.  Where the design does not say how thick its pin is, it is taken to
     be as thick as that shaft or, where that has no bore, as the driving one.
@@ -196,14 +196,16 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
         *(
             Advice(
                 Kind.CRANK_PIN,
-                (Where(),),
-                f"the crank pin passes {drawn(round(least, 2), 'mm')} mm from the {link}'s axis",
-                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, however thin it is",
-                (Remedy("set that axis farther off, or take a thinner crank pin"),),
-                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {link}'s axis",
+                (Where(angles_deg=((degrees(one.phi1_rad),) * 2,)),),
+                f"the crank pin passes {drawn(round(one.distance_mm, 2), 'mm')} mm from the middle of the "
+                f"{one.standing.name}",
+                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it",
+                (Remedy("set it farther off, or take a thinner crank pin"),),
+                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {one.standing.name}",
             )
-            for link, center in drive.linkage.pivots_mm.items()
-            if (least := abs(hypot(*center) - crank)) < pin
+            for one in drive.passings
+            if one.part == CRANK_PIN and not one.standing.about_driving_axis
+            if one.distance_mm < (one.standing.radius_mm or 0.0) + pin
         ),
         *([NO_BORE] if unknown else []),
     ]
