@@ -6,7 +6,7 @@ The judges are polygons of shapely at thousands of angles, closed forms, and sce
 from __future__ import annotations
 
 from functools import cache
-from math import cos, hypot, pi, radians, sin
+from math import asin, cos, hypot, pi, radians, sin, sqrt
 
 import numpy as np
 import pytest
@@ -62,6 +62,12 @@ def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | MultiLin
         pins = -machine.linkage.crank_mm * np.exp(-1j * machine.transmission.driven_angle(phi1).value)
         r = machine.linkage.crank_mm
         return [MultiLineString([[(x, -r), (x, r)], [(x, 0.0), (x + 2.7 * r, 0.0)]]) for x in pins.real]
+    if part == "ram":  # its slot at the lever's far pin, by the crank pin's direction from the lever's axis
+        r, d, long = 26.0, 80.0, 150.0
+        pins = 1j * d + r * np.exp(1j * (pi + asin(r / d) - machine.transmission.driven_angle(phi1).value))
+        tips, low = long * pins / np.abs(pins), sqrt(long**2 - (long * r / d) ** 2) - d
+        top, bar = long - d, 1.35 * 2.0 * long * r / d
+        return [MultiLineString([[(x, low), (x, top)], [(x, top), (x + bar, top)]]) for x in tips.real]
     links = machine.linkage.links(Jet(machine.transmission.driven_angle(phi1).value[None, :]))
     link = links["crank"] if part == CRANK_PIN else links[part]
     x, y, angle = link.origin.x.value, link.origin.y.value, link.angle.value
@@ -284,3 +290,12 @@ def test_a_crank_pin_that_sweeps_over_an_end_stop_is_told(axis: float, radius: f
     keys["linkage"]["crank_mm"], keys["gears"] = 45.0, {**keys["gears"], "driving_axis_deg": axis, "driven": stop}
     found = crank_pin(Drive(design_of(keys)))
     assert ["driven gear's end stop" in advice.what for advice in found] == [True] * told
+
+
+@pytest.mark.parametrize(("axis", "met"), [(90.0, ["lever", "ram"]), (180.0, []), (-90.0, ["lever"])])
+def test_a_lever_s_ram_meets_a_shaft_in_its_way(axis: float, met: list[str]) -> None:
+    """The ram's line is 70 mm over the crank's axis, the shaft's middle 79.6 mm: a bar 24 mm wide reaches it."""
+    found = rods(made("lever", axis, "fit: {rod_width_mm: 24}"))
+    assert [advice.what.partition(":")[0] for advice in found] == [
+        f"the {part} meets the driving shaft" for part in met
+    ]
