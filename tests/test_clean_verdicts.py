@@ -258,6 +258,9 @@ def rod(seen: Seen, row: Judged) -> Finding:
     _, near = outside.nearest_mm(at, complex(seen.distance_mm * np.exp(1j * turn)))
     taken = seen.data["gears"]["driving"]["bore_mm"] / 2.0 + seen.data.get("fit", {}).get("rod_width_mm", 0.0) / 2.0
     meets = near < taken and not ends
+    if ground := seen.data["linkage"].get("ground_mm"):
+        _, own = outside.nearest_mm(replace(at, rods=at.rods[:1]), complex(ground))
+        meets |= own < seen.data.get("fit", {}).get("rod_width_mm", 0.0) / 2.0
     if abs(near - taken) < 0.01 * taken or (row.state is State.BROKEN) == meets:
         return None
     return f"the rod passes the shaft at {near:.5g} mm, of which {taken:.5g} mm are taken"

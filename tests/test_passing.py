@@ -6,13 +6,14 @@ The judges are polygons of shapely at thousands of angles, closed forms, and sce
 from __future__ import annotations
 
 from functools import cache
-from math import cos, hypot, pi, radians, sin
+from math import asin, cos, hypot, pi, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from shapely import LineString, Point
+from pydantic import ValidationError
+from shapely import LineString, MultiLineString, Point
 
-from drives import drive, drive_of_text
+from drives import design_of, drive, drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, pin_beside_hub, rods
 from ncgear.figures.advice.values import Advice
@@ -54,9 +55,19 @@ def axis_mm(found: Drive) -> Point:
     return Point(found.pitch.center_distance_mm * cos(at), found.pitch.center_distance_mm * sin(at))
 
 
-def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | Point]:
+def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | MultiLineString | Point]:
     """The middle of a part at driving angles, by the joints that the mechanism's own bodies have."""
     machine: Machine = found.machine
+    if part == "slider":  # a yoke's slot and bar, by the pin's place
+        pins = -machine.linkage.crank_mm * np.exp(-1j * machine.transmission.driven_angle(phi1).value)
+        r = machine.linkage.crank_mm
+        return [MultiLineString([[(x, -r), (x, r)], [(x, 0.0), (x + 2.7 * r, 0.0)]]) for x in pins.real]
+    if part == "ram":  # its slot at the lever's far pin, by the crank pin's direction from the lever's axis
+        r, d, long = 26.0, 80.0, 150.0
+        pins = 1j * d + r * np.exp(1j * (pi + asin(r / d) - machine.transmission.driven_angle(phi1).value))
+        tips, low = long * pins / np.abs(pins), sqrt(long**2 - (long * r / d) ** 2) - d
+        top, bar = long - d, 1.35 * 2.0 * long * r / d
+        return [MultiLineString([[(x, low), (x, top)], [(x, top), (x + bar, top)]]) for x in tips.real]
     links = machine.linkage.links(Jet(machine.transmission.driven_angle(phi1).value[None, :]))
     link = links["crank"] if part == CRANK_PIN else links[part]
     x, y, angle = link.origin.x.value, link.origin.y.value, link.angle.value
@@ -67,6 +78,7 @@ def lines_at(found: Drive, part: str, phi1: Array) -> list[LineString | Point]:
     return [LineString([start, end]) for start, end in zip(np.stack([x, y], axis=-1), ends, strict=True)]
 
 
+PIVOTS = {"rocker": (120.0, 0.0), "lever": (0.0, -80.0)}
 KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20.0), ("lever", -100.0), ("yoke", 180.0)]
 
 
@@ -75,13 +87,14 @@ KINDS = [("in front", 30.0), ("offset", 5.0), ("short rod", 90.0), ("rocker", 20
 def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> None:
     found = made(kind, axis)
     phi1 = np.linspace(0.0, found.transmission.cycle_rad, 4001)
-    assert {one.part for one in found.passings} == {CRANK_PIN, *found.linkage.rod_ends_mm}
+    assert {one.part for one in found.passings} == {CRANK_PIN, *found.linkage.rod_lines_mm}
     for one in found.passings:
-        sampled = np.array([line.distance(axis_mm(found)) for line in lines_at(found, one.part, phi1)])
+        center = axis_mm(found) if one.standing.about_driving_axis else Point(PIVOTS[kind])
+        sampled = np.array([line.distance(center) for line in lines_at(found, one.part, phi1)])
         assert sampled.min() >= one.distance_mm - 1e-9
         assert sampled.min() <= one.distance_mm + 0.1
         (there,) = lines_at(found, one.part, np.array([one.phi1_rad]))
-        assert there.distance(axis_mm(found)) == pytest.approx(one.distance_mm, abs=1e-9)
+        assert there.distance(center) == pytest.approx(one.distance_mm, abs=1e-9)
 
 
 @pytest.mark.thorough
@@ -114,7 +127,7 @@ def test_a_narrow_passage_between_two_samples_is_not_missed() -> None:
     least, at = least_distance(lines, center, transmission)
     dense = np.linspace(0.0, transmission.cycle_rad, 400_001)
     start, stop, _ = lines(transmission.driven_angle(dense).value)
-    sampled = from_segment(complex(*center), start, stop)
+    sampled = from_segment(complex(*center), start[0], stop[0])
     assert least <= sampled.min() + 1e-12
     assert least >= sampled.min() - 0.05
     assert 0.0 <= at <= transmission.cycle_rad
@@ -196,10 +209,26 @@ def test_pins_of_end_stops_stand_where_the_frame_has_them() -> None:
     assert hypot(x, y) == pytest.approx(found.gears.driving.end_stop.radius_mm)
 
 
-@pytest.mark.parametrize("name", ["rack-feed", "desk-toy"])
-def test_gears_without_a_crank_have_nothing_to_pass(name: str) -> None:
-    assert drive(name).passings == ()
-    assert passed_summary(drive(name)) == {}
+def test_gears_without_a_linkage_have_nothing_to_pass() -> None:
+    assert drive("desk-toy").passings == ()
+    assert passed_summary(drive("desk-toy")) == {}
+
+
+@pytest.mark.parametrize(
+    ("axis", "radius", "met"),
+    [(-90, 111.9, []), (-90, 112.1, ["pinion"]), (0, 111.9, []), (90, 111.9, []), (90, 112.1, ["pinion", "rack"])],
+)
+def test_pinion_and_rack_are_judged_against_the_driving_shaft(axis: float, radius: float, met: list[str]) -> None:
+    """At 120 mm the shaft of 16 mm leaves 112 mm for the pinion, and for the rack's line over it."""
+    gears = {"driving_axis_deg": axis}
+    keys = drive("rack-feed").design.model_dump(exclude_unset=True)
+    keys["linkage"]["radius_mm"], keys["gears"] = radius, {**keys["gears"], **gears}
+    found = Drive(design_of(keys))
+    told = [advice.what.partition(":")[0] for advice in rods(found)]
+    assert told == [f"the {part} meets the driving shaft" for part in met]
+    assert rods(Drive(design_of({**keys, "fit": {"driving_shaft": "ends"}}))) == []
+    with pytest.raises(ValidationError, match="turns no crank"):
+        design_of({**keys, "fit": {"rod_width_mm": 3.0}})
 
 
 @pytest.mark.parametrize(
@@ -214,3 +243,59 @@ def test_fit_without_a_crank_or_gears_is_refused(text: str) -> None:
     with pytest.raises(WrongInput) as told:
         drive_of_text(text)
     assert told.value.key == "fit"
+
+
+LEVER = "{{kind: slotted_lever, crank_mm: 30, pivot_mm: {pivot}, lever_mm: 90}}"
+
+
+@pytest.mark.parametrize(("pivot", "meets"), [(31, True), (35.9, True), (36.1, False), (45, False)])
+def test_a_crank_pin_that_covers_the_lever_s_axis_is_told(pivot: float, meets: bool) -> None:
+    """The pin, 12 mm thick as the shaft, comes within pivot - crank of the axis, whatever the driving shaft does."""
+    text = TEXT.format(linkage=LEVER.format(pivot=pivot), axis=180.0, more="fit: {driving_shaft: ends}")
+    told = [one.what for one in crank_pin(drive_of_text(text)) if isinstance(one, Advice)]
+    assert told == ([f"the crank pin passes {pivot - 30:g} mm from the middle of the lever's axis"] if meets else [])
+
+
+@pytest.mark.parametrize(("width", "meets"), [(1.01, True), (0.99, False)])
+def test_a_coupler_that_covers_the_rocker_s_axis_is_told(width: float, meets: bool) -> None:
+    """By sampled triangles of crank pin, rocker's pin and its axis; the rocker itself may lie over its own axis."""
+    linkage = "{kind: crank_rocker, crank_mm: 15, coupler_mm: 50, rocker_mm: 65.5, ground_mm: 100}"
+    theta = np.linspace(0.0, 2.0 * pi, 200_001)
+    pin = 15.0 * np.exp(1j * theta)
+    reach = np.abs(pin - 100.0)
+    share = (65.5**2 + reach**2 - 50.0**2) / (2.0 * reach)
+    joint = 100.0 + (pin - 100.0) / reach * (share + 1j * np.sqrt(65.5**2 - share**2))
+    least = from_segment(100.0 + 0.0j, pin, joint).min()
+    fit = f"fit: {{driving_shaft: ends, rod_width_mm: {2.0 * least * width}}}"
+    found = drive_of_text(TEXT.format(linkage=linkage, axis=180.0, more=fit))
+    assert ["coupler meets the rocker's axis" in advice.what for advice in rods(found)] == [True] * meets
+
+
+@pytest.mark.parametrize(
+    ("axis", "width", "meets"), [(0.0, 1, True), (180.0, 1, False), (90.0, 87.3, True), (90.0, 87.2, False)]
+)
+def test_a_yoke_s_bar_and_slot_meet_what_stands_in_their_way(axis: float, width: float, meets: bool) -> None:
+    """The bar runs along the slider's line; the slot ends 43.63 mm from the shaft across it."""
+    found = made("yoke", axis, f"fit: {{rod_width_mm: {width}}}")
+    assert found.pitch.center_distance_mm - 30.0 - 6.0 == pytest.approx(43.629, abs=1e-3)
+    assert [advice.what.partition(":")[0] for advice in rods(found)] == ["the slider meets the driving shaft"] * meets
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("axis", "radius", "told"), [(0.0, 36.0, 1), (0.0, 35.0, 0), (180.0, 36.0, 0)])
+def test_a_crank_pin_that_sweeps_over_an_end_stop_is_told(axis: float, radius: float, told: int) -> None:
+    """A pin of 14 mm at 45 mm and a stop of 5 mm touch within 9.5 mm; with the axis behind the crank stays opposite."""
+    keys = drive("spiral-pair").design.model_dump(exclude_unset=True)
+    stop = {"bore_mm": 14, "end_stop": {"pin_mm": 5, "radius_mm": radius}}
+    keys["linkage"]["crank_mm"], keys["gears"] = 45.0, {**keys["gears"], "driving_axis_deg": axis, "driven": stop}
+    found = crank_pin(Drive(design_of(keys)))
+    assert ["driven gear's end stop" in advice.what for advice in found] == [True] * told
+
+
+@pytest.mark.parametrize(("axis", "met"), [(90.0, ["lever", "ram"]), (180.0, []), (-90.0, ["lever"])])
+def test_a_lever_s_ram_meets_a_shaft_in_its_way(axis: float, met: list[str]) -> None:
+    """The ram's line is 70 mm over the crank's axis, the shaft's middle 79.6 mm: a bar 24 mm wide reaches it."""
+    found = rods(made("lever", axis, "fit: {rod_width_mm: 24}"))
+    assert [advice.what.partition(":")[0] for advice in found] == [
+        f"the {part} meets the driving shaft" for part in met
+    ]

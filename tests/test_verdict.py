@@ -94,7 +94,7 @@ def test_a_check_names_what_only_teeth_can_tell() -> None:
 
 def test_without_gears_nothing_is_said_of_them() -> None:
     kinds = set(states(verdict_of(Known.MOTION, gears=None)))
-    assert kinds == {Kind.NEGATIVE_RESISTANCE, Kind.WITHOUT_EFFECT, Kind.RATIO_RANGE}
+    assert kinds == {Kind.TRANSMISSION_ANGLE, Kind.NEGATIVE_RESISTANCE, Kind.WITHOUT_EFFECT, Kind.RATIO_RANGE}
 
 
 def test_a_condition_is_broken_whatever_else_was_not_judged() -> None:

@@ -128,7 +128,9 @@ def places(linkage: Data, crank_rad: Array) -> Places:
     kind = linkage.get("kind", "crank_slider")
     if kind == "scotch_yoke":
         pin = -crank * np.exp(-1j * crank_rad)
-        return Places(pin, (), pin.real + crank, np.pi)
+        slot = pin.real
+        yoke = (slot - 1j * crank, slot + 1j * crank), (slot + 0j, slot + 2.7 * crank + 0j)
+        return Places(pin, yoke, slot + crank, np.pi)
     if kind == "crank_rocker":
         return _rocker(linkage, crank_rad)
     rod, offset = linkage["rod_mm"], linkage.get("offset_mm", 0.0)

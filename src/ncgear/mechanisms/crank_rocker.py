@@ -292,9 +292,9 @@ class CrankRocker(CrankRockers[float], Mechanism):
         return float(self.side * self._start_rad)
 
     @property
-    def pivots_mm(self) -> tuple[Point, ...]:
+    def pivots_mm(self) -> Mapping[str, Point]:
         """The rocker's axis."""
-        return ((self.ground_mm, 0.0),)
+        return {"rocker": (self.ground_mm, 0.0)}
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
         """Rocker, crank and coupler; each own frame has +x towards the pin of the next body and 0 at the one before.
@@ -316,15 +316,21 @@ class CrankRocker(CrankRockers[float], Mechanism):
         pin = Vector(self.ground_mm - self.rocker_mm * cosine, self.side * self.rocker_mm * sine)
         return Link(pin, -self.side * gamma)
 
+    def transmission_rad(self, crank_rad: Array) -> Array:
+        """Between coupler and rocker."""
+        links = self.links(Jet(crank_rad[None, :]))
+        angle: Array = np.arcsin(np.abs(np.sin(links["coupler"].angle.value - links["rocker"].angle.value)))
+        return angle
+
     @property
-    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """The coupler from the crank pin to the rocker, and the rocker from its pin to its axis."""
         lengths = {"coupler": self.coupler_mm, "rocker": self.rocker_mm}
-        return {name: ((0.0, 0.0), (length, 0.0)) for name, length in lengths.items()}
+        return {name: (((0.0, 0.0), (length, 0.0)),) for name, length in lengths.items()}
 
     def shapes(self) -> Mapping[str, Shape]:
         """Rocker and coupler with an eye at each end."""
-        return {name: Shape((ends,), ends) for name, ends in self.rod_ends_mm.items()}
+        return {name: Shape(bars, bars[0]) for name, bars in self.rod_lines_mm.items()}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
         """Rocker and coupler."""

@@ -203,15 +203,20 @@ class CrankSlider(CrankSliders[float], RodMechanism):
             "rod": Link(rod.pin, rod.angle),
         }
 
+    def transmission_rad(self, crank_rad: Array) -> Array:
+        """Between the rod and the direction across the slider's line."""
+        angle: Array = 0.5 * pi - np.abs(self.rod(Jet(crank_rad[None, :])).angle.value)
+        return angle
+
     @property
-    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """From the crank pin to the wrist."""
-        return {"rod": ((0.0, 0.0), (self.rod_mm, 0.0))}
+        return {"rod": (((0.0, 0.0), (self.rod_mm, 0.0)),)}
 
     def shapes(self) -> Mapping[str, Shape]:
         """The rod with an eye at each end."""
-        ends = self.rod_ends_mm["rod"]
-        return {"rod": Shape((ends,), ends)}
+        bars = self.rod_lines_mm["rod"]
+        return {"rod": Shape(bars, bars[0])}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
         """Slider and rod."""

@@ -275,15 +275,27 @@ class Mechanism(Mechanisms[float]):
         """How the links are drawn, except a plain crank, and an output that slides where it is a mere piston."""
         return {}
 
+    def transmission_rad(self, crank_rad: Array) -> Array:
+        """Transmission angles, 0 to pi/2, at crank angles in rad (n,): from what pushes the output to across its way.
+
+        They are least at a dead centre or one of the ``corners``, and pi/2 where the output is pushed along its way.
+        """
+        return np.full_like(crank_rad, 0.5 * pi)
+
     @property
-    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
-        """The joints at both ends of each rod that moves beside the gears, by its name, in the frame of its link."""
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
+        """The middle lines of each link that moves beside the gears, by its name, in its frame: from joint to joint."""
         return {}
 
     @property
-    def pivots_mm(self) -> tuple[Point, ...]:
-        """Axes in the frame, the crank's apart, about which links turn."""
-        return ()
+    def discs_mm(self) -> Mapping[str, float]:
+        """Radii of round bodies about the crank's axis that turn beside the gears, by their names."""
+        return {}
+
+    @property
+    def pivots_mm(self) -> Mapping[str, Point]:
+        """Axes in the frame, the crank's apart, by the names of the links that turn about them."""
+        return {}
 
     @property
     def guides_mm(self) -> tuple[tuple[Point, Point], ...]:

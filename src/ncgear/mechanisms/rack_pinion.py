@@ -99,6 +99,16 @@ class RackPinion(Mechanism):
         rack = Vector(self.displacement(crank_angle), still + self.offset_mm)
         return {"rack": Link(rack, still), "crank": self.crank_link(crank_angle)}
 
+    @property
+    def discs_mm(self) -> Mapping[str, float]:
+        """The pinion up to its pitch circle."""
+        return {self.CRANK: self.radius_mm}
+
+    @property
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
+        """The rack's pitch line, long enough for one turn, as drawn."""
+        return {"rack": (((-self.stroke_mm, 0.0), (0.0, 0.0)),)}
+
     def shapes(self) -> Mapping[str, Shape]:
         """A pinion with twenty straight teeth, and a rack long enough for one turn."""
         return {"rack": Shape(areas=(self._rack(),)), "crank": Shape(areas=(self._pinion(),))}

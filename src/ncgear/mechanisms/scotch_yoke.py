@@ -14,14 +14,14 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force
 from ncgear.mechanisms.masses import Masses
-from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Shape
+from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Term, Vector
 
 SLOT_REACH, BAR = 1.2, 2.7
-"""Half the length of the slot, and the distance from the slot to the slider, in lengths of the crank, for pictures."""
+"""Half the length of the slot, and the distance from it to the slider, in cranks, as drawn: no key gives them."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,12 @@ class ScotchYoke(Mechanism):
         pin = self.crank_body(crank_angle, 0.0).pin
         slider = Vector(self.displacement(crank_angle) + self.nearest_mm, still)
         return {"slider": Link(slider, still), "crank": self.crank_link(crank_angle), "block": Link(pin, still)}
+
+    @property
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
+        """The slider's slot as far as the pin goes, and its bar as long as drawn."""
+        bar, reach = BAR * self.crank_mm, self.crank_mm
+        return {"slider": (((-bar, -reach), (-bar, reach)), ((-bar, 0.0), (0.0, 0.0)))}
 
     def shapes(self) -> Mapping[str, Shape]:
         """The yoke with its slot and the bar to the slider."""

@@ -33,7 +33,7 @@ from ncgear.numerics.plane import Term, Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
 BAR = 1.35
-"""Distance of the ram's origin from its slot in strokes, for pictures: its guide begins beyond the lever."""
+"""Distance of the ram's origin from its slot in strokes, as drawn: its guide begins beyond the lever."""
 
 PLAY = 0.2
 """Length of the slots beyond the way of their pins, in lengths of the crank, for pictures."""
@@ -200,15 +200,22 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         """Across the lever."""
         return pi + asin(self.crank_mm / self.pivot_mm)
 
-    @property
-    def rod_ends_mm(self) -> Mapping[str, tuple[Point, Point]]:
-        """The lever from its far pin to its axis."""
-        return {"lever": ((0.0, 0.0), (self.lever_mm, 0.0))}
+    def transmission_rad(self, crank_rad: Array) -> Array:
+        """Between the way of the lever's pin and the ram's slot: the less, the more the lever leans."""
+        angle: Array = 0.5 * pi - np.abs(self._angle(Jet(crank_rad[None, :])).value - 0.5 * pi)
+        return angle
 
     @property
-    def pivots_mm(self) -> tuple[Point, ...]:
+    def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
+        """The lever from its far pin to its axis; the ram's slot as far as that pin goes, and its bar as drawn."""
+        bar, sinks = -BAR * self.stroke_mm, self.lever_mm * (1.0 - cos(self._swing_rad))
+        ram = ((bar, -sinks), (bar, 0.0)), ((bar, 0.0), (0.0, 0.0))
+        return {"lever": (((0.0, 0.0), (self.lever_mm, 0.0)),), "ram": ram}
+
+    @property
+    def pivots_mm(self) -> Mapping[str, Point]:
         """The lever's axis."""
-        return ((0.0, -self.pivot_mm),)
+        return {"lever": (0.0, -self.pivot_mm)}
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
         """Ram, crank, lever, and the block on the crank's pin, which turns with the lever.

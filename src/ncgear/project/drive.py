@@ -148,7 +148,7 @@ class Drive(Geared):
 
     @computed
     def passings(self) -> tuple[Passing, ...]:
-        """How near crank pin and rods come to what stands beside the gears; none where the pair turns no crank."""
+        """How near crank pin and rods come to what stands beside the gears; none where no linkage moves."""
         from ncgear.project.passing import passings_of
 
         return passings_of(self)

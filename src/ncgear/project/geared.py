@@ -83,9 +83,14 @@ class Geared(Moving):
         return self.design.output.chord_mm(self.pitch.size.module_mm, upper - lower if upper > lower else None)
 
     @property
+    def moves_output(self) -> bool:
+        """Whether its driven shaft moves the output: not that of the first of two pairs in series."""
+        return self.stage in (None, self.design.stages)
+
+    @property
     def turns_crank(self) -> bool:
-        """Whether its driven shaft turns a crank with a pin: not that of the first of two pairs in series."""
-        return self.stage in (None, self.design.stages) and entry_of(self.design.linkage).has_crank_pin
+        """Whether its driven shaft turns a crank with a pin."""
+        return self.moves_output and entry_of(self.design.linkage).has_crank_pin
 
     @computed
     def rack(self) -> BasicRack:

@@ -1,9 +1,11 @@
-"""Whether the crank pin and the rods pass what stands beside the gears: the driving shaft with its hub, end stops.
+"""Whether the crank pin and the rods pass what stands beside the gears: the driving shaft with its hub, end stops,
+axes about which other links turn.
 
 The model is plane.  Crank pin and rods move in one plane beside the gears, seen along the axes.  What can stand in it
-are the driving gear's shaft (as thick as its bore) or hub, and the pins of end stops.  A rod is the straight line
-between its joints, with half its width on both sides and round ends.  The driven shaft cannot stand in the plane: at a
-dead centre every rod lies over the crank's axis.
+are the driving gear's shaft (as thick as its bore) or hub, the pins of end stops, and the axes of rocker and lever,
+taken as lines since no key says how thick they are.  A rod is the straight line between its joints, with half its width
+on both sides and round ends; a yoke is two such lines, slot and bar, a rack its pitch line, and a pinion a disc.  The
+driven shaft cannot stand in the plane: at a dead centre every rod lies over the crank's axis.
 
 Over the cycle the distance of an axis from such a line is a continuous function of the driving angle, which changes no
 faster than the ends of the line move.  So a step between two samples is left out only where it cannot hold the least
@@ -13,7 +15,7 @@ distance; in all others it is looked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import cos, pi, radians, sin
+from math import cos, hypot, pi, radians, sin
 
 import numpy as np
 
@@ -34,12 +36,14 @@ CRANK_PIN = "crank pin"
 class Standing:
     """Something round that stands beside the gears: its name, its centre in the mechanism's frame, its radius in mm.
 
-    The radius is None where the design does not say how thick it is.
+    The radius is None where the design does not say how thick it is, 0 for a line.  ``carries`` is the link about whose
+    axis it stands, if any.
     """
 
     name: str
     center_mm: tuple[float, float]
     radius_mm: float | None
+    carries: str = ""
 
     @property
     def about_driving_axis(self) -> bool:
@@ -79,14 +83,24 @@ class Passing:
 
 
 def passings_of(drive: Geared) -> tuple[Passing, ...]:
-    """All parts of a pair's crank beside all that stands there; none where the pair turns no crank."""
-    if not drive.turns_crank:
+    """All parts that a pair moves beside all that stands there; none where no linkage moves."""
+    linkage = drive.linkage
+    if not (drive.moves_output and linkage.rod_lines_mm):
         return ()
-    return tuple(
+    standing = standing_of(drive)
+    discs = [
+        Passing(disc, one, hypot(*one.center_mm), 0.0, radius_mm)
+        for disc, radius_mm in linkage.discs_mm.items()
+        for one in standing
+    ]
+    lines = [
         Passing(part, one, *least_distance(lines, one.center_mm, drive.transmission), _half_mm(drive, part))
-        for part, lines in center_lines(drive.linkage).items()
-        for one in standing_of(drive)
-    )
+        for part, lines in center_lines(linkage).items()
+        if part != CRANK_PIN or drive.turns_crank
+        for one in standing
+        if one.carries != part
+    ]
+    return (*discs, *lines)
 
 
 def _half_mm(drive: Geared, part: str) -> float | None:
@@ -99,12 +113,13 @@ def _half_mm(drive: Geared, part: str) -> float | None:
 
 
 def standing_of(drive: Geared) -> tuple[Standing, ...]:
-    """What stands beside a pair of gears: shaft or hub of the driving gear, and the pins of end stops."""
+    """What stands beside gears: shaft or hub of the driving gear, axes of other links, and the pins of end stops."""
     gears, distance_mm = drive.gears, drive.pitch.center_distance_mm
     axis_rad = radians(gears.driving_axis_deg)
     driving = distance_mm * cos(axis_rad), distance_mm * sin(axis_rad)
     name, radius_mm = about_axis(gears.driving)
-    found = [Standing(f"driving {name}", driving, radius_mm)]
+    axes = [Standing(f"{link}'s axis", center, 0.0, link) for link, center in drive.linkage.pivots_mm.items()]
+    found = [Standing(f"driving {name}", driving, radius_mm), *axes]
     if drive.pitch.mesh is Mesh.INTERNAL:
         return tuple(found)
     for gear, body, (x, y) in ((Gear.DRIVING, gears.driving, driving), (Gear.DRIVEN, gears.driven, (0.0, 0.0))):
@@ -125,7 +140,8 @@ def about_axis(body: GearBody) -> tuple[str, float | None]:
 
 
 CenterLines = Callable[[Array], tuple[Array, Array, float]]
-"""From crank angles in rad (n,): both ends of a line in mm, complex (n,) each, and their greatest speed in mm/rad."""
+"""From crank angles in rad (n,): both ends of a part's m lines in mm, complex (m, n) each, and their greatest speed in
+mm/rad."""
 
 
 def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
@@ -134,10 +150,11 @@ def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
     def pin(crank_rad: Array) -> tuple[Array, Array, float]:
         at = linkage.crank_body(Jet(crank_rad[None, :]), 0.0).pin
         place = at.x.value + 1j * at.y.value
-        return place, place, linkage.crank_mm
+        return place[None], place[None], linkage.crank_mm
 
     def rod(name: str) -> CenterLines:
-        (x0, y0), (x1, y1) = linkage.rod_ends_mm[name]
+        # Both ends of all lines, shape (2, m, 1)
+        own = (np.array(linkage.rod_lines_mm[name]) @ (1.0, 1j)).T[..., None]
 
         def ends(crank_rad: Array) -> tuple[Array, Array, float]:
             link = linkage.links(Jet.variable(crank_rad, 1))[name]
@@ -145,13 +162,12 @@ def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
             origin = link.origin.x.value + 1j * link.origin.y.value
             slide = link.origin.x.derivative(1) + 1j * link.origin.y.derivative(1)
             turn = 1j * link.angle.derivative(1) * way
-            own = complex(x0, y0), complex(x1, y1)
-            speed = max(float(np.abs(slide + turn * end).max()) for end in own)
-            return origin + way * own[0], origin + way * own[1], speed
+            start, stop = origin + way * own
+            return start, stop, float(np.abs(slide + turn * own).max())
 
         return ends
 
-    return {CRANK_PIN: pin, **{name: rod(name) for name in linkage.rod_ends_mm}}
+    return {CRANK_PIN: pin, **{name: rod(name) for name in linkage.rod_lines_mm}}
 
 
 STEPS, PARTS, LEVELS = 720, 16, 2
@@ -181,7 +197,7 @@ def least_distance(
         crank = transmission.driven_angle(phi1_rad.ravel()).value
         start, stop, speed = lines(crank)
         way = FASTER * speed * np.abs(np.diff(crank.reshape(phi1_rad.shape), axis=-1))
-        return from_segment(point, start, stop).reshape(phi1_rad.shape), way
+        return from_segment(point, start, stop).min(axis=0).reshape(phi1_rad.shape), way
 
     edges = np.linspace(0.0, end, STEPS + 1)
     steps = np.stack([edges[:-1], edges[1:]], axis=-1)
@@ -213,7 +229,7 @@ def _narrowed(distance: Callable[[Array], Array], low: float, high: float) -> tu
 
 
 def from_segment(point: complex, start: Array, stop: Array) -> Array:
-    """Distance of a point from the segments between complex ends, shape (n,)."""
+    """Distance of a point from the segments between complex ends, of their shape."""
     along = stop - start
     square = np.abs(along) ** 2
     with np.errstate(invalid="ignore", divide="ignore"):

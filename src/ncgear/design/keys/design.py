@@ -120,8 +120,9 @@ class Design(Model, Shown):
     @model_validator(mode="after")
     def _a_crank_pin_has_a_crank(self) -> Self:
         pin = self.gears.driven.crank_pin if self.gears else None
-        asked = {"gears.driven.crank_pin": pin, "fit": self.fit}
-        for key, value in asked.items():
+        alone = isinstance(self.linkage, NoLinkage)
+        fit = {"fit": self.fit} if alone else {"fit.rod_width_mm": self.fit and self.fit.rod_width_mm}
+        for key, value in {"gears.driven.crank_pin": pin, **fit}.items():
             if value is not None and not entry_of(self.linkage).has_crank_pin:
                 raise fault(
                     key, "given, but the driven shaft turns no crank here; leave it out, or give a linkage with a crank"

@@ -14,8 +14,8 @@ class Fit(Model):
 
     rod_width_mm: Length | None = Field(
         default=None,
-        description="width of the rod in mm, or of coupler, rocker and lever, across its length and the axes; left "
-        "out: none is assumed, and a build tells the widest that passes",
+        description="width of the rod in mm, or of coupler, rocker, lever, and bar and slot of yoke or ram, across its "
+        "length and the axes; left out: none is assumed, and a build tells the widest that passes",
     )
     driving_shaft: Literal["through", "ends"] = Field(
         default="through",

@@ -168,7 +168,7 @@ def axis_artist(axes: Axes, scene: Scene, style: Style, to_screen: Transform) ->
 
 def pivot_artist(axes: Axes, scene: Scene) -> Moving:
     """The fixed axes of links, the crank's apart."""
-    pivots = np.array(scene.machine.linkage.pivots_mm).reshape(-1, 2)
+    pivots = np.array([*scene.machine.linkage.pivots_mm.values()]).reshape(-1, 2)
     line = Line2D(*pivots.T, transform=axes.transData, **SHAFT)
     axes.add_artist(line)
     return Moving((line,), lambda poses, row: None)

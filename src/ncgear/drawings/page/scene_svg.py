@@ -136,7 +136,7 @@ def _marks(scene: Scene) -> Iterator[str]:
     for pair in scene.pairs:
         start, end = pair.mounting.driving_axis_mm, pair.mounting.driven_axis_mm
         yield f'<path class="centres" d="M{start[0]:.6g} {start[1]:.6g}L{end[0]:.6g} {end[1]:.6g}"/>'
-    for x, y in (*scene.axes_mm, *scene.machine.linkage.pivots_mm):
+    for x, y in (*scene.axes_mm, *scene.machine.linkage.pivots_mm.values()):
         yield f'<path class="shaft" d="M{x:.6g} {y:.6g}h0"/>'
     for name in scene.machine.linkage.PINS:
         yield _group("", name, f'<circle class="pin" r="{pin_radius_mm(scene.machine.linkage):.6g}"/>')

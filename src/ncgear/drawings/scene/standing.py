@@ -139,7 +139,7 @@ SUPPORT_HATCHES = 6
 def supports_mm(linkage: Mechanism) -> list[Array]:
     """The lines of the supports of fixed axes and of guides that stand, in mm, shape (n, 2) each."""
     size, lines = SUPPORT * linkage.crank_mm, list[Array]()
-    for x, y in linkage.pivots_mm:
+    for x, y in linkage.pivots_mm.values():
         foot = y - size
         lines.append(np.array([(x - size, foot), (x, y), (x + size, foot)]))
         lines.append(np.array([(x - 1.4 * size, foot), (x + 1.4 * size, foot)]))
@@ -149,7 +149,7 @@ def supports_mm(linkage: Mechanism) -> list[Array]:
 def support_hatches_mm(linkage: Mechanism) -> Array:
     """Slanting strokes that mark supports and guides as parts of the frame, in mm, shape (n, 2, 2)."""
     size = SUPPORT * linkage.crank_mm
-    grounds = [((x + 1.4 * size, y - size), (x - 1.4 * size, y - size)) for x, y in linkage.pivots_mm]
+    grounds = [((x + 1.4 * size, y - size), (x - 1.4 * size, y - size)) for x, y in linkage.pivots_mm.values()]
     strokes = [np.empty((0, 2, 2))]
     for start, end in map(np.array, (*grounds, *linkage.guides_mm)):
         length = float(np.hypot(*(end - start)))

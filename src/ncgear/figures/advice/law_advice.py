@@ -162,7 +162,7 @@ def ring(drive: Drive) -> Advice | None:
 
 
 def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
-    """A crank pin that comes near to the driving shaft, or to the hub or shaft that carries it.
+    """A crank pin that comes near to the driving shaft, to what carries it, to another link's axis or to an end stop.
 
     The crank is carried by the last driven shaft.  Where the design does not say how thick its pin is, it is taken to
     be as thick as that shaft or, where that has no bore, as the driving one.
@@ -192,6 +192,20 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
             )
             for gear, part, radius in near
             if radius is not None and passing[gear] < radius + pin
+        ),
+        *(
+            Advice(
+                Kind.CRANK_PIN,
+                (Where(angles_deg=((degrees(one.phi1_rad),) * 2,)),),
+                f"the crank pin passes {drawn(round(one.distance_mm, 2), 'mm')} mm from the middle of the "
+                f"{one.standing.name}",
+                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it",
+                (Remedy("set it farther off, or take a thinner crank pin"),),
+                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {one.standing.name}",
+            )
+            for one in drive.passings
+            if one.part == CRANK_PIN and not one.standing.about_driving_axis
+            if one.distance_mm < (one.standing.radius_mm or 0.0) + pin
         ),
         *([NO_BORE] if unknown else []),
     ]
@@ -227,13 +241,13 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
         at, wide = degrees(one.phi1_rad), f"{drawn(2.0 * half, 'mm')} mm wide" if half else "however thin it is"
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
         lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
-        taken = drawn(radius, "mm")
+        taken = f", and {drawn(radius, 'mm')} mm of it are taken" if radius else ""
         found.append(
             Advice(
                 Kind.ROD,
                 (Where(angles_deg=((at, at),)),),
                 f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
-                f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {to_digits(at, 4)} deg, and {taken} mm of it are taken",
+                f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {to_digits(at, 4)} deg{taken}",
                 f"a {one.part}, {wide}, cannot pass there",
                 (
                     Remedy(

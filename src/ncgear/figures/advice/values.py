@@ -23,6 +23,7 @@ class Kind(StrEnum):
     JAMS = "jams"
     CONTACT_RATIO = "contact_ratio"
     PRESSURE_ANGLE = "pressure_angle"
+    TRANSMISSION_ANGLE = "transmission_angle"
     CRANK_PIN = "crank_pin"
     ROD = "rod"
     DRIVETRAIN = "drivetrain"

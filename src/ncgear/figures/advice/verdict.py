@@ -15,7 +15,15 @@ from typing import Any
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
-from ncgear.figures.advice import drivetrain_advice, given_advice, law_advice, made_advice, strength_advice, wish_advice
+from ncgear.figures.advice import (
+    drivetrain_advice,
+    given_advice,
+    law_advice,
+    linkage_advice,
+    made_advice,
+    strength_advice,
+    wish_advice,
+)
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
@@ -73,6 +81,10 @@ def _crank(drive: Drive) -> bool:
     return _gears(drive) and drive.turns_crank and drive.linkage.RETURNS
 
 
+def _beside(drive: Drive) -> bool:
+    return _gears(drive) and drive.moves_output and bool(drive.linkage.rod_lines_mm)
+
+
 def _load(drive: Drive) -> bool:
     return drive.design.resistance is not None or drive.design.masses is not None
 
@@ -120,13 +132,20 @@ CONDITIONS: dict[Kind, Condition] = {
         _gears,
         _one(law_advice.pressure_angle),
     ),
+    Kind.TRANSMISSION_ANGLE: Condition(
+        "transmission angle",
+        f"the transmission angle stays over {linkage_advice.FLATTEST_DEG:g} deg",
+        lambda drive: bool(drive.linkage.RODS),
+        _one(linkage_advice.transmission_angle),
+        of_pair=False,
+    ),
     Kind.CRANK_PIN: Condition(
         "crank pin",
         "the crank pin passes shafts and hubs",
         _crank,
         lambda drive: (*law_advice.crank_pin(drive), law_advice.pin_beside_hub(drive)),
     ),
-    Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _crank, law_advice.rods),
+    Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _beside, law_advice.rods),
     Kind.DRIVETRAIN: Condition(
         "drivetrain",
         "shafts, keys, bearings, motor and couplings hold",
