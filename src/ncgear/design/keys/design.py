@@ -183,6 +183,21 @@ class Design(Model, Shown):
         return self
 
     @model_validator(mode="after")
+    def _shafts_go_through_their_gears(self) -> Self:
+        if self.drivetrain is None or self.gears is None:
+            return self
+        for name in ("driving", "driven"):
+            shaft, bore = getattr(self.drivetrain, f"{name}_shaft"), getattr(self.gears, name).bore_mm
+            diameter = shaft and shaft.diameter_mm
+            if diameter and bore and diameter > bore:
+                raise fault(
+                    f"drivetrain.{name}_shaft.diameter_mm",
+                    f"{diameter:.10g} mm does not go into gears.{name}.bore_mm, {bore:.10g} mm; as much or less is "
+                    "right",
+                )
+        return self
+
+    @model_validator(mode="after")
     def _open_gears(self) -> Self:
         """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
 
