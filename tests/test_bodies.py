@@ -473,7 +473,12 @@ NO_ROOM = [
     ),
     ("first_layer_chamfer_mm: {}", 2.0, "first_layer_chamfer_mm", "2 mm off the edges"),
     ("process_clearance_mm: {}", 1.5, "process_clearance_mm", r"1\.5 mm off the edges"),
-    ("process_clearance_mm: 0.2\n  driving: {{bore_mm: {}}}", 55.0, "driving.bore_mm", "reaches the tooth outline"),
+    (
+        "process_clearance_mm: 0.2\n  driving: {{bore_mm: {}}}",
+        55.0,
+        "driving.bore_mm",
+        "leaves less than 2 mm, one module",
+    ),
 ]
 
 
@@ -518,17 +523,6 @@ SCREW = "hub: {{diameter_mm: 20, height_mm: 6, set_screw: {{{}}}}}"
 
 WRONG = [
     ("driving: {hub: {diameter_mm: 0, height_mm: 3}}", "driving.hub.diameter_mm", "0"),
-    ("driving: {bore_mm: 12, hub: {diameter_mm: 12, height_mm: 3}}", "driving.hub.diameter_mm", "over 12 mm is right"),
-    (
-        "driving: {bore_mm: 8, keyway: {width_mm: 6, depth_mm: 4}, hub: {diameter_mm: 16, height_mm: 3}}",
-        "driving.hub.diameter_mm",
-        "over 17.09 mm is right",
-    ),
-    (
-        "driving: {bore_mm: 8, web: {thickness_mm: 3, rim_mm: 3, hub_mm: 7}}",
-        "driving.web.hub_mm",
-        "over 8 mm is right",
-    ),
     ("driving: {bore_mm: 8, web: {thickness_mm: 3, rim_mm: 3}}", "driving.web", "neither hub_mm nor a hub is given"),
     (
         "driving: {hub: {diameter_mm: 20, height_mm: 3}, web: {thickness_mm: 3, rim_mm: 3, hub_mm: 19}}",
@@ -573,11 +567,35 @@ def test_wrong_bodies_are_refused_with_their_place(text: str, key: str, problem:
     assert caught.value.location
 
 
+AROUND_BORE = [
+    ("bore_mm: 12, hub: {{diameter_mm: {}, height_mm: 3}}", "hub.diameter_mm", 16.0),
+    ("bore_mm: 8, web: {{thickness_mm: 3, rim_mm: 3, hub_mm: {}}}", "web.hub_mm", 12.0),
+    # Twice the way to the keyway's corner, hypot(8, 3), and two modules.
+    (
+        "bore_mm: 8, keyway: {{width_mm: 6, depth_mm: 4}}, hub: {{diameter_mm: {}, height_mm: 3}}",
+        "hub.diameter_mm",
+        21.09,
+    ),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("text", "key", "least"), AROUND_BORE)
+def test_what_stands_about_the_axis_keeps_a_module_around_the_bore(text: str, key: str, least: float) -> None:
+    def body(size: float) -> Drive:
+        return asked("  driving: {" + text.format(size) + "}")
+
+    with pytest.raises(WrongInput, match=rf"one module, .*; {least:g} mm or more is right") as caught:
+        body(least - 0.01).solids  # noqa: B018
+    assert caught.value.key == f"gears.driving.{key}"
+    assert body(least).solids.driving.mesh.is_watertight
+
+
 OF_PROCESS = [
     (
-        "process_clearance_mm: 0.5\n  driving: {bore_mm: 12, hub: {diameter_mm: 12.9, height_mm: 3}}",
+        "process_clearance_mm: 0.5\n  driving: {bore_mm: 12, hub: {diameter_mm: 16.9, height_mm: 3}}",
         "driving.hub.diameter_mm",
-        "over 13 mm is right",
+        "17 mm or more is right",
     ),
     (
         "first_layer_chamfer_mm: 3\n  driven: {web: {thickness_mm: 3, rim_mm: 3, hub_mm: 9}}",

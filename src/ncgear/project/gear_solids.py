@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING, TypeVar
 
-from ncgear.design.keys.bodies import GearBody, chamfer_fault, hub_wall_fault
+from ncgear.design.keys.bodies import GearBody, chamfer_fault
 from ncgear.design.keys.bodies import Hub as AskedHub
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import WrongInput
@@ -84,13 +84,12 @@ PROCESS = ("first_layer_chamfer_mm", "process_clearance_mm")
 
 
 def _require_room_for_process(gears: Gears) -> None:
-    """Raise WrongInput where what the process wants leaves no wall around a bore, or is as high as a gear."""
+    """Raise WrongInput where the chamfer that the process wants is as high as a gear or its web."""
     for name, body in (("driving", gears.driving), ("driven", gears.driven)):
-        clearance, chamfer = max(gears.process_clearance_mm, 0.0), gears.first_layer_chamfer_mm
-        for wrong in (hub_wall_fault(name, body, clearance), chamfer_fault(name, body, gears.face_width_mm, chamfer)):
-            if wrong is not None:
-                key, problem = wrong
-                raise WrongInput(problem, key=f"gears.{key}")
+        wrong = chamfer_fault(name, body, gears.face_width_mm, gears.first_layer_chamfer_mm)
+        if wrong is not None:
+            key, problem = wrong
+            raise WrongInput(problem, key=f"gears.{key}")
 
 
 GearMaker = Callable[[Gear, Array, Blank, float, float, Mesh], Made]

@@ -11,7 +11,7 @@ the fillets.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import floor, log10
+from math import ceil, floor, log10
 
 import numpy as np
 import shapely
@@ -152,6 +152,11 @@ def floored(size_mm: float) -> float:
     """A size rounded down to 0.01 mm, so that the stated size itself fits; one below 1 mm to two digits."""
     decimals = max(2, 1 - floor(log10(size_mm))) if size_mm > 0.0 else 2
     return floor(size_mm * 10.0**decimals) / 10.0**decimals
+
+
+def raised(size_mm: float) -> float:
+    """A size rounded up to 0.01 mm, so that the stated size itself is enough."""
+    return ceil(size_mm * 100.0) / 100.0
 
 
 def said_largest(largest_mm: float, otherwise: str) -> str:

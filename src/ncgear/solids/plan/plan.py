@@ -35,6 +35,7 @@ from ncgear.solids.plan.room import (
     require_hub_room,
     require_room,
     require_slot_room,
+    require_wall_around_bore,
     rim_hole,
 )
 
@@ -67,12 +68,15 @@ def planned_within(
     disc: Polygon, room: Polygon, blank: Blank, direction_rad: float, module_mm: float, tolerance_mm: float, key: str
 ) -> BodyPlan:
     """The body on a disc, for whose cuts there is the room that all sections of the gear have in common."""
-    if blank.bore is not None:
-        require_room(room, blank.bore, tolerance_mm, key, blank.clearance_mm)
-    if blank.hub is not None:
-        require_hub_room(room, blank.hub, key)
     bore = blank.bore.widened(blank.clearance_mm) if blank.bore else None
     hub_mm = blank.hub.diameter_mm if blank.hub else 0.0
+    if blank.bore is not None:
+        require_room(room, blank.bore, INNER_WALL_IN_MODULES * module_mm, tolerance_mm, key, blank.clearance_mm)
+    if blank.hub is not None:
+        require_hub_room(room, blank.hub, key)
+    for name, about_axis_mm in (("hub.diameter_mm", hub_mm), ("web.hub_mm", blank.web.hub_mm if blank.web else 0.0)):
+        if bore is not None and about_axis_mm:
+            require_wall_around_bore(bore, about_axis_mm, INNER_WALL_IN_MODULES * module_mm, f"{key}.{name}")
     slot, pin_mm = _slot(room, blank, around_axis(bore, hub_mm, module_mm), direction_rad, module_mm, key)
     cuts = [slot_points(slot, tolerance_mm)] if slot else []
     crank_pin = _crank_pin(room, blank, [around_axis(bore, hub_mm, module_mm), *map(Polygon, cuts)], module_mm, key)
