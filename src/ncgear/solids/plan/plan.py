@@ -11,10 +11,9 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.solids.plan.areas import moved_inwards, moved_outwards
+from ncgear.solids.plan.areas import TooThick, moved_inwards, moved_outwards
 from ncgear.solids.plan.body import (
     ArcSlot,
     Blank,
@@ -145,15 +144,17 @@ def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
 def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
     """The body with all that is cut through moved out of the material by half a kerf; pockets stay, a mill makes them.
 
-    Raises WrongInput where the cutter does not leave the finished gear, or does not go into a bore, keyway or hole.
+    Raises TooThick where the cutter does not leave the finished gear, or does not go into a bore, keyway or hole.
     """
-    for name, width in _widths_cut(plan):
-        if width <= 2.0 * half_mm:
-            raise WrongInput(
-                f"a kerf of {2.0 * half_mm:g} mm does not go into {name} of {width:g} mm; over {-width / 2.0:g} mm is "
-                "right",
-                key=CLEARANCE_KEY,
-            )
+    openings = [(width, name) for name, width in _widths_cut(plan)]
+    if openings and min(openings)[0] <= 2.0 * half_mm:
+        width, name = min(openings)
+        raise TooThick(
+            f"a kerf of {2.0 * half_mm:g} mm does not go into {name} of {width:g} mm; over {-width / 2.0:g} mm is "
+            "right",
+            key=CLEARANCE_KEY,
+            largest_mm=width / 2.0,
+        )
     return replace(
         plan,
         disc=moved_outwards(plan.disc, half_mm, plan.chord_tolerance_mm, CLEARANCE_KEY),

@@ -103,7 +103,7 @@ def require_wall_around_bore(bore: Bore, about_axis_mm: float, wall_mm: float, k
     least = 2.0 * (bore.farthest_mm + wall_mm)
     if about_axis_mm < least:
         problem = f"{about_axis_mm:g} mm leaves less than {wall_mm:g} mm, one module, around bore and keyway"
-        raise WrongInput(f"{problem}; {raised(least):g} mm or more is right", key=key)
+        raise WrongInput(f"{problem}; {raised(least):.10g} mm or more is right", key=key)
 
 
 def require_hub_room(disc: Polygon, hub: Hub, key: str) -> None:
@@ -142,9 +142,9 @@ def require_slot_room(
     if fits(stop.radius_mm):
         return
     reach = float(np.abs(disc.bounds).max())
-    fitting = [radius for radius in np.linspace(0.0, reach, RADII + 1)[1:].tolist() if fits(radius)]
+    fitting = [radius for radius in map(floored, np.linspace(0.0, reach, RADII + 1)[1:].tolist()) if fits(radius)]
     right = (
-        f"{floored(min(fitting, key=lambda radius: abs(radius - stop.radius_mm))):g} mm fits"
+        f"{min(fitting, key=lambda radius: abs(radius - stop.radius_mm)):.10g} mm fits"
         if fitting
         else ("no radius fits; a thinner pin, less clearance_mm, a smaller bore or a larger gear is needed")
     )
