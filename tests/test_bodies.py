@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from math import cos, pi, radians, sin, sqrt
@@ -380,16 +379,6 @@ def test_contact_as_written_is_that_of_the_gears_after_the_cut() -> None:
     assert "lag_max_without_process_rad" not in bodies_summary(drive)
 
 
-def of_both_gears(made: Callable[[float], Drive], fault: WrongInput, pattern: str) -> float:
-    """The size that a fault states as right: that of the first gear with a limit, of which the other's may be less."""
-    size = float(re.search(pattern, fault.problem)[1])
-    try:
-        made(size).solids  # noqa: B018
-    except WrongInput as lower:
-        size = float(re.search(pattern, lower.problem)[1])
-    return size
-
-
 @pytest.mark.tiers(slow=["process_clearance_mm: -0.9*"], rest="quick")
 @pytest.mark.parametrize(
     ("text", "problem"),
@@ -399,6 +388,10 @@ def of_both_gears(made: Callable[[float], Drive], fault: WrongInput, pattern: st
             "process_clearance_mm: -0.5\n  driving: {bore_mm: 8, keyway: {width_mm: 0.9, depth_mm: 1}}",
             r"a kerf of 1 mm does not go into a keyway of 0\.9 mm; over -0\.45 mm is right",
         ),
+        (
+            "process_clearance_mm: -0.5\n  driving: {bore_mm: 0.8}\n  driven: {bore_mm: 0.7}",
+            r"a kerf of 1 mm does not go into a bore of 0\.7 mm; over -0\.35 mm is right",
+        ),
         ("process_clearance_mm: -0.5\n  driving: {bore_mm: 0.8}", r"a kerf of 1 mm does not go into a bore of 0\.8 mm"),
     ],
 )
@@ -407,7 +400,8 @@ def test_a_kerf_that_is_too_wide_is_refused_with_the_widest_that_goes_in(text: s
         asked(f"  {text}").solids  # noqa: B018
     assert caught.value.key == "gears.process_clearance_mm"
     if "is the most" in caught.value.problem:
-        most = of_both_gears(lambda size: asked(f"  process_clearance_mm: {size}"), caught.value, r"; (\S+) mm, a kerf")
+        most = float(re.search(r"; (\S+) mm, a kerf", caught.value.problem)[1])
+        assert asked(f"  process_clearance_mm: {most}").solids.driving.mesh.is_watertight
         with pytest.raises(WrongInput):
             asked(f"  process_clearance_mm: {most - 0.03}").solids  # noqa: B018
 
@@ -473,7 +467,12 @@ NO_ROOM = [
     ),
     ("first_layer_chamfer_mm: {}", 2.0, "first_layer_chamfer_mm", "2 mm off the edges"),
     ("process_clearance_mm: {}", 1.5, "process_clearance_mm", r"1\.5 mm off the edges"),
-    ("process_clearance_mm: 0.2\n  driving: {{bore_mm: {}}}", 55.0, "driving.bore_mm", "reaches the tooth outline"),
+    (
+        "process_clearance_mm: 0.2\n  driving: {{bore_mm: {}}}",
+        55.0,
+        "driving.bore_mm",
+        "leaves less than 2 mm, one module",
+    ),
 ]
 
 
@@ -485,7 +484,7 @@ def test_what_does_not_fit_is_refused_with_the_largest_that_does(
     with pytest.raises(WrongInput, match=problem) as caught:
         asked("  " + text.format(given)).solids  # noqa: B018
     assert caught.value.key == f"gears.{key}"
-    stated = of_both_gears(lambda size: asked("  " + text.format(size)), caught.value, r"largest that fits is (\S+) mm")
+    stated = float(re.search(r"largest that fits is (\S+) mm", caught.value.problem)[1])
     assert asked("  " + text.format(stated)).solids.driving.mesh.is_watertight
     with pytest.raises(WrongInput):
         asked("  " + text.format(stated + 0.03)).solids  # noqa: B018
@@ -518,17 +517,6 @@ SCREW = "hub: {{diameter_mm: 20, height_mm: 6, set_screw: {{{}}}}}"
 
 WRONG = [
     ("driving: {hub: {diameter_mm: 0, height_mm: 3}}", "driving.hub.diameter_mm", "0"),
-    ("driving: {bore_mm: 12, hub: {diameter_mm: 12, height_mm: 3}}", "driving.hub.diameter_mm", "over 12 mm is right"),
-    (
-        "driving: {bore_mm: 8, keyway: {width_mm: 6, depth_mm: 4}, hub: {diameter_mm: 16, height_mm: 3}}",
-        "driving.hub.diameter_mm",
-        "over 17.09 mm is right",
-    ),
-    (
-        "driving: {bore_mm: 8, web: {thickness_mm: 3, rim_mm: 3, hub_mm: 7}}",
-        "driving.web.hub_mm",
-        "over 8 mm is right",
-    ),
     ("driving: {bore_mm: 8, web: {thickness_mm: 3, rim_mm: 3}}", "driving.web", "neither hub_mm nor a hub is given"),
     (
         "driving: {hub: {diameter_mm: 20, height_mm: 3}, web: {thickness_mm: 3, rim_mm: 3, hub_mm: 19}}",
@@ -573,11 +561,35 @@ def test_wrong_bodies_are_refused_with_their_place(text: str, key: str, problem:
     assert caught.value.location
 
 
+AROUND_BORE = [
+    ("bore_mm: 12, hub: {{diameter_mm: {}, height_mm: 3}}", "hub.diameter_mm", 16.0),
+    ("bore_mm: 8, web: {{thickness_mm: 3, rim_mm: 3, hub_mm: {}}}", "web.hub_mm", 12.0),
+    # Twice the way to the keyway's corner, hypot(8, 3), and two modules.
+    (
+        "bore_mm: 8, keyway: {{width_mm: 6, depth_mm: 4}}, hub: {{diameter_mm: {}, height_mm: 3}}",
+        "hub.diameter_mm",
+        21.09,
+    ),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("text", "key", "least"), AROUND_BORE)
+def test_what_stands_about_the_axis_keeps_a_module_around_the_bore(text: str, key: str, least: float) -> None:
+    def body(size: float) -> Drive:
+        return asked("  driving: {" + text.format(size) + "}")
+
+    with pytest.raises(WrongInput, match=rf"one module, .*; {least:g} mm or more is right") as caught:
+        body(least - 0.01).solids  # noqa: B018
+    assert caught.value.key == f"gears.driving.{key}"
+    assert body(least).solids.driving.mesh.is_watertight
+
+
 OF_PROCESS = [
     (
-        "process_clearance_mm: 0.5\n  driving: {bore_mm: 12, hub: {diameter_mm: 12.9, height_mm: 3}}",
+        "process_clearance_mm: 0.5\n  driving: {bore_mm: 12, hub: {diameter_mm: 16.9, height_mm: 3}}",
         "driving.hub.diameter_mm",
-        "over 13 mm is right",
+        "17 mm or more is right",
     ),
     (
         "first_layer_chamfer_mm: 3\n  driven: {web: {thickness_mm: 3, rim_mm: 3, hub_mm: 9}}",

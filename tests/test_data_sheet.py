@@ -17,7 +17,7 @@ from shapely import Point, Polygon
 from drives import built, design_of, drive, loaded
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.data_sheet import sheet as sheet_module
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
@@ -168,10 +168,20 @@ def test_limits_of_the_tooth_thickness_are_limits_of_spans_and_pins() -> None:
 
 @pytest.mark.slow
 def test_a_given_pin_is_taken_and_spaces_where_it_measures_nothing_are_named() -> None:
-    found = data_sheet(changed("ellipse", measuring_pin_mm=3.0))
-    assert row(found, "diameter of measuring pins").driving == 3.0
-    notes = table(found, "Pins of 3 mm in the driving").notes
+    found = data_sheet(changed("ellipse", measuring_pin_mm=3.25))
+    assert row(found, "diameter of measuring pins").driving == 3.25
+    notes = table(found, "Pins of 3.25 mm in the driving").notes
     assert any(note.startswith("not defined in the spaces after teeth") for note in notes)
+
+
+@pytest.mark.thorough
+def test_a_pin_that_measures_in_no_space_is_refused_with_those_that_do() -> None:
+    with pytest.raises(WrongInput, match=r"pins of 20 mm measure in no space .*; (\S+) to (\S+) mm do") as told:
+        _ = changed("ellipse", measuring_pin_mm=20.0).measured
+    assert told.value.key == "gears.measuring_pin_mm"
+    least, largest = (float(word) for word in re.findall(r"(\S+) to (\S+) mm do", told.value.problem)[0])
+    for size in (least, largest):
+        assert all(gear.pins.space.size for gear in changed("ellipse", measuring_pin_mm=size).measured)
 
 
 @pytest.mark.parametrize(

@@ -731,11 +731,26 @@ def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
         ("driving_shaft: {steel: C45}", "bearing_a: missing"),
         ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, key: {}}", "steel: missing"),
         ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, tensile_mpa: 400}", "yield_mpa: missing"),
+        (
+            "driving_shaft: {bearing_a: {at_mm: -9}, bearing_b: {at_mm: 9}, diameter_mm: 8.01}",
+            r"driving_shaft\.diameter_mm: 8\.01 mm does not go into gears\.driving\.bore_mm, 8 mm",
+        ),
+        (
+            "driven_shaft: {bearing_a: {at_mm: -9}, bearing_b: {at_mm: 4.99}}",
+            r"driven_shaft\.bearing_b\.at_mm: 4\.99 mm is within the gear.*; -5 or less, or 5 or more, is right",
+        ),
     ],
 )
 def test_wrong_sections_are_refused(section: str, message: str) -> None:
     with pytest.raises(WrongInput, match=message):
         drive_of_text(f"{PRESS}drivetrain: {{{section}}}\n")
+
+
+def test_a_shaft_that_fits_its_gear_is_taken() -> None:
+    bearings = "bearing_a: {at_mm: -5}, bearing_b: {at_mm: 5}"
+    drive_of_text(f"{PRESS}drivetrain: {{driving_shaft: {{{bearings}, diameter_mm: 8}}}}\n")
+    # The driven gear has no bore.
+    drive_of_text(f"{PRESS}drivetrain: {{driven_shaft: {{{bearings}, diameter_mm: 9}}}}\n")
 
 
 def test_what_the_section_needs_of_the_design() -> None:

@@ -406,7 +406,7 @@ def test_a_bore_must_fit_into_every_section() -> None:
     """Where a tooth stands at z = 0 there is room for a larger bore than where a space has come to stand higher up."""
     pitch = sized_pair(elliptical_law(0.3, 0.0, Lobes()), 21, MODULE, None)
     outline = toothed_pair(pitch, ToothForm(rack()), TOLERANCE).driving.outline_mm
-    room = largest_bore_mm(full_disc(outline, "gears.driving"), Bore(100.0), TOLERANCE)
+    room = largest_bore_mm(full_disc(outline, "gears.driving"), Bore(100.0), MODULE, TOLERANCE)
     helix, plain = Helix(ANGLE, WIDTH, Hand.RIGHT), Blank(WIDTH)
     blanks = {Gear.DRIVING: Blank(WIDTH, Bore(room)), Gear.DRIVEN: plain}
     with pytest.raises(WrongInput, match="largest that fits") as caught:

@@ -15,6 +15,7 @@ import ncgear
 from drives import design_of, drive, loaded
 from ncgear.contact.placement import BACK
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances, Temperatures
+from ncgear.errors import DesignError
 from ncgear.figures.advice.assembly_advice import jams
 from ncgear.figures.advice.values import Advice, Kind, NotJudged
 from ncgear.numerics.arrays import Array
@@ -246,6 +247,25 @@ def test_teeth_too_small_for_the_backlash_are_told_another_way() -> None:
     found = jams(small(module_mm=0.1, teeth=60, first_layer_chamfer_mm=0.01))
     assert isinstance(found, Advice)
     assert [remedy.changes for remedy in found.remedies] == [()]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("eccentricity_mm", "fits"), [(0.3, True), (3.0, False)])
+def test_a_backlash_with_which_teeth_are_pointed_is_not_advised(eccentricity_mm: float, fits: bool) -> None:
+    """It leaves some of each tooth at the pitch curve, and yet the teeth with it are refused."""
+    data = {**deepcopy(SMALL), "motion": {"law": "harmonic_ratio", "cosine": [-0.2]}}
+    data["gears"] = {"teeth": 48, "module_mm": 1.5, "face_width_mm": 12, "backlash_mm": 0.05}
+    data["tolerances"] = {"driving": {"wear_mm": 0.5}, "driven": {"eccentricity_mm": eccentricity_mm}}
+    found = jamming_of(ncgear.Drive(design_of(data)))
+    data["gears"]["backlash_mm"] = found.enough
+    wider = ncgear.Drive(design_of(data))
+    assert wider.play.driven_rad > 0.0
+    assert found.fits is fits
+    if fits:
+        assert wider.teeth
+    else:
+        with pytest.raises(DesignError, match="pointed"):
+            _ = wider.teeth
 
 
 @pytest.mark.parametrize(

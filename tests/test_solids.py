@@ -145,12 +145,12 @@ def test_bore_that_does_not_fit_is_refused_with_the_largest_that_does(bore: Bore
     with pytest.raises(WrongInput):
         extruded(wavy(4000), 20.0, Bore(stated + 0.03, bore.keyway), TOLERANCE)
     if largest is not None:
-        assert stated == pytest.approx(largest - 2.0 * TOLERANCE, abs=0.03)
+        assert stated == pytest.approx(largest - 2.0 * (MODULE + TOLERANCE), abs=0.03)
 
 
 def test_keyway_that_no_bore_makes_room_for() -> None:
     bore = Bore(20.0, Keyway(8.0, 60.0))
-    assert largest_bore_mm(full_disc(wavy(), "gears.driving"), bore, TOLERANCE) == 0.0
+    assert largest_bore_mm(full_disc(wavy(), "gears.driving"), bore, MODULE, TOLERANCE) == 0.0
     with pytest.raises(WrongInput, match="none fits"):
         extruded(wavy(), 20.0, bore, TOLERANCE)
 

@@ -247,6 +247,8 @@ SILENT: dict[str, dict[str, Any]] = {
     "so soon": {"wishes": {"positions": [{"at_mm": 2, "phi1_deg": 0.5, "tolerance_mm": 10}]}},
     "so late": {"wishes": {"positions": [{"at_mm": 1, "phi1_deg": 359.5, "tolerance_mm": 10, "stroke": "return"}]}},
     "no gears": {"gears": None, "tolerances": {"grade": 8}},
+    "strength of nothing": {"resistance": None, "strength": {"life_h": 1000, "lubrication": "dry"}},
+    "simulation of nothing": {"resistance": None, "simulation": {"turns": 3}},
 }
 ACTING: dict[str, dict[str, Any]] = {
     "formula": {"resistance": {"expression_n": "20*max(0, x - 60)"}},
@@ -254,6 +256,8 @@ ACTING: dict[str, dict[str, Any]] = {
     "returning": {"resistance": {"polynomial_n": [60], "returning": {"expression_n": "max(0, 5*x - 300)"}}},
     "friction": {"resistance": {"friction_n": 20}},
     "kept": {"resistance": {"expression_n": "-3 - x", "where_negative": "keep"}},
+    "loaded": {"resistance": {"friction_n": 20}, "strength": {"life_h": 7}, "simulation": {"turns": 3}},
+    "usual strength": {"resistance": None, "strength": {"reliability": 0.99}},
     "place": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 20}]}},
     "place on the way out": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 40}]}},
     "soon": {"wishes": {"positions": [{"at_mm": 2, "phi1_deg": 5, "tolerance_mm": 10}]}},

@@ -338,7 +338,8 @@ class Drive(Geared):
         """The driving and the driven gear as a workshop measures them."""
         from ncgear.project.measured import measured_gears
 
-        return measured_gears(self)
+        with located(self.places):
+            return measured_gears(self)
 
     @property
     def strength(self) -> Strength:

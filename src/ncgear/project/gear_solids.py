@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING, TypeVar
 
-from ncgear.design.keys.bodies import GearBody, chamfer_fault, hub_wall_fault
+from ncgear.design.keys.bodies import GearBody, chamfer_fault
 from ncgear.design.keys.bodies import Hub as AskedHub
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import WrongInput
@@ -16,6 +16,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.solids.helical.helix import Helix
+from ncgear.solids.plan.areas import TooThick
 from ncgear.solids.plan.body import Blank, Bore, EndStop, HoleSet, Hub, Keyway, RingBlank, RoundHole, SetScrew, WebSize
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedPair
@@ -84,13 +85,12 @@ PROCESS = ("first_layer_chamfer_mm", "process_clearance_mm")
 
 
 def _require_room_for_process(gears: Gears) -> None:
-    """Raise WrongInput where what the process wants leaves no wall around a bore, or is as high as a gear."""
+    """Raise WrongInput where the chamfer that the process wants is as high as a gear or its web."""
     for name, body in (("driving", gears.driving), ("driven", gears.driven)):
-        clearance, chamfer = max(gears.process_clearance_mm, 0.0), gears.first_layer_chamfer_mm
-        for wrong in (hub_wall_fault(name, body, clearance), chamfer_fault(name, body, gears.face_width_mm, chamfer)):
-            if wrong is not None:
-                key, problem = wrong
-                raise WrongInput(problem, key=f"gears.{key}")
+        wrong = chamfer_fault(name, body, gears.face_width_mm, gears.first_layer_chamfer_mm)
+        if wrong is not None:
+            key, problem = wrong
+            raise WrongInput(problem, key=f"gears.{key}")
 
 
 GearMaker = Callable[[Gear, Array, Blank, float, float, Mesh], Made]
@@ -105,17 +105,34 @@ def _straight(
     crank_pin: RoundHole | None,
     makers: tuple[GearMaker[Made], RingMaker[Made]],
 ) -> tuple[Made, Made]:
-    """Solids or plans of both gears with straight teeth, by what makes one of a gear and of a ring."""
+    """Solids or plans of both gears with straight teeth, by what makes one of a gear and of a ring.
+
+    What the process wants and neither gear has room for is refused by the gear that has less.
+    """
     gear, ring = makers
     module, outline = pitch.size.module_mm, teeth.driven.outline_mm
     covered = pitch.transmission.lobes.range
     turned = (0.0, 0.0) if covered is None else (covered.driving_rad, pitch.mesh.sense * covered.driven_rad)
     blank = _blank(gears, gears.driving, turned[0])
-    driving = gear(Gear.DRIVING, teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
-    if pitch.driven.is_ring:
-        return driving, ring(outline, _ring_blank(gears, module), module, tolerance_mm)
-    blank = replace(_blank(gears, gears.driven, turned[1]), crank_pin=crank_pin)
-    return driving, gear(Gear.DRIVEN, outline, blank, module, tolerance_mm, Mesh.EXTERNAL)
+
+    def driven() -> Made:
+        if pitch.driven.is_ring:
+            return ring(outline, _ring_blank(gears, module), module, tolerance_mm)
+        asked = replace(_blank(gears, gears.driven, turned[1]), crank_pin=crank_pin)
+        return gear(Gear.DRIVEN, outline, asked, module, tolerance_mm, Mesh.EXTERNAL)
+
+    try:
+        driving = gear(Gear.DRIVING, teeth.driving.outline_mm, blank, module, tolerance_mm, pitch.mesh)
+    except TooThick as first:
+        try:
+            driven()
+        except TooThick as second:
+            if second.key == first.key and second.largest_mm < first.largest_mm:
+                raise second from first
+        except WrongInput:
+            pass
+        raise
+    return driving, driven()
 
 
 def helical_solids(

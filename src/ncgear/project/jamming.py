@@ -1,17 +1,16 @@
-"""From keys to values: how many assemblies of a pair jam, and the backlash that is enough, in a few milliseconds."""
+"""From keys to values: how many assemblies of a pair jam, and the backlash that is enough."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 
 from ncgear.design.keys.tolerances import AssemblyTolerances
-from ncgear.errors import WrongInput
+from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
+from ncgear.project.in_common import drive_like
 from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, rounded_up
-from ncgear.project.tooth_form import backlash_of
 from ncgear.project.usual_tolerances import Process, tolerances_of
-from ncgear.teeth.backlash import play_of
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 
 STEP_MM, STEP_DEG = 0.005, 0.005
@@ -51,7 +50,7 @@ def jamming_of(drive: Drive) -> Jamming:
         key=f"gears.{key}",
         given=given,
         enough=value,
-        fits=all(_leaves_teeth(pair, {key: value}) for pair in drive.whole.by_stage),
+        fits=given >= value or _leaves_teeth(drive.whole, {key: value}),
         tolerances=tolerances,
         process=process,
     )
@@ -80,10 +79,12 @@ def _needed(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Needed:
     return needed(-left_of_backlash(pair, plays.least_rad, plays.least_arm_mm), plays.shared)
 
 
-def _leaves_teeth(pair: Drive, changes: dict[str, float]) -> bool:
-    """Whether a pair has teeth with another backlash."""
+def _leaves_teeth(whole: Drive, changes: dict[str, float]) -> bool:
+    """Whether all pairs have teeth with another backlash: they are made."""
+    gears = whole.gears.model_copy(update=changes)
     try:
-        play_of(pair.pitch, pair.rack, backlash_of(pair.gears.model_copy(update=changes)))
-    except WrongInput:
+        for pair in drive_like(whole, whole.design.model_copy(update={"gears": gears})).by_stage:
+            _ = pair.teeth
+    except DesignError:
         return False
     return True

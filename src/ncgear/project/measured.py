@@ -7,9 +7,10 @@ from math import cos
 
 import numpy as np
 
+from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.metrology.cut_by import CutBy, cut_by
-from ncgear.metrology.pins import Pins, nominal_pin_mm, pins_in_spaces, pins_to_try
+from ncgear.metrology.pins import SOLD_MM, Pins, nominal_pin_mm, pins_in_spaces, pins_to_try
 from ncgear.metrology.round_tool import RoundTool, round_tool
 from ncgear.metrology.span import Spans, spans
 from ncgear.metrology.working import WorkingFlanks, working_flanks
@@ -39,11 +40,11 @@ class MeasuredGear:
     @cached_property
     def pins(self) -> Pins:
         """The pins that fit in the most spaces; of several such, those tried first."""
-        found = [
-            pins_in_spaces(self.working, diameter, self.toothed.outline_mm, self.tolerance_mm)
-            for diameter in self.pins_mm
-        ]
-        return max(found, key=lambda pins: pins.space.size)
+        return max(map(self.pins_of, self.pins_mm), key=lambda pins: pins.space.size)
+
+    def pins_of(self, diameter_mm: float) -> Pins:
+        """Pins of a diameter in all spaces."""
+        return pins_in_spaces(self.working, diameter_mm, self.toothed.outline_mm, self.tolerance_mm)
 
     @cached_property
     def spans(self) -> Spans:
@@ -78,9 +79,18 @@ class MeasuredGear:
 
 
 def measured_gears(drive: Geared) -> tuple[MeasuredGear, MeasuredGear]:
-    """The driving and the driven gear, in the section of ``measured_section``."""
+    """The driving and the driven gear, in the section of ``measured_section``.
+
+    Raises WrongInput where given pins measure in no space, with the least and the largest sold ones that do.
+    """
     teeth = measured_section(drive)
-    return _measured(drive, Gear.DRIVING, teeth.driving), _measured(drive, Gear.DRIVEN, teeth.driven)
+    gears = _measured(drive, Gear.DRIVING, teeth.driving), _measured(drive, Gear.DRIVEN, teeth.driven)
+    given = drive.gears.measuring_pin_mm
+    if given is None or any(gear.pins.space.size for gear in gears):
+        return gears
+    fitting = [size for size in SOLD_MM if all(gear.pins_of(size).space.size for gear in gears)]
+    right = f"{fitting[0]:g} to {fitting[-1]:g} mm do" if fitting else "leave it out"
+    raise WrongInput(f"pins of {given:g} mm measure in no space of either gear; {right}", key="gears.measuring_pin_mm")
 
 
 @dataclass(frozen=True)

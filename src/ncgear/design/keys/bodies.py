@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import hypot
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -152,15 +151,6 @@ class GearBody(Model):
             raise fault("web.hub_mm", problem)
         return self
 
-    def farthest_corner_mm(self, clearance_mm: float) -> float:
-        """Distance from the axis to the farthest corner of bore and keyway, moved outwards by a clearance."""
-        if self.bore_mm is None:
-            return 0.0
-        radius = self.bore_mm / 2.0 + clearance_mm
-        if self.keyway is None:
-            return radius
-        return hypot(radius + self.keyway.depth_mm, self.keyway.width_mm / 2.0 + clearance_mm)
-
 
 class DrivenBody(GearBody):
     """What is cut into the driven gear around its axis or, of a ring, stands around its teeth."""
@@ -183,20 +173,6 @@ class DrivenBody(GearBody):
             for name in ("bore_mm", "hub", "web", "lightening_holes", "end_stop", "crank_pin")
             if getattr(self, name) is not None
         ]
-
-
-def hub_wall_fault(name: str, body: GearBody, clearance: float) -> tuple[str, str] | None:
-    """Where bore and keyway break through the hub, or through what a web leaves about the axis: a key and its fault.
-
-    ``name`` is the gear's key, and bore and keyway are moved outwards by ``clearance``.
-    """
-    least = 2.0 * body.farthest_corner_mm(clearance)
-    hub, web = body.hub.diameter_mm if body.hub else None, body.web.hub_mm if body.web else None
-    for key, diameter in (("hub.diameter_mm", hub), ("web.hub_mm", web)):
-        if diameter is not None and diameter <= least:
-            problem = f"{diameter:g} mm leaves no wall around bore and keyway; over {least:.4g} mm is right"
-            return f"{name}.{key}", problem
-    return None
 
 
 def require_height(name: str, body: GearBody, face_width: float) -> None:

@@ -184,6 +184,37 @@ class Design(Model, Shown):
         return self
 
     @model_validator(mode="after")
+    def _shafts_go_through_their_gears(self) -> Self:
+        if self.drivetrain is None or self.gears is None:
+            return self
+        for name in ("driving", "driven"):
+            shaft, bore = getattr(self.drivetrain, f"{name}_shaft"), getattr(self.gears, name).bore_mm
+            diameter = shaft and shaft.diameter_mm
+            if diameter and bore and diameter > bore:
+                raise fault(
+                    f"drivetrain.{name}_shaft.diameter_mm",
+                    f"{diameter:.10g} mm does not go into gears.{name}.bore_mm, {bore:.10g} mm; as much or less is "
+                    "right",
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _bearings_stand_beside_their_gears(self) -> Self:
+        if self.drivetrain is None or self.gears is None:
+            return self
+        half = self.gears.face_width_mm / 2.0
+        for name in ("driving_shaft", "driven_shaft"):
+            for bearing in ("bearing_a", "bearing_b"):
+                one = getattr(getattr(self.drivetrain, name), bearing, None)
+                if one is not None and abs(one.at_mm) < half:
+                    raise fault(
+                        f"drivetrain.{name}.{bearing}.at_mm",
+                        f"{one.at_mm:.10g} mm is within the gear, which is {2.0 * half:.10g} mm wide; {-half:.10g} or "
+                        f"less, or {half:.10g} or more, is right",
+                    )
+        return self
+
+    @model_validator(mode="after")
     def _open_gears(self) -> Self:
         """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 from pydantic import Field, Strict, model_validator
 
 from ncgear.design.keys.base import Length, Model, fault, listed
-from ncgear.design.keys.bodies import DrivenBody, GearBody, hub_wall_fault, require_height
+from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height
 from ncgear.design.keys.material import WrittenMaterials
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
@@ -427,9 +427,7 @@ class Gears(Model):
         return self
 
     @model_validator(mode="after")
-    def _bodies_have_walls(self) -> Self:
+    def _webs_are_thinner_than_gears(self) -> Self:
         for name, body in (("driving", self.driving), ("driven", self.driven)):
-            if wrong := hub_wall_fault(name, body, 0.0):
-                raise fault(*wrong)
             require_height(name, body, self.face_width_mm)
         return self

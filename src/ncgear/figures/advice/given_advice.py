@@ -43,6 +43,21 @@ def without_effect(drive: Drive) -> Iterator[Advice]:
         )
     if drive.design.gears is None and drive.design.tolerances is not None:
         yield _advice("tolerances are given without gears", "no figure counts them", "give gears")
+    if unloaded := given_without_load(drive):
+        yield _advice(
+            f"{listed(unloaded, 'and')} {'is' if len(unloaded) == 1 else 'are'} given without resistance and masses",
+            "no tooth bears a load, so that no figure counts what is given of it",
+            "give resistance or masses",
+        )
+
+
+def given_without_load(drive: Drive) -> list[str]:
+    """The sections about teeth under load that differ from what they are left out, where nothing loads the teeth."""
+    design = drive.design
+    if design.resistance is not None or design.masses is not None:
+        return []
+    sections = {"strength": design.strength, "simulation": design.simulation}
+    return [name for name, section in sections.items() if section != type(section)()]
 
 
 def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:

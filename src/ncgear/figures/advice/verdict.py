@@ -178,7 +178,12 @@ CONDITIONS: dict[Kind, Condition] = {
     Kind.WITHOUT_EFFECT: Condition(
         "what is given",
         "loads and wishes that are given act",
-        lambda drive: _load(drive) or _wishes(drive) or drive.design.tolerances is not None,
+        lambda drive: (
+            _load(drive)
+            or _wishes(drive)
+            or drive.design.tolerances is not None
+            or bool(given_advice.given_without_load(drive))
+        ),
         given_advice.without_effect,
         of_pair=False,
     ),

@@ -11,7 +11,7 @@ the fillets.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import floor, log10
+from math import ceil, floor, log10
 
 import numpy as np
 import shapely
@@ -29,6 +29,14 @@ SHARPEST = 10.0
 
 RESOLUTION, NEXT_TO_NOTHING = 1e-4, 1e-6
 """Accuracy to which the largest size is found, as a share of it, and as a share of the largest one tried."""
+
+
+class TooThick(WrongInput):
+    """What a process takes off or adds along the edges is more than a gear has room for; ``largest_mm`` has room."""
+
+    def __init__(self, problem: str, *, key: str = "", location: str = "", largest_mm: float = 0.0) -> None:
+        super().__init__(problem, key=key, location=location)
+        self.largest_mm = largest_mm
 
 
 def polygons(area: BaseGeometry) -> list[Polygon]:
@@ -84,7 +92,7 @@ def stl_resolution_mm(coordinates_mm: ArrayLike) -> float:
 def moved_inwards(section: Polygon, distance_mm: float, tolerance_mm: float, key: str) -> Polygon:
     """The inner parallel of a section; moved back, it is the section again to the tolerance.
 
-    Raises WrongInput for ``key``, with the largest distance that can be, where it would lose something: a tooth, a wall
+    Raises TooThick for ``key``, with the largest distance that can be, where it would lose something: a tooth, a wall
     between two holes, or a tip narrower than twice the distance.
     """
     inner = parallel(section, -distance_mm)
@@ -95,13 +103,13 @@ def moved_inwards(section: Polygon, distance_mm: float, tolerance_mm: float, key
     )
     right = said_largest(largest, "none can be taken; larger teeth are needed")
     problem = f"{distance_mm:g} mm off the edges is more than half of the thinnest part of the gear; {right}"
-    raise WrongInput(problem, key=key)
+    raise TooThick(problem, key=key, largest_mm=largest)
 
 
 def moved_outwards(section: Polygon, distance_mm: float, tolerance_mm: float, key: str) -> Polygon:
     """The outer parallel of a section, along which a cutter of twice the distance leaves the section to the tolerance.
 
-    Raises WrongInput for ``key``, with the widest cut that can be, where it would leave more: in a fillet that is
+    Raises TooThick for ``key``, with the widest cut that can be, where it would leave more: in a fillet that is
     rounder than the cutter, or in a space or hole that closes.
     """
     outer = parallel(section, distance_mm)
@@ -112,9 +120,9 @@ def moved_outwards(section: Polygon, distance_mm: float, tolerance_mm: float, ke
     )
     right = "no kerf does; larger teeth or a larger root radius are needed"
     if largest > 0.0:
-        right = f"{-floored(largest):g} mm, a kerf of {2.0 * floored(largest):g} mm, is the most"
+        right = f"{-floored(largest):.10g} mm, a kerf of {2.0 * floored(largest):.10g} mm, is the most"
     problem = f"a kerf of {2.0 * distance_mm:g} mm is wider than the narrowest fillet or space of the gear; {right}"
-    raise WrongInput(problem, key=key)
+    raise TooThick(problem, key=key, largest_mm=largest)
 
 
 def _leaves(section: Polygon, outer: BaseGeometry, distance: float, tolerance: float) -> bool:
@@ -154,6 +162,11 @@ def floored(size_mm: float) -> float:
     return floor(size_mm * 10.0**decimals) / 10.0**decimals
 
 
+def raised(size_mm: float) -> float:
+    """A size rounded up to 0.01 mm, so that the stated size itself is enough."""
+    return ceil(size_mm * 100.0) / 100.0
+
+
 def said_largest(largest_mm: float, otherwise: str) -> str:
     """The end of a refusal: the largest size that fits, or the other remedy where none does."""
-    return f"the largest that fits is {floored(largest_mm):g} mm" if largest_mm > 0.0 else otherwise
+    return f"the largest that fits is {floored(largest_mm):.10g} mm" if largest_mm > 0.0 else otherwise

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from math import acos, asin, ceil, cos, pi, sin, tan
+from math import acos, asin, ceil, cos, hypot, pi, sin, tan
 
 import numpy as np
 import shapely
@@ -61,6 +61,11 @@ class Bore:
     def reach_mm(self) -> float:
         """Distance from the axis to the keyway's floor, or to the bore's circle where there is no keyway."""
         return self.diameter_mm / 2.0 + (self.keyway.depth_mm if self.keyway else 0.0)
+
+    @property
+    def farthest_mm(self) -> float:
+        """Distance from the axis to the farthest corner of the keyway, or to the circle where there is none."""
+        return hypot(self.reach_mm, self.keyway.width_mm / 2.0) if self.keyway else self.reach_mm
 
     def widened(self, distance_mm: float) -> Bore:
         """The bore with its circle and all sides of its keyway moved outwards by a distance."""

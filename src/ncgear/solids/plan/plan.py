@@ -11,10 +11,9 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.solids.plan.areas import moved_inwards, moved_outwards
+from ncgear.solids.plan.areas import TooThick, moved_inwards, moved_outwards
 from ncgear.solids.plan.body import (
     ArcSlot,
     Blank,
@@ -35,6 +34,7 @@ from ncgear.solids.plan.room import (
     require_hub_room,
     require_room,
     require_slot_room,
+    require_wall_around_bore,
     rim_hole,
 )
 
@@ -67,12 +67,15 @@ def planned_within(
     disc: Polygon, room: Polygon, blank: Blank, direction_rad: float, module_mm: float, tolerance_mm: float, key: str
 ) -> BodyPlan:
     """The body on a disc, for whose cuts there is the room that all sections of the gear have in common."""
-    if blank.bore is not None:
-        require_room(room, blank.bore, tolerance_mm, key, blank.clearance_mm)
-    if blank.hub is not None:
-        require_hub_room(room, blank.hub, key)
     bore = blank.bore.widened(blank.clearance_mm) if blank.bore else None
     hub_mm = blank.hub.diameter_mm if blank.hub else 0.0
+    if blank.bore is not None:
+        require_room(room, blank.bore, INNER_WALL_IN_MODULES * module_mm, tolerance_mm, key, blank.clearance_mm)
+    if blank.hub is not None:
+        require_hub_room(room, blank.hub, key)
+    for name, about_axis_mm in (("hub.diameter_mm", hub_mm), ("web.hub_mm", blank.web.hub_mm if blank.web else 0.0)):
+        if bore is not None and about_axis_mm:
+            require_wall_around_bore(bore, about_axis_mm, INNER_WALL_IN_MODULES * module_mm, f"{key}.{name}")
     slot, pin_mm = _slot(room, blank, around_axis(bore, hub_mm, module_mm), direction_rad, module_mm, key)
     cuts = [slot_points(slot, tolerance_mm)] if slot else []
     crank_pin = _crank_pin(room, blank, [around_axis(bore, hub_mm, module_mm), *map(Polygon, cuts)], module_mm, key)
@@ -141,15 +144,17 @@ def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
 def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
     """The body with all that is cut through moved out of the material by half a kerf; pockets stay, a mill makes them.
 
-    Raises WrongInput where the cutter does not leave the finished gear, or does not go into a bore, keyway or hole.
+    Raises TooThick where the cutter does not leave the finished gear, or does not go into a bore, keyway or hole.
     """
-    for name, width in _widths_cut(plan):
-        if width <= 2.0 * half_mm:
-            raise WrongInput(
-                f"a kerf of {2.0 * half_mm:g} mm does not go into {name} of {width:g} mm; over {-width / 2.0:g} mm is "
-                "right",
-                key=CLEARANCE_KEY,
-            )
+    openings = [(width, name) for name, width in _widths_cut(plan)]
+    if openings and min(openings)[0] <= 2.0 * half_mm:
+        width, name = min(openings)
+        raise TooThick(
+            f"a kerf of {2.0 * half_mm:g} mm does not go into {name} of {width:g} mm; over {-width / 2.0:g} mm is "
+            "right",
+            key=CLEARANCE_KEY,
+            largest_mm=width / 2.0,
+        )
     return replace(
         plan,
         disc=moved_outwards(plan.disc, half_mm, plan.chord_tolerance_mm, CLEARANCE_KEY),

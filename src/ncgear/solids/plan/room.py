@@ -18,7 +18,7 @@ from shapely.geometry.base import BaseGeometry
 
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.solids.plan.areas import floored, largest_fitting, said_largest, stl_resolution_mm
+from ncgear.solids.plan.areas import floored, largest_fitting, raised, said_largest, stl_resolution_mm
 from ncgear.solids.plan.body import FEWEST_CHORDS, Bore, EndStop, Hub, RoundHole, bore_points, slot_points
 from ncgear.teeth.outline import simple_polygon
 
@@ -34,7 +34,8 @@ OUTER_WALL_IN_MODULES = 1.5
 between the roots at its sides."""
 
 INNER_WALL_IN_MODULES = 1.0
-"""Least material between the hole and the bore, its keyway, the axis of a gear without bore, or a ring's circle."""
+"""Least material between the hole and the bore, its keyway, the axis of a gear without bore, or a ring's circle; and
+around the bore, to the teeth and to the side of what stands about the axis."""
 
 SLOT_CHORDS = 1e-3
 """Chord tolerance, as a share of its width, of a slot for which room is sought: far under any wall."""
@@ -58,36 +59,51 @@ def common_disc(outlines_mm: Sequence[Array], key: str) -> Polygon:
     return max(shapely.get_parts(common), key=lambda part: part.area)
 
 
-def require_room(disc: Polygon, bore: Bore, chord_tolerance_mm: float, key: str, clearance_mm: float) -> None:
-    """Raise WrongInput for ``key``.bore_mm unless bore and keyway leave a wall of one chord tolerance everywhere.
+def require_room(
+    disc: Polygon, bore: Bore, wall_mm: float, chord_tolerance_mm: float, key: str, clearance_mm: float
+) -> None:
+    """Raise WrongInput for ``key``.bore_mm unless bore and keyway leave a wall everywhere.
 
     They are widened by the clearance first.  The message states the largest bore that fits.
     """
-    if _has_room(disc, bore.widened(clearance_mm), chord_tolerance_mm):
+    if _has_room(disc, bore.widened(clearance_mm), wall_mm, chord_tolerance_mm):
         return
-    largest = largest_bore_mm(disc, bore, chord_tolerance_mm, clearance_mm)
+    largest = largest_bore_mm(disc, bore, wall_mm, chord_tolerance_mm, clearance_mm)
     cut = "a bore" if bore.keyway is None else "a bore with this keyway"
     right = said_largest(largest, "none fits; a larger gear is needed")
-    problem = f"{cut} of {bore.diameter_mm:g} mm reaches the tooth outline; {right}"
+    problem = f"{cut} of {bore.diameter_mm:g} mm leaves less than {wall_mm:g} mm, one module, to the teeth; {right}"
     raise WrongInput(problem, key=f"{key}.bore_mm")
 
 
-def largest_bore_mm(disc: Polygon, bore: Bore, chord_tolerance_mm: float, clearance_mm: float = 0.0) -> float:
+def largest_bore_mm(
+    disc: Polygon, bore: Bore, wall_mm: float, chord_tolerance_mm: float, clearance_mm: float = 0.0
+) -> float:
     """Largest diameter in mm, up to ``bore``'s own, at which it fits with the same keyway; 0 when none does.
 
     A bore lies within every larger one with the same keyway, so that what fits is one interval.
     """
 
     def fits(diameter: float) -> bool:
-        return _has_room(disc, replace(bore, diameter_mm=diameter).widened(clearance_mm), chord_tolerance_mm)
+        return _has_room(disc, replace(bore, diameter_mm=diameter).widened(clearance_mm), wall_mm, chord_tolerance_mm)
 
     return largest_fitting(fits, bore.keyway.width_mm if bore.keyway else 0.0, bore.diameter_mm)
 
 
-def _has_room(disc: Polygon, bore: Bore, wall: float) -> bool:
-    # The true circle bulges beyond its inscribed polygon by up to one chord tolerance, hence twice the wall.
-    cut = Polygon(bore_points(bore, wall))
-    return bool(disc.contains(cut) and cut.distance(disc.exterior) >= 2.0 * wall)
+def _has_room(disc: Polygon, bore: Bore, wall: float, tolerance: float) -> bool:
+    # The true circle bulges beyond its inscribed polygon by up to one chord tolerance.
+    cut = Polygon(bore_points(bore, tolerance))
+    return bool(disc.contains(cut) and cut.distance(disc.exterior) >= wall + tolerance)
+
+
+def require_wall_around_bore(bore: Bore, about_axis_mm: float, wall_mm: float, key: str) -> None:
+    """Raise WrongInput for ``key`` unless what stands about the axis leaves a wall around bore and keyway.
+
+    ``about_axis_mm`` is its diameter; the message states the smallest one that does.
+    """
+    least = 2.0 * (bore.farthest_mm + wall_mm)
+    if about_axis_mm < least:
+        problem = f"{about_axis_mm:g} mm leaves less than {wall_mm:g} mm, one module, around bore and keyway"
+        raise WrongInput(f"{problem}; {raised(least):.10g} mm or more is right", key=key)
 
 
 def require_hub_room(disc: Polygon, hub: Hub, key: str) -> None:
@@ -126,9 +142,9 @@ def require_slot_room(
     if fits(stop.radius_mm):
         return
     reach = float(np.abs(disc.bounds).max())
-    fitting = [radius for radius in np.linspace(0.0, reach, RADII + 1)[1:].tolist() if fits(radius)]
+    fitting = [radius for radius in map(floored, np.linspace(0.0, reach, RADII + 1)[1:].tolist()) if fits(radius)]
     right = (
-        f"{floored(min(fitting, key=lambda radius: abs(radius - stop.radius_mm))):g} mm fits"
+        f"{min(fitting, key=lambda radius: abs(radius - stop.radius_mm)):.10g} mm fits"
         if fitting
         else ("no radius fits; a thinner pin, less clearance_mm, a smaller bore or a larger gear is needed")
     )
