@@ -8,8 +8,7 @@ import queue
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -441,9 +440,8 @@ def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left
     assert all(text == text_of("ellipse") for text, changes in asked.asked if changes)
 
 
-@contextmanager
-def reading() -> Iterator[tuple[worker.Requests, Callable[[int], None]]]:
-    """Requests that are read, and what makes one with a number come."""
+def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker, "PATIENCE_S", 0.0)
     lines: queue.Queue[bytes] = queue.Queue()
     requests = worker.Requests(iter(lines.get, None))  # type: ignore[arg-type]
     before = signal.signal(signal.SIGINT, requests.interrupt)
@@ -452,30 +450,7 @@ def reading() -> Iterator[tuple[worker.Requests, Callable[[int], None]]]:
     def come(number: int) -> None:
         lines.put(json.dumps({"n": number, "changes": {}, "path": "", "text": "x"}).encode())
 
-    try:
-        yield requests, come
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def test_an_answer_waits_for_its_time_and_is_of_what_came_last_by_then(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(worker, "PACE_S", 0.3)
-    with reading() as (requests, come):
-        come(1)
-        begun_s = time.monotonic()
-        assert requests.next()["n"] == 1
-        requests.shown()
-        come(2)
-        threading.Timer(0.05, come, [3]).start()
-        assert requests.next()["n"] == 3
-        assert time.monotonic() - begun_s >= 0.3
-        requests.shown()
-
-
-def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(worker, "PATIENCE_S", 0.0)
-
-    def computed(requests: worker.Requests, seconds: float) -> None:
+    def computed(seconds: float) -> None:
         requests.computing = True
         try:
             end = time.monotonic() + seconds
@@ -484,16 +459,18 @@ def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkey
         finally:
             requests.computing = False
 
-    with reading() as (requests, come):
+    try:
         come(1)
         assert requests.next()["n"] == 1
         come(2)
         with pytest.raises(worker.Superseded):
-            computed(requests, 20.0)
+            computed(20.0)
         assert requests.next()["n"] == 2
         come(3)
-        computed(requests, 0.05)
+        computed(0.05)
         assert not requests.superseded
         requests.shown()
         assert requests.superseded
         assert requests.next()["n"] == 3
+    finally:
+        signal.signal(signal.SIGINT, before)

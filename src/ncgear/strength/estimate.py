@@ -197,7 +197,7 @@ class Estimate:
         moment = load.across * (load.height_mm - height) - load.down * (load.aside_mm - off)
         bent, pressed_down = 12.0 / modulus * moment * moment, load.down**2 / modulus
         energy = (bent / (width * width) + pressed_down + 1.2 / shear * load.across**2) / width
-        tooth = length / 2.0 * np.sum(WEIGHTS[:, None] * energy, axis=0)
+        tooth = length / 2.0 * (WEIGHTS @ energy)
 
         root, other = (self.halves.at(flank, foot) for flank in (places.flank, places.flank ^ 1))
         # The moment about the foot's middle is what the load's part across has by its arm u.
