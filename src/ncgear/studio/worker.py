@@ -44,10 +44,6 @@ IMPORTING = "<frozen importlib._bootstrap>"
 PATIENCE_S = 5.0
 """Time that a picture may take while a newer change waits: several times that of teeth and their strength."""
 
-PACE_S = 0.04
-"""Least time from the beginning of one answer to that of the next: 25 pictures a second move evenly, and the processor
-that more of them would take is left to the slower chains and to the page."""
-
 DONE = "done", None
 """The last message about a request."""
 
@@ -69,7 +65,6 @@ class Requests:
         self._newest: dict[str, Any] | None = None
         self._text = ""
         self._patient_until_s = 0.0
-        self._next_s = 0.0
         self._alarm: threading.Timer | None = None
         self._broken_off = False
         self.computing = False
@@ -90,13 +85,10 @@ class Requests:
                     self._alarm.start()
 
     def next(self) -> dict[str, Any]:
-        """Wait for a request and the time for it, and take it."""
+        """Wait for a request, and take it."""
         with self._come:
             while self._newest is None:
                 self._come.wait()
-            while (early_s := self._next_s - time.monotonic()) > 0.0:
-                self._come.wait(early_s)
-            self._next_s = time.monotonic() + PACE_S
             request, self._newest = self._newest, None
             self._be_patient(inf if self._broken_off else time.monotonic() + PATIENCE_S)
             self._broken_off = False
