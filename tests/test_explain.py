@@ -199,7 +199,7 @@ def test_ideas_without_a_key_are_told(run: Run, idea: str) -> None:
     """Each idea is no key of either file, and every key that it names is one."""
     for root in (Design, Balance):
         assert idea not in {quantity(key.name) for key in keys_of(root)} | {key.name for key in keys_of(root)}
-    status, out, _ = run("explain", *idea.split("_"))
+    status, out, _ = run("explain", idea.replace("_", " "))
     assert (status, out.splitlines()[0]) == (0, f"{idea.replace('_', ' ')} (no key)")
     paths = re.findall(r"\b(?:gears|motion|optimize|wishes)\.[\w.]+\w", IDEAS[idea])
     assert set(paths) <= {key.path for key in keys_of(Design)}

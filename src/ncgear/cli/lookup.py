@@ -16,10 +16,10 @@ from ncgear.cli.progress import steps_shown
 
 def explain(
     key: Annotated[
-        list[str] | None,
+        str | None,
         typer.Argument(
             metavar="[KEY]",
-            help="A key, its last part or an idea: gears.rack.profile, profile, v2, contact ratio. Left out: all keys.",
+            help="A key, its last part or an idea: gears.rack.profile, profile, v2, standstill. Left out: all keys.",
             autocompletion=keys_to_complete,
         ),
     ] = None,
@@ -30,7 +30,7 @@ def explain(
     from ncgear.figures.explained import told, tree
 
     keys = told_keys(of)
-    typer.echo(told(keys, " ".join(key)) if key else tree(keys))
+    typer.echo(tree(keys) if key is None else told(keys, key))
 
 
 def schema(
