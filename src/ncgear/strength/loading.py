@@ -189,7 +189,9 @@ Solved = tuple[Placement, Array, Shared]
 
 
 def _added(meshing: Meshing, pitch: PitchPair, asked: AskedTorque, known: Solved, rolled_mm: Array) -> Solved:
-    """What is known, and then the same at further positions."""
+    """What is known, and then the same at further positions, of which there may be none."""
+    if not rolled_mm.size:
+        return known
     placement, torque, found = known
     added = placed_at(pitch, asked.placement, rolled_mm)
     added_torque = asked.between(added.phi1_rad)
