@@ -344,7 +344,7 @@ def test_check_simulate_and_report_run(run: Run) -> None:
     status, out, err = run("check", "d.yaml", "--verbose")
     assert (status, err) == (0, "")
     assert "stroke                                            760 mm" in out
-    status, out, _ = run("simulate", "d.yaml", "--level", "rigid", "--out", "forces")
+    status, out, _ = run("simulate", "d.yaml", "--level", "rigid", "--out", "forces", "--verbose")
     assert status == 0
     assert "peak crank pin force" in out
     assert "wrist" not in out
