@@ -209,10 +209,12 @@ def test_a_file_that_another_program_has_changed_is_shown_before_it_is_saved_ove
 def test_what_does_not_exist_is_told_and_the_last_machine_stays_behind_it(opened: Opened) -> None:
     page = opened.page
     opened.set("gears.teeth", "3")
-    assert page.locator(".refusal").count() == 1
+    # Of teeth so large neither the contact nor the bore is right; each is told once.
+    told = page.locator(".refusal").all_inner_texts()
+    assert len(set(told)) == len(told) <= 2
     assert page.locator("#stage.pale svg.scene").count() == 1
-    assert "gears." in page.locator(".refusal").inner_text()
-    page.locator(".refusal button").click()
+    assert "gears." in told[0]
+    page.locator(".refusal button").first.click()
     assert page.evaluate("document.activeElement.id").startswith("key-gears.")
     while page.locator("#undo").is_enabled():
         opened.step(page.locator("#undo").click)
