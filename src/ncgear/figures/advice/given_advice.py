@@ -105,9 +105,9 @@ def _beyond(drive: Drive) -> Iterator[Advice]:
         idle = _idle_points(places, forces, stroke)
         if idle:
             aside = max(places) < 0.0 or min(places) > stroke
+            which = "all" if aside else f"{idle} of"
             yield _advice(
-                f"{f'all {len(places)}' if aside else f'{idle} of {len(places)}'} points of {key}.table lie beyond the "
-                f"stroke of {_stroke(drive)}",
+                f"{which} {len(places)} points of {key}.table lie beyond the stroke of {_stroke(drive)}",
                 "the force is that of the nearest one" if aside else "they change nothing",
                 matters=not any(0.0 <= place <= stroke for place in places),
             )
