@@ -46,5 +46,5 @@ def saving_only(path: Path) -> Iterator[Studio]:
 
 
 def _serve(path: Path, said: Any) -> None:
-    chains.CHAINS = ()
+    chains.chains_by_process = tuple
     serve(path, path.parent / "export", listening(0), said.send)

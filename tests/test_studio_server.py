@@ -22,10 +22,9 @@ from websockets.exceptions import InvalidStatus
 from commands import environment, fresh
 from drives import DESIGNS
 from ncgear.studio import chains
-from ncgear.studio.chains import Chain
+from ncgear.studio.chains import Process, chains_by_process
 from ncgear.studio.entrance import open_in_browser
 from ncgear.studio.open_page import OpenPage
-from ncgear.studio.worker import CHAINS
 from studios import Studio, children, is_running, running
 
 pytestmark = pytest.mark.slow
@@ -290,18 +289,18 @@ def test_a_page_that_is_closed_leaves_no_process(studio: Studio) -> None:
         page.settled(page.until("state")["n"])
         end = time.monotonic() + 20
         # Those of pages of other tests may still be on their way out.
-        while len(before := studio.workers) != len(CHAINS):
+        while len(before := studio.workers) != len(chains_by_process()):
             assert time.monotonic() < end, before
     wait_until_gone(before)
 
 
 def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It connects while its last connection still ends, which takes long here, and it follows what is dragged."""
-    ended, path, told = Chain.close, tmp_path / "ellipse.yaml", list[str]()
+    ended, path, told = Process.close, tmp_path / "ellipse.yaml", list[str]()
     shutil.copy(DESIGNS / "ellipse.yaml", path)
 
-    async def ended_late(chain: Chain) -> None:
-        await ended(chain)
+    async def ended_late(process: Process) -> None:
+        await ended(process)
         await asyncio.sleep(1.0)
 
     async def send(text: str) -> None:
@@ -320,10 +319,10 @@ def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatc
         await page.closed()
         return begun
 
-    monkeypatch.setattr(Chain, "close", ended_late)
+    monkeypatch.setattr(Process, "close", ended_late)
     before = children(os.getpid())
     begun = asyncio.run(asyncio.wait_for(load_anew(), 60.0))
-    assert len(begun) == len(CHAINS)
+    assert len(begun) == len(chains_by_process())
     wait_until_gone(begun)
 
 
@@ -342,7 +341,7 @@ def test_a_server_that_is_killed_leaves_the_file_whole_and_no_process(tmp_path: 
     with running(path, tmp_path / "export") as studio, studio.page() as page:
         page.until("motion")
         processes = children(studio.process.pid)
-        assert len(processes) == len(CHAINS)
+        assert len(processes) == len(chains_by_process())
         page.send("set", changes={"operation.speed_rpm": 88})
         page.send("save")
         time.sleep(0.05)
@@ -412,7 +411,7 @@ def test_a_computation_that_takes_too_long_is_ended_and_said(monkeypatch: pytest
         heard.append(json.loads(line))
 
     async def asked() -> None:
-        chain = chains.Chain("gears", told)
+        chain = Process(("gears",), told)
         await chain.ask(1, (DESIGNS / "baler.yaml").read_text(encoding="utf-8"), {}, "d.yaml")
         process = chain._process
         assert process is not None
@@ -453,6 +452,48 @@ def test_the_newest_request_is_answered_and_older_ones_are_broken_off() -> None:
     assert len(set(numbers)) < 60
     figures = [one for one in heard if one["is"] == "figures"]
     assert ["speed", "139 r/min"] in figures[-1]["content"]["facts"]
+
+
+@pytest.mark.slow
+def test_chains_of_one_process_show_a_request_in_both_before_a_newer_one() -> None:
+    """A newer request that comes right after the gears' picture waits for the strength; it then gets all."""
+    text = (DESIGNS / "pusher.yaml").read_text(encoding="utf-8")
+    command = [sys.executable, "-m", "ncgear.studio.worker", "gears", "contact"]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(command, text=True, env=environment(), **pipes) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+
+        def ask(number: int) -> None:
+            request = {
+                "n": number,
+                "changes": {"motion.theta2_pi": 0.5 + number / 1000},
+                "path": "d.yaml",
+                "text": text,
+            }
+            process.stdin.write(json.dumps(request) + "\n")
+            process.stdin.flush()
+
+        def heard_until(is_: str, number: int) -> list[tuple[str, str, int]]:
+            heard: list[tuple[str, str, int]] = []
+            while not heard or heard[-1][0::2] != (is_, number):
+                one = json.loads(process.stdout.readline())
+                heard.append((one["is"], one["from"], one["n"]))
+            return heard
+
+        ask(0)
+        heard_until("scene", 0)
+        ask(1)
+        first = heard_until("strength", 0)
+        assert {number for _, _, number in first} == {0}
+        heard = heard_until("verdict", 1)
+        assert all(number == 1 or kind == "chart" for kind, _, number in heard)
+        kinds = [(kind, chain) for kind, chain, number in heard if number == 1]
+        assert kinds[:2] == [("scene", "gears"), ("scene", "gears")]
+        assert ("done", "gears") in kinds[:3]
+        assert ("strength", "contact") in kinds
+        process.stdin.close()
+        assert process.wait(20) == 0
 
 
 @pytest.mark.tiers(slow=["arguments1-is a folder"], rest="long")

@@ -13,8 +13,8 @@ from typing import Any
 
 from ncgear.errors import DesignError
 from ncgear.studio.faults import refusal
-from ncgear.studio.worker import CHAINS
-from ncgear.workers import ONE_THREAD
+from ncgear.studio.worker import CONTACT, GEARS, MOTION
+from ncgear.workers import ONE_THREAD, core_count
 
 LONGEST_S = 60.0
 """Time for all answers of one text, after which the process is replaced: an ordinary design takes a second or two."""
@@ -22,19 +22,29 @@ LONGEST_S = 60.0
 LONGEST_ANSWER = 64 << 20
 """Bytes of one answer: outlines of gears with thousands of teeth have some megabytes."""
 
+
+def chains_by_process() -> tuple[tuple[str, ...], ...]:
+    """The chains that each process follows.
+
+    On two cores a third process would take turns with the others, and make the gears once more.
+    """
+    return ((MOTION,), (GEARS,), (CONTACT,)) if core_count() > 2 else ((MOTION,), (GEARS, CONTACT))
+
+
 Told = Callable[[str], Awaitable[None]]
 
 
 @dataclass
-class Chain:
-    """One process that computes answers; ``told`` gets each answer as a line of JSON."""
+class Process:
+    """A process that computes the answers of some chains; ``told`` gets each answer as a line of JSON."""
 
-    name: str
+    chains: tuple[str, ...]
     told: Told
     _process: asyncio.subprocess.Process | None = None
     _listening: asyncio.Task[None] | None = None
     _watching: asyncio.Task[None] | None = None
     _asked: int | None = None
+    _open: tuple[str, ...] = ()
     _text: str | None = None
 
     async def ask(self, number: int, text: str, changes: Mapping[str, Any], path: str) -> None:
@@ -42,11 +52,11 @@ class Chain:
         if self._process is None or self._process.returncode is not None:
             await self.start()
         request = {"n": number, "changes": changes, "path": path} | ({} if text is self._text else {"text": text})
-        self._asked, self._text = number, text
+        self._asked, self._open, self._text = number, self.chains, text
         await self._send(json.dumps(request).encode() + b"\n")
         if self._watching is not None:
             self._watching.cancel()
-        self._watching = asyncio.create_task(self._watch(number))
+        self._watching = asyncio.create_task(self._watch())
 
     async def start(self) -> None:
         """Start the process, which makes itself ready before it is asked."""
@@ -56,7 +66,7 @@ class Chain:
             sys.executable,
             "-m",
             "ncgear.studio.worker",
-            self.name,
+            *self.chains,
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             env=environment,
@@ -78,28 +88,25 @@ class Chain:
         assert process.stdout is not None
         with suppress(asyncio.LimitOverrunError, ValueError):
             while line := await process.stdout.readline():
-                if self._asked is not None and line.startswith(b'{"is":"done"') and self._is_newest(line):
-                    self._asked = None
+                if line.startswith(b'{"is":"done"') and (done := json.loads(line))["n"] == self._asked:
+                    self._open = tuple(chain for chain in self._open if chain != done["from"])
                 await self.told(line.decode().rstrip())
-        if process is self._process and self._asked is not None:
+        if process is self._process:
             # It has ended by itself, as when memory is short.
-            number, self._asked = self._asked, None
-            self.kill()
-            await self.told(self._broken(number, "the computation ended without an answer"))
+            await self._give_up("the computation ended without an answer")
 
-    def _is_newest(self, line: bytes) -> bool:
-        return self._asked is not None and json.loads(line)["n"] == self._asked
-
-    async def _watch(self, number: int) -> None:
+    async def _watch(self) -> None:
         await asyncio.sleep(LONGEST_S)
-        if self._asked == number:
-            self._asked = None
-            self.kill()
-            await self.told(self._broken(number, f"stopped after {LONGEST_S:g} s without an answer"))
+        await self._give_up(f"stopped after {LONGEST_S:g} s without an answer")
 
-    def _broken(self, number: int, problem: str) -> str:
-        content = refusal(DesignError(problem))
-        return json.dumps({"is": "refused", "n": number, "from": self.name, "content": content})
+    async def _give_up(self, problem: str) -> None:
+        """End the process where it owes answers, and tell each chain that has not given all of its own."""
+        missing, self._open = self._open, ()
+        if missing:
+            self.kill()
+        for chain in missing:
+            message = {"is": "refused", "n": self._asked, "from": chain, "content": refusal(DesignError(problem))}
+            await self.told(json.dumps(message))
 
     def kill(self) -> None:
         """End the process now; the next question starts another."""
@@ -121,15 +128,15 @@ class Chain:
 
 @dataclass
 class Chains:
-    """All processes of a page."""
+    """All chains of a page."""
 
     told: Told | None = None
-    chains: list[Chain] = field(default_factory=list)
+    processes: list[Process] = field(default_factory=list)
 
     async def start(self) -> None:
         """Start the first before there is a question: the motion is what is seen first."""
-        self.chains = [Chain(name, self._tell) for name in CHAINS]
-        for first in self.chains[:1]:
+        self.processes = [Process(chains, self._tell) for chains in chains_by_process()]
+        for first in self.processes[:1]:
             await first.start()
 
     async def _tell(self, line: str) -> None:
@@ -138,11 +145,11 @@ class Chains:
 
     async def ask(self, number: int, text: str, changes: Mapping[str, Any], path: str) -> None:
         """Ask all for the answers of a text with changes."""
-        if not self.chains:
+        if not self.processes:
             await self.start()
-        await asyncio.gather(*(chain.ask(number, text, changes, path) for chain in self.chains))
+        await asyncio.gather(*(process.ask(number, text, changes, path) for process in self.processes))
 
     async def close(self) -> None:
         """End all."""
-        await asyncio.gather(*(chain.close() for chain in self.chains))
-        self.chains = []
+        await asyncio.gather(*(process.close() for process in self.processes))
+        self.processes = []

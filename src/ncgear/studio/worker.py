@@ -1,13 +1,14 @@
 """A process that computes answers, each for the newest change that was there when it was begun.
 
 What is dragged shall move even if changes come faster than answers, so an answer is finished up to its picture, the
-part named in PICTURES, though a newer change has come; what follows the picture is broken off at once.  A picture that
-takes longer than PATIENCE_S is broken off too, but never two of them in a row: then the hand would see none.
+part named in PICTURES, though a newer change has come; what follows the picture is broken off at once.  Pictures that
+take longer than PATIENCE_S are broken off too, but never two of them in a row: then the hand would see none.
 
 Requests come as lines of JSON on the standard input, answers go as lines of JSON to the standard output.  A request has
 the number ``n``, the ``path`` of the design, ``changes`` by key, and the ``text`` unless it is that of the request
 before.  The process ends with its input, so it never outlives the server.  ``python -m ncgear.studio.worker motion``
-follows the chain of the motion, with ``gears`` or ``contact`` those of the gears.
+follows the chain of the motion, with ``gears`` or ``contact`` those of the gears, with ``gears contact`` both of them,
+one after the other.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from functools import partial
+from functools import cache, partial
 from math import inf
 from pathlib import Path
 from types import FrameType
@@ -95,7 +96,7 @@ class Requests:
             return request
 
     def shown(self) -> None:
-        """Remember that the request has its picture."""
+        """Remember that the request has all its pictures."""
         with self._come:
             self._be_patient(0.0)
 
@@ -106,9 +107,9 @@ class Requests:
             self._alarm = None
 
     @property
-    def superseded(self) -> bool:
-        """Whether a newer request waits, and the one that is computed has its picture."""
-        return self._newest is not None and self._patient_until_s == 0.0
+    def newer(self) -> bool:
+        """Whether a newer request waits."""
+        return self._newest is not None
 
     def interrupt(self, number: int, frame: FrameType | None) -> None:
         """Raise Superseded in the main thread while it computes for an older request, unless it imports a module."""
@@ -125,43 +126,52 @@ class Requests:
 
 def main() -> None:
     """Compute until the input ends."""
-    chain = sys.argv[1]
+    chains = tuple(sys.argv[1:])
     out = os.fdopen(os.dup(1), "wb")
     # Whatever a library prints must not come between the answers.
     os.dup2(2, 1)
-    if chain != MOTION and hasattr(os, "nice"):
+    if MOTION not in chains and hasattr(os, "nice"):
         os.nice(NICENESS)
     requests = Requests(sys.stdin.buffer)
     signal.signal(signal.SIGINT, requests.interrupt)
     end_with_parent(requests.read_all)
 
     from ncgear.studio.answers import guarded
-    from ncgear.studio.faults import refusal
     from ncgear.studio.followed import Followed
 
-    answers, followed = answers_of(chain), Followed()
+    answers, followed = [(chain, answers_of(chain)) for chain in chains], Followed()
     while True:
         request = requests.next()
-        drive = partial(followed.drive, request["text"], request["changes"], Path(request["path"]))
-        found: Iterator[Answer] = guarded(answers, drive)
-        while True:
-            requests.computing = True
+        drive = cache(partial(followed.drive, request["text"], request["changes"], Path(request["path"])))
+        for chain, of_chain in answers:
             try:
-                name, content = next(found, DONE)
-                line = _line(name, request["n"], chain, content)
+                _answer(requests, out, (chain, request["n"], chain == chains[-1]), guarded(of_chain, drive))
             except Superseded:
                 break
-            except ValueError as error:
-                # A number that is not finite is no JSON.
-                name, found = "refused", iter(())
-                line = _line(name, request["n"], chain, refusal(error))
-            finally:
-                requests.computing = False
-            _send(out, line)
-            if name == PICTURES[chain]:
+
+
+def _answer(requests: Requests, out: BinaryIO, asked: tuple[str, int, bool], found: Iterator[Answer]) -> None:
+    """Send the answers of a chain to the request of a number, of which it is the last chain or not."""
+    from ncgear.studio.faults import refusal
+
+    chain, number, is_last = asked
+    name, pictured = "", False
+    while name != DONE[0] and not (pictured and requests.newer):
+        requests.computing = True
+        try:
+            name, content = next(found, DONE)
+            line = _line(name, number, chain, content)
+        except ValueError as error:
+            # A number that is not finite is no JSON.
+            name, found = "refused", iter(())
+            line = _line(name, number, chain, refusal(error))
+        finally:
+            requests.computing = False
+        _send(out, line)
+        if name == PICTURES[chain]:
+            pictured = True
+            if is_last:
                 requests.shown()
-            if name == DONE[0] or requests.superseded:
-                break
 
 
 def answers_of(chain: str) -> Answers:

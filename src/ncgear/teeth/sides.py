@@ -93,9 +93,11 @@ def refuse_sharp_places(pitch: PitchPair) -> None:
 
     Raises NoSuchMechanism with the radius and the angle.
     """
+    least = SHARPEST * pitch.size.module_mm
     for gear in Gear:
+        if max(map(abs, pitch.of(gear).curvature_bounds)) * least <= 1.0:
+            continue
         sharpest = max(pitch.curvature_range[gear], key=lambda extremum: abs(extremum.value))
-        least = SHARPEST * pitch.size.module_mm
         if abs(sharpest.value) * least > 1.0:
             raise NoSuchMechanism(
                 f"the {gear.value} pitch curve is curved with a radius of {1.0 / abs(sharpest.value):.4g} mm at phi1 = "

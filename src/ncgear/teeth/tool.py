@@ -182,7 +182,7 @@ def chosen_tools(pitch: PitchPair, form: ToothForm) -> tuple[CutterKind, tuple[T
     """
     kind = form.cutter.kind
     if kind is CutterKind.AUTO:
-        kind = CutterKind.RACK if least_concave_radius_mm(pitch) is None else CutterKind.MATE
+        kind = CutterKind.MATE if _is_concave(pitch) else CutterKind.RACK
     if kind is CutterKind.MATE:
         return kind, (pitch.driven, pitch.driving)
     if kind is CutterKind.RACK:
@@ -208,6 +208,16 @@ def least_concave_radius_mm(pitch: PitchPair) -> float | None:
     """
     low = min(pitch.curvature_range[gear][0].value for gear in Gear)
     return -1.0 / low if low * pitch.center_distance_mm < -STRAIGHT else None
+
+
+def _is_concave(pitch: PitchPair) -> bool:
+    """Whether ``least_concave_radius_mm`` is one; as a rule bounds or a single place tell, without the least radius."""
+    flat = -STRAIGHT / pitch.center_distance_mm
+    curves = [pitch.of(gear) for gear in Gear]
+    if all(curve.curvature_bounds[0] >= flat for curve in curves):
+        return False
+    dented = any(curve.curvature_at_joints.min() < flat for curve in curves)
+    return dented or least_concave_radius_mm(pitch) is not None
 
 
 def most_teeth(pitch: PitchPair, rack: BasicRack) -> int:
@@ -255,11 +265,9 @@ def _summed(values: Array) -> Array:
 def _refuse_gouging(pitch: PitchPair, rack: BasicRack, curvature: float, cutter: str, remedy: str, key: str) -> None:
     """Refuse a cutter that is flatter than a concave stretch, and so cuts too deep into the hollow flanks there."""
     for gear in Gear:
-        low = pitch.curvature_range[gear][0]
-        if (curvature + low.value) * pitch.center_distance_mm >= -STRAIGHT:
-            continue
         depth = gouged_mm(pitch.of(gear), rack, curvature)
         if not depth <= HARMLESS * rack.module_mm:
+            low = pitch.curvature_range[gear][0]
             raise NoSuchMechanism(
                 f"{cutter} does not go into the {gear.value} pitch curve, which is concave with a radius of "
                 f"{-1.0 / low.value:.4g} mm at phi1 = {in_words(low.at)}: it would cut {depth:.3g} mm deep into the "
