@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -28,16 +29,32 @@ def locked(handle: int, *, wait: bool) -> bool:
     return True
 
 
+BEYOND = 1 << 30
+"""Byte of a file that is locked on Windows, where nobody else can read or write a byte that is locked: beyond all that
+is ever written.  A lock there is of a place, whatever has been read or written before."""
+
+HELD = (errno.EACCES, errno.EDEADLK, getattr(errno, "EDEADLOCK", errno.EDEADLK))
+"""What Windows says of a byte that another holds: at once, and after the ten seconds that it waits."""
+
+
 def _locked_on_windows(handle: int, *, wait: bool) -> bool:
     import msvcrt
 
-    while True:
-        with suppress(OSError):
-            # It tries ten times, once a second, before it fails.
-            msvcrt.locking(handle, msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
-            return True
-        if not wait:
-            return False
+    here = os.lseek(handle, 0, os.SEEK_CUR)
+    os.lseek(handle, BEYOND, os.SEEK_SET)
+    try:
+        while True:
+            try:
+                msvcrt.locking(handle, msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+            except OSError as error:
+                if error.errno not in HELD:
+                    return True
+                if not wait:
+                    return False
+            else:
+                return True
+    finally:
+        os.lseek(handle, here, os.SEEK_SET)
 
 
 @contextmanager
