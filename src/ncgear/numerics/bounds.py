@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import ceil, floor, log10
+from math import ceil, floor, isfinite, log10
 
 DIGITS = 5
 """Significant digits of a bound."""
@@ -20,8 +20,8 @@ def shown_below(value: float, digits: int = DIGITS) -> str:
 
 
 def _rounded(value: float, to: Callable[[float], int], way: int, digits: int) -> str:
-    if value == 0.0:
-        return "0"
+    if value == 0.0 or not isfinite(value):
+        return f"{value + 0.0:g}"
     scale = 10.0 ** (digits - 1 - floor(log10(abs(value))))
     whole = to(value * scale)
     # The product may have been rounded to a whole number from the other side.

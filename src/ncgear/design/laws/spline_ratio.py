@@ -93,7 +93,7 @@ class SplineRatio(LawKeys):
             last = next((i for i, angle in enumerate(angles) if not angle <= (1.0 - NEAREST_TURNS) * turn), None)
             if last is not None:
                 said = f"{angles[last]:g} is the end of the turn or beyond it, and the curve closes by itself"
-                raise fault(f"{key}.{last}", f"{said}; at most {shown_below((1.0 - NEAREST_TURNS) * turn)} is right")
+                raise fault(f"{key}.{last}", f"{said}; under {shown_below(turn)} is right")
         return self
 
     @property
