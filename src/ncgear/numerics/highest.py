@@ -71,14 +71,14 @@ class _Intervals(Columns):
         return np.maximum(self.at_low + STEEPER * from_low, self.at_high + STEEPER * from_high)
 
 
-def largest_of_each(functions: Callable[[Array], Array], places: Array) -> list[Extremum]:
+def largest_of_each(functions: Callable[[Array], Array], places: Array, missed: Array | float = 0.0) -> list[Extremum]:
     """The largest value of each of q functions between the first and the last of rising places, shape (n,), n > 1.
 
     ``functions`` maps places (shape (m,)) to values (shape (q, m)).  One-sided limits at jumps count.  Largest
-    values are known to the share EVEN of themselves.
+    values are known to the share EVEN of themselves, or to ``missed`` where this is more, shape (q,) or one for all.
     """
     values = _evaluated(functions, places)
-    return largest_from(functions, places, values, np.zeros(len(values)))
+    return largest_from(functions, places, values, np.broadcast_to(missed, len(values)))
 
 
 def largest_from(functions: Callable[[Array], Array], places: Array, values: Array, missed: Array) -> list[Extremum]:
