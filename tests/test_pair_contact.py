@@ -151,7 +151,7 @@ def test_no_place_of_a_tip_is_nearer_to_its_root_than_told() -> None:
         return np.array(found)
 
     nine = least(np.linspace(0.001, 0.999, 9), range(driving.teeth))
-    tightest = np.argsort(nine)[:6]
+    tightest = [int(tooth) for tooth in np.argsort(nine)[:6]]
     inner = (np.arange(100) + (sqrt(5.0) - 1.0) / 2.0) / 100.0
     fine = least(np.array([1e-7, *inner, 1.0 - 1e-7]), tightest)
     assert told <= fine.min() + 1e-9

@@ -188,6 +188,7 @@ def test_friction_that_locks_the_teeth_is_refused() -> None:
         loaded_contact(locked, ANGLES, np.full_like(ANGLES, 1e3), 2.0)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_peaks_of_a_load_next_to_nothing_are_not_sought_in_rounding_errors() -> None:
     """No more places than of a load that presses the teeth by micrometres."""
