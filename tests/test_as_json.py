@@ -236,3 +236,19 @@ def test_what_is_no_number_is_not_printed(wrong: float, capsys: pytest.CaptureFi
     with pytest.raises(Unanswered, match=r"b\.a_mm"):
         print_figures({"b": {"a_mm": wrong}})
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("backlash_mm", "broken"), [(0.001, {"jam"}), (0.5, set())])
+def test_assemblies_are_judged_in_json_as_at_the_terminal(backlash_mm: float, broken: set[str], run: Run) -> None:
+    write_files(DESIGN.replace(GEARS, GEARS.replace("gears: {", f"gears: {{backlash_mm: {backlash_mm}, ")))
+    words = "tolerance", "d.yaml", "--samples", "64", "--out", "out"
+    found, (_, said, _) = only_json(run(*words, "--json")[1]), run(*words)
+    rows = {row["condition"]: row for row in found["verdict"]}
+    assert {name for name, row in rows.items() if row["verdict"] == "broken"} == broken
+    assert [row["because"] for row in found["verdict"] if row["because"]] == [
+        line.partition(". To change it")[0] for line in found["warnings"]
+    ]
+    assert all(f"  {rows[name]['because']}" in said for name in broken)
+    assert (f"{len(broken)} warning" in said) == bool(broken)
+    assert ("of the assemblies turn, and none knocks." in said) == (not broken)

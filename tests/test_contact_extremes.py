@@ -12,11 +12,12 @@ from engaged import MODULE, TOLERANCE, designed, made, outlines
 from ncgear.contact.designed.as_designed import as_designed, touch_at
 from ncgear.contact.designed.extremes import CLOSELY, KNOWN, ContactExtremes, contact_extremes
 from ncgear.contact.pair import pair_contact, refuse_overlap, sound_extremes
-from ncgear.contact.placement import placed, placed_at
+from ncgear.contact.placement import Placement, placed, placed_at
 from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.extremes import KNOWN as KNOWN_OF_WRITTEN
 from ncgear.contact.written.play import outline_play
 from ncgear.errors import NoSuchMechanism
+from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.form import TipRelief
 from ncgear.teeth.gear import ToothedPair
 
@@ -54,6 +55,29 @@ def test_sliding_of_circular_gears_is_the_closed_form(name: str, teeth: int, rat
     # Negative control: the positions of the table miss it by about a per cent.
     assert designed(name, teeth).largest_sliding_mm.max() * SPEED < 0.995 * found.sliding_mm_s.value
     assert found.pushing_error_rad.width == found.backlash_rad.width == found.overlap_mm.value == 0.0
+
+
+def places_looked_at(backlash_mm: float, monkeypatch: pytest.MonkeyPatch) -> tuple[int, ContactExtremes]:
+    """How many places the search looks at, and what it finds."""
+    sizes: list[int] = []
+
+    def counting(pitch: PitchPair, even: Placement, rolled_mm: Array) -> Placement:
+        sizes.append(rolled_mm.size)
+        return placed_at(pitch, even, rolled_mm)
+
+    monkeypatch.setattr("ncgear.contact.designed.extremes.placed_at", counting)
+    found = extremes("sine", 31, backlash_mm)
+    return sum(sizes), found
+
+
+def test_next_to_no_backlash_is_found_as_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A play of 1e-4 mm varies by rounding errors alone, and is in proportion to that of 0.05 mm."""
+    usual, wide = places_looked_at(0.05, monkeypatch)
+    tiny, narrow = places_looked_at(1e-4, monkeypatch)
+    assert tiny <= 2 * usual
+    for end in ("low", "high"):
+        share = getattr(narrow.backlash_rad, end).value / getattr(wide.backlash_rad, end).value
+        assert share == pytest.approx(1e-4 / 0.05, rel=1e-3)
 
 
 CASES = [

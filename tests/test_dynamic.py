@@ -307,7 +307,7 @@ def test_on_the_law_a_motor_starts_at_the_operating_speed(no_load: float) -> Non
 @pytest.mark.slow
 def test_a_motor_that_cannot_is_told() -> None:
     weak = Motor(SPEED, 2e3, 50.0)
-    with pytest.raises(NoSuchMechanism, match="does not get round") as caught:
+    with pytest.raises(NoSuchMechanism, match="does not get on") as caught:
         run(mechanism(meshing("uniform", 24), slider_load(), weak), "uniform", 1.0, Start.REST)
     assert caught.value.key == "simulation.motor"
 

@@ -8,7 +8,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from ncgear.numerics.highest import largest_of_each
+from ncgear.errors import Unanswered
+from ncgear.numerics.highest import largest_from, largest_of_each
 
 Array = np.ndarray
 
@@ -81,3 +82,18 @@ def test_what_is_between_samples_is_not_seen() -> None:
     places = np.linspace(0.0, 1.0, 101)
     assert largest_of_each(functions, places)[0].value < 1e-9
     assert largest_of_each(functions, np.union1d(places, [0.512004]))[0].value == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_function_of_rounding_errors_is_refused_at_once() -> None:
+    """Scatter of 1e-8, which differs from one number to the next; known to 1e-7, the same function has an answer."""
+    places, looked_at = np.linspace(0.0, 1.0, 1001), []
+
+    def scattered(x: Array) -> Array:
+        looked_at.append(x.size)
+        return 1.0 + 1e-8 * np.sin(1e15 * x[None])
+
+    with pytest.raises(Unanswered, match="rounding"):
+        largest_of_each(scattered, places)
+    assert sum(looked_at) < 300_000
+    values = scattered(places)
+    assert largest_from(scattered, places, values, np.array([1e-7]))[0].value == values.max()

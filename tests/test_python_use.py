@@ -107,7 +107,7 @@ REPRS = {
     "check": r"KinematicCheck\(peaks at 20 r/min:\n  power 6315\.1 W at 202\.1 deg.*",
     "pitch": r"PitchPair\(external, a = 74\.885 mm, 25:25 teeth of module 3 mm\)",
     "teeth": r"ToothedPair\(cutter mate,\n  driving: ToothedGear\(25 teeth, .*\),\n  driven: ToothedGear\(25 .*\)\)",
-    "designed_contact": r"AsDesigned\(500 positions: transmission error .* rad, backlash up to .* rad, overlap .* mm\)",
+    "designed_contact": r"AsDesigned\(at 500 positions: transmission error .* rad, backlash up to .* rad, overlap .*\)",
     "solids": r"SolidPair\(\n  driving: GearSolid\(.* x 20 mm, \d+ triangles, with index hole\),\n  driven: .*\)",
 }
 

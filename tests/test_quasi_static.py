@@ -186,3 +186,23 @@ def test_friction_that_locks_the_teeth_is_refused() -> None:
     locked = replace(meshing("baler", 25), friction=Friction(9.0, 9.0, 1.0, 10.0))
     with pytest.raises(NoSuchMechanism, match="friction holds them"):
         loaded_contact(locked, ANGLES, np.full_like(ANGLES, 1e3), 2.0)
+
+
+@pytest.mark.long
+@pytest.mark.slow
+def test_peaks_of_a_load_next_to_nothing_are_not_sought_in_rounding_errors() -> None:
+    """No more places than of a load that presses the teeth by micrometres."""
+
+    def places(torque_n_mm: float) -> int:
+        looked_at: list[int] = []
+
+        def loaded_at(phi1: np.ndarray) -> LoadedContact:
+            looked_at.append(phi1.size)
+            return loaded_contact(found, phi1, np.full(phi1.size, torque_n_mm), 2.0)
+
+        peaks = loaded_peaks(loaded_at, ANGLES[::40], 1)
+        assert peaks.depth_mm.value >= 0.0
+        return sum(looked_at)
+
+    found = meshing("sine", 31, backlash_mm=0.1)
+    assert places(1e-9) <= 2 * places(1e4)

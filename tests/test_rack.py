@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import cos, pi, radians, sin, tan
 
@@ -127,5 +128,8 @@ def test_rack_just_possible_is_taken(change: dict[str, float]) -> None:
 
 
 def test_refusal_names_the_largest_radius() -> None:
-    with pytest.raises(WrongInput, match=r"0\.9438 mm is the most"):
+    with pytest.raises(WrongInput, match=r"0\.943\d\d mm is the most") as caught:
         rack(root_radius=0.6)
+    told = re.search(r"([\d.]+) mm is the most", str(caught.value))
+    assert told
+    rack(root_radius=float(told[1]) / rack().module_mm)

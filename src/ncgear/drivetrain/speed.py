@@ -24,6 +24,7 @@ from numpy.polynomial import chebyshev, legendre
 from ncgear.drivetrain.cycle import apart, panels_between
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.motor import Gearbox, StraightLine
+from ncgear.drivetrain.stall import stall_of
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -234,9 +235,9 @@ def _solved(demand: Demand, drive: LineDrive, ends: Array, known: SpeedCourse | 
     inertia, asked = demand.inertia(points)[0], demand.at_any_speed_n_mm(points)
     mean, strongest = float(np.sum(whole * asked)) / float(np.ptp(ends)), float(drive.torque_n_mm(np.zeros(1))[0])
     if mean >= strongest:
-        raise _stops("is stopped by it")
+        raise _stops(demand, drive, "is stopped by it")
     if mean <= 0.0 and drive.overrunning_clutch:
-        raise _stops("is driven by it")
+        raise _stops(demand, drive, "is driven by it")
     # The speed at which the motor gives the mean torque
     energy = inertia * (drive.free_rad_s * (1.0 - mean / strongest)) ** 2 / 2.0
     rounded: tuple[float, ...] = ROUNDED if drive.overrunning_clutch else ROUNDED[-1:]
@@ -262,7 +263,7 @@ def _solved(demand: Demand, drive: LineDrive, ends: Array, known: SpeedCourse | 
             if np.abs(step).max() <= SOLVED * energy.max():
                 break
         else:
-            raise _stops("is stopped by it, or no steady motion is found")
+            raise _stops(demand, drive, "is stopped by it, or no steady motion is found")
     given = drive.torque_n_mm(np.sqrt(2.0 * energy / inertia)) - asked
     return SpeedCourse(demand, drive, _form(ends, unit, given, start))
 
@@ -279,10 +280,16 @@ def _radau() -> tuple[Array, Array, Array]:
     return unit, inside[-1], inside
 
 
-def _stops(how: str) -> NoSuchMechanism:
+FOLLOWED = 20.0
+"""Cycles in which a motor without a steady motion is followed from the wanted speed to where it stops."""
+
+
+def _stops(demand: Demand, drive: LineDrive, how: str) -> NoSuchMechanism:
+    place = stall_of(demand, drive.torque_n_mm, demand.speed_rad_s, FOLLOWED * demand.cycle.cycle_rad)
+    where = "" if place is None else f" ({place})"
     return NoSuchMechanism(
-        f"the motor cannot keep the machine turning evenly from cycle to cycle: it {how}; a stronger motor, another "
-        "gearbox ratio or a larger flywheel is needed",
+        f"the motor cannot keep the machine turning evenly from cycle to cycle: it {how}{where}; a stronger motor, "
+        "another gearbox ratio or a larger flywheel is needed",
         key="drivetrain.motor",
     )
 

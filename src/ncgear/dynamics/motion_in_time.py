@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import StrEnum
 from functools import cached_property
-from math import ceil, pi
+from math import ceil, inf, pi
 from typing import Any, Protocol
 
 import numpy as np
@@ -205,6 +205,10 @@ of its rise over the step, and closed in on from there."""
 JUDGED = 0.618
 """Share of each step at which the balance of energy is taken."""
 
+ON_RAD, MOST_STATES = 0.01, 20_000
+"""Angle by which the driving gear must get on within so many states that the solver looks at.  Machines that turn take
+some 300; one that stands, or trembles between its teeth, takes as many as it is given."""
+
 SLOWEST = 20.0
 """The drive must get round in this many times the time that it takes without load."""
 
@@ -263,25 +267,51 @@ def course(
 ) -> Course:
     """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
 
-    Raises NoSuchMechanism where the drive does not get round, teeth are pressed too deep into each other, or energy
-    does not balance, and Unanswered where the solver fails.
+    Raises NoSuchMechanism where the drive does not get round or on, teeth are pressed too deep into each other, or
+    energy does not balance, and Unanswered where the solver fails.
     """
+    change = _getting_on(machine)
     target = float(state[0]) + 2.0 * pi * turns
     limit_s = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s
     legs: list[Any] = []
     time_s = 0.0
     while True:
-        leg = _leg(machine, (time_s, limit_s), state, target, (accuracy, method))
+        leg = _leg(machine, change, (time_s, limit_s), state, target, (accuracy, method))
         legs.append(leg)
         time_s, state = float(leg.t[-1]), leg.y[:, -1]
         if leg.status == 0:
-            raise _stalled(state)
+            raise _stalled(machine, time_s, state, f"{SLOWEST:g} times as long as it takes without load")
         if leg.t_events[0].size:
             return _checked(_joined(machine, legs))
 
 
+Change = Callable[[float, Array], Array]
+"""Derivatives of a state by time, at a time and a state."""
+
+
+def _getting_on(machine: ToothedMachine) -> Change:
+    """The change of a machine's states, which is no longer told once its driving gear does not get on."""
+    furthest, looked_at = -inf, 0
+
+    def change(time_s: float, state: Array) -> Array:
+        nonlocal furthest, looked_at
+        looked_at += 1
+        if state[0] > furthest + ON_RAD:
+            furthest, looked_at = float(state[0]), 0
+        if looked_at > MOST_STATES:
+            raise _stalled(machine, time_s, state, f"{MOST_STATES} states on one place")
+        return machine.change(time_s, state)
+
+    return change
+
+
 def _leg(
-    machine: ToothedMachine, span_s: tuple[float, float], state: Array, target_rad: float, how: tuple[float, str]
+    machine: ToothedMachine,
+    change: Change,
+    span_s: tuple[float, float],
+    state: Array,
+    target_rad: float,
+    how: tuple[float, str],
 ) -> Any:
     """The solver's answer up to the next stop of the load, or to the end of the course."""
     from scipy.integrate import solve_ivp
@@ -294,7 +324,7 @@ def _leg(
         "atol": accuracy * _scales(machine),
         "max_step": way_rad / max(abs(float(state[3])), machine.drive.speed_rad_s),
     }
-    leg = solve_ivp(machine.change, span_s, state, method, dense_output=True, events=events, **limits)
+    leg = solve_ivp(change, span_s, state, method, dense_output=True, events=events, **limits)
     if leg.status < 0 and machine.meshing.stiffness_key:
         raise NoSuchMechanism(
             "the motion of teeth so stiff cannot be followed in time; a smaller stiffness is right",
@@ -338,9 +368,11 @@ def _unbalanced(found: Course) -> NoSuchMechanism:
     )
 
 
-def _stalled(state: Array) -> NoSuchMechanism:
+def _stalled(machine: ToothedMachine, time_s: float, state: Array, after: str) -> NoSuchMechanism:
+    driving, crank = (in_words(float(state[row])) for row in (0, 2))
+    right = "more torque or a heavier flywheel is needed" if isinstance(machine.drive, Motor) else "softer teeth help"
     return NoSuchMechanism(
-        f"the drive does not get round in {SLOWEST:g} times the time that it takes without load: it is at phi1 = "
-        f"{in_words(float(state[0]))}; more torque or a heavier flywheel is needed",
-        key="simulation.motor",
+        f"the drive does not get on: after {time_s:.4g} s, {after}, it is at phi1 = {driving}, crank at {crank}; "
+        f"{right}",
+        key="simulation.motor" if isinstance(machine.drive, Motor) else "simulation",
     )

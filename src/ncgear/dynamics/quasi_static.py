@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ncgear.contact.designed.as_designed import ALIKE_RAD
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
@@ -129,7 +130,7 @@ def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, p
     """The peaks between the first and the last of rising driving angles, shape (n,), of the teeth loaded at any angles.
 
     ``pairs`` is a number of pairs that bear load together at some angle.  Between two angles the loaded teeth are taken
-    to have one top: the angles have to be dense enough for that.
+    to have one top: the angles have to be dense enough for that.  Peaks are told from rounding as far as angles are.
     """
 
     def sizes(phi1: Array) -> Array:
@@ -139,7 +140,11 @@ def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, p
         further = _depth_of_next_mm(loaded.forces, pairs)
         return np.stack([loaded.tooth_force_n, depth, loaded.driving_torque_n_mm, error, -error, further])
 
-    force, depth, torque, ahead, behind, further = largest_of_each(sizes, phi1_rad)
+    near = loaded_at(phi1_rad[:1]).forces.near
+    lever, stiffness = float(near.lever_mm.max()), float(near.stiffness.max())
+    depth_mm = ALIKE_RAD * lever
+    told = np.array([stiffness * depth_mm, depth_mm, lever * stiffness * depth_mm, ALIKE_RAD, ALIKE_RAD, depth_mm])
+    force, depth, torque, ahead, behind, further = largest_of_each(sizes, phi1_rad, told)
     if further.value > TOUCHING_MM:
         return loaded_peaks(loaded_at, np.union1d(phi1_rad, further.at), pairs + 1)
     return LoadedPeaks(force, depth, torque, ahead.value + behind.value, pairs)

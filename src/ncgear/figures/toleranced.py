@@ -14,9 +14,10 @@ from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.figures.tolerance_words import assumed_words, limit_words
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.tolerance import Tolerated, ToleratedPair
-from ncgear.project.tolerance_limits import TURNING
+from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING
 from ncgear.tolerances.assemblies import Assemblies, PairAssemblies
 from ncgear.tolerances.drawn import Source
 from ncgear.tolerances.iso1328 import rounded_um
@@ -131,6 +132,70 @@ def share_words(share: Share) -> str:
     return f"{value} % ({least} to {largest} % of all)"
 
 
+MOST_OFF = 0.1
+"""Error of the linear model, as a share of what flanks are displaced by, from which it is a warning."""
+
+
+@dataclass(frozen=True)
+class AssembliesJudged:
+    """A condition of assemblies: what is true where it is kept, what ``broken`` it, else empty, and what would help."""
+
+    condition: str
+    kept: str
+    broken: str
+    cures: tuple[str, ...] = ()
+
+
+def judged_assemblies(tolerated: Tolerated) -> list[AssembliesJudged]:
+    """The verdict on the assemblies, the most serious condition first."""
+    needed, jam, knock = (
+        tolerated.needed,
+        tolerated.jam.value,
+        0.0 if tolerated.knock is None else tolerated.knock.value,
+    )
+    off = max(one.error_mm / max(one.displaced_mm, 1e-12) for pair in tolerated.pairs for one in pair.errors)
+    enough = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
+    broken = (
+        jam > MOST_JAMMED and f"{to_digits(100.0 * jam, 3)} % of the assemblies jam",
+        knock > 0.0 and f"{to_digits(100.0 * knock, 3)} % of the assemblies knock",
+        off > MOST_OFF
+        and f"the linear model is off by up to {fixed(100.0 * off, 0)} %: these tolerances are large for such teeth",
+    )
+    conditions = (
+        ("jam", f"no more than {100.0 * MOST_JAMMED:g} % of the assemblies jam", enough),
+        ("knock", "no assembly knocks", ("less backlash, or finer tolerances",)),
+        ("linear_model", f"the linear model is off by {100.0 * MOST_OFF:g} % at the most", ()),
+    )
+    return [
+        AssembliesJudged(name, kept, said or "", cures)
+        for (name, kept, cures), said in zip(conditions, broken, strict=True)
+    ]
+
+
+def _verdict(tolerated: Tolerated) -> dict[str, Any]:
+    """The verdict in full, in the form of that on a machine."""
+    judged = judged_assemblies(tolerated)
+    return {
+        "warnings": [
+            ". To change it: ".join([one.broken, *(["; or ".join(one.cures)] if one.cures else [])])
+            for one in judged
+            if one.broken
+        ],
+        "remarks": [],
+        "verdict": [
+            {
+                "condition": one.condition,
+                "stage": None,
+                "says": one.kept,
+                "verdict": "broken" if one.broken else "kept",
+                "because": one.broken,
+                "remark": "",
+            }
+            for one in judged
+        ],
+    }
+
+
 def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
     """Everything but the single assemblies; what a pair has by itself under ``stages`` where there are two."""
     needed, single = tolerated.needed, len(tolerated.pairs) == 1
@@ -163,6 +228,7 @@ def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
         },
         "index_samples": tolerated.index_samples,
         **(_checks(pair) if single else {"stages": _stages(tolerated)}),
+        **_verdict(tolerated),
     }
 
 

@@ -31,6 +31,7 @@ from ncgear.mechanisms.masses import Masses, RockerMasses
 from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
+from ncgear.numerics.bounds import shown_below
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Term, Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
@@ -218,7 +219,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
         longest = max(others, key=others.__getitem__)
         most = sum(others.values()) - 2.0 * others[longest]
         least = min(most, *others.values())
-        cure = f"a crank under {least:g} mm does" if least > 0.0 else f"a shorter {longest} is needed first"
+        cure = f"a crank under {shown_below(least)} mm does" if least > 0.0 else f"a shorter {longest} is needed first"
         raise WrongInput(
             f"the crank cannot turn fully: it must be the shortest link, and crank + {longest} = "
             f"{self.crank_mm + others[longest]:g} mm less than the other two together, "

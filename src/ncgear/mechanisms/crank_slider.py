@@ -19,6 +19,7 @@ from ncgear.mechanisms.masses import Masses, RodMasses
 from ncgear.mechanisms.mechanism import Link, Mechanisms, MovingMass, Point, Rod, RodMechanism, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Term, Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
@@ -129,7 +130,8 @@ class CrankSlider(CrankSliders[float], RodMechanism):
         if not self.turns_fully:
             raise WrongInput(
                 f"the crank cannot turn fully: rod - crank = {self.rod_mm - self.crank_mm:g} mm, and it must exceed "
-                f"the offset of {abs(self.offset_mm):g} mm; a rod over {self.crank_mm + abs(self.offset_mm):g} mm does",
+                f"the offset of {abs(self.offset_mm):g} mm; a rod over "
+                f"{shown_above(self.crank_mm + abs(self.offset_mm))} mm does",
                 key="linkage.rod_mm",
             )
 

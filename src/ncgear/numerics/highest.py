@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, IndexArray, distinct
 from ncgear.numerics.extrema import Extremum
@@ -33,6 +34,10 @@ teeth of circular gears are all alike."""
 
 LEAST = 1e-200
 """Difference of values that is never told apart; values over it do not overflow."""
+
+MOST_PARTS = 50_000
+"""Most parts that are looked at in a round: where values are rounding errors, each round finds more parts that may lead
+to the highest one, and no end.  Smooth functions with kinks and jumps take some thousands in their first round."""
 
 BLOCK = 1 << 11
 """Places evaluated at once: few enough for the cache, and long motions do not fill the memory."""
@@ -66,20 +71,21 @@ class _Intervals(Columns):
         return np.maximum(self.at_low + STEEPER * from_low, self.at_high + STEEPER * from_high)
 
 
-def largest_of_each(functions: Callable[[Array], Array], places: Array) -> list[Extremum]:
+def largest_of_each(functions: Callable[[Array], Array], places: Array, missed: Array | float = 0.0) -> list[Extremum]:
     """The largest value of each of q functions between the first and the last of rising places, shape (n,), n > 1.
 
     ``functions`` maps places (shape (m,)) to values (shape (q, m)).  One-sided limits at jumps count.  Largest
-    values are known to the share EVEN of themselves.
+    values are known to the share EVEN of themselves, or to ``missed`` where this is more, shape (q,) or one for all.
     """
     values = _evaluated(functions, places)
-    return largest_from(functions, places, values, np.zeros(len(values)))
+    return largest_from(functions, places, values, np.broadcast_to(missed, len(values)))
 
 
 def largest_from(functions: Callable[[Array], Array], places: Array, values: Array, missed: Array) -> list[Extremum]:
     """As ``largest_of_each``, where the values at the places are known, shape (q, n).
 
-    Largest values are known to ``missed`` (shape (q,)), or to EVEN of themselves where this is more.
+    Largest values are known to ``missed`` (shape (q,)), or to EVEN of themselves where this is more.  Raises Unanswered
+    where values are told from each other only by rounding errors, which are more than that.
     """
     best = values.argmax(axis=1)
     top, at = values.max(axis=1), places[best]
@@ -88,6 +94,13 @@ def largest_from(functions: Callable[[Array], Array], places: Array, values: Arr
         left = _worth_cutting(left, top, np.maximum(missed, EVEN * np.abs(top)))
         if not left.owner.size:
             break
+        if SHARES * left.owner.size > MOST_PARTS + places.size * len(values):
+            number = int(np.bincount(left.owner).argmax())
+            raise Unanswered(
+                f"the largest value {top[number]:.3g} was not closed in on, since the values beside it cannot be told "
+                "from rounding errors",
+                rows=[number],
+            )
         inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, SHARES) / SHARES)
         found = _evaluated(functions, inner.ravel()).reshape(-1, *inner.shape)[left.owner, np.arange(left.owner.size)]
         left = _cut(left, inner, found)

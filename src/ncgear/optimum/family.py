@@ -23,6 +23,7 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bounds import shown_above
 from ncgear.optimum.family_samples import BOX, Family, Peak, constant_at, request_at, sampled_laws
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
@@ -237,5 +238,5 @@ def _out_of_reach(family: Family, least: Peak, cap: float, seed: int, starts: in
     lowest = float(np.abs(sampled_laws(family, points[0][None]).of(capped)).max())
     return NoSuchMechanism(
         f"no law of the three-segment family was found with a {capped.value} of {cap:.6g} or less; the least found is "
-        f"{lowest:.6g}"
+        f"{shown_above(lowest)}"
     )

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
-from ncgear.errors import DesignError, WrongInput, located
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.project.computed import computed
 from ncgear.project.geared import Geared
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ncgear.contact.designed.extremes import ContactExtremes, Range
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
+    from ncgear.drivetrain.stall import Stall
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.stiffness import LinearTeeth
+
+MOTOR = "simulation.motor"
 
 
 class Drive(Geared):
@@ -189,6 +192,14 @@ class Drive(Geared):
             return drivetrain_of(self.design, rigid, touching)
 
     @computed
+    def motor_stall(self) -> Stall | None:
+        """Where the motor of the simulation stops within its turns; None where it passes, or where none is given."""
+        from ncgear.project.simulated_motor import motor_stall
+
+        with self.stopwatch("motor"), located(self.places):
+            return motor_stall(self)
+
+    @computed
     def meshing(self) -> Meshing:
         """The straight teeth of the pair under load; raises where they are helical or their contact is not sound.
 
@@ -320,11 +331,16 @@ class Drive(Geared):
         return self.course_with(1.0, ACCURACY)
 
     def course_with(self, stiffness_factor: float, accuracy: float) -> Course:
-        """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does."""
+        """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does.
+
+        A motor that stops on its way is refused at once.
+        """
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import damped, drive_line_of
 
+        if self.motor_stall is not None:
+            raise NoSuchMechanism(f"{self.motor_stall}; more torque or a heavier flywheel is needed", key=MOTOR)
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
         driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
         with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):

@@ -20,6 +20,7 @@ from ncgear.errors import WrongInput
 from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array, distinct
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.strength.stiffness import ISO_N_MM_UM
@@ -37,9 +38,6 @@ DEPTHS_MM = (1e-3, 1.0)
 any of them."""
 
 
-ROUNDED = 1.005
-"""By how much a stiffness may be beyond what can be: what is told to be right is rounded to three digits."""
-
 STIFFNESS = "simulation.stiffness_n_mm"
 
 
@@ -50,9 +48,13 @@ def require_possible_stiffness(given: Simulation, face_width_mm: float) -> None:
     steel = 1e3 * ISO_N_MM_UM * face_width_mm
     least, most = (depth ** (1.0 - given.exponent) for depth in reversed(DEPTHS_MM))
     least, most = SOFTEST * steel * least, STIFFEST * steel * most
-    if least <= ROUNDED * stiffness and stiffness <= ROUNDED * most:
+    if least <= stiffness <= most:
         return
-    never, right = ("soft", f"{least:.3g} or more") if stiffness < least else ("stiff", f"{most:.3g} or less")
+    never, right = (
+        ("soft", f"{shown_above(least, 3)} or more")
+        if stiffness < least
+        else ("stiff", f"{shown_below(most, 3)} or less")
+    )
     raise WrongInput(
         f"{stiffness:g} given, but no teeth of {face_width_mm:g} mm face width are so {never}, those of steel have "
         f"about {steel:.2g} N/mm; {right} is right",

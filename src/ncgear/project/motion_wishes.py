@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from math import ceil, degrees, floor, inf, log10, pi
+from math import degrees, inf, pi
 
 from ncgear.design.keys.base import given, spellings
 from ncgear.design.keys.design import Design
@@ -15,6 +15,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics import wishes as values
 from ncgear.kinematics.wishes import End, Stroke, nearest_dwell_mm
 from ncgear.mechanisms.mechanism import Mechanism, Output
+from ncgear.numerics.bounds import shown_above, shown_below
 
 DIGITS = 3
 """Significant digits of the nearest dwell; it is rounded up, so that it can be made."""
@@ -156,7 +157,8 @@ def _refuse_places(asked: Timing, linkage: Mechanism) -> None:
     for key, place in inside:
         if not place < stroke:
             raise WrongInput(
-                f"{place:g} given, but the stroke is {stroke:g} {unit.text}; less is right", key=f"wishes.{key}_{end}"
+                f"{place:g} given, but the stroke is {shown_below(stroke)} {unit.text}; less is right",
+                key=f"wishes.{key}_{end}",
             )
     reaching = [
         *((f"positions.{number}.at", wish.place("at")) for number, wish in enumerate(asked.positions)),
@@ -165,7 +167,7 @@ def _refuse_places(asked: Timing, linkage: Mechanism) -> None:
     for key, place in reaching:
         if not place <= stroke:
             raise WrongInput(
-                f"{place:g} given, but the stroke is {stroke:g} {unit.text}; at most that is right",
+                f"{place:g} given, but the stroke is {shown_below(stroke)} {unit.text}; at most that is right",
                 key=f"wishes.{key}_{end}",
             )
 
@@ -216,8 +218,8 @@ def _refuse_ratio_and_angle(asked: Timing, cycle_rad: float) -> None:
     if longest * (1.0 + ratio.at_least) < cycle_rad * ratio.at_least * (1.0 - values.NEGLIGIBLE):
         raise WrongInput(
             f"{ratio.at_least:g} given, but a working stroke of {degrees(longest):g} deg takes "
-            f"{longest / (cycle_rad - longest):.4g} times the time of the return; at most that is right, or another "
-            "wishes.working_stroke",
+            f"{shown_below(longest / (cycle_rad - longest))} times the time of the return; at most that is right, or "
+            "another wishes.working_stroke",
             key="wishes.time_ratio.at_least",
         )
 
@@ -244,12 +246,7 @@ def _exact_dwell(key: str, dwell: Dwelling, linkage: Mechanism, ratio_max: float
     return NoSuchMechanism(
         f"0 given, an exact dwell, but gears of a finite ratio never let the crank stand still, and the {output.name} "
         f"stands still at its {dwell.at} end for an instant only; with ratios up to {ratio_max:g} "
-        f"(optimize.limits.ratio_max) it can stay within {_rounded_up(nearest):g} {output.place.text} for "
+        f"(optimize.limits.ratio_max) it can stay within {shown_above(nearest, DIGITS)} {output.place.text} for "
         f"{degrees(dwell.for_angle_rad):g} deg: that or more is right",
         key=key,
     )
-
-
-def _rounded_up(value: float) -> float:
-    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
-    return ceil(value / unit) * unit

@@ -15,6 +15,7 @@ from ncgear.design.laws.made import even_motion
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.mechanisms.masses import Masses
+from ncgear.numerics.bounds import shown_below
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
@@ -222,7 +223,8 @@ def _of_radius(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if not turns > 2.0 * pi:
         largest = driven_teeth * gears.module_mm / 2.0
         raise WrongInput(
-            f"{limits.least_radius_mm:g} mm given; under {largest:g} mm is right, which a circular driven gear has",
+            f"{limits.least_radius_mm:g} mm given; under {shown_below(largest)} mm is right, which a circular "
+            "driven gear has",
             key="optimize.limits.least_radius_mm",
         )
     yield _Curvature(turns, CurvatureWish.LEAST_RADIUS, limits.least_radius_mm)

@@ -25,6 +25,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import SLIDER, Output
 from ncgear.numerics.arrays import Array, Number, chosen
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.roots import real_roots
 from ncgear.numerics.units import RAD_S_PER_RPM, in_words
 
@@ -343,7 +344,7 @@ class _Refused:
             if not self.per_v1 * _known(request.v1_mm_s) + self.per_v2 * v2 > 0.0:
                 reason = (
                     f"the approach goes backwards altogether; theta1 lies too near 0 or theta2: v1 under "
-                    f"{self.most * v2:.5g} {speed.text} is right there, or {self._free_theta1}"
+                    f"{shown_below(self.most * v2)} {speed.text} is right there, or {self._free_theta1}"
                 )
                 return self._reversal(request.theta1_rad, reason, "theta1_rad")
         if not 0.0 < stroke.law_speed_rad_s < inf:
@@ -375,14 +376,15 @@ class _Refused:
     def _too_far_apart(self) -> str:
         """The words for v1 and v2 between which the output turns back, with the values that would do."""
         v1, v2, unit = self.stroke.v1_mm_s, self.stroke.v2_mm_s, self.output.speed.text
-        enough = f"v1 under {self.most * v2:.5g} {unit} is right"
+        enough = f"v1 under {shown_below(self.most * v2)} {unit} is right"
         if self.request.v1_mm_s is None:
             said = f"closing the stroke needs v1 = {v1:.5g} {unit}, too much for v2 = {v2:g}; {enough} with this v2"
         elif self.request.v2_mm_s is None:
-            least = f"over {v1 / self.most:.5g} is right"
+            least = f"over {shown_above(v1 / self.most)} is right"
             said = f"closing the stroke needs v2 = {v2:.5g} {unit}, too little for v1 = {v1:g}; {least}"
         else:
-            said = f"v1 = {v1:g} and v2 = {v2:g} {unit} are too far apart; {enough}, or v2 over {v1 / self.most:.5g}"
+            least = f"v2 over {shown_above(v1 / self.most)}"
+            said = f"v1 = {v1:g} and v2 = {v2:g} {unit} are too far apart; {enough}, or {least}"
         return f"{said}{self._closing_speeds}, or {self._free_theta1}"
 
     @property

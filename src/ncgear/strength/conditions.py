@@ -6,6 +6,7 @@ from typing import Literal
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
+from ncgear.numerics.bounds import shown_below
 from ncgear.strength.material import Family, Material
 
 
@@ -98,9 +99,10 @@ def dynamic_factor(running: Running, line_load_n_mm: float) -> float:
     ratio = z2 / z1
     s = running.pitch_speed_m_s * z1 / 100.0 * (ratio**2 / (1.0 + ratio**2)) ** 0.5
     if s > FASTEST_M_S:
+        fastest = shown_below(running.pitch_speed_m_s * FASTEST_M_S / s, 3)
         raise VibrationUnknown(
-            f"left out, but it is estimated only up to {running.pitch_speed_m_s * FASTEST_M_S / s:.3g} m/s of these "
-            f"pitch curves, which run at {running.pitch_speed_m_s:.3g} m/s; give the dynamic factor of such gears",
+            f"left out, but it is estimated only up to {fastest} m/s of these pitch curves, which run at "
+            f"{running.pitch_speed_m_s:.3g} m/s; give the dynamic factor of such gears",
             key="strength.dynamic_factor",
         )
     term: float = (first / max(line_load_n_mm, LEAST_LINE_LOAD_N_MM) + second) * s * min(2.0, 2.071 - 0.357 * s)

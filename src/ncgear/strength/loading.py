@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ncgear.contact.designed.as_designed import ALIKE_RAD
 from ncgear.contact.designed.extremes import over_cycle
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
 from ncgear.dynamics.meshing import Meshing
@@ -216,7 +217,8 @@ def _extreme_places_mm(
 
     rolled, order = np.unique(known.rolled_mm, return_index=True)
     places, values = over_cycle(replace(known, rolled_mm=rolled), sizes(found)[:, order])
-    extremes = largest_from(at, places, values, KNOWN * np.ptp(values, axis=1))
+    told = np.array([ALIKE_RAD, ALIKE_RAD, 0.0])
+    extremes = largest_from(at, places, values, np.maximum(KNOWN * np.ptp(values, axis=1), told))
     return np.setdiff1d([one.at for one in extremes], places)
 
 

@@ -28,6 +28,7 @@ from math import cos, degrees, sin
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics import jet
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet
 from ncgear.pitch import shape
@@ -87,12 +88,13 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
     if thinner - lower >= allowed:
         raise WrongInput(
             f"{lower:g} mm and the backlash take more than {MOST_THINNED:.0%} of the thickness off some teeth at the "
-            f"pitch curve; over {thinner - allowed:.3g} mm is right",
+            f"pitch curve; over {shown_above(thinner - allowed, 3)} mm is right",
             key="gears.tolerances.tooth_thickness_lower_mm",
         )
     room_mm = least.value * angle / (2.0 * cosine)
     if upper > room_mm + ROUNDING_MM:
-        remedy = f"{room_mm:.3g} mm or less is right, or backlash_mm of {2.0 * upper * cosine:.3g} mm or more"
+        enough = shown_above(2.0 * upper * cosine, 3)
+        remedy = f"{shown_below(room_mm, 3)} mm or less is right, or backlash_mm of {enough} mm or more"
         raise WrongInput(
             f"{upper:g} mm on both gears is more than their backlash, so that the thickest teeth jam; {remedy}",
             key="gears.tolerances.tooth_thickness_upper_mm",
@@ -109,7 +111,7 @@ def _too_much(asked: Backlash, most: float) -> WrongInput:
         given, key, unit = degrees(asked.driven_rad), "gears.backlash_deg", "deg"
     return WrongInput(
         f"{given:g} {unit} takes more than {MOST_THINNED:.0%} of the thickness off some teeth at the pitch curve; "
-        f"under {given * most:.3g} {unit} is right",
+        f"under {shown_below(given * most, 3)} {unit} is right",
         key=key,
     )
 

@@ -15,6 +15,7 @@ import numpy as np
 from ncgear.errors import Unanswered, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.plane import along, angle_between, as_complex, as_points
 from ncgear.teeth.stretch import Stretch
 
@@ -264,7 +265,8 @@ def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
     share = needed[first] / most[first]
     raise WrongInput(
         f"the teeth are so large for it that flanks, fillets or lands need {needed[first]:.3g} points; at most "
-        f"{most[first]} are made: at least {share**2:.2g} times the tolerance, or so much less module_mm, is right",
+        f"{most[first]} are made: at least {shown_above(share**2, 2)} times the tolerance, or so much less "
+        "module_mm, is right",
         key="output.chord_tolerance_mm",
     )
 

@@ -16,6 +16,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.bounds import shown_below
 from ncgear.teeth.root_radius import largest_root_radius
 
 MOST_SHIFT = 0.7
@@ -76,8 +77,8 @@ class BasicRack:
     def __post_init__(self) -> None:
         shallowest = self.dedendum_mm - self.root_radius_mm * (1.0 - sin(min(self.angles_rad)))
         if self.tip_half_width_mm < 0.0 or shallowest < 0.0:
-            largest = self.largest_root_radius_mm
-            most = f"{largest:.4g} mm is the most" if largest >= 0.0 else "it is pointed; a smaller dedendum is right"
+            largest, pointed = self.largest_root_radius_mm, "it is pointed; a smaller dedendum is right"
+            most = f"{shown_below(largest)} mm is the most" if largest >= 0.0 else pointed
             angles = " and ".join(f"{degrees(angle):g}" for angle in dict.fromkeys(self.angles_rad))
             raise WrongInput(
                 f"a root radius of {self.root_radius_mm:g} mm does not fit a rack tooth "

@@ -78,7 +78,7 @@ class SideContact(SideTouch):
 
     @property
     def transmission_error_rad(self) -> float:
-        """Peak to peak variation of ``error_rad``."""
+        """Peak to peak variation of ``error_rad`` over the positions."""
         return float(np.ptp(self.error_rad))
 
     @property
@@ -92,7 +92,7 @@ class SideContact(SideTouch):
         return np.bincount(self.touching.position[self.touching.flanks], minlength=self.error_rad.size)
 
     def variation_by_tooth(self, error_rad: Array) -> dict[int, float]:
-        """Peak to peak variation of errors in rad (shape (n,)) where each driving tooth carries."""
+        """Peak to peak variation of errors in rad (shape (n,)) at the positions where each driving tooth carries."""
         tooth, error = self.touching.driving_tooth, error_rad[self.touching.position]
         high, low = np.full(tooth.max() + 1, -np.inf), np.full(tooth.max() + 1, np.inf)
         np.maximum.at(high, tooth, error)
@@ -133,7 +133,7 @@ class AsDesigned(PairTouch, Shown):
         error, play = self.pushing.transmission_error_rad, float(self.backlash_rad.max())
         overlap = float(self.overlap_mm.max())
         return (
-            f"AsDesigned({self.placement.count} positions: transmission error {error:.3g} rad, backlash up to "
+            f"AsDesigned(at {self.placement.count} positions: transmission error {error:.3g} rad, backlash up to "
             f"{play:.3g} rad, overlap {overlap:.3g} mm)"
         )
 

@@ -23,8 +23,8 @@ from ncgear.teeth.gear import ToothedPair
 
 KNOWN, CLOSELY = 1e-3, 1e-6
 """Shares of its variation over the cycle to which an extreme is known at least: one of an error, which has a kink at
-every change of teeth, and one of a pressure angle, the sliding or the lever, which is a one-sided limit where the teeth
-change at the most."""
+every change of teeth and is told from rounding only as far as angles are, and one of a pressure angle, the sliding or
+the lever, which is a one-sided limit where the teeth change at the most."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,10 @@ def contact_extremes(
 
     known = _quantities(designed, speed_rad_s)
     places, values = over_cycle(even, known)
-    shares = np.repeat([KNOWN, CLOSELY, KNOWN], [ERRORS, len(known) - ERRORS - 1, 1])
-    found = largest_from(quantities, places, values, shares * np.ptp(values, axis=1))
+    counts = [ERRORS, len(known) - ERRORS - 1, 1]
+    shares = np.repeat([KNOWN, CLOSELY, KNOWN], counts)
+    told = np.repeat([ALIKE_RAD, 0.0, ALIKE_RAD * float(designed.pushing.first.lever_mm.max())], counts)
+    found = largest_from(quantities, places, values, np.maximum(shares * np.ptp(values, axis=1), told))
     *ranges, sliding, lever, ahead = (at_angle(pitch, even, one) for one in found)
     pushing, back, backlash, pushing_angle, back_angle = ranges_of(ranges)
     overlap, deepest = replace(ahead, value=max(ahead.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))

@@ -9,6 +9,7 @@ The clearance of tips over roots is measured on the outlines, along the normals 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import sin
 
 import numpy as np
@@ -19,6 +20,7 @@ from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, counted_up
+from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.plane import across, along, as_complex
 from ncgear.pitch.internal import passed_mm
 from ncgear.pitch.pair import PitchPair
@@ -86,9 +88,15 @@ def require_reached(outlines: Outlines, play: Play, *tips_mm: float) -> None:
         )
 
 
-SHARES = np.linspace(0.001, 0.999, 9)
-"""Places of a tip that are held against the root below it: next to both ends, where lands that slope are nearest, and
-between them, where chords are a little off."""
+PER_CHORD = 2
+"""Places of a land to each chord of it from which the nearest is searched: between two vertices lands part or near each
+other evenly but for what a chord turns."""
+
+INSET = 1e-9
+"""Share of a land at its ends that is left out, so that a rounding error leads to no flank."""
+
+UNMET_MM = 1e9
+"""Nearness of no outline; finite, so that differences are numbers."""
 
 SECTOR_IN_PITCHES = 1.0
 """Arc to either side of a pitch point within which its normal is followed: longer than any tooth is high."""
@@ -126,31 +134,65 @@ def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: In
     begin, end = (mate.sides.roots.feet()[0][space] - ahead[:, None]).T
     low, high = np.maximum(first, begin), np.minimum(last, end)
     over = np.flatnonzero(high > low)
-    at = low[over, None] + (high - low)[over, None] * SHARES
-    height = _along_normals(tip_mm, gear.flanks, at.ravel(), 1.0)
-    depth = _along_normals(root_mm, mate.flanks, (at + ahead[over, None]).ravel(), -1.0)
-    met = np.isfinite(height) & np.isfinite(depth)
-    return float(np.min(np.where(met, depth - height, np.nan), initial=np.inf))
+    if not over.size:
+        return np.inf
+    low, high, ahead = low[over], high[over], ahead[over]
+    of_tip, of_root = _along_normals(tip_mm, gear.flanks, 1.0), _along_normals(root_mm, mate.flanks, -1.0)
+
+    def nearness(land: IndexArray, share: Array) -> Array:
+        """The clearance with the other sign, UNMET_MM where an outline is not met."""
+        at = low[land] + (high - low)[land] * np.clip(share, INSET, 1.0 - INSET)
+        depth, height = of_root(at + ahead[land]), of_tip(at)
+        met = np.isfinite(height) & np.isfinite(depth)
+        return np.where(met, height - depth, UNMET_MM)
+
+    each = np.arange(over.size)
+    # Lands lie end to end, each as long as the straight bridge that leads from it to the next one.
+    ends = np.stack([nearness(each, np.full(over.size, end)) for end in (0.0, 1.0)], axis=1).ravel()
+
+    def chained(places: Array) -> Array:
+        land = np.minimum(places // 2.0, over.size - 1).astype(int)
+        found, on = np.interp(places, np.arange(ends.size), ends), places - 2.0 * land < 1.0
+        found[on] = nearness(land[on], (places - 2.0 * land)[on])
+        return found[None]
+
+    chords = _chords(tip_mm, gear.flanks, low, high) + _chords(root_mm, mate.flanks, low + ahead, high + ahead)
+    shares = np.linspace(0.0, 1.0, PER_CHORD * chords + 1)
+    places = (2.0 * each[:, None] + shares).ravel()
+    (nearest,) = largest_of_each(chained, places)
+    return -nearest.value if nearest.value < UNMET_MM else np.nan
 
 
-def _along_normals(outline_mm: Array, flanks: Flanks, sigma_mm: Array, sense: float) -> Array:
+def _chords(outline_mm: Array, flanks: Flanks, low_mm: Array, high_mm: Array) -> int:
+    """The most chords of an outline, and a few more, over any stretch between two rolled lengths, shape (n,) each."""
+    ends = np.stack([as_complex(flanks.curve.at_length(at).position) for at in (low_mm, high_mm)])
+    half = np.angle(ends[1] / ends[0]) / 2.0
+    return int(polar_outline(as_complex(outline_mm)).windows(np.angle(ends[0]) + half, np.abs(half))[1].max())
+
+
+def _along_normals(outline_mm: Array, flanks: Flanks, sense: float) -> Callable[[Array], Array]:
     """Distances from points of the pitch curve to the outline, outwards (``sense`` +1) or inwards (-1), shape (n,).
 
-    Infinite where the outline is not met.
+    Of rolled lengths in mm.  Infinite where the outline is not met.
     """
-    at = flanks.curve.at_length(sigma_mm)
-    origin, direction = as_complex(at.position), sense * as_complex(at.normal)
     outline = as_complex(outline_mm)
-    width = SECTOR_IN_PITCHES * flanks.rack.pitch_mm / np.abs(origin)
-    row, vertex = counted_up(*polar_outline(outline).windows(np.angle(origin), width))
-    arms = [outline[number % outline.size] - origin[row] for number in (vertex, vertex + 1)]
-    (before, after), (near, far) = ([product(direction[row], arm) for arm in arms] for product in (across, along))
-    crossed = np.nonzero((before < 0.0) != (after < 0.0))[0]
-    share = before[crossed] / (before[crossed] - after[crossed])
-    distance = near[crossed] + share * (far[crossed] - near[crossed])
-    least = np.full(sigma_mm.size, np.inf)
-    np.minimum.at(least, row[crossed], np.where(distance > 0.0, distance, np.inf))
-    return least
+    around = polar_outline(outline)
+
+    def distance(sigma_mm: Array) -> Array:
+        at = flanks.curve.at_length(sigma_mm)
+        origin, direction = as_complex(at.position), sense * as_complex(at.normal)
+        width = SECTOR_IN_PITCHES * flanks.rack.pitch_mm / np.abs(origin)
+        row, vertex = counted_up(*around.windows(np.angle(origin), width))
+        arms = [outline[number % outline.size] - origin[row] for number in (vertex, vertex + 1)]
+        (before, after), (near, far) = ([product(direction[row], arm) for arm in arms] for product in (across, along))
+        crossed = np.nonzero((before < 0.0) != (after < 0.0))[0]
+        share = before[crossed] / (before[crossed] - after[crossed])
+        away = near[crossed] + share * (far[crossed] - near[crossed])
+        least = np.full(sigma_mm.size, np.inf)
+        np.minimum.at(least, row[crossed], np.where(away > 0.0, away, np.inf))
+        return least
+
+    return distance
 
 
 BEYOND = 1.1

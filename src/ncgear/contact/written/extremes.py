@@ -103,7 +103,7 @@ def written_extremes(
 
 
 def _largest(
-    quantities: Callable[[Array], Array], even: Placement, known: Array, finest: float = 0.0
+    quantities: Callable[[Array], Array], even: Placement, known: Array, finest: float = ALIKE_RAD
 ) -> list[Extremum]:
     """The largest values of quantities at rolled lengths, from those at even positions, shape (q, n)."""
     rolled, values = over_cycle(even, known)

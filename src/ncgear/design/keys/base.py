@@ -19,6 +19,7 @@ from ncgear.design.words import folded as folded
 from ncgear.design.words import listed as listed
 from ncgear.design.words import quantity as quantity
 from ncgear.design.words import spellings as spellings
+from ncgear.numerics.bounds import shown_above
 
 LONGEST_MM = 1e7
 """Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
@@ -99,7 +100,7 @@ def require_rising(key: str, values: Sequence[float], least: float) -> None:
         if after <= before:
             raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the angles must rise strictly")
         if after - before < least:
-            raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {least:.2g} apart is right")
+            raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {shown_above(least, 2)} apart is right")
 
 
 def in_rad(value: float, unit: str) -> float:

@@ -23,6 +23,7 @@ from ncgear.design.keys.base import (
     require_one,
 )
 from ncgear.errors import WrongInput
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import label_and_unit
 
 FIGURES = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
@@ -317,23 +318,23 @@ class Output(Model):
         if in_band / 2.0 < finest:
             raise WrongInput(
                 f"the band of tooth thickness is {band:.3g} mm wide, too narrow for chords of outlines; "
-                f"{2.0 * finest / COARSEST_IN_BAND:.3g} mm or more, or twice the same limit, is right",
+                f"{shown_above(2.0 * finest / COARSEST_IN_BAND, 3)} mm or more, or twice the same limit, is right",
                 key="gears.tolerances.tooth_thickness_lower_mm",
             )
         if given is None:
             return min(CHORD_MM, CHORD_IN_MODULES * module_mm, in_band / 2.0)
         if not finest <= given <= coarsest:
             raise WrongInput(
-                f"{given:g} mm are {given / module_mm:.3g} of the module of {module_mm:.4g} mm; {finest:.3g} to "
-                f"{min(coarsest, in_band):.3g} mm is right",
+                f"{given:g} mm are {given / module_mm:.3g} of the module of {module_mm:.4g} mm; "
+                f"{shown_above(finest, 3)} to {shown_below(min(coarsest, in_band), 3)} mm is right",
                 key="output.chord_tolerance_mm",
             )
         if given > in_band:
             raise WrongInput(
                 f"{given:g} mm are {given / band:.3g} of the band of tooth thickness, {band:.4g} mm wide, so that pins "
-                f"in written outlines lie outside of it; {in_band:.3g} mm or less is right, or a band of "
-                f"{given / COARSEST_IN_BAND:.3g} mm or more between gears.tolerances.tooth_thickness_lower_mm and "
-                "tooth_thickness_upper_mm",
+                f"in written outlines lie outside of it; {shown_below(in_band, 3)} mm or less is right, or a band of "
+                f"{shown_above(given / COARSEST_IN_BAND, 3)} mm or more between "
+                "gears.tolerances.tooth_thickness_lower_mm and tooth_thickness_upper_mm",
                 key="output.chord_tolerance_mm",
             )
         return given

@@ -14,6 +14,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import LONGEST_MM, Model, Positive, Speed, fault
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
 HEAVIEST_KG = 1e7
@@ -58,7 +59,7 @@ class Crank(Model):
             raise fault(
                 "inertia_kg_mm2",
                 f"{self.inertia_kg_mm2:g} kg mm2 is less than the mass at its centre alone has about the axis; "
-                f"{least:.6g} or over is right",
+                f"{shown_above(least)} or over is right",
             )
         return self
 

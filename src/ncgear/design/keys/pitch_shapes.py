@@ -19,6 +19,7 @@ from ncgear.design.keys.base import (
     require_one,
     spellings,
 )
+from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
     from ncgear.numerics.arrays import Array
@@ -310,9 +311,8 @@ class RoundedPolygon(Drawn):
         if self.side_mm is not None and self.corner_radius_mm is not None:
             most = self.side_mm / 2.0 / tan(self._half_angle)
             if self.corner_radius_mm > most:
-                problem = (
-                    f"{self.corner_radius_mm:g} mm is more than the circle in the polygon; up to {most:.6g} is right"
-                )
+                right = f"up to {shown_below(most)} is right"
+                problem = f"{self.corner_radius_mm:g} mm is more than the circle in the polygon; {right}"
                 raise fault("corner_radius_mm", problem)
         return self
 

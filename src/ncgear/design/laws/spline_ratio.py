@@ -20,6 +20,7 @@ from ncgear.design.keys.base import (
     spellings,
 )
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -92,7 +93,7 @@ class SplineRatio(LawKeys):
             last = next((i for i, angle in enumerate(angles) if not angle <= (1.0 - NEAREST_TURNS) * turn), None)
             if last is not None:
                 said = f"{angles[last]:g} is the end of the turn or beyond it, and the curve closes by itself"
-                raise fault(f"{key}.{last}", f"{said}; under {turn:g} is right")
+                raise fault(f"{key}.{last}", f"{said}; under {shown_below(turn)} is right")
         return self
 
     @property

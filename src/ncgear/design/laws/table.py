@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from ncgear.design.keys.base import FULL_TURN, Numbers, fault, given, in_rad, require_one, require_rising, spellings
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.errors import WrongInput
+from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -81,7 +82,7 @@ class TableLaw(LawKeys):
         turn = FULL_TURN[key.removeprefix("phi1_")]
         for i, angle in enumerate(angles):
             if not 0.0 <= angle <= turn:
-                raise fault(f"{key}.{i}", f"{angle:g} is outside the cycle; 0 to {turn:g} is right")
+                raise fault(f"{key}.{i}", f"{angle:g} is outside the cycle; 0 to {shown_below(turn)} is right")
         require_rising(key, angles, NEAREST_TURNS * turn)
         return self
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
+from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.numbers import five_digits, fixed, to_digits
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
@@ -31,8 +33,35 @@ def around(drive: Drive) -> Iterator[Advice]:
         yield from _of_pto(found.pto)
 
 
-def _advice(what: str, helps: str = "") -> Advice:
-    return Advice(Kind.DRIVETRAIN, (Where(),), what, "", (Remedy(helps),) if helps else (), brief=what)
+def motor(drive: Drive) -> Advice | None:
+    """Whether the motor of the simulation stops, or turns the machine at another speed than the wanted one."""
+    from ncgear.project.simulated_motor import steady_rad_s
+
+    helps = "more torque or a heavier flywheel is needed"
+    if (stall := drive.motor_stall) is not None:
+        return replace(_advice(str(stall), helps, Kind.MOTOR), brief=stall.brief)
+    try:
+        runs = steady_rad_s(drive)
+    except NoSuchMechanism as refusal:
+        what, _, helps = refusal.problem.partition("; ")
+        return _advice(what, helps, Kind.MOTOR)
+    wanted = drive.machine.speed_rad_s
+    if runs is None or abs(runs / wanted - 1.0) <= OFF_SPEED:
+        return None
+    return _advice(
+        f"with its motor the machine runs at {_rpm(runs)} r/min, not at operation.speed_rpm: {_rpm(wanted)}; all else "
+        "is told for that speed",
+        "another no_load_speed_rpm or stall_torque_n_m is needed",
+        Kind.MOTOR,
+    )
+
+
+def _rpm(speed_rad_s: float) -> str:
+    return to_digits(speed_rad_s / RAD_S_PER_RPM, 4)
+
+
+def _advice(what: str, helps: str = "", kind: Kind = Kind.DRIVETRAIN) -> Advice:
+    return Advice(kind, (Where(),), what, "", (Remedy(helps),) if helps else (), brief=what)
 
 
 def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice]:
@@ -90,10 +119,9 @@ def _of_motor(found: MotorResult, wanted_rad_s: float) -> Iterator[Advice]:
     if peak is not None and most > peak:
         yield _advice(f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m")
     if course is not None and abs(course.mean_rad_s / wanted_rad_s - 1.0) > OFF_SPEED:
-        runs, wanted = (to_digits(speed / RAD_S_PER_RPM, 4) for speed in (course.mean_rad_s, wanted_rad_s))
         yield _advice(
-            f"with this motor and gearbox the machine runs at {runs} r/min, not at operation.speed_rpm: {wanted}; all "
-            "else is told for that speed",
+            f"with this motor and gearbox the machine runs at {_rpm(course.mean_rad_s)} r/min, not at "
+            f"operation.speed_rpm: {_rpm(wanted_rad_s)}; all else is told for that speed",
             "another ratio of the gearbox is needed",
         )
 

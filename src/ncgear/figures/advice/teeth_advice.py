@@ -8,6 +8,7 @@ from math import degrees
 from typing import NamedTuple
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
+from ncgear.contact.placement import BACK, PUSHING
 from ncgear.figures.advice.assembly_advice import jams
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
@@ -186,7 +187,9 @@ def contact_ratio(drive: Drive) -> Advice | None:
     sides = [side for side in judged if _parts(drive, side)]
     if not sides:
         return None
-    error = max(side.transmission_error_rad for side in sides)
+    extremes = drive.contact_extremes
+    found = {PUSHING: extremes.pushing_error_rad, BACK: extremes.back_error_rad}
+    error = max(found[side.side].width for side in sides)
     helix, words = bridging_helix(drive), "make the teeth helical, so that the next ones touch before these part"
     helical = (Remedy(words, changed(helix)),) if helix else ()
     return Advice(

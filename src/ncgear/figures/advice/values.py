@@ -26,6 +26,7 @@ class Kind(StrEnum):
     TRANSMISSION_ANGLE = "transmission_angle"
     CRANK_PIN = "crank_pin"
     ROD = "rod"
+    MOTOR = "motor"
     DRIVETRAIN = "drivetrain"
     MISSED_WISH = "missed_wish"
     SPEEDS = "speeds"

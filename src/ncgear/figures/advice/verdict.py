@@ -89,6 +89,13 @@ def _load(drive: Drive) -> bool:
     return drive.design.resistance is not None or drive.design.masses is not None
 
 
+def _motor(drive: Drive) -> bool:
+    """Whether a simulation has a motor that nothing else judges, of a machine whose motion in time is followed."""
+    design, around = drive.design, drive.design.drivetrain
+    followed = _gears(drive) and drive.masses_left_out is None and design.stages == 1
+    return followed and design.simulation.motor is not None and (around is None or around.motor is None)
+
+
 def _wishes(drive: Drive) -> bool:
     return drive.achieved is not None and bool(drive.achieved.outcomes)
 
@@ -146,6 +153,9 @@ CONDITIONS: dict[Kind, Condition] = {
         lambda drive: (*law_advice.crank_pin(drive), law_advice.pin_beside_hub(drive)),
     ),
     Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _beside, law_advice.rods),
+    Kind.MOTOR: Condition(
+        "motor", "the motor moves the machine at its speed", _motor, _one(drivetrain_advice.motor), of_pair=False
+    ),
     Kind.DRIVETRAIN: Condition(
         "drivetrain",
         "shafts, keys, bearings, motor and couplings hold",

@@ -5,25 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.numbers import fixed, to_digits
+from ncgear.figures.numbers import to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.tolerance_words import assumed_words, limit_words
 from ncgear.figures.toleranced import (
     index_rows,
     jam_words,
+    judged_assemblies,
     knock_words,
     needed_words,
     pair_percentiles,
     percentiles,
 )
 from ncgear.project.tolerance import Tolerated
-from ncgear.project.tolerance_limits import MOST_JAMMED
 
 HEADS = "as designed", "median", "99 % keep"
 SHOWN = "as_designed", "median", "of_99_percent"
-
-MOST_OFF = 0.1
-"""Error of the linear model, as a share of what flanks are displaced by, from which it is a warning."""
 
 ASSUMED = "Assumed, as the file has no section tolerances: "
 
@@ -63,7 +60,7 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
     return Answer(
         f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies within their tolerances",
         (*columns, *rows),
-        _faults(tolerated),
+        tuple(Fault(one.broken, one.cures) for one in judged_assemblies(tolerated) if one.broken),
         about=f"Tolerances: {limits}" if tolerated.process is None else "",
         notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
         heads=HEADS,
@@ -79,21 +76,3 @@ def _turning(tolerated: Tolerated) -> str:
 
 def _row(of: str, key: str, values: Mapping[str, float]) -> Row:
     return Row(f"{of}{name_of(key)}", tuple(figure(key, values[name]) for name in SHOWN))
-
-
-def _faults(tolerated: Tolerated) -> tuple[Fault, ...]:
-    needed, faults = tolerated.needed, []
-    if tolerated.jam.value > MOST_JAMMED:
-        cures = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
-        faults.append(Fault(f"{to_digits(100.0 * tolerated.jam.value, 3)} % of the assemblies jam", cures))
-    if tolerated.knock is not None and tolerated.knock.value > 0.0:
-        share = to_digits(100.0 * tolerated.knock.value, 3)
-        faults.append(Fault(f"{share} % of the assemblies knock", ("less backlash, or finer tolerances",)))
-    off = max(one.error_mm / max(one.displaced_mm, 1e-12) for pair in tolerated.pairs for one in pair.errors)
-    if off > MOST_OFF:
-        faults.append(
-            Fault(
-                f"the linear model is off by up to {fixed(100.0 * off, 0)} %: these tolerances are large for such teeth"
-            )
-        )
-    return tuple(faults)

@@ -308,7 +308,7 @@ def _extreme(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict
 
 def _by_tooth(side: SideContact, error_rad: Array) -> dict[str, Any]:
     by_tooth = side.variation_by_tooth(error_rad)
-    return {"transmission_error_by_tooth_rad": [by_tooth[tooth] for tooth in sorted(by_tooth)]}
+    return {"transmission_error_by_tooth_at_positions_rad": [by_tooth[tooth] for tooth in sorted(by_tooth)]}
 
 
 def _ratios(pairs: PairsInContact, suffix: str) -> dict[str, Any]:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from math import atan, ceil, degrees, exp, floor, inf, log, log10, pi, tan
+from math import atan, degrees, exp, inf, log, pi, tan
 from typing import Any, NamedTuple
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.optimum.certified.demands import Demands, GreatestDeceleration, OfWish, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.offers import Offer, Refused
@@ -67,10 +68,6 @@ def turning_point(
             at(min(max(near + side, low), high))
         low, high = ends()
     return guess * exp(low), guess * exp(high)
-
-
-DIGITS = 5
-"""Significant digits of a nearest value; it is rounded to the side that is allowed."""
 
 
 NOT_CONVEX = Offer("pitch curves that are not convex", (("optimize.limits.convex", False),))
@@ -360,20 +357,3 @@ def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Demands, stretch
             f"driving gear, and it has {driving_rad:.5g}; at least {shown_above(mean)} is right",
             key="optimize.limits.ratio_max",
         )
-
-
-def shown_above(value: float) -> str:
-    """The value rounded up to five digits."""
-    return _rounded(value, ceil)
-
-
-def shown_below(value: float) -> str:
-    """The value rounded down to five digits."""
-    return _rounded(value, floor)
-
-
-def _rounded(value: float, to: Callable[[float], int]) -> str:
-    if value == 0.0:
-        return "0"
-    scale = 10.0 ** (DIGITS - 1 - floor(log10(abs(value))))
-    return f"{to(value * scale) / scale:.{DIGITS + 1}g}"

@@ -19,10 +19,11 @@ from ncgear.kinematics.wishes import (
     Wish,
     nearest_dwell_mm,
 )
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.demands import Demands, GreatestDeceleration, OfWish, SpeedRange, SpeedSpread, StretchTime
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
-from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, shown_above, too_little
+from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, too_little
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.driving_ranges import sure_crank
@@ -96,7 +97,7 @@ def _refuse_slow_gear(task: Task, limit_rad_s: float | None) -> None:
     if limit_rad_s is not None and limit_rad_s <= mean * (1.0 + LEAST_ROOM):
         raise NoSuchMechanism(
             f"{limit_rad_s / RAD_S_PER_RPM:g} r/min leaves nothing to choose: the mean speed of the driven gear is "
-            f"{mean / RAD_S_PER_RPM:g} r/min; over that is right",
+            f"{shown_above(mean * (1.0 + LEAST_ROOM) / RAD_S_PER_RPM)} r/min; over that is right",
             key="optimize.limits.driven_speed_rpm",
         )
 

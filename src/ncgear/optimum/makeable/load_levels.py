@@ -14,8 +14,8 @@ import numpy as np
 from ncgear.dynamics.driving_shaft import KG_MM2
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM
-from ncgear.optimum.certified.refusals import shown_above
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.levels import Kind, Level, limit_offer
 from ncgear.optimum.makeable.quantities import Place, Slider, Term

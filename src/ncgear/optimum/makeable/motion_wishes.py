@@ -35,7 +35,7 @@ from ncgear.kinematics.wishes import (
     by_stroke,
 )
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.optimum.certified.refusals import shown_above, shown_below
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.optimum.makeable.levels import Kind, Level, Stretch
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, acceleration, log_speed
 from ncgear.optimum.offers import Offer

@@ -12,8 +12,9 @@ from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
 
 from ncgear.frozen import dataclass
 from ncgear.kinematics.wishes import Wish
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.refusals import NOT_CONVEX, shown_above, shown_below
+from ncgear.optimum.certified.refusals import NOT_CONVEX
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.levels import Level, limit_offer
 from ncgear.optimum.makeable.load_levels import MachineScales, of_loads

@@ -1,0 +1,110 @@
+"""A motor that cannot move its machine is told at once, where and by how much, and so is one of another speed."""
+
+from __future__ import annotations
+
+from math import cos, sin, sqrt
+
+import pytest
+from scipy.optimize import brentq
+
+from commands import Run, on_text
+from drives import drive_of_text
+from ncgear.dynamics import motion_in_time
+from ncgear.errors import NoSuchMechanism
+from ncgear.figures.advice.values import Kind
+from ncgear.figures.advice.verdict import Known, State, judged
+from ncgear.project.drive import Drive
+from ncgear.project.simulated_motor import motor_stall, steady_rad_s
+
+FORCE, CRANK, ROD = 400.0, 38.0, 96.0
+
+HEAD = """\
+name: press
+linkage: {crank_mm: 38, rod_mm: 96}
+operation: {speed_rpm: 60}
+motion: {law: uniform_crank}
+resistance: {polynomial_n: [400]}
+gears: {teeth: 19, module_mm: 1.5, face_width_mm: 10}
+masses: {slider_kg: 1, rod: {mass_kg: 0.3, center_mm: 40, inertia_kg_mm2: 300}, crank: {mass_kg: 0.4, center_mm: 10, \
+inertia_kg_mm2: 200}, driving_gear_kg_mm2: 5000, driven_gear_kg_mm2: 50}
+"""
+
+
+def with_motor(no_load_rpm: float, stall_n_m: float, start: str = "on_law") -> str:
+    motor = f"{{no_load_speed_rpm: {no_load_rpm:g}, stall_torque_n_m: {stall_n_m:.9g}}}"
+    return f"{HEAD}simulation: {{start: {start}, motor: {motor}}}\n"
+
+
+def pushed_mm(phi: float) -> float:
+    """The slider's way from its retracted dead centre on, of an in-line crank-slider."""
+    return sqrt(ROD**2 - (CRANK * sin(phi)) ** 2) - CRANK * cos(phi) - (ROD - CRANK)
+
+
+def heavy(text: str) -> str:
+    """With a flywheel that is slow to start, far below the speed without load."""
+    return text.replace("driving_gear_kg_mm2: 5000", "driving_gear_kg_mm2: 3e6")
+
+
+def test_a_constant_torque_stops_where_its_work_is_that_of_the_force() -> None:
+    """From rest, next to no loss of torque by speed: S phi = F x(phi), whatever the masses are."""
+    # The most that the force needs in the mean from the start on
+    least, hardest = max((FORCE * pushed_mm(phi) / phi, phi) for phi in (0.01 * k for k in range(1, 315)))
+    for share in (0.5, 0.8, 0.98):
+        torque = share * least
+        expected = brentq(lambda phi, torque=torque: torque * phi - FORCE * pushed_mm(phi), 0.05, hardest)
+        stall = motor_stall(drive_of_text(heavy(with_motor(1e6, torque / 1000.0, "rest"))))
+        assert stall is not None
+        assert stall.phi1_rad == pytest.approx(expected, abs=1e-4)
+        assert stall.crank_rad == pytest.approx(expected, abs=1e-4)
+        assert stall.given_n_mm == pytest.approx(torque)
+        slope = (pushed_mm(expected + 1e-4) - pushed_mm(expected - 1e-4)) / 2e-4
+        assert stall.needed_n_mm == pytest.approx(FORCE * slope, rel=1e-3)
+        assert stall.needed_n_mm > torque
+    # Negative control: a little more torque passes that one place
+    assert motor_stall(drive_of_text(heavy(with_motor(1e6, 1.02 * least / 1000.0, "rest")))) is None
+
+
+def motor_row(drive: Drive) -> tuple[State, str]:
+    (row,) = (row for row in judged(drive, Known.MOTION).rows if row.kind is Kind.MOTOR)
+    return row.state, "; ".join(advice.line for advice in row.advices)
+
+
+@pytest.mark.slow
+def test_the_verdict_names_the_motor() -> None:
+    state, said = motor_row(drive_of_text(with_motor(90, 1.0)))
+    assert state is State.BROKEN
+    assert "the motor stops at phi1 = " in said
+    assert "gives 1 N m at rest" in said
+    state, said = motor_row(drive_of_text(with_motor(30, 200.0)))
+    assert state is State.BROKEN
+    assert "the machine runs at 29." in said
+    assert motor_row(drive_of_text(with_motor(60.6, 200.0))) == (State.KEPT, "")
+
+
+def test_a_motor_that_cannot_go_on_is_told_though_its_flywheel_lasts_through_the_turn() -> None:
+    drive = drive_of_text(heavy(with_motor(90, 2.0)))
+    assert motor_stall(drive) is None
+    with pytest.raises(NoSuchMechanism, match="stopped by it"):
+        steady_rad_s(drive)
+    state, said = motor_row(drive)
+    assert state is State.BROKEN
+    assert "from cycle to cycle" in said
+
+
+def test_the_level_in_time_refuses_it_at_once(run: Run) -> None:
+    outcome = on_text(run, "simulate")(with_motor(90, 1.0), "--level", "dynamic", "--out", "here")
+    assert outcome[0] == 3
+    assert "simulation.motor: the motor stops at phi1 = " in str(outcome)
+
+
+@pytest.mark.slow
+def test_a_motion_that_does_not_get_on_ends_with_its_time_and_crank_angle(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The motion in time by itself stands where the rigid machine's energy is used up."""
+    monkeypatch.setattr(motion_in_time, "MOST_STATES", 2_000)
+    drive = drive_of_text(with_motor(90, 3.0))
+    stall = motor_stall(drive)
+    assert stall is not None
+    vars(drive)["motor_stall"] = None
+    with pytest.raises(NoSuchMechanism, match=r"after \d.* s, 2000 states on one place") as caught:
+        _ = drive.course
+    assert f"phi1 = {stall.phi1_rad:.1f}" in str(caught.value)
