@@ -134,7 +134,8 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.TRANSMISSION_ANGLE: Condition(
         "transmission angle",
-        f"the transmission angle stays over {linkage_advice.FLATTEST_DEG:g} deg",
+        f"the transmission angle stays over the angle of friction, {linkage_advice.FLATTEST_DEG:g} deg unless "
+        "drivetrain.guide_friction is given",
         lambda drive: bool(drive.linkage.RODS),
         _one(linkage_advice.transmission_angle),
         of_pair=False,

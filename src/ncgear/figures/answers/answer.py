@@ -148,7 +148,9 @@ def _aligned(answer: Answer) -> list[str]:
     lines = [f"{INDENT}{line}".rstrip() for line in lines]
     for one in alone:
         name = f"{INDENT}{one.name:{start}}{GAP}" if one.name else INDENT
-        lines += wrap(one.texts[0], COLUMNS, initial_indent=name, subsequent_indent=" " * max(len(name), 2 * len(INDENT)))
+        lines += wrap(
+            one.texts[0], COLUMNS, initial_indent=name, subsequent_indent=" " * max(len(name), 2 * len(INDENT))
+        )
     return lines
 
 
