@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from math import floor, isfinite, log10
+from math import ceil, floor, isfinite, log10
 from typing import Any
 
 from ncgear.errors import Unanswered
@@ -81,6 +81,12 @@ def to_digits(value: float, digits: int) -> str:
     """
     settled = rounded(value, NOISE)
     return f"{settled:.0f}" if abs(settled) >= 10.0**digits else f"{settled:.{digits}g}"
+
+
+def bound(value: float, digits: int = 4, *, up: bool = True) -> float:
+    """The nearest number of so many significant digits that is no less than a value over 0, or no more than it."""
+    step = 10.0 ** (floor(log10(finite(value, "a bound"))) - digits + 1)
+    return float(f"{step * (ceil if up else floor)(value / step):.{digits}g}")
 
 
 def micrometres(length_mm: float) -> str:

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from math import degrees
 from typing import TYPE_CHECKING
 
+from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
-from ncgear.figures.numbers import five_digits, fixed, to_digits
+from ncgear.figures.numbers import bound, five_digits, fixed, to_digits
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 
@@ -28,26 +29,35 @@ def around(drive: Drive) -> Iterator[Advice]:
     if found.motor:
         yield from _of_motor(found.motor, found.demand.speed_rad_s)
     if found.pto:
-        yield from _of_pto(found.pto)
+        yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
 
 
 def _advice(what: str, helps: str = "") -> Advice:
     return Advice(Kind.DRIVETRAIN, (Where(),), what, "", (Remedy(helps),) if helps else (), brief=what)
 
 
+def _at_least(key: str, value: float) -> str:
+    return f"{key}: {to_digits(bound(value), 4)} or over"
+
+
 def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice]:
     for letter, one in zip("ab", found.bearings or (), strict=False):
-        which = f"bearing {letter} of the {name} shaft"
+        which, key = f"bearing {letter} of the {name} shaft", f"drivetrain.{name}_shaft.bearing_{letter}"
         if one.life_h is not None and one.life_h < hours:
             yield _advice(
                 f"{which} lasts {five_digits(one.life_h)} h, and {five_digits(hours)} h are wanted",
-                f"a dynamic load rating of {fixed(one.needed_rating_n, 0)} N is needed",
+                _at_least(f"{key}.dynamic_rating_n", one.needed_rating_n),
             )
         if one.within_iso_281 is False:
-            yield _advice(f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds")
+            yield _advice(
+                f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds",
+                _at_least(f"{key}.dynamic_rating_n", one.equivalent_n / MOST_OF_RATING),
+            )
         if one.static_safety is not None and one.static_safety < 1.0:
             yield _advice(
-                f"{which} bears {fixed(one.largest_n.value, 0)} N, more than its static load rating: it would be dented"
+                f"{which} bears {fixed(one.largest_n.value, 0)} N, more than its static load rating: it would be "
+                "dented",
+                _at_least(f"{key}.static_rating_n", one.largest_n.value),
             )
 
 
@@ -64,7 +74,8 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
         yield _advice(
             f"the key of the {name} shaft bears {fixed(found.key.pressure_mpa, 0)} MPa, and "
             f"{fixed(found.key.pressure_mpa * found.key.safety, 0)} MPa are allowed",
-            "a longer key or a thicker shaft",
+            _at_least(f"drivetrain.{name}_shaft.key.length_mm", found.key.key.length_mm / found.key.safety)
+            + ", or a thicker shaft",
         )
     if found.key is not None and found.key.both_senses:
         yield _advice(
@@ -85,28 +96,37 @@ def _of_motor(found: MotorResult, wanted_rad_s: float) -> Iterator[Advice]:
     if rms > rated:
         yield _advice(
             f"the motor gives {to_digits(rms, 4)} N m in the mean square, more than its rated {rated:g} N m",
-            "a stronger motor, a larger ratio or a larger flywheel is needed",
+            _at_least("drivetrain.motor.rated_torque_n_m", max(rms, N_M_PER_N_MM * found.load.rms_n_mm))
+            + ", or a larger ratio or flywheel",
         )
     if peak is not None and most > peak:
-        yield _advice(f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m")
+        yield _advice(
+            f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m",
+            _at_least("drivetrain.motor.peak_torque_n_m", most),
+        )
     if course is not None and abs(course.mean_rad_s / wanted_rad_s - 1.0) > OFF_SPEED:
+        ratio = found.given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
         runs, wanted = (to_digits(speed / RAD_S_PER_RPM, 4) for speed in (course.mean_rad_s, wanted_rad_s))
         yield _advice(
             f"with this motor and gearbox the machine runs at {runs} r/min, not at operation.speed_rpm: {wanted}; all "
             "else is told for that speed",
-            "another ratio of the gearbox is needed",
+            f"drivetrain.motor.gearbox.ratio: {to_digits(ratio, 4)}",
         )
 
 
-def _of_pto(found: PowerTakeOffResult) -> Iterator[Advice]:
+def _of_pto(found: PowerTakeOffResult, most_n_m: float) -> Iterator[Advice]:
     if found.slips:
         stops = any(one.end_rad is None for one in found.slips)
         says = "and stops the machine" if stops else "in every cycle"
         yield _advice(
-            f"the torque limiter slips from phi1 = {to_digits(degrees(found.slips[0].start_rad), 4)} deg on, {says}"
+            f"the torque limiter slips from phi1 = {to_digits(degrees(found.slips[0].start_rad), 4)} deg on, {says}",
+            _at_least("drivetrain.pto.torque_limiter_n_m", most_n_m),
         )
     if found.runs_ahead and any(one.end_rad is None for one in found.runs_ahead):
-        yield _advice("the machine runs ahead of its clutch and is not caught again within a cycle")
+        yield _advice(
+            "the machine runs ahead of its clutch and is not caught again within a cycle",
+            "drivetrain.pto.overrunning_clutch: false",
+        )
 
 
 SMOOTH_GUIDE = _advice(

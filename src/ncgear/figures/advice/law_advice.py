@@ -187,7 +187,7 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
                 f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
                 f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
                 "gears",
-                (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
+                (_below(drive, NO_MEETING[gear]) if gear is Gear.DRIVING else Remedy(NO_MEETING[gear], short=THINNER),),
                 brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
             )
             for gear, part, radius in near
@@ -214,11 +214,19 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
 NO_BORE = NotJudged("a gear has no bore_mm, and so no shaft of known size")
 
 
+THINNER = "make hub and shaft thinner"
+
 NO_MEETING = {
     Gear.DRIVING: "let the driving shaft end below the crank, carry the crank on the other side of the gears, or take "
     "another centre distance",
-    Gear.DRIVEN: "make hub and shaft thinner, or make crank and shaft of one piece",
+    Gear.DRIVEN: f"{THINNER}, or make crank and shaft of one piece",
 }
+
+
+def _below(drive: Drive, words: str) -> Remedy:
+    """A driving shaft that ends below what moves; only words where the file says that it goes through."""
+    change = Change("fit.driving_shaft", "ends")
+    return Remedy(words, () if is_given(drive.design, change.key) else (change,), short=str(change))
 
 
 def rods(drive: Drive) -> list[Advice | NotJudged]:
@@ -242,6 +250,7 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
         lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
         taken = f", and {drawn(radius, 'mm')} mm of it are taken" if radius else ""
+        words = f"{lower}let the {one.standing.name} end below the {one.part}"
         found.append(
             Advice(
                 Kind.ROD,
@@ -249,12 +258,7 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
                 f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
                 f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {to_digits(at, 4)} deg{taken}",
                 f"a {one.part}, {wide}, cannot pass there",
-                (
-                    Remedy(
-                        f"{lower}let the {one.standing.name} end below the {one.part}",
-                        changed({"fit.driving_shaft": "ends"}) if one.standing.about_driving_axis else (),
-                    ),
-                ),
+                (_below(drive, words) if one.standing.about_driving_axis else Remedy(words),),
                 brief=f"the {one.part} meets the {one.standing.name} at phi1 = {to_digits(at, 4)} deg",
             )
         )

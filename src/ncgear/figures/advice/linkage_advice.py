@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import atan, copysign, degrees, exp, floor, log, log10, pi, radians, sin
+from math import atan, copysign, degrees, exp, log, pi, radians, sin
 
 from ncgear.design.mechanisms import lengths_of
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
-from ncgear.figures.numbers import fixed, to_digits
+from ncgear.figures.numbers import bound, fixed, to_digits
 from ncgear.kinematics.outcomes import driving_rad
 from ncgear.mechanisms.mechanism import Mechanism, RodMechanism
 from ncgear.project.drive import Drive
@@ -104,9 +104,7 @@ def _enough(drive: Drive, key: str, length: float, way: float, least_rad: float,
         low, high = (
             (low, middle) if _clears(drive, key, length * exp(middle * way), least_rad, end_rad) else (middle, high)
         )
-    exact = length * exp(high * way)
-    digit = copysign(10.0 ** (floor(log10(abs(exact))) - 2), exact)
-    value = (floor(exact / digit) + (way > 0.0)) * digit
+    value = copysign(bound(abs(length) * exp(high * way), 3, up=way > 0.0), length)
     return value if _clears(drive, key, value, least_rad, end_rad) else None
 
 
