@@ -26,6 +26,7 @@ def around(drive: Drive) -> Iterator[Advice]:
         if shaft is not None:
             yield from _of_bearings(name, shaft, found.wanted.hours)
             yield from _of_shaft(name, shaft)
+    yield from _of_crank(drive)
     if found.motor:
         yield from _of_motor(found.motor, found.demand.speed_rad_s)
     if found.pto:
@@ -34,6 +35,18 @@ def around(drive: Drive) -> Iterator[Advice]:
 
 def _advice(what: str, helps: str = "") -> Advice:
     return Advice(Kind.DRIVETRAIN, (Where(),), what, "", (Remedy(helps),) if helps else (), brief=what)
+
+
+def _of_crank(drive: Drive) -> Iterator[Advice]:
+    """A crank whose middle lies within the gear beside which it turns, so that its bearings bear other forces."""
+    around, half = drive.design.drivetrain, drive.gears.face_width_mm / 2.0
+    given = around.driven_shaft if around else None
+    if given and given.bearing_a and drive.linkage.HAS_CRANK and abs(given.crank_at_mm) < half:
+        yield _advice(
+            f"the crank's middle is {given.crank_at_mm:g} mm from that of the driven gear, which is {2.0 * half:g} mm "
+            "wide: it would turn within the gear, and shaft and bearings are told for that",
+            _at_least("drivetrain.driven_shaft.crank_at_mm", half),
+        )
 
 
 def _at_least(key: str, value: float) -> str:

@@ -178,13 +178,8 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.WITHOUT_EFFECT: Condition(
         "what is given",
-        "loads and wishes that are given act",
-        lambda drive: (
-            _load(drive)
-            or _wishes(drive)
-            or drive.design.tolerances is not None
-            or bool(given_advice.given_without_load(drive))
-        ),
+        "what is given acts",
+        lambda _: True,
         given_advice.without_effect,
         of_pair=False,
     ),
