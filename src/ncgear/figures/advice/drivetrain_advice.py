@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
-from ncgear.figures.numbers import bound, five_digits, fixed, to_digits
+from ncgear.figures.numbers import bound, five_digits, fixed, placed, to_digits
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 
@@ -132,7 +132,7 @@ def _of_pto(found: PowerTakeOffResult, most_n_m: float) -> Iterator[Advice]:
         stops = any(one.end_rad is None for one in found.slips)
         says = "and stops the machine" if stops else "in every cycle"
         yield _advice(
-            f"the torque limiter slips from phi1 = {to_digits(degrees(found.slips[0].start_rad), 4)} deg on, {says}",
+            f"the torque limiter slips from phi1 = {placed(degrees(found.slips[0].start_rad))} deg on, {says}",
             _at_least("drivetrain.pto.torque_limiter_n_m", most_n_m),
         )
     if found.runs_ahead and any(one.end_rad is None for one in found.runs_ahead):

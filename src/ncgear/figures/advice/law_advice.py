@@ -8,7 +8,7 @@ from math import cos, degrees, floor, isclose, radians
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
-from ncgear.figures.numbers import drawn, fixed, micrometres, to_digits
+from ncgear.figures.numbers import drawn, fixed, micrometres, placed, to_digits
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
@@ -48,8 +48,8 @@ def ratio_range(drive: Drive) -> Advice | None:
     return Advice(
         Kind.RATIO_RANGE,
         (Where(angles_deg=tuple((degrees(end.at),) * 2 for end in (low, high))),),
-        f"the ratio runs from {to_digits(low.value, 3)} (at {to_digits(degrees(low.at), 4)} deg) to "
-        f"{to_digits(high.value, 3)} (at {to_digits(degrees(high.at), 4)} deg)",
+        f"the ratio runs from {to_digits(low.value, 3)} (at {placed(degrees(low.at))} deg) to "
+        f"{to_digits(high.value, 3)} (at {placed(degrees(high.at))} deg)",
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
         "the shaft of the small side is thin",
         (*narrower, *tempered(drive, _too_wide), *best),
@@ -126,11 +126,11 @@ def pressure_angle(drive: Drive) -> Advice | None:
     return Advice(
         Kind.PRESSURE_ANGLE,
         (Where(angles_deg=((at, at),)),),
-        f"the pressure angle reaches {to_digits(angle, 3)} deg at phi1 = {to_digits(at, 4)} deg",
+        f"the pressure angle reaches {to_digits(angle, 3)} deg at phi1 = {placed(at)} deg",
         f"only {fixed(100.0 * cos(radians(angle)), 0)} % of the force between the teeth turns the driven gear there; "
         "the rest bears on the shafts, and friction may lock the pair",
         _less_steep(drive, angle),
-        brief=f"pressure angle up to {to_digits(angle, 3)} deg (at phi1 = {to_digits(at, 4)} deg): friction may lock",
+        brief=f"pressure angle up to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): friction may lock",
     )
 
 
@@ -256,10 +256,10 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
                 Kind.ROD,
                 (Where(angles_deg=((at, at),)),),
                 f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
-                f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {to_digits(at, 4)} deg{taken}",
+                f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {placed(at)} deg{taken}",
                 f"a {one.part}, {wide}, cannot pass there",
                 (_below(drive, words) if one.standing.about_driving_axis else Remedy(words),),
-                brief=f"the {one.part} meets the {one.standing.name} at phi1 = {to_digits(at, 4)} deg",
+                brief=f"the {one.part} meets the {one.standing.name} at phi1 = {placed(at)} deg",
             )
         )
     return found

@@ -9,7 +9,7 @@ from math import atan, copysign, degrees, exp, log, pi, radians, sin
 from ncgear.design.mechanisms import lengths_of
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
-from ncgear.figures.numbers import bound, fixed, to_digits
+from ncgear.figures.numbers import bound, fixed, placed, to_digits
 from ncgear.kinematics.outcomes import driving_rad
 from ncgear.mechanisms.mechanism import Mechanism, RodMechanism
 from ncgear.project.drive import Drive
@@ -50,7 +50,7 @@ def transmission_angle(drive: Drive) -> Advice | None:
         return None
     at, output = degrees(driving_rad(drive.machine, crank_rad)), linkage.OUTPUT.name
     share = fixed(100.0 * sin(least_rad), 0)
-    what = f"the transmission angle falls to {to_digits(angle, 3)} deg at phi1 = {to_digits(at, 4)} deg"
+    what = f"the transmission angle falls to {to_digits(angle, 3)} deg at phi1 = {placed(at)} deg"
     if friction:
         what += f", under the angle of friction of {to_digits(limit, 3)} deg of drivetrain.guide_friction: {friction:g}"
         meaning = "started there against a load, the slider jams in its guide, however hard the rod pushes it"
@@ -67,7 +67,7 @@ def transmission_angle(drive: Drive) -> Advice | None:
         what,
         meaning,
         tuple(_other_lengths(drive, radians(limit), end)),
-        brief=f"transmission angle down to {to_digits(angle, 3)} deg (at phi1 = {to_digits(at, 4)} deg): {locks}",
+        brief=f"transmission angle down to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): {locks}",
     )
 
 
