@@ -67,7 +67,7 @@ def test_a_place_that_is_not_resolved_beside_a_turn_is_zero() -> None:
     assert "phi1 = 0 deg" in met.what
 
 
-@pytest.mark.parametrize(("angle_deg", "text"), [(2.5e-5, "0"), (-2.5e-5, "0"), (0.01234, "0.01234"), (359.95, "360")])
+@pytest.mark.parametrize(("angle_deg", "text"), [(2.5e-5, "0"), (-2.5e-5, "0"), (0.01234, "0.01234"), (359.96, "360")])
 def test_a_place_has_four_digits_where_they_are_known(angle_deg: float, text: str) -> None:
     assert placed(angle_deg) == text
     assert str(Where(angles_deg=((angle_deg, angle_deg),))) == f"phi1 = {text} deg"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from math import ceil, degrees, floor, isfinite, log10, radians
+from math import degrees, floor, isfinite, log10, radians
 from typing import Any
 
 from ncgear.errors import Unanswered
@@ -87,12 +87,6 @@ def to_digits(value: float, digits: int) -> str:
 def placed(angle_deg: float) -> str:
     """A driving angle at which something is, in degrees to four digits; what is not resolved beside a turn is 0."""
     return to_digits(degrees(placed_rad(radians(finite(angle_deg, "an angle")))), 4)
-
-
-def bound(value: float, digits: int = 4, *, up: bool = True) -> float:
-    """The nearest number of so many significant digits that is no less than a value over 0, or no more than it."""
-    step = 10.0 ** (floor(log10(finite(value, "a bound"))) - digits + 1)
-    return float(f"{step * (ceil if up else floor)(value / step):.{digits}g}")
 
 
 def micrometres(length_mm: float) -> str:

@@ -5,7 +5,7 @@ A key of a design file, a summary or a table ends in its unit: ``crank_mm``, ``p
 
 from __future__ import annotations
 
-from math import degrees, pi
+from math import ceil, degrees, floor, log10, pi
 
 RAD_S_PER_RPM = pi / 30.0
 """One turn per minute in rad/s."""
@@ -79,6 +79,12 @@ def label_and_unit(key: str) -> tuple[str, str]:
         if unit is not None:
             return " ".join(words[:-count]), unit
     return " ".join(words), ""
+
+
+def to_bound(value: float, digits: int = 4, *, up: bool = True) -> float:
+    """The nearest number of so many digits that is no less than a value over 0 or, unless ``up``, no more than it."""
+    step = 10.0 ** (floor(log10(value)) - digits + 1)
+    return float(f"{step * (ceil if up else floor)(value / step):.{digits}g}")
 
 
 RESOLVED = 1e-6

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from math import ceil, degrees, floor, inf, log10, pi
+from math import degrees, inf, pi
 
 from ncgear.design.keys.base import given, spellings
 from ncgear.design.keys.design import Design
@@ -15,6 +15,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics import wishes as values
 from ncgear.kinematics.wishes import End, Stroke, nearest_dwell_mm
 from ncgear.mechanisms.mechanism import Mechanism, Output
+from ncgear.numerics.units import to_bound
 
 DIGITS = 3
 """Significant digits of the nearest dwell; it is rounded up, so that it can be made."""
@@ -244,12 +245,7 @@ def _exact_dwell(key: str, dwell: Dwelling, linkage: Mechanism, ratio_max: float
     return NoSuchMechanism(
         f"0 given, an exact dwell, but gears of a finite ratio never let the crank stand still, and the {output.name} "
         f"stands still at its {dwell.at} end for an instant only; with ratios up to {ratio_max:g} "
-        f"(optimize.limits.ratio_max) it can stay within {_rounded_up(nearest):g} {output.place.text} for "
+        f"(optimize.limits.ratio_max) it can stay within {to_bound(nearest, DIGITS):g} {output.place.text} for "
         f"{degrees(dwell.for_angle_rad):g} deg: that or more is right",
         key=key,
     )
-
-
-def _rounded_up(value: float) -> float:
-    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
-    return ceil(value / unit) * unit

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
-from ncgear.figures.numbers import bound, five_digits, fixed, placed, to_digits
-from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
+from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
+from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM, to_bound
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def _of_crank(drive: Drive) -> Iterator[Advice]:
 
 
 def _at_least(key: str, value: float) -> str:
-    return f"{key}: {to_digits(bound(value), 4)} or over"
+    return f"{key}: {to_digits(to_bound(value), 4)} or over"
 
 
 def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice]:

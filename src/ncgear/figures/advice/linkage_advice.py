@@ -9,9 +9,10 @@ from math import atan, copysign, degrees, exp, log, pi, radians, sin
 from ncgear.design.mechanisms import lengths_of
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
-from ncgear.figures.numbers import bound, fixed, placed, to_digits
+from ncgear.figures.numbers import fixed, placed, to_digits
 from ncgear.kinematics.outcomes import driving_rad
 from ncgear.mechanisms.mechanism import Mechanism, RodMechanism
+from ncgear.numerics.units import to_bound
 from ncgear.project.drive import Drive
 
 FRICTION = 0.25
@@ -104,7 +105,7 @@ def _enough(drive: Drive, key: str, length: float, way: float, least_rad: float,
         low, high = (
             (low, middle) if _clears(drive, key, length * exp(middle * way), least_rad, end_rad) else (middle, high)
         )
-    value = copysign(bound(abs(length) * exp(high * way), 3, up=way > 0.0), length)
+    value = copysign(to_bound(abs(length) * exp(high * way), 3, up=way > 0.0), length)
     return value if _clears(drive, key, value, least_rad, end_rad) else None
 
 
