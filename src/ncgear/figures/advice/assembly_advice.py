@@ -15,7 +15,8 @@ from ncgear.project.tooth_form import thickness_limits_mm
 NEARLY_ALL = 0.995
 
 OTHER_WAYS = Remedy(
-    "take larger teeth or finer tolerances: so much backlash would leave no teeth", short="larger teeth"
+    "take finer tolerances or larger teeth: so much backlash would leave no teeth",
+    short="finer tolerances or larger teeth",
 )
 
 

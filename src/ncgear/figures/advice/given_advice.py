@@ -205,6 +205,7 @@ def _beyond(drive: Drive) -> Iterator[Advice]:
             yield _advice(
                 f"{which} {len(places)} points of {key}.table lie beyond the stroke of {_stroke(drive)}",
                 "the force is that of the nearest one" if aside else "they change nothing",
+                f"give places within 0..{_stroke(drive)}" if aside else "",
                 matters=not any(0.0 <= place <= stroke for place in places),
             )
 

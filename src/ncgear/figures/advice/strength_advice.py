@@ -108,12 +108,18 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
     return NotJudged(WEAR) if any(one.wears for one in drive.materials) else None
 
 
+TOGETHER = Remedy("make teeth larger and gears wider together, or let them bear less")
+"""What is said where neither size alone would do, and no search tells both."""
+
+
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     """Sizes by how stresses scale; ncgear size finds none of teeth whose strength is not computed."""
     wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in found.weak)
     larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found.weak)
     sizes = _sizes(drive, wider, larger)
-    return tuple(one for one in sizes if one.short != SIZE) if found.unjudged else sizes
+    if not found.unjudged:
+        return sizes
+    return tuple(one for one in sizes if one.short != SIZE) or (TOGETHER,)
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
