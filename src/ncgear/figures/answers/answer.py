@@ -109,8 +109,9 @@ def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path]
     last = [line for end in (*_written(paths), *_kept(kept), _next(answer.then)) for line in _wrapped(end)]
     unknown = _wrapped(answer.not_judged)
     told = [_fault(fault) for fault in answer.faults]
+    needed = sum(len(what) + len(below) for what, below in told)
     left = LINES - len(top) - bool(answer.heads) - len(unknown) - len(last) - 3
-    figures = _with_room(answer, left - min(sum(map(len, told)), FAULTS) - 1)
+    figures = _with_room(answer, left - min(needed, FAULTS) - 1)
     wrong = _wrong(answer, told, left - max(len(figures) - bool(answer.heads), 0) - 1)
     blocks = [top, figures, [*wrong, *unknown], last]
     return "\n\n".join("\n".join(block) for block in blocks if block)
@@ -158,26 +159,36 @@ def _columns(texts: Sequence[str], widths: Sequence[int]) -> str:
     return "".join(f"{GAP}{text:>{width}}" for text, width in zip(texts, widths, strict=True))
 
 
-def _wrong(answer: Answer, told: Sequence[list[str]], room: int) -> list[str]:
-    """What is wrong, in ``room`` lines below a heading as far as that goes, or that nothing is."""
+Told = tuple[list[str], list[str]]
+"""The lines of what is wrong, with what would help where a line has room for both, and those of it below."""
+
+
+def _wrong(answer: Answer, told: Sequence[Told], room: int) -> list[str]:
+    """What is wrong, in ``room`` lines below a heading as far as that goes, or that nothing is.
+
+    Where there is no room for all, what would help is left out of the least serious, and then these.
+    """
     faults = answer.faults
     if not faults:
         return [answer.good] if answer.good else []
     count = "1 warning" if len(faults) == 1 else f"{len(faults)} warnings, the most serious first"
     count = answer.wrong or count
     helped = " (-> what would help)" if any(fault.cures for fault in faults) else ""
-    ends = list(accumulate(map(len, told)))
-    # The most serious is told whatever room it takes
+    # The most serious is told in full, whatever room it takes
+    spare = max(room - sum(len(what) for what, _ in told), len(told[0][1]))
+    cures = list(accumulate(len(below) for _, below in told))
+    lines = [[*what, *(below if end <= spare else [])] for (what, below), end in zip(told, cures, strict=True)]
+    ends = list(accumulate(map(len, lines)))
     shown = len(told) if ends[-1] <= room else max(1, sum(end < room for end in ends))
     left = [f"{INDENT}and {len(faults) - shown} more: {VERBOSE}"] if shown < len(faults) else []
-    return [f"{count}{helped}", *chain.from_iterable(told[:shown]), *left]
+    return [f"{count}{helped}", *chain.from_iterable(lines[:shown]), *left]
 
 
-def _fault(fault: Fault) -> list[str]:
+def _fault(fault: Fault) -> Told:
     """What is wrong, and the first that would help in one line with it, else the first, below it."""
     lines = (f"{INDENT}{fault.what} -> {cure}" for cure in fault.cures)
     below = [line for cure in fault.cures[:1] for line in _wrapped(f"-> {cure}", 2 * INDENT)]
-    return next(([line] for line in lines if len(line) <= COLUMNS), [*_wrapped(fault.what, INDENT), *below])
+    return next((([line], []) for line in lines if len(line) <= COLUMNS), (_wrapped(fault.what, INDENT), below))
 
 
 OPENED = (
