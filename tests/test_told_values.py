@@ -101,6 +101,16 @@ def test_the_bound_that_is_told_is_enough_and_not_much_more(words: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("ratio", "told_so"), [(40.0, False), (50.0, True)])
+def test_a_motor_faster_than_it_gives_its_torque_is_told(ratio: float, told_so: bool) -> None:
+    data = of({"motor": {"rated_torque_n_m": 5, "rated_speed_rpm": 1300, "gearbox": {"ratio": ratio}}})
+    found = drivetrain(data, "faster than")
+    assert len(found) == told_so
+    for warning in found:
+        assert drivetrain(with_value(data, *told(warning)), "faster than") == []
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("words", ["mean square", "runs at"])
 def test_a_motor_of_falling_torque_runs_as_is_told(words: str) -> None:
     gearbox = {"ratio": 1.2} if words == "runs at" else {}

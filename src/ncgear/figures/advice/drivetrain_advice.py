@@ -117,6 +117,13 @@ def _of_motor(found: MotorResult, wanted_rad_s: float) -> Iterator[Advice]:
             f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m",
             _at_least("drivetrain.motor.peak_torque_n_m", most),
         )
+    turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, found.given.rated_speed_rpm
+    if course is None and turns > (1.0 + OFF_SPEED) * rated_rpm:
+        slower = to_bound(found.given.gearbox.ratio * rated_rpm / turns, up=False)
+        yield _advice(
+            f"the motor turns at {to_digits(turns, 4)} r/min, faster than the {rated_rpm:g} r/min of its rated torque",
+            f"drivetrain.motor.gearbox.ratio: {to_digits(slower, 4)} or less",
+        )
     if course is not None and abs(course.mean_rad_s / wanted_rad_s - 1.0) > OFF_SPEED:
         ratio = found.given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
         runs, wanted = (to_digits(speed / RAD_S_PER_RPM, 4) for speed in (course.mean_rad_s, wanted_rad_s))
