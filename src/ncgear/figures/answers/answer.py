@@ -109,9 +109,10 @@ def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path]
     last = [line for end in (*_written(paths), *_kept(kept), _next(answer.then)) for line in _wrapped(end)]
     unknown = _wrapped(answer.not_judged)
     told = [_fault(fault) for fault in answer.faults]
-    needed = sum(len(what) + len(below) for what, below in told)
+    # What helps against the most serious is told before the last figures, against others only where room is left
+    needed = min(sum(len(what) for what, _ in told), FAULTS) + sum(len(below) for _, below in told[:1])
     left = LINES - len(top) - bool(answer.heads) - len(unknown) - len(last) - 3
-    figures = _with_room(answer, left - min(needed, FAULTS) - 1)
+    figures = _with_room(answer, left - needed - 1)
     wrong = _wrong(answer, told, left - max(len(figures) - bool(answer.heads), 0) - 1)
     blocks = [top, figures, [*wrong, *unknown], last]
     return "\n\n".join("\n".join(block) for block in blocks if block)

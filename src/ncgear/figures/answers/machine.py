@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.law_advice import speeds
 from ncgear.figures.advice.verdict import Known, Verdict, judged
-from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, in_one_line, row
+from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.summary.check_summary import comparison_rows, masses_note, peaks
@@ -166,10 +166,15 @@ def _motion(drive: Drive) -> list[Row]:
     rows = [Row(name, (text,)) for name, text in motion_facts(found, drive.linkage)]
     wishes = sorted(wish_rows(found), key=lambda one: bool(one["kept"]))
     told = wishes if len(wishes) <= WISHES else wishes[: WISHES - 1]
-    rows += [Row("", (wish_line(one),)) for one in told]
+    rows += [Row("", (_wish(wish_line(one)),)) for one in told]
     if len(told) < len(wishes):
         rows.append(Row("", (f"of all {len(wishes)} wishes {sum(one['kept'] for one in wishes)} are kept",)))
     return rows
+
+
+def _wish(line: str) -> str:
+    """A wish in one line: where there is no room, by how much it is missed follows from what is wished."""
+    return line if len(line) <= COLUMNS - len(INDENT) else line.partition(", missed by ")[0]
 
 
 def _ratios(drive: Drive) -> list[Row]:

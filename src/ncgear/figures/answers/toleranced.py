@@ -28,6 +28,14 @@ MOST_OFF = 0.1
 ASSUMED = "Assumed, as the file has no section tolerances: "
 
 
+SOURCES = 3
+"""Sources of variance that are told of a figure: the greatest, in a line."""
+
+
+def _first(words: str) -> str:
+    return ", ".join(words.split(", ")[:SOURCES])
+
+
 def tolerance_answer(tolerated: Tolerated) -> Answer:
     """What assemblies of a design do."""
     told = percentiles(tolerated)
@@ -55,7 +63,7 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         Row("jam", (jam_words(tolerated),)),
         Row("knock", (knock_words(tolerated),)),
         Row("backlash", (needed_words(tolerated),)),
-        *(Row(name, (f"varies with {words}",)) for name, words in index_rows(tolerated)[:3] if words),
+        *(Row(name, (f"varies with {_first(words)}",)) for name, words in index_rows(tolerated)[:3] if words),
         Row("checked", (checked,)),
         Row("between", (between,)),
     ]
