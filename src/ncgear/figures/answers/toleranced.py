@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import accumulate
 
-from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.answers.answer import COLUMNS, Answer, Fault, Row
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.tolerance_words import assumed_words, limit_words
@@ -28,12 +29,15 @@ MOST_OFF = 0.1
 ASSUMED = "Assumed, as the file has no section tolerances: "
 
 
-SOURCES = 3
-"""Sources of variance that are told of a figure: the greatest, in a line."""
+ROOM = COLUMNS - 30
+"""Characters of a line that names, "varies with" and what is between them leave to what a figure varies with."""
 
 
 def _first(words: str) -> str:
-    return ", ".join(words.split(", ")[:SOURCES])
+    """As many sources of variance, the greatest first, as a line has room for."""
+    named = words.split(", ")
+    ends = accumulate(len(one) + len(", ") for one in named)
+    return ", ".join(one for one, end in zip(named, ends, strict=True) if end <= ROOM)
 
 
 def tolerance_answer(tolerated: Tolerated) -> Answer:
