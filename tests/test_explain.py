@@ -205,6 +205,12 @@ def test_ideas_without_a_key_are_told(run: Run, idea: str) -> None:
     assert set(paths) <= {key.path for key in keys_of(Design)}
 
 
+@pytest.mark.parametrize("asked", ["contact ratio", "face width", "no such key"])
+def test_words_need_no_quotes(run: Run, asked: str) -> None:
+    assert run("explain", *asked.split()) == run("explain", asked)
+    assert run("explain", *asked.split(), "--of", "balance") == run("explain", "--of", "balance", asked)
+
+
 def test_a_key_like_no_other(run: Run) -> None:
     assert run("explain", "qqq") == (2, "", "qqq: unknown key; `ncgear explain` lists all keys\n")
 

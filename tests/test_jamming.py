@@ -249,6 +249,25 @@ def test_teeth_too_small_for_the_backlash_are_told_another_way() -> None:
     assert [remedy.changes for remedy in found.remedies] == [()]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("width_mm", "backlash_mm"), [(5000.0, None), (5000.0, 0.05), (900.0, 0.05)])
+def test_gears_too_wide_for_any_backlash_are_told_the_width_that_turns(
+    width_mm: float, backlash_mm: float | None
+) -> None:
+    """Tilted by 0.02 deg, teeth 5 m wide are 1.7 mm off at an end: larger ones are no help.  A wider face jams."""
+    given = {} if backlash_mm is None else {"backlash_mm": backlash_mm}
+    found = jams(small(face_width_mm=width_mm, module_mm=1.5, **given))
+    assert isinstance(found, Advice)
+    changes = {one.key.removeprefix("gears."): one.value for one in found.remedies[0].changes}
+    told = {key: value for key, value in changes.items() if isinstance(value, float)}
+    assert told["face_width_mm"] < width_mm
+    assert told.get("backlash_mm", backlash_mm) <= 0.375
+    turned = {"module_mm": 1.5, **given, **told}
+    assert jams(small(**turned)) is None
+    wider = jams(small(**{**turned, "face_width_mm": 1.5 * told["face_width_mm"]}))
+    assert isinstance(wider, Advice)
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize(("eccentricity_mm", "fits"), [(0.3, True), (3.0, False)])
 def test_a_backlash_with_which_teeth_are_pointed_is_not_advised(eccentricity_mm: float, fits: bool) -> None:

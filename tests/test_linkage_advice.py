@@ -5,12 +5,14 @@ Each judge computes the angle from lengths and sampled crank angles; the limit i
 
 from __future__ import annotations
 
+import re
 from math import asin, degrees, pi, radians
 
 import numpy as np
 import pytest
 
 from drives import design_of, drive
+from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.linkage_advice import FLATTEST_DEG, FRICTION, transmission_angle
 from ncgear.figures.numbers import to_digits
 from ncgear.project.drive import Drive
@@ -77,3 +79,111 @@ def test_gears_that_turn_less_than_once_are_judged_where_they_turn(range_deg: fl
 @pytest.mark.parametrize("name", ["baler", "rocker-drive", "quick-return-shaper", "scotch-yoke-pump", "rack-feed"])
 def test_shipped_linkages_do_not_lock(name: str) -> None:
     assert transmission_angle(drive(name)) is None
+
+
+# --- friction in the guide that the file gives, against the balance of the slider's forces
+
+
+def held(crank: float, rod: float, offset: float, friction: float, against: tuple[float, float]) -> list[str]:
+    """The strokes on which no forces are in balance somewhere: the rod's, the guide's and its friction.
+
+    ``against`` are the forces against the motion out and back, negative ones along it.  The guide presses on either
+    side; a force of it that points the other way is no balance.
+    """
+    found = []
+    theta = np.linspace(0.0, 2.0 * pi, 20_001)
+    across = crank * np.sin(theta) - offset
+    # The crank turns clockwise: theta falls
+    speed = crank * np.sin(theta) + across / np.sqrt(rod**2 - across**2) * crank * np.cos(theta)
+    tilt = np.arcsin(across / rod)
+    for name, way, force in (("out", 1.0, against[0]), ("back", -1.0, against[1])):
+        there = tilt[way * speed > 1e-9 * crank]
+        balanced = np.full(there.size, force == 0.0)
+        for side in (1.0, -1.0):
+            # Along the line: cos(b) S - way mu side N = way F; across it: -sin(b) S + N = 0
+            rows = [[np.cos(there), np.full(there.size, -way * friction * side)], [-np.sin(there), np.ones(there.size)]]
+            matrix = np.moveaxis(np.array(rows), 2, 0)
+            load = np.tile([way * force, 0.0], (there.size, 1))[..., None]
+            balanced |= side * np.linalg.solve(matrix, load)[:, 1, 0] >= 0.0
+        found += [] if balanced.all() else [name]
+    return found
+
+
+def rubbing(friction: float, out: float = 10.0, back: float = 10.0, **lengths: float) -> Drive:
+    """A machine whose guide rubs, with a constant force on each stroke."""
+    machine = {
+        "name": "a",
+        "operation": {"speed_rpm": 1},
+        "linkage": {"crank_mm": 60.0, "rod_mm": 100.0, "offset_mm": 39.0, **lengths},
+        "motion": {"law": "uniform_crank"},
+        "resistance": {
+            "polynomial_n": [out],
+            "where_negative": "keep",
+            "returning": {"polynomial_n": [back], "where_negative": "keep"},
+        },
+        "drivetrain": {"guide_friction": friction},
+        "gears": {"teeth": 40, "module_mm": 2, "face_width_mm": 10},
+        "masses": {
+            "slider_kg": 0,
+            "rod": {"mass_kg": 0, "center_mm": 0, "inertia_kg_mm2": 0},
+            "crank": {"mass_kg": 0, "center_mm": 0, "inertia_kg_mm2": 0},
+        },
+    }
+    return Drive(design_of(machine))
+
+
+def refusal(made: Drive) -> str:
+    try:
+        _ = made.check
+    except NoSuchMechanism as refused:
+        return refused.problem
+    return ""
+
+
+LIMIT = np.sqrt(100.0**2 - 99.0**2) / 99.0
+"""The pin is 60 + 39 mm from the slider's line where the rod of 100 mm leans most."""
+
+
+@pytest.mark.parametrize("offset", [39.0, -39.0])
+@pytest.mark.parametrize(("out", "back"), [(10.0, 0.0), (0.0, 10.0), (10.0, 5000.0), (-10.0, 10.0), (10.0, -10.0)])
+@pytest.mark.parametrize("friction", [0.999 * LIMIT, 1.001 * LIMIT])
+def test_a_guide_that_jams_while_it_runs_is_refused_for_the_force_and_the_stroke(
+    friction: float, out: float, back: float, offset: float
+) -> None:
+    jams = held(60.0, 100.0, offset, friction, (out, back))
+    said = refusal(rubbing(friction, out, back, offset_mm=offset))
+    assert bool(said) == bool(jams)
+    assert not said or f"on its way {jams[0]}" in said
+    told_limit = re.search(r"under ([\d.]+), is right", said)
+    assert not said or (told_limit and LIMIT - 1e-4 <= float(told_limit[1]) <= LIMIT)
+
+
+@pytest.mark.parametrize(("out", "back"), [(0.0, 0.0), (-10.0, 0.0), (0.0, -10.0)])
+@pytest.mark.parametrize("offset", [39.0, -39.0])
+@pytest.mark.parametrize(("friction", "starts"), [(0.999 * LIMIT, True), (1.001 * LIMIT, False)])
+def test_a_guide_that_jams_only_at_the_start_is_told(
+    friction: float, starts: bool, offset: float, out: float, back: float
+) -> None:
+    """Whatever moves the running slider along, at rest any force against it, on one stroke or the other, holds it."""
+    assert (not held(60.0, 100.0, offset, friction, (1.0, 1.0))) == starts
+    found = transmission_angle(rubbing(friction, out, back, offset_mm=offset))
+    assert (found is None) == starts
+    assert found is None or "started there" in found.brief
+
+
+@pytest.mark.parametrize("name", ["rod_mm", "crank_mm", "offset_mm"])
+def test_a_length_that_is_told_lets_the_guide_go(name: str) -> None:
+    found = transmission_angle(rubbing(0.2, 0.0, 0.0))
+    assert found is not None
+    told = dict(re.findall(r"linkage\.(\w+): ([\d.]+)", " ".join(one.short for one in found.remedies)))
+    assert transmission_angle(rubbing(0.2, 0.0, 0.0, **{name: float(told[name])})) is None
+    # It is near: between it and its own the warning comes back
+    own = {"rod_mm": 100.0, "crank_mm": 60.0, "offset_mm": 39.0}[name]
+    nearer = float(told[name]) + 0.1 * (own - float(told[name]))
+    assert transmission_angle(rubbing(0.2, 0.0, 0.0, **{name: nearer})) is not None
+
+
+def test_a_smooth_guide_that_is_given_is_believed() -> None:
+    """At 8 deg a friction of 0.25 locks, of which nothing is said where the file gives 0.1."""
+    assert transmission_angle(rubbing(0.0)) is not None
+    assert transmission_angle(rubbing(0.1)) is None

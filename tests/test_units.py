@@ -11,6 +11,10 @@ from matplotlib.figure import Figure
 import drives
 import reports
 from ncgear import plots
+from ncgear.figures.advice.law_advice import rods
+from ncgear.figures.advice.values import Advice, Where
+from ncgear.figures.numbers import placed
+from ncgear.numerics.units import in_words
 from ncgear.project.drive import Drive
 
 Draw = Callable[[Drive, Axes], Axes]
@@ -45,3 +49,30 @@ def test_the_report_has_the_units_of_its_figures(name: str) -> None:
     assert [chart.unit for chart in (velocity, acceleration, force, power)] == ["mm/s", "mm/s\u00b2", "N", "W"]
     check = drives.drive(name).check
     assert float(power.lines[0].values.max()) == pytest.approx(check.peak_power_w.value, rel=1e-4)
+
+
+# --- places, of which more digits are printed than are known
+
+
+def test_a_place_that_is_not_resolved_beside_a_turn_is_zero() -> None:
+    """The rocker is nearest to the driving shaft at its dead centre; a search finds that to 5e-7 rad."""
+    linkage = {"kind": "crank_rocker", "crank_mm": 15, "coupler_mm": 60, "rocker_mm": 40, "ground_mm": 72.18}
+    gears = {"teeth": 48, "module_mm": 1.5, "face_width_mm": 12, "driving": {"bore_mm": 10}, "driving_axis_deg": 0}
+    motion = {"law": "harmonic_ratio", "cosine": [-0.2]}
+    data = {"name": "a", "linkage": linkage, "operation": {"speed_rpm": 30}, "motion": motion, "gears": gears}
+    (met,) = (one for one in rods(Drive(drives.design_of(data))) if isinstance(one, Advice))
+    ((at, _),) = met.where[0].angles_deg
+    assert 0.0 < abs(at) < 1e-4
+    assert met.brief.endswith("at phi1 = 0 deg")
+    assert "phi1 = 0 deg" in met.what
+
+
+@pytest.mark.parametrize(("angle_deg", "text"), [(2.5e-5, "0"), (-2.5e-5, "0"), (0.01234, "0.01234"), (359.96, "360")])
+def test_a_place_has_four_digits_where_they_are_known(angle_deg: float, text: str) -> None:
+    assert placed(angle_deg) == text
+    assert str(Where(angles_deg=((angle_deg, angle_deg),))) == f"phi1 = {text} deg"
+
+
+def test_a_place_in_a_refusal_is_zero_as_well() -> None:
+    assert in_words(1e-7) == in_words(-1e-7) == "0 rad (0 deg)"
+    assert in_words(1e-4) == "0.0001 rad (0.00573 deg)"

@@ -256,7 +256,7 @@ ACTING: dict[str, dict[str, Any]] = {
     "returning": {"resistance": {"polynomial_n": [60], "returning": {"expression_n": "max(0, 5*x - 300)"}}},
     "friction": {"resistance": {"friction_n": 20}},
     "kept": {"resistance": {"expression_n": "-3 - x", "where_negative": "keep"}},
-    "loaded": {"resistance": {"friction_n": 20}, "strength": {"life_h": 7}, "simulation": {"turns": 3}},
+    "loaded": {"resistance": {"friction_n": 20}, "strength": {"life_h": 7}},
     "usual strength": {"resistance": None, "strength": {"reliability": 0.99}},
     "place": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 20}]}},
     "place on the way out": {"wishes": {"positions": [{"at_mm": 30, "phi1_deg": 80, "tolerance_mm": 40}]}},

@@ -9,6 +9,7 @@ from enum import Enum
 from types import NoneType
 from typing import Annotated, Any, get_args, get_origin
 
+import typer
 from typer.models import ArgumentInfo, OptionInfo
 
 
@@ -59,9 +60,9 @@ class Parameter:
 
 
 def parameters_of(function: Callable[..., None]) -> list[Parameter]:
-    """The parameters of a command's function, in order."""
+    """The parameters of a command's function that a person gives, in order."""
     signature = inspect.signature(function, eval_str=True).parameters
-    return [_parameter(name, one) for name, one in signature.items()]
+    return [_parameter(name, one) for name, one in signature.items() if one.annotation is not typer.Context]
 
 
 def _parameter(name: str, one: inspect.Parameter) -> Parameter:

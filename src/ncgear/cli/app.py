@@ -54,7 +54,8 @@ COMMANDS = (
 """All commands, in the order in which the help lists them."""
 
 for command in COMMANDS:
-    app.command(cls=PlainCommand)(command)
+    # What is looked up may be of several words
+    app.command(cls=PlainCommand, context_settings={"allow_extra_args": command is explain})(command)
 
 
 def _print_version(wanted: bool) -> None:

@@ -15,6 +15,7 @@ from ncgear.cli.progress import steps_shown
 
 
 def explain(
+    context: typer.Context,
     key: Annotated[
         str | None,
         typer.Argument(
@@ -30,7 +31,7 @@ def explain(
     from ncgear.figures.explained import told, tree
 
     keys = told_keys(of)
-    typer.echo(tree(keys) if key is None else told(keys, key))
+    typer.echo(tree(keys) if key is None else told(keys, " ".join([key, *context.args])))
 
 
 def schema(

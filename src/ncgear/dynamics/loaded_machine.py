@@ -6,8 +6,8 @@ both sides of every joint of the law.
 
 Where the guide rubs, the slider bears mu |N| against its motion besides its load.  N follows from all that the slider
 bears along its line, and is affine in it: with N_0 of a guide without friction and N_1 of a resistance of 1 N,
-|N| = |N_0| / (1 - mu N_1 sign(N_0)) on the way out, with a plus on the way back.  Where that is not positive the slider
-jams in its guide, and the machine is refused.
+|N| = |N_0| / (1 - mu N_1 sign(N_0)) on the way out, with a plus on the way back.  Where that is negative it jams,
+and the machine is refused.
 
 Of two pairs in series, the shaft between them turns unevenly as well and takes its part of the torque.
 """
@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from math import sqrt
+from math import degrees, floor, sqrt, tan
 from operator import attrgetter
 
 import numpy as np
@@ -134,11 +134,17 @@ class RigidMachine:
         one = linkage.joint_forces(driven_angle, linkage.MASSES(), pace, resistance_n * 0.0 + 1.0).guide_n
         side, way = np.where(smooth.guide_n.value < 0.0, -1.0, 1.0), np.where(returning, -1.0, 1.0)
         left = 1.0 - one * (self.guide_friction * way * side)
-        if np.any(left.value <= 0.0):
+        # What presses on nothing does not jam, though it may be held once anything does
+        jams = (left.value <= 0.0) & ((smooth.guide_n.value != 0.0) | (left.value == 0.0))
+        if np.any(jams):
+            worst = int(np.argmin(np.where(jams, left.value, np.inf)))
+            at, pressed = degrees(float(driven_angle.value[worst])) % 360.0, abs(float(one.value[worst]))
+            slides = tan(linkage.least_transmission()[0])
             raise NoSuchMechanism(
-                f"the slider jams in its guide at a coefficient of friction of {self.guide_friction:g}: the guide "
-                f"presses on it with {np.abs(one.value).max():.3g} times what it bears along its line; a longer rod, "
-                "or less friction, is right",
+                f"the slider jams in its guide at a coefficient of friction of {self.guide_friction:g}: on its way "
+                f"{'back' if returning[worst] else 'out'}, at a crank angle of {at:.4g} deg, the guide presses on it "
+                f"with {pressed:.3g} times what it bears along its line; a longer rod, or a coefficient under "
+                f"{floor(1e4 * slides) / 1e4:.4g}, is right",
                 key="drivetrain.guide_friction",
             )
         rubbing = smooth.guide_n * (self.guide_friction * way * side) / left

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from math import floor, isfinite, log10
+from math import degrees, floor, isfinite, log10, radians
 from typing import Any
 
 from ncgear.errors import Unanswered
+from ncgear.numerics.units import placed_rad
 
 
 def finite(value: Any, name: str) -> Any:
@@ -81,6 +82,11 @@ def to_digits(value: float, digits: int) -> str:
     """
     settled = rounded(value, NOISE)
     return f"{settled:.0f}" if abs(settled) >= 10.0**digits else f"{settled:.{digits}g}"
+
+
+def placed(angle_deg: float) -> str:
+    """A driving angle at which something is, in degrees to four digits; what is not resolved beside a turn is 0."""
+    return to_digits(degrees(placed_rad(radians(finite(angle_deg, "an angle")))), 4)
 
 
 def micrometres(length_mm: float) -> str:

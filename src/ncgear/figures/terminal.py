@@ -8,7 +8,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.numbers import fixed, placed, shown
 from ncgear.figures.quantities import name_of, told
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import Column, aligned
@@ -154,7 +154,7 @@ def _owner(key: str) -> str:
 
 def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | None = None) -> tuple[str, str]:
     label, text, unit = told(key, value)
-    place = "" if place_rad is None else f" at phi1 = {to_digits(degrees(place_rad), 4)} deg"
+    place = "" if place_rad is None else f" at phi1 = {placed(degrees(place_rad))} deg"
     return prefix + label, f"{text} {unit}".rstrip() + place
 
 

@@ -419,7 +419,7 @@ def needed_words(tolerated: Tolerated) -> str:
         words = f"{words}; {', '.join(f'{_of(pair)}{value:g}' for pair, value in parts)}"
     if needed.jammed is None:
         return f"{words}, but such gears cannot be made"
-    return f"{words}; of fresh ones then {share_words(needed.jammed)} jam"
+    return f"{words}; fresh ones: {share_words(needed.jammed)} jam"
 
 
 def _power_of_two(count: int) -> int:

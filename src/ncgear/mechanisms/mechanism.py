@@ -282,6 +282,14 @@ class Mechanism(Mechanisms[float]):
         """
         return np.full_like(crank_rad, 0.5 * pi)
 
+    def least_transmission(self, end_rad: float = 2.0 * pi) -> tuple[float, float]:
+        """The least transmission angle in rad of crank angles from 0 to an end in rad, and the crank angle of it."""
+        places = [0.0, self.working_angle_rad, *(place for place, _ in self.corners), end_rad]
+        crank = np.array([place for place in places if place <= end_rad])
+        angles = self.transmission_rad(crank)
+        least = int(np.argmin(angles))
+        return float(angles[least]), float(crank[least])
+
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
         """The middle lines of each link that moves beside the gears, by its name, in its frame: from joint to joint."""

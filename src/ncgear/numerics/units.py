@@ -81,7 +81,17 @@ def label_and_unit(key: str) -> tuple[str, str]:
     return " ".join(words), ""
 
 
+RESOLVED = 1e-6
+"""Share of a turn below which the place of an extreme is 0: where a value is least or largest it changes with the
+square of the way, so that of sixteen digits of a value eight tell its place, and a few of them go in a search."""
+
+
+def placed_rad(angle_rad: float) -> float:
+    """An angle that says where something is, in rad: what is not resolved beside a turn is 0."""
+    return 0.0 if abs(angle_rad) < RESOLVED * 2.0 * pi else angle_rad
+
+
 def in_words(angle_rad: float) -> str:
-    """``4.465 rad (255.8 deg)``; rounding errors about zero are shown as zero."""
-    rounded = round(angle_rad, 9) + 0.0
-    return f"{rounded:.6g} rad ({degrees(rounded):.4g} deg)"
+    """``4.465 rad (255.8 deg)``; what is not resolved beside a turn is zero."""
+    placed = placed_rad(angle_rad)
+    return f"{placed:.6g} rad ({degrees(placed):.4g} deg)"

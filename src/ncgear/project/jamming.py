@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from math import sqrt
 
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
+from ncgear.numerics.bounds import shown_below
+from ncgear.project.alternatives import Changes
 from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
-from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, rounded_up
+from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING, backlash_key, left_of_backlash, limits_of, rounded_up
 from ncgear.project.usual_tolerances import Process, tolerances_of
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
+
+MOST_BACKLASH = 0.25
+"""Backlash in modules beyond which teeth are thinner than any standard of backlash makes them."""
+
+LEAST_FACE, NEAR = 1e-3, 1.005
+"""Share of a face width down to which a narrower one is sought, and the factor to which it is found."""
 
 STEP_MM, STEP_DEG = 0.005, 0.005
 """The backlash that is enough is rounded up to a multiple of this: nobody makes teeth to finer steps."""
@@ -23,7 +32,9 @@ class Jamming:
 
     ``share`` is that of the assemblies of one pair that jam.  ``key`` of the design file gives the backlash, ``given``
     is its value, and with ``enough`` 99.9 % of all machines turn.  ``fits`` is false where so much leaves no teeth.
-    ``process`` is that whose usual tolerances are taken; None where the file gives ``tolerances``.
+    ``narrower`` are changes to the widest face for which a usual backlash is enough, where that is not so; empty where
+    it is, and where no face does.  ``process`` is that whose usual tolerances are taken; None where the file gives
+    ``tolerances``.
     """
 
     share: float
@@ -31,6 +42,7 @@ class Jamming:
     given: float
     enough: float
     fits: bool
+    narrower: Changes
     tolerances: AssemblyTolerances
     process: Process | None
 
@@ -45,15 +57,45 @@ def jamming_of(drive: Drive) -> Jamming:
     key = backlash_key(drive.gears)
     given = float(getattr(drive.gears, key))
     value = rounded_up(enough(of_pairs, TURNING), STEP_MM if key == "backlash_mm" else STEP_DEG)
+    share = of_pairs[(drive.stage or 1) - 1].jammed(given)
+    usual = value <= MOST_BACKLASH * drive.pitch.size.module_mm
     return Jamming(
-        share=of_pairs[(drive.stage or 1) - 1].jammed(given),
+        share=share,
         key=f"gears.{key}",
         given=given,
         enough=value,
         fits=given >= value or _leaves_teeth(drive.whole, {key: value}),
+        narrower={} if share <= MOST_JAMMED or usual else _narrower(drive, key, given),
         tolerances=tolerances,
         process=process,
     )
+
+
+def _narrower(drive: Drive, key: str, given: float) -> Changes:
+    """The widest face, to three digits, for which a usual backlash is enough, and that backlash; empty where none is.
+
+    Tilted teeth take the more of a backlash the wider they are; helical ones need their width to keep contact.
+    """
+    own, low, high = drive.gears.face_width_mm, LEAST_FACE, 1.0
+    most = max(given, MOST_BACKLASH * drive.pitch.size.module_mm)
+    if drive.helix is not None or key != "backlash_mm":
+        return {}
+
+    def enough_for(width_mm: float) -> float:
+        gears = drive.whole.gears.model_copy(update={"face_width_mm": width_mm})
+        like = drive_like(drive.whole, drive.whole.design.model_copy(update={"gears": gears}))
+        return rounded_up(enough(backlash_needed(like), TURNING), STEP_MM)
+
+    if enough_for(low * own) > most:
+        return {}
+    while high > NEAR * low:
+        middle = sqrt(low * high)
+        low, high = (middle, high) if enough_for(middle * own) <= most else (low, middle)
+    width = float(shown_below(low * own, 3))
+    changes: Changes = {"gears.face_width_mm": width}
+    if (value := enough_for(width)) > given:
+        changes[f"gears.{key}"] = value
+    return changes
 
 
 @lru_cache(maxsize=1)

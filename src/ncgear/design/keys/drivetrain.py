@@ -19,7 +19,10 @@ Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]
 class Bearing(Model):
     """One of the two bearings of a shaft."""
 
-    at_mm: Place = Field(description="place of its middle along the shaft in mm, counted from the middle of the gear")
+    at_mm: Place = Field(
+        description="place of its middle along the shaft in mm, counted from the middle of the gear, over 0 on the "
+        "side of its hub"
+    )
     kind: Literal["ball", "roller"] = Field(
         default="ball", description="ball or roller: the life falls with the load to the power 3 or 10/3"
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ncgear.errors import DesignError
-from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where
+from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.tolerance_words import limit_words
 from ncgear.project.alternatives import is_given
@@ -15,7 +15,8 @@ from ncgear.project.tooth_form import thickness_limits_mm
 NEARLY_ALL = 0.995
 
 OTHER_WAYS = Remedy(
-    "take larger teeth or finer tolerances: so much backlash would leave no teeth", short="larger teeth"
+    "take finer tolerances or larger teeth: so much backlash would leave no teeth",
+    short="finer tolerances or larger teeth",
 )
 
 
@@ -44,7 +45,7 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
         f"{share} assemblies jam: {has}, and with {', '.join(limit_words(found.tolerances))} "
         f"({_made(found)}) it takes {found.enough:g} {unit} for 99.9 % to turn",
         "both flanks of a tooth are pressed somewhere; ncgear tolerance draws assemblies one by one",
-        (_enough(found),),
+        _ways_out(found),
         brief=f"{share} assemblies jam, {_made(found)}",
     )
 
@@ -54,7 +55,10 @@ def _made(found: Jamming) -> str:
     return "made as tolerances says" if found.process is None else f"{found.process} as usual"
 
 
-def _enough(found: Jamming) -> Remedy:
-    if not found.fits:
-        return OTHER_WAYS
-    return Remedy("give the teeth so much backlash", (Change(found.key, found.enough),))
+def _ways_out(found: Jamming) -> tuple[Remedy, ...]:
+    backlash = Remedy("give the teeth so much backlash", (Change(found.key, found.enough),))
+    narrower = Remedy(
+        "make the gears narrower: over their width tilted teeth take the backlash", changed(found.narrower)
+    )
+    ways = (*([narrower] if found.narrower else []), *([backlash] if found.fits else []))
+    return ways or (OTHER_WAYS,)

@@ -7,9 +7,11 @@ from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
+from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
-from ncgear.figures.numbers import five_digits, fixed, to_digits
+from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 
@@ -27,10 +29,11 @@ def around(drive: Drive) -> Iterator[Advice]:
         if shaft is not None:
             yield from _of_bearings(name, shaft, found.wanted.hours)
             yield from _of_shaft(name, shaft)
+    yield from _of_crank(drive)
     if found.motor:
         yield from _of_motor(found.motor, found.demand.speed_rad_s)
     if found.pto:
-        yield from _of_pto(found.pto)
+        yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
 
 
 def motor(drive: Drive) -> Advice | None:
@@ -64,19 +67,40 @@ def _advice(what: str, helps: str = "", kind: Kind = Kind.DRIVETRAIN) -> Advice:
     return Advice(kind, (Where(),), what, "", (Remedy(helps),) if helps else (), brief=what)
 
 
+def _of_crank(drive: Drive) -> Iterator[Advice]:
+    """A crank whose middle lies within the gear beside which it turns, so that its bearings bear other forces."""
+    around, half = drive.design.drivetrain, drive.gears.face_width_mm / 2.0
+    given = around.driven_shaft if around else None
+    if given and given.bearing_a and drive.linkage.HAS_CRANK and abs(given.crank_at_mm) < half:
+        yield _advice(
+            f"the crank's middle is {given.crank_at_mm:g} mm from that of the driven gear, which is {2.0 * half:g} mm "
+            "wide: it would turn within the gear, and shaft and bearings are told for that",
+            _at_least("drivetrain.driven_shaft.crank_at_mm", half),
+        )
+
+
+def _at_least(key: str, value: float) -> str:
+    return f"{key}: {shown_above(value, 4)} or over"
+
+
 def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice]:
     for letter, one in zip("ab", found.bearings or (), strict=False):
-        which = f"bearing {letter} of the {name} shaft"
+        which, key = f"bearing {letter} of the {name} shaft", f"drivetrain.{name}_shaft.bearing_{letter}"
         if one.life_h is not None and one.life_h < hours:
             yield _advice(
                 f"{which} lasts {five_digits(one.life_h)} h, and {five_digits(hours)} h are wanted",
-                f"a dynamic load rating of {fixed(one.needed_rating_n, 0)} N is needed",
+                _at_least(f"{key}.dynamic_rating_n", one.needed_rating_n),
             )
         if one.within_iso_281 is False:
-            yield _advice(f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds")
+            yield _advice(
+                f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds",
+                _at_least(f"{key}.dynamic_rating_n", one.equivalent_n / MOST_OF_RATING),
+            )
         if one.static_safety is not None and one.static_safety < 1.0:
             yield _advice(
-                f"{which} bears {fixed(one.largest_n.value, 0)} N, more than its static load rating: it would be dented"
+                f"{which} bears {fixed(one.largest_n.value, 0)} N, more than its static load rating: it would be "
+                "dented",
+                _at_least(f"{key}.static_rating_n", one.largest_n.value),
             )
 
 
@@ -93,7 +117,8 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
         yield _advice(
             f"the key of the {name} shaft bears {fixed(found.key.pressure_mpa, 0)} MPa, and "
             f"{fixed(found.key.pressure_mpa * found.key.safety, 0)} MPa are allowed",
-            "a longer key or a thicker shaft",
+            _at_least(f"drivetrain.{name}_shaft.key.length_mm", found.key.key.length_mm / found.key.safety)
+            + ", or a thicker shaft",
         )
     if found.key is not None and found.key.both_senses:
         yield _advice(
@@ -114,27 +139,43 @@ def _of_motor(found: MotorResult, wanted_rad_s: float) -> Iterator[Advice]:
     if rms > rated:
         yield _advice(
             f"the motor gives {to_digits(rms, 4)} N m in the mean square, more than its rated {rated:g} N m",
-            "a stronger motor, a larger ratio or a larger flywheel is needed",
+            _at_least("drivetrain.motor.rated_torque_n_m", max(rms, N_M_PER_N_MM * found.load.rms_n_mm))
+            + ", or a larger ratio or flywheel",
         )
     if peak is not None and most > peak:
-        yield _advice(f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m")
+        yield _advice(
+            f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m",
+            _at_least("drivetrain.motor.peak_torque_n_m", most),
+        )
+    turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, found.given.rated_speed_rpm
+    if course is None and turns > (1.0 + OFF_SPEED) * rated_rpm:
+        slower = found.given.gearbox.ratio * rated_rpm / turns
+        yield _advice(
+            f"the motor turns at {to_digits(turns, 4)} r/min, faster than the {rated_rpm:g} r/min of its rated torque",
+            f"drivetrain.motor.gearbox.ratio: {shown_below(slower, 4)} or less",
+        )
     if course is not None and abs(course.mean_rad_s / wanted_rad_s - 1.0) > OFF_SPEED:
+        ratio = found.given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
         yield _advice(
             f"with this motor and gearbox the machine runs at {_rpm(course.mean_rad_s)} r/min, not at "
             f"operation.speed_rpm: {_rpm(wanted_rad_s)}; all else is told for that speed",
-            "another ratio of the gearbox is needed",
+            f"drivetrain.motor.gearbox.ratio: {to_digits(ratio, 4)}",
         )
 
 
-def _of_pto(found: PowerTakeOffResult) -> Iterator[Advice]:
+def _of_pto(found: PowerTakeOffResult, most_n_m: float) -> Iterator[Advice]:
     if found.slips:
         stops = any(one.end_rad is None for one in found.slips)
         says = "and stops the machine" if stops else "in every cycle"
         yield _advice(
-            f"the torque limiter slips from phi1 = {to_digits(degrees(found.slips[0].start_rad), 4)} deg on, {says}"
+            f"the torque limiter slips from phi1 = {placed(degrees(found.slips[0].start_rad))} deg on, {says}",
+            _at_least("drivetrain.pto.torque_limiter_n_m", most_n_m),
         )
     if found.runs_ahead and any(one.end_rad is None for one in found.runs_ahead):
-        yield _advice("the machine runs ahead of its clutch and is not caught again within a cycle")
+        yield _advice(
+            "the machine runs ahead of its clutch and is not caught again within a cycle",
+            "drivetrain.pto.overrunning_clutch: false",
+        )
 
 
 SMOOTH_GUIDE = _advice(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import exp, log, pi
 
 import numpy as np
 
@@ -10,14 +11,29 @@ from ncgear.design.keys.base import Model, listed
 from ncgear.design.keys.machine import LoadTable
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.numbers import to_digits
-from ncgear.kinematics.wishes import DecelerationWithin, EvenSpeed, Position, Requirement, TimeWithin
+from ncgear.kinematics.wishes import (
+    CrankStretch,
+    DecelerationWithin,
+    EvenSpeed,
+    GentleStretch,
+    Position,
+    Requirement,
+    TimeWithin,
+)
 from ncgear.mechanisms.resistance import TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
+from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
 
 BEYOND_ALL = 20.0
-"""Ratio that no gears follow, nor its inverse: a wish that holds at any ratio between holds of every law."""
+"""Ratio that no gears follow, nor its inverse: a wish that holds at any ratio between holds of every law.
+
+Nor does a pitch curve turn from the circle about its axis by an angle of this tangent, 87 deg."""
+
+STEEPEST = (1.0 + BEYOND_ALL) * BEYOND_ALL
+"""Greatest slope by the crank angle of s = dphi2/dphi1, (1 + s) tan(t) of that angle t, and of its logarithm, (1 + 1/s)
+tan(t)."""
 
 POINTS = 65
 """Points of a stretch at which slopes of the displacement are taken; between them they change by less than MARGIN."""
@@ -41,23 +57,103 @@ def without_effect(drive: Drive) -> Iterator[Advice]:
             "it asks nothing of the law" if len(always) == 1 else "they ask nothing of the law",
             "give a narrower bound, or leave it out",
         )
-    if drive.design.gears is None and drive.design.tolerances is not None:
-        yield _advice("tolerances are given without gears", "no figure counts them", "give gears")
-    if unloaded := given_without_load(drive):
-        yield _advice(
-            f"{listed(unloaded, 'and')} {'is' if len(unloaded) == 1 else 'are'} given without resistance and masses",
-            "no tooth bears a load, so that no figure counts what is given of it",
-            "give resistance or masses",
-        )
+    yield from (
+        _advice(f"{_are(names)} given {why}", f"no figure counts {'it' if len(names) == 1 else 'them'}", helps)
+        for names, why, helps in (*_idle_sections(drive), *_idle_keys(drive))
+    )
 
 
-def given_without_load(drive: Drive) -> list[str]:
-    """The sections about teeth under load that differ from what they are left out, where nothing loads the teeth."""
+Idle = tuple[list[str], str, str]
+"""Keys that no figure counts, why not, and what would make them count."""
+
+
+def _are(names: list[str]) -> str:
+    return f"{listed(names, 'and')} {'is' if len(names) == 1 else 'are'}"
+
+
+def _idle_sections(drive: Drive) -> Iterator[Idle]:
+    """The sections about gears and about teeth under load that nothing reads, by what their design lacks."""
     design = drive.design
-    if design.resistance is not None or design.masses is not None:
-        return []
     sections = {"strength": design.strength, "simulation": design.simulation}
-    return [name for name, section in sections.items() if section != type(section)()]
+    given = [name for name, section in sections.items() if section != type(section)()]
+    toleranced = ["tolerances"] if design.tolerances is not None else []
+    if design.gears is None:
+        found = [([*given, *toleranced], "without gears", "give gears")]
+    elif design.resistance is None and design.masses is None:
+        found = [(given, "without resistance and masses, so that no tooth bears a load", "give resistance or masses")]
+    else:
+        simulated = [name for name in given if name == "simulation"]
+        why = {
+            "without masses, of which ncgear simulate needs all": design.masses is None,
+            "with helical teeth, which are not followed under load": design.gears.helix is not None,
+            "with two pairs of gears, and forces are computed of one": design.stages > 1,
+        }
+        helps = "give masses" if design.masses is None else "leave it out"
+        found = [(simulated, next((words for words, true in why.items() if true), ""), helps)]
+    return (one for one in found if one[0] and one[1])
+
+
+def _idle_keys(drive: Drive) -> Iterator[Idle]:
+    """Single keys that others make idle."""
+    design, around = drive.design, drive.design.drivetrain
+    rub = design.simulation.friction
+    shafts = {f"drivetrain.{name}": getattr(around, name) for name in ("driving_shaft", "driven_shaft") if around}
+    bearings = any(shaft and shaft.bearing_a for shaft in shafts.values())
+    motor, line = around.motor if around else None, design.simulation.motor
+    idle: list[tuple[bool, tuple[str, ...], str, str]] = [
+        (
+            design.simulation.damping_n_s_mm is not None,
+            ("simulation.damping_ratio",),
+            "beside damping_n_s_mm, which holds alone",
+            "keep one of the two",
+        ),
+        (
+            rub.static == rub.dynamic,
+            ("simulation.friction.static_speed_mm_s", "simulation.friction.dynamic_speed_mm_s"),
+            "with the same friction at rest and in motion",
+            "leave them out",
+        ),
+        (
+            not bearings,
+            ("drivetrain.life_h", "drivetrain.reliability_percent"),
+            "without bearings, which alone have a life",
+            "give bearings of a shaft",
+        ),
+        (
+            motor is not None and motor.no_load_speed_rpm is None and line is None,
+            ("drivetrain.motor.overrunning_clutch",),
+            "without a line of the motor, so that it runs evenly",
+            "give no_load_speed_rpm",
+        ),
+        (
+            bool(around and around.guide_friction) and _presses_on_no_guide(drive),
+            ("drivetrain.guide_friction",),
+            f"with {drive.linkage.NAME}, of which nothing presses on a guide",
+            "leave it out",
+        ),
+        *(
+            (shaft is not None and not shaft.has_strength, (f"{name}.diameter_mm", f"{name}.blank_mm"), *OF_STEEL)
+            for name, shaft in shafts.items()
+        ),
+        *(
+            (shaft is not None and shaft.bearing_a is None, (f"{name}.crank_at_mm",), "without bearings", "give them")
+            for name, shaft in shafts.items()
+        ),
+    ]
+    for true, keys, why, helps in idle:
+        if true and (given := [key for key in keys if is_given(design, key)]):
+            yield given, why, helps
+
+
+OF_STEEL = "without the shaft's steel, so that it is not looked at", "give steel"
+
+
+def _presses_on_no_guide(drive: Drive) -> bool:
+    """Whether no load and no weight ever presses the output across its way."""
+    if not drive.linkage.GUIDED:
+        return True
+    loads = drive.loaded_machine(drive.machine).at(np.linspace(0.0, drive.transmission.cycle_rad, POINTS))
+    return not np.any(loads.guide.value)
 
 
 def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:
@@ -109,6 +205,7 @@ def _beyond(drive: Drive) -> Iterator[Advice]:
             yield _advice(
                 f"{which} {len(places)} points of {key}.table lie beyond the stroke of {_stroke(drive)}",
                 "the force is that of the nearest one" if aside else "they change nothing",
+                f"give places within 0..{_stroke(drive)}" if aside else "",
                 matters=not any(0.0 <= place <= stroke for place in places),
             )
 
@@ -137,6 +234,9 @@ def _kept_by_all(drive: Drive) -> list[str]:
     for outcome in drive.achieved.outcomes if drive.achieved else ():
         wish = outcome.wish
         asked = wish.requirements(drive.linkage, drive.transmission.cycle_rad)
+        if isinstance(wish, GentleStretch) and wish.driving is not None:
+            # Where the output is over driving angles is the law's choice
+            asked = (wish.bound(CrankStretch(0.0, 2.0 * pi)),)
         # A position asks nothing where its tolerance is more than both strokes; of other wishes that is a goal.
         if (asked or isinstance(wish, Position)) and all(_is_empty(drive, one) for one in asked):
             found.append(wish.key)
@@ -144,9 +244,10 @@ def _kept_by_all(drive: Drive) -> list[str]:
 
 
 def _is_empty(drive: Drive, asked: Requirement) -> bool:
-    """Whether a requirement holds at every ratio within BEYOND_ALL."""
-    if isinstance(asked, DecelerationWithin):
-        return False
+    """Whether a requirement holds at every ratio within BEYOND_ALL.
+
+    A deceleration is w^2 (x'' s^2 + x' s ds/dphi2) with s = dphi2/dphi1 and ds/dphi2 = (1 + s) tan(t).
+    """
     stretch, cycle = asked.stretch, drive.transmission.cycle_rad
     if isinstance(asked, TimeWithin):
         length, rest = stretch.end_rad - stretch.start_rad, stretch.rest.end_rad - stretch.rest.start_rad
@@ -154,9 +255,14 @@ def _is_empty(drive: Drive, asked: Requirement) -> bool:
         most = min(length * BEYOND_ALL, cycle - rest / BEYOND_ALL)
         return asked.least_rad <= least and asked.most_rad >= most
     crank = np.linspace(stretch.start_rad, stretch.end_rad, POINTS)
-    slope = np.abs(drive.linkage.displacement(Jet.variable(crank, 1)).derivative(1))
+    speed, moved = drive.machine.speed_rad_s, drive.linkage.displacement(Jet.variable(crank, 2))
+    slope, bend = (np.abs(moved.derivative(order)) for order in (1, 2))
+    if isinstance(asked, DecelerationWithin):
+        most = BEYOND_ALL * float((bend * BEYOND_ALL + slope * STEEPEST).max())
+        return asked.most_mm_s2 >= speed**2 * MARGIN * most
     low, high = float(slope.min()) / (BEYOND_ALL * MARGIN), float(slope.max()) * BEYOND_ALL * MARGIN
     if isinstance(asked, EvenSpeed):
-        return low > 0.0 and asked.spread >= high / low
-    speed = drive.machine.speed_rad_s
+        # From one end to the other the ratio itself changes by no more
+        steep = min(STEEPEST * (stretch.end_rad - stretch.start_rad), 2.0 * log(BEYOND_ALL))
+        return low > 0.0 and asked.spread >= MARGIN**2 * float(slope.max() / slope.min()) * exp(steep)
     return asked.least_mm_s <= speed * low and asked.most_mm_s >= speed * high

@@ -8,7 +8,7 @@ from math import cos, degrees, floor, isclose, radians
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
-from ncgear.figures.numbers import drawn, fixed, micrometres, to_digits
+from ncgear.figures.numbers import drawn, fixed, micrometres, placed, to_digits
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
@@ -48,8 +48,8 @@ def ratio_range(drive: Drive) -> Advice | None:
     return Advice(
         Kind.RATIO_RANGE,
         (Where(angles_deg=tuple((degrees(end.at),) * 2 for end in (low, high))),),
-        f"the ratio runs from {to_digits(low.value, 3)} (at {to_digits(degrees(low.at), 4)} deg) to "
-        f"{to_digits(high.value, 3)} (at {to_digits(degrees(high.at), 4)} deg)",
+        f"the ratio runs from {to_digits(low.value, 3)} (at {placed(degrees(low.at))} deg) to "
+        f"{to_digits(high.value, 3)} (at {placed(degrees(high.at))} deg)",
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
         "the shaft of the small side is thin",
         (*narrower, *tempered(drive, _too_wide), *best),
@@ -126,11 +126,11 @@ def pressure_angle(drive: Drive) -> Advice | None:
     return Advice(
         Kind.PRESSURE_ANGLE,
         (Where(angles_deg=((at, at),)),),
-        f"the pressure angle reaches {to_digits(angle, 3)} deg at phi1 = {to_digits(at, 4)} deg",
+        f"the pressure angle reaches {to_digits(angle, 3)} deg at phi1 = {placed(at)} deg",
         f"only {fixed(100.0 * cos(radians(angle)), 0)} % of the force between the teeth turns the driven gear there; "
         "the rest bears on the shafts, and friction may lock the pair",
         _less_steep(drive, angle),
-        brief=f"pressure angle up to {to_digits(angle, 3)} deg (at phi1 = {to_digits(at, 4)} deg): friction may lock",
+        brief=f"pressure angle up to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): friction may lock",
     )
 
 
@@ -187,7 +187,7 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
                 f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
                 f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
                 "gears",
-                (Remedy(NO_MEETING[gear], short=NO_MEETING[gear].partition(",")[0]),),
+                (_below(drive, NO_MEETING[gear]) if gear is Gear.DRIVING else Remedy(NO_MEETING[gear], short=THINNER),),
                 brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
             )
             for gear, part, radius in near
@@ -214,11 +214,19 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
 NO_BORE = NotJudged("a gear has no bore_mm, and so no shaft of known size")
 
 
+THINNER = "make hub and shaft thinner"
+
 NO_MEETING = {
     Gear.DRIVING: "let the driving shaft end below the crank, carry the crank on the other side of the gears, or take "
     "another centre distance",
-    Gear.DRIVEN: "make hub and shaft thinner, or make crank and shaft of one piece",
+    Gear.DRIVEN: f"{THINNER}, or make crank and shaft of one piece",
 }
+
+
+def _below(drive: Drive, words: str) -> Remedy:
+    """A driving shaft that ends below what moves; only words where the file says that it goes through."""
+    change = Change("fit.driving_shaft", "ends")
+    return Remedy(words, () if is_given(drive.design, change.key) else (change,), short=str(change))
 
 
 def rods(drive: Drive) -> list[Advice | NotJudged]:
@@ -242,20 +250,16 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
         lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
         taken = f", and {drawn(radius, 'mm')} mm of it are taken" if radius else ""
+        words = f"{lower}let the {one.standing.name} end below the {one.part}"
         found.append(
             Advice(
                 Kind.ROD,
                 (Where(angles_deg=((at, at),)),),
                 f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
-                f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {to_digits(at, 4)} deg{taken}",
+                f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {placed(at)} deg{taken}",
                 f"a {one.part}, {wide}, cannot pass there",
-                (
-                    Remedy(
-                        f"{lower}let the {one.standing.name} end below the {one.part}",
-                        changed({"fit.driving_shaft": "ends"}) if one.standing.about_driving_axis else (),
-                    ),
-                ),
-                brief=f"the {one.part} meets the {one.standing.name} at phi1 = {to_digits(at, 4)} deg",
+                (_below(drive, words) if one.standing.about_driving_axis else Remedy(words),),
+                brief=f"the {one.part} meets the {one.standing.name} at phi1 = {placed(at)} deg",
             )
         )
     return found

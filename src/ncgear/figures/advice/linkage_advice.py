@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from math import atan, degrees, pi, radians, sin
+from collections.abc import Iterator
+from dataclasses import replace
+from math import atan, copysign, degrees, exp, log, pi, radians, sin
 
-import numpy as np
-
+from ncgear.design.mechanisms import lengths_of
+from ncgear.errors import WrongInput
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
-from ncgear.figures.numbers import fixed, to_digits
+from ncgear.figures.numbers import fixed, placed, to_digits
 from ncgear.kinematics.outcomes import driving_rad
+from ncgear.mechanisms.mechanism import Mechanism, RodMechanism
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.project.drive import Drive
 
 FRICTION = 0.25
@@ -24,30 +28,97 @@ Textbooks recommend 40 deg and more (e.g. R. L. Norton, "Design of Machinery", 5
 quiet and light machines: between these angles friction costs power, but does not lock.
 """
 
+FARTHEST = log(4.0)
+"""Logarithm of the factor up to which another length is sought."""
+
+HALVINGS = 20
+"""Steps of that search; they leave a millionth of a length, and told are three digits."""
+
 
 def transmission_angle(drive: Drive) -> Advice | None:
     """A linkage whose output is hardly pushed along its way, of the crank angles that it turns through.
 
-    The angle is least where the linkage says, or where an open law ends.
+    Where the file says how a rod's slider rubs in its guide, it is judged by that: under its angle of friction, mu or
+    more of the push is eaten whatever the load is, so that a slider at rest stays there, though one that runs may be
+    carried through by its mass.  The angle is least where the linkage says, or where an open law ends.
     """
     linkage, covered = drive.linkage, drive.transmission.lobes.range
     end = covered.driven_rad if covered else 2.0 * pi
-    places = [0.0, linkage.working_angle_rad, *(place for place, _ in linkage.corners), *([end] if covered else [])]
-    crank = np.array([place for place in places if place <= end])
-    angles = linkage.transmission_rad(crank)
-    least = int(np.argmin(angles))
-    angle = degrees(angles[least])
-    if angle >= FLATTEST_DEG:
+    least_rad, crank_rad = linkage.least_transmission(end)
+    friction = guide_friction(drive)
+    limit, angle = degrees(atan(friction)) if friction else FLATTEST_DEG, degrees(least_rad)
+    if angle >= limit:
         return None
-    at, output = degrees(driving_rad(drive.machine, float(crank[least]))), linkage.OUTPUT.name
-    share = fixed(100.0 * sin(radians(angle)), 0)
+    at, output = degrees(driving_rad(drive.machine, crank_rad)), linkage.OUTPUT.name
+    share = fixed(100.0 * sin(least_rad), 0)
+    what = f"the transmission angle falls to {to_digits(angle, 3)} deg at phi1 = {placed(at)} deg"
+    if friction:
+        what += f", under the angle of friction of {to_digits(limit, 3)} deg of drivetrain.guide_friction: {friction:g}"
+        meaning = "started there against a load, the slider jams in its guide, however hard the rod pushes it"
+        locks = f"started there, the slider jams in its guide at a friction of {friction:g}"
+    else:
+        meaning = (
+            f"only {share} % of the force on the {output} moves it there; the rest bears on what guides it, and "
+            "friction may lock the linkage"
+        )
+        locks = "friction may lock"
     return Advice(
         Kind.TRANSMISSION_ANGLE,
         (Where(angles_deg=((at, at),)),),
-        f"the transmission angle falls to {to_digits(angle, 3)} deg at phi1 = {to_digits(at, 4)} deg",
-        f"only {share} % of the force on the {output} moves it there; the rest bears on what guides it, and friction "
-        "may lock the linkage",
-        (Remedy("take a shorter crank, or make the other links longer", short="take a shorter crank"),),
-        brief=f"transmission angle down to {to_digits(angle, 3)} deg (at phi1 = {to_digits(at, 4)} deg): friction may "
-        "lock",
+        what,
+        meaning,
+        tuple(_other_lengths(drive, radians(limit), end)),
+        brief=f"transmission angle down to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): {locks}",
     )
+
+
+def guide_friction(drive: Drive) -> float:
+    """The friction that the file gives of a guide in which a rod's slider is pressed; else 0."""
+    around = drive.design.drivetrain
+    return around.guide_friction if around and isinstance(drive.linkage, RodMechanism) else 0.0
+
+
+def _other_lengths(drive: Drive, least_rad: float, end_rad: float) -> Iterator[Remedy]:
+    """Each length that alone keeps the transmission angle large enough, the nearest to its own first, to three digits.
+
+    That which sets the stroke comes last.  They are words and no changes: which linkage a machine has is asked of it.
+    """
+    linkage, lengths = drive.linkage, lengths_of(drive.design.linkage)
+    own = {key: float(getattr(linkage, key)) for key, given in lengths.items() if key.endswith("_mm") and given}
+    found = []
+    for key, length in own.items():
+        for sign in (1.0, -1.0):
+            if value := _enough(drive, key, length, sign * FARTHEST, least_rad, end_rad):
+                found.append((key == linkage.STROKE_KEY, abs(log(value / length)), key, value))
+    for _, _, key, value in sorted(found):
+        text = f"linkage.{key}: {to_digits(value, 6)}"
+        yield Remedy(f"take another length ({text})", short=text)
+
+
+def _enough(drive: Drive, key: str, length: float, way: float, least_rad: float, end_rad: float) -> float | None:
+    """The length nearest to its own, on one side of it, with which the angle is large enough; None where none is."""
+    low, high = 0.0, 1.0
+    if not _clears(drive, key, length * exp(way), least_rad, end_rad):
+        return None
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2.0
+        low, high = (
+            (low, middle) if _clears(drive, key, length * exp(middle * way), least_rad, end_rad) else (middle, high)
+        )
+    shown = shown_above if way > 0.0 else shown_below
+    value = copysign(float(shown(abs(length) * exp(high * way), 3)), length)
+    return value if _clears(drive, key, value, least_rad, end_rad) else None
+
+
+def _clears(drive: Drive, key: str, value: float, least_rad: float, end_rad: float) -> bool:
+    """Whether the transmission angle is large enough with another length; a crank that follows keeps the stroke."""
+    linkage, given = drive.linkage, lengths_of(drive.design.linkage)
+    try:
+        if given[linkage.STROKE_KEY] is None:
+            others = {name: one for name, one in given.items() if name != linkage.STROKE_KEY}
+            changed: Mechanism = type(linkage).of_stroke(linkage.stroke_mm, **{**others, key: value})
+        else:
+            changed = replace(linkage, **{key: value})  # type: ignore[type-var]
+    except WrongInput:
+        return False
+    return changed.least_transmission(end_rad)[0] >= least_rad

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from textwrap import shorten
-
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import require_pushing_flanks
-
-BRIEF = 60
-"""Characters of a refusal that a part of a line has."""
 
 
 def made(drive: Drive) -> Advice | NotJudged:
@@ -34,5 +29,5 @@ def _refused(refusal: DesignError) -> Advice:
         f"a build refuses these gears: {problem}",
         "what is told here is the motion without them",
         (Remedy("let ncgear build say what would help", short="ncgear build"),),
-        brief=f"a build refuses these gears: {shorten(problem, BRIEF, placeholder=' ...')}",
+        brief=f"a build refuses these gears: {problem}",
     )

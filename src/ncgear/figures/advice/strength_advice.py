@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where, changed
-from ncgear.figures.numbers import to_digits
+from ncgear.figures.numbers import placed, to_digits
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
 from ncgear.project.strengthening import (
@@ -47,7 +47,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         Kind.STRENGTH,
         (Where(first.gear.value, (first.tooth,), ((at, at),)),),
         f"the teeth do not hold {load}: tooth {first.tooth} of the {first.gear.value} gear has "
-        f"{to_digits(first.stress_mpa, 3)} MPa at phi1 = {to_digits(at, 4)} deg and endures "
+        f"{to_digits(first.stress_mpa, 3)} MPa at phi1 = {placed(at)} deg and endures "
         f"{to_digits(first.endured_mpa, 3)} MPa, a safety of {to_digits(first.safety, 2)} against "
         f"{first.damage.words} where {first.wanted:g} is wanted" + (f" (also {'; '.join(also)})" if also else ""),
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
@@ -86,7 +86,7 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, angles_deg=((at, at),)),),
-        f"{said} the load of {load}: roughly, the {first.gear.value} gear{stress} at phi1 = {to_digits(at, 4)} deg has "
+        f"{said} the load of {load}: roughly, the {first.gear.value} gear{stress} at phi1 = {placed(at)} deg has "
         f"{safety}{more}",
         meaning,
         _rough_remedies(drive, found),
@@ -108,12 +108,18 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
     return NotJudged(WEAR) if any(one.wears for one in drive.materials) else None
 
 
+TOGETHER = Remedy("make teeth larger and gears wider together, or let them bear less")
+"""What is said where neither size alone would do, and no search tells both."""
+
+
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     """Sizes by how stresses scale; ncgear size finds none of teeth whose strength is not computed."""
     wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in found.weak)
     larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found.weak)
     sizes = _sizes(drive, wider, larger)
-    return tuple(one for one in sizes if one.short != SIZE) if found.unjudged else sizes
+    if not found.unjudged:
+        return sizes
+    return tuple(one for one in sizes if one.short != SIZE) or (TOGETHER,)
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:

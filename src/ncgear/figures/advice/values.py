@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import KW_ONLY
 from enum import StrEnum
 
-from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.numbers import fixed, placed, shown, to_digits
 from ncgear.frozen import dataclass
 from ncgear.project.alternatives import Changes, Setting
 
@@ -100,9 +100,7 @@ class Where:
         teeth = f"{word} {shown(list(self.teeth))}" if self.teeth else ""
         of = f"{self.gear} gear" if self.gear else ""
         named = " of the ".join(part for part in (teeth, of) if part)
-        stretches = ", ".join(
-            to_digits(a, 4) if a == b else f"{fixed(a, 0)}..{fixed(b, 0)}" for a, b in self.angles_deg
-        )
+        stretches = ", ".join(placed(a) if a == b else f"{fixed(a, 0)}..{fixed(b, 0)}" for a, b in self.angles_deg)
         return ", ".join(part for part in (named, f"phi1 = {stretches} deg" if stretches else "") if part)
 
 

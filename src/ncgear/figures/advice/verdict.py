@@ -141,7 +141,8 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.TRANSMISSION_ANGLE: Condition(
         "transmission angle",
-        f"the transmission angle stays over {linkage_advice.FLATTEST_DEG:g} deg",
+        f"the transmission angle stays over the angle of friction, {linkage_advice.FLATTEST_DEG:g} deg unless "
+        "drivetrain.guide_friction is given",
         lambda drive: bool(drive.linkage.RODS),
         _one(linkage_advice.transmission_angle),
         of_pair=False,
@@ -187,13 +188,8 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.WITHOUT_EFFECT: Condition(
         "what is given",
-        "loads and wishes that are given act",
-        lambda drive: (
-            _load(drive)
-            or _wishes(drive)
-            or drive.design.tolerances is not None
-            or bool(given_advice.given_without_load(drive))
-        ),
+        "what is given acts",
+        lambda _: True,
         given_advice.without_effect,
         of_pair=False,
     ),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import accumulate, chain
 from pathlib import Path
 from textwrap import shorten, wrap
 from typing import TYPE_CHECKING
@@ -103,21 +104,18 @@ def faults_of(verdict: Verdict) -> tuple[Fault, ...]:
 
 def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path] = ()) -> str:
     """The answer on one screen, with the files written and those of others that were kept."""
-    top = [line for note in answer.notes for line in _in_two_lines(note)]
-    top += [*([""] if top else []), answer.head, *([answer.about] if answer.about else [])]
-    last = [*_written(paths), *_kept(kept), _next(answer.then)]
-    rows, faults = answer.rows, answer.faults
-    unknown = _in_two_lines(answer.not_judged)
+    top = [line for note in answer.notes for line in _wrapped(note)]
+    top += [*([""] if top else []), *_wrapped(answer.head), *_wrapped(answer.about)]
+    last = [line for end in (*_written(paths), *_kept(kept), _next(answer.then)) for line in _wrapped(end)]
+    unknown = _wrapped(answer.not_judged)
+    told = [_fault(fault) for fault in answer.faults]
+    # What helps against the most serious is told before the last figures, against others only where room is left
+    needed = min(sum(len(what) for what, _ in told), FAULTS) + sum(len(below) for _, below in told[:1])
     left = LINES - len(top) - bool(answer.heads) - len(unknown) - len(last) - 3
-    wrong = min(len(faults), FAULTS) + 1
-    rows = rows[: left - wrong]
-    blocks = [
-        top,
-        _aligned(replace(answer, rows=rows)),
-        [*_wrong(answer, left - len(rows) - 1), *unknown],
-        last,
-    ]
-    return "\n\n".join("\n".join(map(_cut, block)) for block in blocks if block)
+    figures = _with_room(answer, left - needed - 1)
+    wrong = _wrong(answer, told, left - max(len(figures) - bool(answer.heads), 0) - 1)
+    blocks = [top, figures, [*wrong, *unknown], last]
+    return "\n\n".join("\n".join(block) for block in blocks if block)
 
 
 def _next(then: str) -> str:
@@ -126,17 +124,15 @@ def _next(then: str) -> str:
     return line if len(line) <= COLUMNS else f"Next: {then}"
 
 
-def _in_two_lines(note: str) -> list[str]:
-    return wrap(note, COLUMNS, subsequent_indent=INDENT, max_lines=2, placeholder=CUT)
+def _wrapped(text: str, indent: str = "") -> list[str]:
+    """A text in lines that are not too long, however many it takes: what is told is told to its end."""
+    return wrap(text, COLUMNS, initial_indent=indent, subsequent_indent=indent + INDENT, break_on_hyphens=False)
 
 
-def _cut(line: str) -> str:
-    """A line that is not too long; its end is left out, from a space on."""
-    if len(line) <= COLUMNS:
-        return line
-    indent = line[: len(line) - len(line.lstrip())]
-    end = line.rfind(" ", len(indent), COLUMNS - len(CUT) + 1)
-    return (line[:end] if end > 0 else line[: COLUMNS - len(CUT)]).rstrip(" ,;:") + CUT
+def _with_room(answer: Answer, room: int) -> list[str]:
+    """The lines of as many rows as have room, the heads apart; the first are the most telling."""
+    tried = (_aligned(replace(answer, rows=answer.rows[:count])) for count in range(len(answer.rows), 0, -1))
+    return next((lines for lines in tried if len(lines) - bool(answer.heads) <= room), [])
 
 
 def _aligned(answer: Answer) -> list[str]:
@@ -151,32 +147,49 @@ def _aligned(answer: Answer) -> list[str]:
         after = "".join(f"{GAP}{text}" for text in one.texts[count:])
         lines.append(f"{one.name:{start}}{_columns(one.texts[:count], widths)}{after}")
     start = max((len(one.name) for one in alone), default=0)
-    lines += [f"{one.name:{start}}{GAP}{one.texts[0]}" if one.name else one.texts[0] for one in alone]
-    return [f"{INDENT}{line}".rstrip() for line in lines]
+    lines = [f"{INDENT}{line}".rstrip() for line in lines]
+    for one in alone:
+        name = f"{INDENT}{one.name:{start}}{GAP}" if one.name else INDENT
+        lines += wrap(
+            one.texts[0], COLUMNS, initial_indent=name, subsequent_indent=" " * max(len(name), 2 * len(INDENT))
+        )
+    return lines
 
 
 def _columns(texts: Sequence[str], widths: Sequence[int]) -> str:
     return "".join(f"{GAP}{text:>{width}}" for text, width in zip(texts, widths, strict=True))
 
 
-def _wrong(answer: Answer, room: int) -> list[str]:
-    """What is wrong, in at most ``room`` lines below a heading, or that nothing is."""
+Told = tuple[list[str], list[str]]
+"""The lines of what is wrong, with what would help where a line has room for both, and those of it below."""
+
+
+def _wrong(answer: Answer, told: Sequence[Told], room: int) -> list[str]:
+    """What is wrong, in ``room`` lines below a heading as far as that goes, or that nothing is.
+
+    Where there is no room for all, what would help is left out of the least serious, and then these.
+    """
     faults = answer.faults
     if not faults:
         return [answer.good] if answer.good else []
     count = "1 warning" if len(faults) == 1 else f"{len(faults)} warnings, the most serious first"
     count = answer.wrong or count
     helped = " (-> what would help)" if any(fault.cures for fault in faults) else ""
-    told = faults if len(faults) <= room else faults[: room - 1]
-    left = [f"{INDENT}and {len(faults) - len(told)} more: {VERBOSE}"] if len(told) < len(faults) else []
-    return [f"{count}{helped}", *map(_fault, told), *left]
+    # The most serious is told in full, whatever room it takes
+    spare = max(room - sum(len(what) for what, _ in told), len(told[0][1]))
+    cures = list(accumulate(len(below) for _, below in told))
+    lines = [[*what, *(below if end <= spare else [])] for (what, below), end in zip(told, cures, strict=True)]
+    ends = list(accumulate(map(len, lines)))
+    shown = len(told) if ends[-1] <= room else max(1, sum(end < room for end in ends))
+    left = [f"{INDENT}and {len(faults) - shown} more: {VERBOSE}"] if shown < len(faults) else []
+    return [f"{count}{helped}", *chain.from_iterable(lines[:shown]), *left]
 
 
-def _fault(fault: Fault) -> str:
-    """What is wrong and the first that would help and has room behind it."""
-    what = f"{INDENT}{fault.what}"
-    lines = (f"{what} -> {cure}" for cure in fault.cures)
-    return next((line for line in lines if len(line) <= COLUMNS), what)
+def _fault(fault: Fault) -> Told:
+    """What is wrong, and the first that would help in one line with it, else the first, below it."""
+    lines = (f"{INDENT}{fault.what} -> {cure}" for cure in fault.cures)
+    below = [line for cure in fault.cures[:1] for line in _wrapped(f"-> {cure}", 2 * INDENT)]
+    return next((([line], []) for line in lines if len(line) <= COLUMNS), (_wrapped(fault.what, INDENT), below))
 
 
 OPENED = (

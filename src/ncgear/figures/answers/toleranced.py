@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import accumulate
 
-from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.answers.answer import COLUMNS, Answer, Fault, Row
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.tolerance_words import assumed_words, limit_words
@@ -23,6 +24,17 @@ HEADS = "as designed", "median", "99 % keep"
 SHOWN = "as_designed", "median", "of_99_percent"
 
 ASSUMED = "Assumed, as the file has no section tolerances: "
+
+
+ROOM = COLUMNS - 30
+"""Characters of a line that names, "varies with" and what is between them leave to what a figure varies with."""
+
+
+def _first(words: str) -> str:
+    """As many sources of variance, the greatest first, as a line has room for."""
+    named = words.split(", ")
+    ends = accumulate(len(one) + len(", ") for one in named)
+    return ", ".join(one for one, end in zip(named, ends, strict=True) if end <= ROOM)
 
 
 def tolerance_answer(tolerated: Tolerated) -> Answer:
@@ -52,7 +64,7 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         Row("jam", (jam_words(tolerated),)),
         Row("knock", (knock_words(tolerated),)),
         Row("backlash", (needed_words(tolerated),)),
-        *(Row(name, (f"varies with {words}",)) for name, words in index_rows(tolerated)[:3] if words),
+        *(Row(name, (f"varies with {_first(words)}",)) for name, words in index_rows(tolerated)[:3] if words),
         Row("checked", (checked,)),
         Row("between", (between,)),
     ]

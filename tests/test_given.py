@@ -1,0 +1,228 @@
+"""What a file gives that changes nothing is told, whatever it stands beside; what changes something is not."""
+
+from __future__ import annotations
+
+from math import atan, cos, pi, sin, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from drives import design_of
+from ncgear.figures.advice.drivetrain_advice import around
+from ncgear.figures.advice.given_advice import without_effect
+from ncgear.project.drive import Drive
+
+Data = dict[str, Any]
+
+PUMP: Data = {
+    "name": "pump",
+    "linkage": {"crank_mm": 60, "rod_mm": 220},
+    "operation": {"speed_rpm": 30},
+    "motion": {"law": "harmonic_ratio", "cosine": [-0.2]},
+    "gears": {"teeth": 48, "module_mm": 1.5, "face_width_mm": 12},
+    "resistance": {"polynomial_n": [50]},
+    "masses": {
+        "slider_kg": 2,
+        "driving_gear_kg_mm2": 500,
+        "driven_gear_kg_mm2": 500,
+        "rod": {"mass_kg": 1, "center_mm": 50, "inertia_kg_mm2": 1000},
+        "crank": {"mass_kg": 1, "center_mm": 0, "inertia_kg_mm2": 100},
+    },
+}
+UNLOADED: Data = {"masses": None, "resistance": None}
+YOKE: Data = {
+    "linkage": {"kind": "scotch_yoke", "crank_mm": 60},
+    "masses": {key: PUMP["masses"][key] for key in ("slider_kg", "crank", "driving_gear_kg_mm2", "driven_gear_kg_mm2")},
+}
+ROCKER: Data = {
+    "linkage": {"kind": "crank_rocker", "crank_mm": 15, "coupler_mm": 60, "rocker_mm": 40, "ground_mm": 72},
+    "resistance": {"polynomial_n_m": [5]},
+    "masses": {
+        "rocker": {"mass_kg": 1, "center_mm": 10, "inertia_kg_mm2": 1000},
+        "coupler": {"mass_kg": 1, "center_mm": 10, "inertia_kg_mm2": 1000},
+        **{key: PUMP["masses"][key] for key in ("crank", "driving_gear_kg_mm2", "driven_gear_kg_mm2")},
+    },
+}
+HELIX = {**PUMP["gears"], "helix": {"angle_deg": 15, "kind": "herringbone", "hand": "right"}}
+TWO_STAGES = {**PUMP["motion"], "second_stage": {"cosine": [-0.1]}}
+BEARINGS = {"bearing_a": {"at_mm": -20}, "bearing_b": {"at_mm": 25}}
+MOTOR = {"rated_torque_n_m": 5, "rated_speed_rpm": 28, "overrunning_clutch": True}
+STEADY = {"static": 0.1, "dynamic": 0.1, "static_speed_mm_s": 2}
+
+
+def told(changed: Data) -> list[str]:
+    data = {key: value for key, value in {**PUMP, **changed}.items() if value is not None}
+    return [advice.what for advice in without_effect(Drive(design_of(data)))]
+
+
+IDLE: dict[str, tuple[str, Data, Data]] = {
+    "no masses": ("simulation is given without masses", {"simulation": {"turns": 3}, "masses": None}, {"masses": None}),
+    "no load": ("simulation is given without resistance", {"simulation": {"turns": 3}, **UNLOADED}, UNLOADED),
+    "no gears": ("strength is given without gears", {"strength": {"life_h": 9}, "gears": None}, {"gears": None}),
+    "helix": ("simulation is given with helical", {"simulation": {"turns": 3}, "gears": HELIX}, {"gears": HELIX}),
+    "stages": ("simulation is given with two", {"simulation": {"turns": 3}, "motion": TWO_STAGES}, {}),
+    "damping": (
+        "simulation.damping_ratio is",
+        {"simulation": {"damping_n_s_mm": 1, "damping_ratio": 0.1}},
+        {"simulation": {"damping_ratio": 0.1}},
+    ),
+    "steady friction": (
+        "simulation.friction.static_speed_mm_s is",
+        {"simulation": {"friction": STEADY}},
+        {"simulation": {"friction": {**STEADY, "static": 0.2}}},
+    ),
+    "life": (
+        "drivetrain.life_h is",
+        {"drivetrain": {"life_h": 9}},
+        {"drivetrain": {"life_h": 9, "driving_shaft": BEARINGS}},
+    ),
+    "rocker": (
+        "drivetrain.guide_friction is",
+        {**ROCKER, "drivetrain": {"guide_friction": 0.1}},
+        {"drivetrain": {"guide_friction": 0.1}},
+    ),
+    "yoke": (
+        "drivetrain.guide_friction is",
+        {**YOKE, "drivetrain": {"guide_friction": 0.1}},
+        {
+            **YOKE,
+            "masses": {**YOKE["masses"], "gravity": {}},
+            "drivetrain": {"guide_friction": 0.1},
+        },
+    ),
+    "clutch": (
+        "drivetrain.motor.overrunning_clutch is",
+        {"drivetrain": {"motor": MOTOR}},
+        {"drivetrain": {"motor": {**MOTOR, "no_load_speed_rpm": 30}}},
+    ),
+    "steel": (
+        "drivetrain.driving_shaft.diameter_mm is",
+        {"drivetrain": {"driving_shaft": {**BEARINGS, "diameter_mm": 9}}},
+        {"drivetrain": {"driving_shaft": {**BEARINGS, "diameter_mm": 9, "steel": "S355"}}},
+    ),
+    "crank": (
+        "drivetrain.driven_shaft.crank_at_mm is",
+        {"drivetrain": {"driven_shaft": {"crank_at_mm": 20}}},
+        {"drivetrain": {"driven_shaft": {**BEARINGS, "crank_at_mm": 20}}},
+    ),
+}
+"""What is told, where, and where it is not."""
+
+
+@pytest.mark.parametrize("name", IDLE)
+def test_a_key_that_no_figure_counts_is_told(name: str) -> None:
+    start, idle, acting = IDLE[name]
+    (found,) = told(idle)
+    assert found.startswith(start)
+    assert told(acting) == []
+
+
+# --- where bearings and the crank stand
+
+
+def refused(changed: Data) -> str:
+    try:
+        design_of({**PUMP, **changed})
+    except ValidationError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize(
+    ("at_mm", "within"), [(5.9, "gear,"), (10.0, "gear's hub"), (14.0, ""), (-6.0, ""), (-5.9, "gear,")]
+)
+def test_a_bearing_stands_beside_gear_and_hub(at_mm: float, within: str) -> None:
+    gears = {**PUMP["gears"], "driving": {"bore_mm": 10, "hub": {"diameter_mm": 20, "height_mm": 8}}}
+    shaft = {"bearing_a": {"at_mm": at_mm}, "bearing_b": {"at_mm": 40}}
+    said = refused({"gears": gears, "drivetrain": {"driving_shaft": shaft}})
+    assert bool(said) == bool(within)
+    assert f"is within the {within}" in said or not within
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("at_mm", "inside"), [(None, True), (5.0, True), (6.0, False), (-20.0, False)])
+def test_a_crank_within_its_gear_is_told(at_mm: float | None, inside: bool) -> None:
+    shaft = {**BEARINGS, **({} if at_mm is None else {"crank_at_mm": at_mm})}
+    made = Drive(design_of({**PUMP, "gears": HELIX, "drivetrain": {"driven_shaft": shaft}}))
+    found = [one for one in around(made) if "would turn within the gear" in one.what]
+    assert len(found) == inside
+    assert not found or found[0].remedies[0].brief == "drivetrain.driven_shaft.crank_at_mm: 6 or over"
+
+
+# --- wishes that every law keeps
+
+
+def asks(wish: Data) -> bool:
+    """Whether a wish asks anything, as far as is told."""
+    return not any("every law keeps it" in one for one in told({"wishes": wish}))
+
+
+def greatest_deceleration() -> float:
+    """Of a crank of 60 mm and a rod of 220 mm at 30 r/min, in mm/s2, by pitch curves that no gears have.
+
+    A pitch curve of the radius r(phi1), steeper than 87 deg, against a mate at the distance a of which it takes 20/21:
+    the crank's angle is the integral of r/(a - r).  The second derivative is that of seven points of it.
+    """
+    steps, tangent, speed = np.arange(-3, 4) * 1e-5, 20.0, pi
+    weights = np.array([2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0]) / 180.0 / 1e-10
+    assert atan(tangent) > 87.0 * pi / 180.0
+    radius = 20.0 / 21.0 * np.exp(tangent * np.linspace(-3e-5, 3e-5, 6001))
+    ratio = radius / (1.0 - radius)
+    turned = np.concatenate([[0.0], np.cumsum((ratio[1:] + ratio[:-1]) / 2.0) * 1e-8])
+    turned = np.interp(steps, np.linspace(-3e-5, 3e-5, 6001), turned - turned[3000])
+
+    def acceleration(angle: float) -> float:
+        crank = angle + turned
+        places = [60.0 * -cos(one) + sqrt(220.0**2 - (60.0 * sin(one)) ** 2) for one in crank]
+        return abs(speed**2 * float(np.dot(weights, places)))
+
+    return max(acceleration(angle) for angle in np.linspace(0.0, pi, 361))
+
+
+def test_a_deceleration_that_no_gears_reach_is_told() -> None:
+    most = greatest_deceleration()
+    bound = {"from_mm": 0, "to_mm": 120}
+    assert not asks({"gentle_stop": [{**bound, "deceleration_at_most_mm_s2": 1.1 * most}]})
+    assert asks({"gentle_stop": [{**bound, "deceleration_at_most_mm_s2": 0.95 * most}]})
+
+
+@pytest.mark.parametrize("hard", [True, False])
+@pytest.mark.parametrize(
+    ("kind", "idle", "asking"),
+    [
+        ("gentle_stop", {"deceleration_at_most_mm_s2": 1e9, "stroke": "both"}, {"deceleration_at_most_mm_s2": 500}),
+        (
+            "gentle_stop",
+            {"from_phi1_deg": 10, "to_phi1_deg": 90, "deceleration_at_most_mm_s2": 1e9},
+            {"from_phi1_deg": 10, "to_phi1_deg": 90, "deceleration_at_most_mm_s2": 500},
+        ),
+        ("gentle_stop", {"from_mm": 9, "speed_at_most_mm_s": 1e5}, {"from_mm": 9, "speed_at_most_mm_s": 200}),
+        ("speed_at", {"at_mm": 50, "at_most_mm_s": 1e5}, {"at_mm": 50, "at_most_mm_s": 200}),
+        ("speed_at", {"at_mm": 50, "at_least_mm_s": 0.1}, {"at_mm": 50, "at_least_mm_s": 100}),
+        ("speed_at", {"at_mm": 50, "at_least_mm_s": 0.1}, {"at_mm": 50, "make": "slowest", "hard": False}),
+        (
+            "dwell",
+            {"at": "extended", "within_mm": 119, "for_deg": 1},
+            {"at": "extended", "within_mm": 9, "for_deg": 90},
+        ),
+        (
+            "constant_speed",
+            {"from_mm": 50, "to_mm": 50.001, "tolerance": 0.5},
+            {"from_mm": 30, "to_mm": 60, "tolerance": 0.5},
+        ),
+        (
+            "positions",
+            {"at_mm": 50, "phi1_deg": 90, "tolerance_mm": 500},
+            {"at_mm": 50, "phi1_deg": 90, "tolerance_mm": 9},
+        ),
+        ("time_ratio", {"at_least": 0.01}, {"at_least": 0.5}),
+        ("working_stroke", {"angle_deg": 180, "tolerance_deg": 179}, {"angle_deg": 180, "tolerance_deg": 9}),
+    ],
+)
+def test_a_wish_that_asks_nothing_is_told_hard_or_soft(kind: str, idle: Data, asking: Data, hard: bool) -> None:
+    alone = kind in ("time_ratio", "working_stroke")
+    for wish, acts in ((idle, False), (asking, True)):
+        made = {"hard": hard, **wish}
+        assert asks({kind: made if alone else [made]}) == acts
