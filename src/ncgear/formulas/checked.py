@@ -8,6 +8,7 @@ from math import tau
 
 import numpy as np
 
+from ncgear.errors import Unanswered
 from ncgear.formulas.laws import NoFormula, Sizes, mechanism, pieces_of
 from ncgear.formulas.written import Written
 from ncgear.frozen import dataclass
@@ -33,10 +34,6 @@ FROM_ZERO = {"x", "phi_2"}
 """Quantities that begin at zero, where a last digit of the whole is all of them: compared with their greatest value."""
 
 
-class FormulaMissed(AssertionError):
-    """A formula that is not the law that it was written from: a fault in ncgear."""
-
-
 @dataclass(frozen=True, eq=False)
 class Section:
     """The pieces of the whole law, of one pair of two, or of the mechanism; none where ``why`` says why not."""
@@ -51,7 +48,7 @@ class Section:
 class Formulas:
     """The law of a design in closed form.
 
-    ``unit`` is that of x; the radii have that of the axes' distance, which is 1 where ``sized`` is false.
+    ``unit`` is that of x, empty where there is none; the radii have that of the axes' distance, which is 1 where ``sized`` is false.
     """
 
     name: str
@@ -73,8 +70,8 @@ class Formulas:
 def formulas_of(name: str, kind: str, law: Law, sizes: Sequence[Sizes | None]) -> Formulas:
     """The formulas of a law, of each of its pairs where there are two, and of its mechanism.
 
-    ``kind`` is the law's name, ``sizes`` are those of each pair, None where the pair has none.  Raises FormulaMissed
-    where a formula is not the law.
+    ``kind`` is the law's name, ``sizes`` are those of each pair, None where the pair has none.  Raises Unanswered where
+    a formula and the law's numbers differ.
     """
     linkage, whole, pairs = law.linkage, law.transmission, law.train.pairs
     sections = [_section("law", whole, whole, linkage, (sizes[0] or Sizes()) if len(pairs) == 1 else None)]
@@ -82,12 +79,13 @@ def formulas_of(name: str, kind: str, law: Law, sizes: Sequence[Sizes | None]) -
         for number, (pair, size) in enumerate(zip(pairs, sizes, strict=True)):
             over = pair.transmission if number else whole
             sections.append(_section(f"stage {number + 1}", pair.transmission, over, None, size or Sizes()))
+    unit = ""
     if not isinstance(linkage, DrivenShaft):
         covered = whole.lobes.range
         made = mechanism(linkage, covered.driven_rad if covered else tau)
         section = Section("mechanism", (made,))
         sections.append(replace(section, difference=_mechanism_missed(made, linkage)))
-    unit = "rad" if linkage.OUTPUT.angular else "mm"
+        unit = "rad" if linkage.OUTPUT.angular else "mm"
     return Formulas(name, kind, unit, all(sizes), tuple(sections))
 
 
@@ -111,7 +109,7 @@ def places_of(piece: Written, count: int) -> Array:
 def missed(
     pieces: Sequence[Written], law: Transmission, over: Transmission, linkage: Mechanism | None, size: Sizes | None
 ) -> float:
-    """The greatest relative difference of pieces from the law; raises FormulaMissed where it is over AGREED."""
+    """The greatest relative difference of pieces from the law; raises Unanswered where it is over AGREED."""
     count = max(FEWEST, PLACES // len(pieces))
     phi1 = np.concatenate([places_of(piece, count) for piece in pieces])
     if str(pieces[0].variable) == "phi_2":
@@ -147,8 +145,10 @@ def _greatest(pieces: Sequence[Written], at: Array, numbers: dict[str, Array]) -
             off = [float(abs(value - right)) for value, right in zip(values, wanted[here].tolist(), strict=True)]
             difference = float(np.max(np.array(off) / scale[here]))
             if not difference <= AGREED:
-                raise FormulaMissed(
-                    f"the formula of {name} on the piece {piece.name!r} misses the law by {difference:.3g}, relatively"
+                raise Unanswered(
+                    f"the formula of {name} on the piece {piece.name!r} and the numbers of the law differ by "
+                    f"{difference:.3g} of these, over {AGREED:g}; what is not sure is not told",
+                    key="motion",
                 )
             worst = max(worst, difference)
     return worst

@@ -28,6 +28,8 @@ def figures(formulas: Formulas) -> dict[str, Any]:
     return {
         "name": formulas.name,
         "law": formulas.law,
+        "displacement_unit": formulas.unit,
+        "radii_unit": "mm" if formulas.sized else "distance of the axes",
         "difference": formulas.difference,
         "sections": [
             {
@@ -53,8 +55,9 @@ def figures(formulas: Formulas) -> dict[str, Any]:
 
 def _head(formulas: Formulas) -> list[str]:
     radii = "radii in mm" if formulas.sized else "radii as shares of the distance of the axes"
+    units = ", ".join(["angles in rad", *([f"x in {formulas.unit}"] if formulas.unit else []), radii])
     return [
-        f"{formulas.name}: the law {formulas.law} in closed form; angles in rad, x in {formulas.unit}, {radii}",
+        f"{formulas.name}: the law {formulas.law} in closed form; {units}",
         f"The formulas differ from the numbers of the law by {formulas.difference:.1g} of these at most.",
         *(f"{section.name}: no closed form, since {section.why}" for section in formulas.sections if section.why),
     ]
@@ -69,7 +72,7 @@ def _blocks(formulas: Formulas, block: Callable[[str, Written], str]) -> Iterato
 
 def _named(piece: Written) -> dict[Any, float]:
     """The numbers that have other names than their digits."""
-    return {one: value for one, value in _named(piece).items() if not str(one)[0].isdigit()}
+    return {one: value for one, value in piece.numbers.items() if not str(one)[0].isdigit()}
 
 
 def _angle(value: float, times: str) -> str:
@@ -91,107 +94,86 @@ def _text_block(named: str, piece: Written) -> str:
 
 
 def _latex_block(named: str, piece: Written) -> str:
-    def name(one: Any) -> str:
-        """Words upright, derivatives as quotients, exponents of ten as such."""
-        text, by = str(one), str(piece.variable)
-        if text[0].isdigit():
-            digits, _, exponent = text.partition("e")
-            return f"{digits} \\cdot 10^{{{int(exponent)}}}" if exponent else digits
-        if text.startswith("d") and symbol(text[1:]) in piece.steps:
-            return rf"\frac{{\mathrm{{d}} {name(text[1:])}}}{{\mathrm{{d}} {name(by)}}}"
-        word, _, index = text.partition("_")
-        letter = f"\\{word}" if word in {"phi", "theta", "tau", "delta"} else word
-        letter = letter if len(word) == 1 or letter != word else rf"\mathrm{{{word}}}"
-        return f"{letter}_{{{index}}}" if index else letter
-
-    def written(expression: Any) -> str:
-        return str(sympy.latex(expression, symbol_names={one: name(one) for one in expression.free_symbols}))
-
-    lines = [
-        f"{name(one)} &= {name(f'{abs(v)!r}') if v >= 0 else f'-{name(repr(-v))}'}" for one, v in _named(piece).items()
-    ]
-    lines += [f"{name(one)} &= {written(step)}" for one, step in piece.steps.items()]
-    lines += [
-        f"&\\text{{no }} {name(one)} \\text{{: {why.replace('_', chr(92) + '_')}}}"
-        for one, why in piece.without.items()
-    ]
-    ends = rf"{_angle(piece.start_rad, ' ')} \le {name(piece.variable)} \le {_angle(piece.end_rad, ' ')}"
-    ends = ends.replace(" pi", r" \pi")
-    body = " \\\\\n".join([rf"&\text{{{named}: }} {ends}", *lines])
+    names = {one: _latex_name(str(one), piece) for one in (piece.variable, *piece.numbers, *piece.steps)}
+    first, last = (_angle(end, " ").replace("pi", r"\pi") for end in (piece.start_rad, piece.end_rad))
+    lines = [rf"&\text{{{named}: }} {first} \le {names[piece.variable]} \le {last}"]
+    lines += [f"{names[one]} &= {_latex_number(repr(value))}" for one, value in _named(piece).items()]
+    lines += [f"{names[one]} &= {sympy.latex(step, symbol_names=names)}" for one, step in piece.steps.items()]
+    whys = [f"no {name}: {why}".replace("_", r"\_") for name, why in piece.without.items()]
+    body = " \\\\\n".join([*lines, *(rf"&\text{{{why}}}" for why in whys)])
     return f"\\begin{{align*}}\n{body}\n\\end{{align*}}"
+
+
+def _latex_name(name: str, piece: Written) -> str:
+    """Words upright, derivatives as quotients."""
+    if name[0].isdigit():
+        return _latex_number(name)
+    if name.startswith("d") and symbol(name[1:]) in piece.steps:
+        over, under = (_latex_name(one, piece) for one in (name[1:], str(piece.variable)))
+        return rf"\frac{{\mathrm{{d}} {over}}}{{\mathrm{{d}} {under}}}"
+    word, _, index = name.partition("_")
+    letter = f"\\{word}" if word in GREEK else word if len(word) == 1 else rf"\mathrm{{{word}}}"
+    return f"{letter}_{{{index}}}" if index else letter
+
+
+GREEK = {"phi", "theta", "tau", "delta"}
+
+
+def _latex_number(digits: str) -> str:
+    mantissa, _, exponent = digits.partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 @dataclass(frozen=True)
 class Language:
-    """How a language writes a file of functions of one angle."""
+    """How a language writes a file of functions of one angle: its statements with places for their parts."""
 
     expression: Callable[[Any], str]
+    begin: str
     comment: str
-    begin: Callable[[str, list[str]], list[str]]
-    """The beginning of the file, from the name of the design and those of the functions."""
-
-    function: Callable[[str, str], str]
-    refuse: Callable[[str], str]
+    function: str
+    refuse: str
     """The statement that says why there is no value."""
 
-    when: Callable[[str], str]
-    assign: Callable[[str, str], str]
-    result: Callable[[str], list[str]]
+    when: str
+    assign: str
+    result: str
     end: str = ""
-
-
-def _python_begin(name: str, functions: list[str]) -> list[str]:
-    return ["import math", ""]
-
-
-def _c_begin(name: str, functions: list[str]) -> list[str]:
-    return ["#include <math.h>", ""]
-
-
-def _matlab_begin(name: str, functions: list[str]) -> list[str]:
-    handles = ", ".join(f"'{one}', @{one}" for one in functions)
-    identifier = "".join(letter if letter.isalnum() else "_" for letter in name)
-    return [
-        f"function value = law_of_{identifier}(quantity, angle)",
-        f"    functions = struct({handles});",
-        "    value = functions.(quantity)(angle);",
-        "end",
-        "",
-    ]
 
 
 LANGUAGES = {
     "python": Language(
-        lambda step: str(sympy.pycode(step)),
-        "#",
-        _python_begin,
-        lambda name, angle: f"def {name}({angle}):",
-        lambda why: f"raise ValueError({why!r})",
-        lambda condition: f"if {condition}:",
-        lambda name, value: f"{name} = {value}",
-        lambda name: [f"return {name}"],
+        sympy.pycode,
+        "import math\n",
+        comment="#",
+        function="def {name}({angle}):",
+        refuse='raise ValueError("{why}")',
+        when="if {condition}:",
+        assign="{name} = {value}",
+        result="return {name}",
     ),
     "c": Language(
-        lambda step: str(sympy.ccode(step)),
-        "//",
-        _c_begin,
-        lambda name, angle: f"double {name}(double {angle}) {{",
-        lambda why: f"return NAN; // {why}",
-        lambda condition: f"if ({condition}) {{",
-        lambda name, value: f"const double {name} = {value};",
-        lambda name: [f"return {name};"],
-        "}",
+        sympy.ccode,
+        "#include <math.h>\n",
+        comment="//",
+        function="double {name}(double {angle}) {{",
+        refuse="return NAN; // {why}",
+        when="if ({condition}) {{",
+        assign="const double {name} = {value};",
+        result="return {name};",
+        end="}",
     ),
     "matlab": Language(
-        lambda step: str(sympy.octave_code(step)),
-        "%",
-        _matlab_begin,
-        lambda name, angle: f"function value = {name}({angle})",
-        lambda why: f"error('{why}')",
-        lambda condition: f"if {condition}",
-        lambda name, value: f"{name} = {value};",
-        lambda name: [f"value = {name};", "return"],
-        "end",
+        sympy.octave_code,
+        "function value = law_in_closed_form(quantity, angle)\n    functions = struct({handles});\n"
+        "    value = functions.(quantity)(angle);\nend\n",
+        comment="%",
+        function="function value = {name}({angle})",
+        refuse="error('{why}')",
+        when="if {condition}",
+        assign="{name} = {value};",
+        result="value = {name}; return",
+        end="end",
     ),
 }
 
@@ -207,29 +189,29 @@ def functions_of(section: Section) -> dict[str, str]:
 
 
 def _source(formulas: Formulas, language: Language) -> str:
-    names = [(name, of, section) for section in formulas.sections for name, of in functions_of(section).items()]
-    head = [f"{language.comment} {line}" for line in _head(formulas)]
-    parts = [line for one in names for line in _function(language, *one)]
-    begin = language.begin(formulas.name, [name for name, _, _ in names])
-    return "\n".join([*head, "", *begin, *parts]).rstrip()
+    functions = [(name, of, section) for section in formulas.sections for name, of in functions_of(section).items()]
+    handles = ", ".join(f"'{name}', @{name}" for name, _, _ in functions)
+    head = [*(f"{language.comment} {line}" for line in _head(formulas)), ""]
+    parts = [line for one in functions for line in _function(language, *one)]
+    return "\n".join([*head, language.begin.replace("{handles}", handles), *parts]).rstrip()
 
 
 def _function(language: Language, name: str, of: str, section: Section) -> Iterator[str]:
     """A function of one angle, piece after piece; a quantity without closed form on a piece is refused there."""
     first, last = section.pieces[0], section.pieces[-1]
     angle = str(first.variable)
-    yield language.function(name, angle)
-    within = f"the angle lies outside {first.start_rad!r} to {last.end_rad!r} rad"
-    yield from _block(language, f"{angle} < {first.start_rad!r}", [language.refuse(within)])
+    beyond = language.refuse.format(why=f"the angle lies outside {first.start_rad!r} to {last.end_rad!r} rad")
+    yield language.function.format(name=name, angle=angle)
+    yield from _block(language, f"{angle} < {first.start_rad!r}", [beyond])
     for piece in section.pieces:
-        before = f"{angle} <= {piece.end_rad!r}" if piece is last else f"{angle} < {piece.end_rad!r}"
+        before = f"{angle} {'<=' if piece is last else '<'} {piece.end_rad!r}"
         yield from _block(language, before, _body(language, piece, of))
-    yield f"    {language.refuse(within)}"
+    yield f"    {beyond}"
     yield from [language.end, ""] if language.end else [""]
 
 
 def _block(language: Language, condition: str, body: list[str]) -> Iterator[str]:
-    yield f"    {language.when(condition)}"
+    yield f"    {language.when.format(condition=condition)}"
     yield from (f"        {line}" for line in body)
     if language.end:
         yield f"    {language.end}"
@@ -237,8 +219,8 @@ def _block(language: Language, condition: str, body: list[str]) -> Iterator[str]
 
 def _body(language: Language, piece: Written, of: str) -> list[str]:
     if of not in piece.quantities:
-        return [language.refuse(piece.without[of])]
+        return [language.refuse.format(why=piece.without[of])]
     values = {one: repr(value) for one, value in _named(piece).items()}
-    steps = {one: language.expression(step) for one, step in piece.steps.items()}
-    lines = [language.assign(str(one), (values | steps)[one]) for one in piece.needed(of) if one in values | steps]
-    return [*lines, *language.result(of)]
+    needed = [one for one in piece.needed(of) if one in values or one in piece.steps]
+    lines = [(one, values[one] if one in values else language.expression(piece.steps[one])) for one in needed]
+    return [*(language.assign.format(name=one, value=value) for one, value in lines), language.result.format(name=of)]

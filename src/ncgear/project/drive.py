@@ -71,6 +71,7 @@ class Drive(Geared):
     @computed
     def formulas(self) -> Formulas:
         """The law in closed form, piece by piece, as expressions of sympy, compared with its numbers."""
+        law = self.law
         from ncgear.formulas.checked import formulas_of
         from ncgear.formulas.laws import Sizes
 
@@ -79,7 +80,7 @@ class Drive(Geared):
             pitches = [drive.pitch for drive in self.by_stage]
             sizes = [Sizes(pitch.center_distance_mm, int(pitch.mesh.sense)) for pitch in pitches]
         with self.stopwatch("formulas"):
-            return formulas_of(self.design.name, str(self.design.motion.law), self.law, sizes)
+            return formulas_of(self.design.name, str(self.design.motion.law), law, sizes)
 
     @computed
     def _free_contact(self) -> AsDesigned:
