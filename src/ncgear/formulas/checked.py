@@ -48,7 +48,8 @@ class Section:
 class Formulas:
     """The law of a design in closed form.
 
-    ``unit`` is that of x, empty where there is none; the radii have that of the axes' distance, which is 1 where ``sized`` is false.
+    ``unit`` is that of x, empty where there is none; the radii are in mm, or where ``sized`` is false shares of the
+    distance of the axes.
     """
 
     name: str
