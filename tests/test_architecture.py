@@ -10,7 +10,7 @@ from pathlib import Path
 import networkx
 import pytest
 
-from commands import ROOT, loaded_by
+from commands import ROOT, loaded_by, modules_after
 from drives import loaded
 from every_command import completing
 from ncgear import shown
@@ -30,7 +30,7 @@ LAYERS = [
     {"solids"},
     {"dynamics"},
     {"optimum"},
-    {"balance", "strength", "drivetrain", "tolerances"},
+    {"balance", "strength", "drivetrain", "tolerances", "formulas"},
     {"papers"},
     {"design"},
     {"project"},
@@ -200,6 +200,18 @@ def test_help_loads_no_library_at_all() -> None:
 @pytest.mark.parametrize("name", ["baler", "baler-66", "ellipse", "uniform-crank"])
 def test_a_check_loads_neither_meshes_nor_plots_nor_solvers(name: str) -> None:
     assert loaded_by("check", f"designs/{name}.yaml") & LIBRARIES == set()
+
+
+@pytest.mark.thorough
+def test_only_formulas_load_algebra() -> None:
+    """And these are loaded where they are asked for."""
+    loading = {
+        path.relative_to(SOURCE).parts[0]
+        for path in SOURCE.rglob("*.py")
+        if re.search(r"^ *(import|from) (sympy|mpmath)\b", path.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+    assert loading == {"formulas"}
+    assert modules_after("import ncgear.project.drive, ncgear.cli.app") & {"sympy", "mpmath"} == set()
 
 
 @pytest.mark.slow

@@ -53,6 +53,7 @@ SHAKING = "name: machine\nspeed_rpm: 55\nmechanisms: [{name: press, design: d.ya
 CASES = {
     "check": ("check d.yaml", ""),
     "compare": ("compare d.yaml d.yaml --out out", "compare.json"),
+    "formulas": ("formulas d.yaml", ""),
     "build": ("build d.yaml --format svg --out out", "summary.json"),
     "report": ("report d.yaml --out out", ""),
     "simulate": ("simulate d.yaml --out out", "simulation.json"),

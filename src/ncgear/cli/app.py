@@ -10,6 +10,7 @@ from ncgear import __version__
 from ncgear.cli.as_given import PlainCommand, PlainGroup
 from ncgear.cli.bench import bench
 from ncgear.cli.compare import compare
+from ncgear.cli.formulas import formulas
 from ncgear.cli.lookup import explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.measured import measured
@@ -36,6 +37,7 @@ COMMANDS = (
     animate,
     check,
     compare,
+    formulas,
     simulate,
     strength,
     tolerance,

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
+    from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
     from ncgear.project.measured import MeasuredGear
     from ncgear.project.passing import Passing
@@ -69,6 +70,20 @@ class Drive(Geared):
         if stage is not None and self.design.stages == 1:
             raise WrongInput("has one pair of gears; leave out --stage", key="motion")
         return self.by_stage[0 if stage is None else stage - 1]
+
+    @computed
+    def formulas(self) -> Formulas:
+        """The law in closed form, piece by piece, as expressions of sympy, compared with its numbers."""
+        law = self.law
+        from ncgear.formulas.checked import formulas_of
+        from ncgear.formulas.laws import Sizes
+
+        sizes: list[Sizes | None] = [None] * self.design.stages
+        if self.design.gears is not None:
+            pitches = [drive.pitch for drive in self.by_stage]
+            sizes = [Sizes(pitch.center_distance_mm, int(pitch.mesh.sense)) for pitch in pitches]
+        with self.stopwatch("formulas"):
+            return formulas_of(self.design.name, str(self.design.motion.law), law, sizes)
 
     @computed
     def _free_contact(self) -> AsDesigned:

@@ -160,7 +160,9 @@ class WholeTurns(Lobes):
 class Piece:
     """A stretch of the period on which the driven angle is smooth, ends included as one-sided limits.
 
-    ``knots_rad`` are inner points where only a high derivative jumps, as in a spline.
+    ``knots_rad`` are inner points where only a high derivative jumps, as in a spline.  ``driven_angle`` is a function
+    of its module bound to the law's numbers by ``partial``, or the method of a value, so that ``ncgear.formulas`` knows
+    from which formula it comes.
     """
 
     start_rad: float

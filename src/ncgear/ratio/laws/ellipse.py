@@ -8,6 +8,7 @@ both curves are equal ellipses about a focus (F. L. Litvin et al., "Noncircular 
 
 from __future__ import annotations
 
+from functools import partial
 from math import sqrt
 
 import numpy as np
@@ -25,12 +26,13 @@ def elliptical_law(eccentricity: float, phase_rad: float, lobes: Lobes) -> Trans
     size = (1.0 + sqrt(squared + ratio**2 * (1.0 - squared))) / (1.0 - squared)
     largest = size - 1.0 + eccentricity * size
     skew = (largest - ratio) / (largest + ratio)
+    start = float(elliptical_angle(skew, phase_rad, lobes, 0.0, np.zeros(1), 0).value[0])
+    driven_angle = partial(elliptical_angle, skew, phase_rad, lobes, start)
+    return Transmission((Piece(0.0, lobes.driving_period_rad, driven_angle),), lobes)
 
-    def unshifted(phi1: Array, order: int) -> Jet:
-        around = (Jet.variable(phi1, order) - phase_rad) * float(lobes.driving)
-        sine, cosine = jet.sin_cos(around)
-        return (around - 2.0 * jet.arctan(skew * sine / (skew * cosine + 1.0))) * (1.0 / lobes.driven)
 
-    start = float(unshifted(np.zeros(1), 0).value[0])
-    piece = Piece(0.0, lobes.driving_period_rad, lambda phi1, order: unshifted(phi1, order) - start)
-    return Transmission((piece,), lobes)
+def elliptical_angle(skew: float, phase_rad: float, lobes: Lobes, start_rad: float, phi1: Array, order: int) -> Jet:
+    """phi2 in rad, with derivatives; without ``start_rad`` it would be that at phi1 = 0."""
+    around = (Jet.variable(phi1, order) - phase_rad) * float(lobes.driving)
+    sine, cosine = jet.sin_cos(around)
+    return (around - 2.0 * jet.arctan(skew * sine / (skew * cosine + 1.0))) * (1.0 / lobes.driven) - start_rad

@@ -8,6 +8,7 @@ A law of gears that turn less than once holds for a range of the driving angle, 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -30,7 +31,7 @@ def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Tr
     """The law of a ratio i12(phi); raises WrongInput or NoSuchMechanism for the key ``motion.ratio``."""
     key = "motion.ratio"
     parts = _parts(composed(text, key, "phi"), lobes, key)
-    _refuse_jumps([(start, end, _by_angle(ratio)) for start, end, ratio in parts], "the ratio", lobes, key)
+    _refuse_jumps([(start, end, partial(by_angle, ratio)) for start, end, ratio in parts], "the ratio", lobes, key)
     slopes = [_inverse(ratio, start, end, key) for start, end, ratio in parts]
     return integrated_law(slopes, lobes, scale_to_close=scale_to_close, key=key)
 
@@ -39,7 +40,7 @@ def open_ratio_law(text: str, driving_rad: float) -> Transmission:
     """The law of a ratio i12(phi) from phi = 0 to ``driving_rad``; raises as ``ratio_expression_law``."""
     key = "motion.ratio"
     parts = _open_parts(text, driving_rad, key)
-    _refuse_jumps([(start, end, _by_angle(ratio)) for start, end, ratio in parts], "the ratio", None, key)
+    _refuse_jumps([(start, end, partial(by_angle, ratio)) for start, end, ratio in parts], "the ratio", None, key)
     slopes = [_inverse(ratio, start, end, key) for start, end, ratio in parts]
     starts = np.cumsum([0.0, *(slope.integral.final for slope in slopes)])
     pieces = tuple(stretched(slope, float(start), 1.0) for slope, start in zip(slopes, starts, strict=False))
@@ -101,24 +102,25 @@ def _inverse(ratio: Formula, start: float, end: float, key: str) -> Slope:
     except NotReal:
         raise NoSuchMechanism("the ratio is zero; it must be positive over the whole cycle", key=key) from None
     with smooth_or_refused(key):
-        return Slope(_by_angle(inverse), proven(inverse, start, end).integrated())
+        return Slope(partial(by_angle, inverse), proven(inverse, start, end).integrated())
 
 
 def _angle_piece(part: _Part, zero: float, factor: float, key: str) -> Piece:
     """A stretch of a driven angle, with what its slope had to be resolved by as knots."""
     start, end, angle = part
-    jets = _by_angle(angle)
     with smooth_or_refused(key):
         knots = proven(angle.derivative(), start, end).breaks[1:-1]
-
-    def driven_angle(phi1: Array, order: int) -> Jet:
-        return (jets(phi1, order) - zero) * factor
-
-    return Piece(start, end, driven_angle, tuple(knots.tolist()))
+    return Piece(start, end, partial(formula_angle, angle, zero, factor), tuple(knots.tolist()))
 
 
-def _by_angle(formula: Formula) -> JetFunction:
-    return lambda phi1, order: formula(Jet.variable(phi1, order))
+def formula_angle(formula: Formula, zero: float, factor: float, phi1: Array, order: int) -> Jet:
+    """phi2 in rad, with derivatives: a factor times what a formula of phi1 is over ``zero``."""
+    return (by_angle(formula, phi1, order) - zero) * factor
+
+
+def by_angle(formula: Formula, phi1: Array, order: int) -> Jet:
+    """A formula of phi1 with derivatives."""
+    return formula(Jet.variable(phi1, order))
 
 
 def _slope_of(angle: Formula) -> JetFunction:

@@ -7,6 +7,7 @@ to the least (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "N
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -75,11 +76,15 @@ def _piece(
     """A stretch of x as a piece of the law."""
     start, end, formula = part
     knots = proven(formula.derivative(), start, end).breaks[1:-1]
-
-    def driven_angle(phi1: Array, order: int) -> Jet:
-        return (formula(Jet.variable(phi1, order) * rate + first) - zero) * scale
-
+    driven_angle = partial(generated_angle, formula, first, rate, zero, scale)
     return Piece((start - first) / rate, end_rad, driven_angle, tuple(((knots - first) / rate).tolist()))
+
+
+def generated_angle(
+    formula: Formula, first: float, rate: float, zero: float, scale: float, phi1: Array, order: int
+) -> Jet:
+    """phi2 in rad, with derivatives: ``scale`` times what the function is over ``zero`` at x = first + rate phi1."""
+    return (formula(Jet.variable(phi1, order) * rate + first) - zero) * scale
 
 
 def _stop(parts: list[tuple[float, float, Formula]], least: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 
@@ -71,13 +72,14 @@ def integrated_law(slopes: Sequence[Slope], lobes: Lobes, *, scale_to_close: boo
 
 def stretched(slope: Slope, start: float, factor: float) -> Piece:
     """The integral of a slope from the value ``start``, everything times a factor."""
+    first, last = slope.integral.breaks[[0, -1]].tolist()
+    return Piece(first, last, partial(integrated_angle, slope, start, factor), slope.knots_rad)
 
-    def driven_angle(phi1: Array, order: int) -> Jet:
-        values = factor * (start + slope.integral(phi1))
-        return (slope.jets(phi1, order - 1) * factor).integrated(values) if order else Jet(values[None, :])
 
-    breaks = slope.integral.breaks
-    return Piece(float(breaks[0]), float(breaks[-1]), driven_angle, slope.knots_rad)
+def integrated_angle(slope: Slope, start: float, factor: float, phi1: Array, order: int) -> Jet:
+    """phi2 in rad, with derivatives."""
+    values = factor * (start + slope.integral(phi1))
+    return (slope.jets(phi1, order - 1) * factor).integrated(values) if order else Jet(values[None, :])
 
 
 def _closing_factor(covered: float, lobes: Lobes, scale_to_close: bool, key: str) -> float:

@@ -16,6 +16,7 @@ shape parameter that is sought, so that again at most one closes.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import tau
 
 import numpy as np
@@ -271,12 +272,15 @@ def _values(radii: Sequence[Radius], angles: Array) -> Array:
 
 
 def _slope(radius: Radius, center_distance_mm: float, key: str) -> Slope:
-    def jets(phi: Array, order: int) -> Jet:
-        there = radius.at(phi, order)
-        return there / (center_distance_mm - there)
-
+    jets = partial(rolled, radius, center_distance_mm)
     with smooth_or_refused(key):
         return Slope(jets, chebyshev.fitted(lambda phi: jets(phi, 0).value, radius.breaks_rad).integrated())
+
+
+def rolled(radius: Radius, center_distance_mm: float, phi: Array, order: int) -> Jet:
+    """How fast the mate turns, with derivatives by the angle of the gear whose radius is given."""
+    there = radius.at(phi, order)
+    return there / (center_distance_mm - there)
 
 
 def _inverse(piece: Piece, slope: Slope) -> Piece:
@@ -292,13 +296,14 @@ def _inverse(piece: Piece, slope: Slope) -> Piece:
         )
 
     form = chebyshev.fitted(angle, driving)
+    knots = tuple(form.breaks[1:-1].tolist())
+    return Piece(float(driving[0]), float(driving[-1]), partial(inverted_angle, form, piece), knots)
 
-    def driven_angle(phi1: Array, order: int) -> Jet:
-        values = form(phi1)
-        if not order:
-            return Jet(values[None, :])
-        speed = 1.0 / piece.driven_angle(values, order).differentiated()
-        return jet.by_other(values, speed, speed)
 
-    knots = form.breaks[1:-1]
-    return Piece(float(driving[0]), float(driving[-1]), driven_angle, tuple(knots.tolist()))
+def inverted_angle(form: PiecewiseChebyshev, mate: Piece, phi1: Array, order: int) -> Jet:
+    """phi2 in rad with derivatives; ``mate`` is phi1 over phi2, ``form`` its inverse."""
+    values = form(phi1)
+    if not order:
+        return Jet(values[None, :])
+    speed = 1.0 / mate.driven_angle(values, order).differentiated()
+    return jet.by_other(values, speed, speed)

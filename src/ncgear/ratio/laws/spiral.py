@@ -8,6 +8,7 @@ Hayasaka, "Noncircular Gears", Cambridge 2009).
 
 from __future__ import annotations
 
+from functools import partial
 from math import log
 
 import numpy as np
@@ -28,7 +29,7 @@ def logarithmic_spirals(ratio_start: float, ratio_end: float, driving_rad: float
     Raises WrongInput for the key ``motion.ratio_end`` where both are equal.
     """
     # At unit centre distance r1 = 1 / (1 + i12).
-    start, growth = 1.0 / (1.0 + ratio_start), log((1.0 + ratio_start) / (1.0 + ratio_end)) / driving_rad
+    growth = log((1.0 + ratio_start) / (1.0 + ratio_end)) / driving_rad
     if abs(growth) < LEAST_GROWTH:
         raise WrongInput(
             f"{ratio_end:g}, nearly as much as ratio_start: the gears would be circles; another ratio is right, or the "
@@ -36,14 +37,17 @@ def logarithmic_spirals(ratio_start: float, ratio_end: float, driving_rad: float
             key="motion.ratio_end",
         )
 
-    def driven_angle(phi1: Array, order: int) -> Jet:
-        # (1 - r0) / (1 - r1) = 1 / (1 - r0 (e^(m phi1) - 1) / (1 - r0)), whose logarithm is exact near phi1 = 0 too.
-        values = -np.log1p(-np.expm1(growth * np.asarray(phi1, dtype=float)) / ratio_start) / growth
-        if order == 0:
-            return Jet(values[None, :])
-        radius = jet.exp(Jet.variable(phi1, order - 1) * growth) * start
-        return (radius / (1.0 - radius)).integrated(values)
-
+    driven_angle = partial(spiral_angle, ratio_start, growth)
     driven_rad = float(driven_angle(np.array([driving_rad]), 0).value[0])
     covered = Range(driving_rad=driving_rad, driven_rad=driven_rad)
     return Transmission((Piece(0.0, driving_rad, driven_angle),), covered)
+
+
+def spiral_angle(ratio_start: float, growth: float, phi1: Array, order: int) -> Jet:
+    """phi2 in rad, with derivatives; ``growth`` is m."""
+    # (1 - r0) / (1 - r1) = 1 / (1 - r0 (e^(m phi1) - 1) / (1 - r0)), whose logarithm is exact near phi1 = 0 too.
+    values = -np.log1p(-np.expm1(growth * np.asarray(phi1, dtype=float)) / ratio_start) / growth
+    if order == 0:
+        return Jet(values[None, :])
+    radius = jet.exp(Jet.variable(phi1, order - 1) * growth) * (1.0 / (1.0 + ratio_start))
+    return (radius / (1.0 - radius)).integrated(values)

@@ -8,6 +8,7 @@ Ratios are interpolated as 1/i12, so that the driven angle is the spline's exact
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -44,10 +45,7 @@ def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Mec
 
     def through(crank_rad: Array) -> Transmission:
         spline = _periodic_spline(phi1, crank_rad - phi1 * lobes.driving, lobes, key)
-
-        def driven_angle(points: Array, order: int) -> Jet:
-            return _jet(spline, points, order) + Jet.variable(points, order) * float(lobes.driving)
-
+        driven_angle = partial(splined_angle, spline, lobes.driving)
         return Transmission((Piece(0.0, lobes.driving_period_rad, driven_angle, tuple(phi1[1:].tolist())),), lobes)
 
     def in_file(crank_rad: float) -> float:
@@ -73,11 +71,7 @@ def ratio_table_law(phi1_rad: Array, ratio: Array, lobes: Lobes, *, scale_to_clo
 
     def through(inverse: Array) -> Transmission:
         spline = _periodic_spline(phi1, inverse, lobes, key)
-
-        def slope(points: Array, order: int) -> Jet:
-            return _jet(spline, points, order)
-
-        whole = splined_slope(slope, phi1[phi1 > 0.0], lobes, key)
+        whole = splined_slope(partial(spline_jet, spline), phi1[phi1 > 0.0], lobes, key)
         return integrated_law([whole], lobes, scale_to_close=scale_to_close, key=key)
 
     points = Points(phi1, 1.0 / values, np.arange(phi1.size), np.zeros_like(phi1), lambda value: 1.0 / value, "", key)
@@ -196,7 +190,7 @@ def _moves(
     for number in points.movable[np.argsort(distance)[:NEAR]].tolist():
         kept = np.arange(points.phi1.size) != number
         others = _periodic_spline(points.phi1[kept], (points.values - points.trend)[kept], lobes, points.key)
-        value = float(_jet(others, points.phi1[[number]], 0).value[0]) + points.trend[number]
+        value = float(spline_jet(others, points.phi1[[number]], 0).value[0]) + points.trend[number]
         moved = np.where(kept, points.values, value)
         try:
             slowest = through(moved).slope_range[0].value
@@ -217,7 +211,12 @@ def _periodic_spline(phi1: Array, values: Array, lobes: Lobes, key: str) -> BSpl
     return make_interp_spline(*closed, k=degree, bc_type="periodic")
 
 
-def _jet(spline: BSpline, points: Array, order: int) -> Jet:
+def splined_angle(spline: BSpline, lobes: int, phi1: Array, order: int) -> Jet:
+    """phi2 in rad, with derivatives: a spline beside an even turn; ``lobes`` are those of the driving gear."""
+    return spline_jet(spline, phi1, order) + Jet.variable(phi1, order) * float(lobes)
+
+
+def spline_jet(spline: BSpline, points: Array, order: int) -> Jet:
     """Values and derivatives; the spline is periodic, whatever its first knot."""
     rows, factorial = [], 1.0
     for k in range(order + 1):
