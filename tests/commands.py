@@ -9,8 +9,9 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,15 @@ Run = Callable[..., Outcome]
 
 ROOT = Path(__file__).parents[1]
 Process = subprocess.CompletedProcess[str]
+
+
+FOLDERS = ExitStack()
+"""Folders that a file's tests share; closed when the last test of a process has run."""
+
+
+def new_folder() -> Path:
+    """A folder that stays until all tests have run."""
+    return Path(FOLDERS.enter_context(TemporaryDirectory(prefix="ncgear-test-")))
 
 
 def on_text(run: Run, command: str, *always: str) -> Run:

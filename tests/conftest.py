@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 import ncgear.cli
-from commands import Outcome, Run, signals_kept
+from commands import FOLDERS, Outcome, Run, signals_kept
 from tiers import Collected, tier_of
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
@@ -28,6 +28,11 @@ gc.set_threshold(100_000)
 def pytest_configure(config: pytest.Config) -> None:
     """Begin the list of all tests."""
     config.stash[Collected] = []
+
+
+def pytest_unconfigure() -> None:
+    """Remove the folders that tests have shared."""
+    FOLDERS.close()
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

@@ -10,11 +10,12 @@ import json
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory, mkdtemp
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from commands import new_folder
 from ncgear.design.keys.design import Design, design_model
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.files.build import build
@@ -88,6 +89,6 @@ class Built:
 @cache
 def built(name: str) -> Built:
     """A file of designs/ as a user builds it."""
-    folder = Path(mkdtemp(prefix="ncgear-test-")) / name
+    folder = new_folder() / name
     build(drive(name), folder, lambda step: None)
     return Built(folder, json.loads((folder / "summary.json").read_text()))

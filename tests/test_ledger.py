@@ -132,12 +132,14 @@ def test_no_figure_is_there_twice(paper: Paper) -> None:
     assert len(set(figures)) == len(figures)
 
 
-@pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.compute], ids=name)
-def test_the_other_verdict_is_refused(entry: Entry) -> None:
+def test_the_other_verdict_is_refused() -> None:
     """Whatever the computation says, claiming the contrary fails."""
-    other = Verdict.NOT_REPRODUCIBLE if entry.verdict in AGREEING else Verdict.REPRODUCED
-    with pytest.raises(Contradicted):
-        judged(replace(entry, verdict=other, words="typed"))
+    computed = [entry for entry in ENTRIES if entry.compute]
+    assert len(computed) > 100
+    for entry in computed:
+        other = Verdict.NOT_REPRODUCIBLE if entry.verdict in AGREEING else Verdict.REPRODUCED
+        with pytest.raises(Contradicted):
+            judged(replace(entry, verdict=other, words="typed"))
 
 
 @pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.verdict in AGREEING], ids=name)

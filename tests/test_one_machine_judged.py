@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 from math import pi, radians
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ import trimesh
 from mpmath import mp
 from scipy.interpolate import PchipInterpolator
 
+from commands import new_folder
 from drives import drive_of_text
 from ncgear.design.machines import MachineName, machine_template
 from ncgear.files.build import build
@@ -139,7 +139,7 @@ class Judged:
 @cache
 def written(text: str) -> tuple[Drive, Path]:
     """The drive of a text, and the folder of its build."""
-    made, folder = drive_of_text(text), Path(mkdtemp(prefix="ncgear-test-")) / "out"
+    made, folder = drive_of_text(text), new_folder() / "out"
     build(made, folder, lambda step: None)
     return made, folder
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
-from tempfile import mkdtemp
 
 import numpy as np
 import pytest
 import trimesh
 
+from commands import new_folder
 from drives import design_of, drive_of_text, loaded
 from ncgear.figures.data_sheet.sheet import sizes
 from ncgear.files.build import build
@@ -87,7 +86,7 @@ def test_sheet_housing_and_written_solid_have_one_greatest_radius(name: str) -> 
     data = loaded(name).data
     housing = {"housing": {"clearance_mm": 0.07}} if name == "oval-flow-meter" else {}
     one = Drive(design_of({**data, "gears": {**data["gears"], **housing}}))
-    folder = Path(mkdtemp(prefix="ncgear-test-"))
+    folder = new_folder()
     build(one, folder, lambda step: None)
     rows = {row.label: row for row in sizes(one)}
     for gear in Gear:

@@ -12,7 +12,6 @@ from functools import cache
 from importlib.util import find_spec
 from math import cos, radians
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import Any
 from xml.etree import ElementTree
 from zipfile import ZipFile
@@ -24,6 +23,7 @@ import trimesh
 from ezdxf import path as paths
 from shapely import Polygon, affinity
 
+from commands import new_folder
 from drives import design_of, loaded
 from ncgear.errors import WrongInput
 from ncgear.files.build import build
@@ -64,7 +64,7 @@ SOLIDS = (Format.THREEMF, Format.GLB, *([Format.STEP] if find_spec("OCP") else [
 @cache
 def written(name: str, *, nominal: bool = False) -> Path:
     """The folder of a design as a user builds it, with its band or without a deviation."""
-    folder = Path(mkdtemp(prefix="ncgear-test-"))
+    folder = new_folder()
     build(changed(name, None if nominal else BANDS[name]), folder, lambda step: None, [Format.DXF, *SOLIDS])
     return folder
 
@@ -180,7 +180,7 @@ def with_chords(band: tuple[float, float], chord_mm: float | None, module_mm: fl
 @pytest.mark.slow
 @pytest.mark.parametrize("band", [(-0.062, -0.047), (-0.031, -0.027)])
 def test_chords_that_are_left_out_keep_pins_in_the_middle_half_of_the_band(band: tuple[float, float]) -> None:
-    drive, folder = with_chords(band, None), Path(mkdtemp(prefix="ncgear-test-"))
+    drive, folder = with_chords(band, None), new_folder()
     build(drive, folder, lambda step: None, [Format.DXF])
     plain = with_chords((-0.5, 0.0), None)
     assert plain.chord_tolerance_mm == 0.005
@@ -214,7 +214,7 @@ def test_chords_too_coarse_for_the_band_are_refused(band: tuple[float, float], c
 @pytest.mark.slow
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_the_picture_dimensions_the_band_of_the_table(gear: str) -> None:
-    folder = Path(mkdtemp(prefix="ncgear-test-"))
+    folder = new_folder()
     build(changed("ellipse", BANDS["ellipse"]), folder, lambda step: None, [Format.DRAWING])
     (found,) = re.findall(r"([\d.]+) to ([\d.]+) over 2 pins \u00d8([\d.]+) \((\d+), (\d+)\)", _texts(folder, gear))
     diameter, _, rows = told(folder, gear)

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cache
 from math import pi, radians
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from commands import new_folder
 from drives import DESIGNS, FILES, drive, loaded
 from ncgear.contact.designed.as_designed import touch_at
 from ncgear.contact.placement import placed_at
@@ -64,7 +64,7 @@ class Built:
 
 @cache
 def built() -> Built:
-    folder, said = Path(mkdtemp(prefix="ncgear-test-")) / "two", []
+    folder, said = new_folder() / "two", []
     done = build(drive(NAME), folder, said.append, formats=(Format.SVG,))
     return Built(folder, done.summaries, said, build_text(done.summaries, done.paths) + timing_text(drive(NAME)))
 
