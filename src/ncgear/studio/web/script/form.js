@@ -33,7 +33,7 @@ function textOf(value) {
 const isNumber = (row) => row.kind === "number" || row.kind === "integer";
 
 // Lists and texts break into lines where they are long.
-const isText = (row) => row.kind === "text" || row.kind === "numbers";
+const isText = (row) => ["text", "numbers", "other"].includes(row.kind);
 
 // What an input holds, in the form of the file; undefined for what is none.
 function valueOf(row, input) {
@@ -176,6 +176,7 @@ function createForm(place, find, acts) {
       if (!known) continue;
       const { needed, allowed } = known.row;
       state.own.set(path, `nothing given; ${needed ? `needed: ${allowed}` : problem.replace("missing; ", "")}`);
+      known.input.placeholder = "needed";
       put(known, "");
       say(known);
     }
