@@ -6,8 +6,10 @@ import asyncio
 import json
 import queue
 import signal
+import sys
 import threading
 import time
+import weakref
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -28,6 +30,7 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import keys_of
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.errors import WrongInput
+from ncgear.interrupts import quiet_of_interrupts
 from ncgear.project.drive import Drive
 from ncgear.studio import editing, open_page, worker
 from ncgear.studio.answers import Answer, Answers, guarded
@@ -440,6 +443,59 @@ def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left
     assert all(text == text_of("ellipse") for text, changes in asked.asked if changes)
 
 
+@pytest.mark.parametrize("deaf_s", [0.0, 0.3])
+def test_what_swallows_a_break_is_broken_off_again_without_a_word(
+    deaf_s: float, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The callback of a weak reference is deaf to exceptions, and Python prints what it has not heard."""
+
+    class Freed:
+        pass
+
+    def deaf(_: object) -> None:
+        end = time.monotonic() + deaf_s
+        while time.monotonic() < end:
+            time.sleep(0.001)
+
+    lines: queue.Queue[bytes] = queue.Queue()
+    requests = worker.Requests(iter(lines.get, None))  # type: ignore[arg-type]
+    before = signal.signal(signal.SIGINT, requests.interrupt)
+    monkeypatch.setattr(sys, "unraisablehook", quiet_of_interrupts)
+    threading.Thread(target=requests.read_all, daemon=True).start()
+    come(lines, 1)
+    requests.next()
+    requests.shown()
+    try:
+        with pytest.raises(worker.Superseded):
+            requests.computing = True
+            freed = Freed()
+            kept = weakref.ref(freed, deaf)
+            come(lines, 2)
+            del freed
+            computed(requests, 20.0)
+        assert kept() is None
+        assert requests.next()["n"] == 2
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert capfd.readouterr().err == ""
+
+
+def come(lines: queue.Queue[bytes], number: int) -> None:
+    """A request comes to a worker."""
+    lines.put(json.dumps({"n": number, "changes": {}, "path": "", "text": "x"}).encode())
+
+
+def computed(requests: worker.Requests, seconds: float) -> None:
+    """Compute for a time as a worker does."""
+    requests.computing = True
+    try:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            time.sleep(0.001)
+    finally:
+        requests.computing = False
+
+
 def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(worker, "PATIENCE_S", 0.0)
     lines: queue.Queue[bytes] = queue.Queue()
@@ -447,27 +503,15 @@ def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkey
     before = signal.signal(signal.SIGINT, requests.interrupt)
     threading.Thread(target=requests.read_all, daemon=True).start()
 
-    def come(number: int) -> None:
-        lines.put(json.dumps({"n": number, "changes": {}, "path": "", "text": "x"}).encode())
-
-    def computed(seconds: float) -> None:
-        requests.computing = True
-        try:
-            end = time.monotonic() + seconds
-            while time.monotonic() < end:
-                time.sleep(0.001)
-        finally:
-            requests.computing = False
-
     try:
-        come(1)
+        come(lines, 1)
         assert requests.next()["n"] == 1
-        come(2)
+        come(lines, 2)
         with pytest.raises(worker.Superseded):
-            computed(20.0)
+            computed(requests, 20.0)
         assert requests.next()["n"] == 2
-        come(3)
-        computed(0.05)
+        come(lines, 3)
+        computed(requests, 0.05)
         assert requests.newer
         requests.shown()
         assert requests.next()["n"] == 3
