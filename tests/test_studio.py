@@ -36,6 +36,7 @@ from ncgear.studio import editing, open_page, worker
 from ncgear.studio.answers import Answer, Answers, guarded
 from ncgear.studio.chains import Chains
 from ncgear.studio.editing import History, as_written, difference, edited
+from ncgear.studio.emptied import lacking
 from ncgear.studio.followed import Followed
 from ncgear.studio.form import form
 from ncgear.studio.gear_answers import contact_answers, gear_answers
@@ -218,6 +219,48 @@ def test_a_group_that_is_left_out_begins_with_values_that_are_right() -> None:
         needs_more = row["path"].endswith(("housing", "end_stop"))
         if row.get("begin") is not None and row["path"].startswith("gears") and not needs_more:
             parsed(edited(text, {row["path"]: row["begin"]}), DESIGNS / "x.yaml")
+
+
+# --- keys that were emptied
+
+
+@pytest.mark.parametrize("name", ["pusher", "baler", "feeder-table"])
+def test_a_key_is_lacking_where_the_design_has_a_fault_without_it(name: str) -> None:
+    text, path = text_of(name), DESIGNS / f"{name}.yaml"
+    for key, _ in leaves(data_of(text)):
+        if key == "motion.law" or "published" in key:
+            continue
+        try:
+            parsed(edited(text, {key: None}), path)
+        except WrongInput as error:
+            assert lacking(text, {key: None}, path) == {key: error.problem}
+        else:
+            assert lacking(text, {key: None}, path) == {}
+
+
+@pytest.mark.parametrize(
+    ("changes", "lack"),
+    [
+        ({"motion.theta2_pi": None, "motion.theta2_deg": 90}, set()),
+        ({"gears.teeth": None, "gears.center_distance_mm": 72}, set()),
+        ({"gears.teeth": None, "gears.backlash_mm": None}, {"gears.teeth"}),
+        ({"gears.teeth": None, "gears.module_mm": None}, {"gears.teeth", "gears.module_mm"}),
+        ({"operation.speed_rpm": -1, "gears.backlash_mm": None}, set()),
+        ({"operation.speed_rpm": -1, "linkage.rod_mm": None}, {"linkage.rod_mm"}),
+        ({"gears": None}, set()),
+    ],
+)
+def test_keys_are_lacking_by_what_else_is_changed(changes: Mapping[str, Any], lack: set[str]) -> None:
+    assert set(lacking(text_of("pusher"), changes, DESIGNS / "pusher.yaml")) == lack
+
+
+def test_each_fault_of_a_text_is_told_at_its_key() -> None:
+    text = text_of("pusher").replace("speed_rpm: 30", "speed_rpm: -1", 1).replace("teeth: 48", "teeth: 47.5")
+    content = answered(motion_answers, text, "pusher")[-1][1]
+    told = [content, *content["others"]]
+    assert [one["key"] for one in told] == ["operation.speed_rpm", "gears.teeth"]
+    assert all("\n" not in one["problem"] and ".yaml" not in one["problem"] for one in told)
+    assert [text.splitlines()[one["line"] - 1].strip()[:5] for one in told] == ["opera", "teeth"]
 
 
 # --- handles: where a point is dragged to, there the law has it

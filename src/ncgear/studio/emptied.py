@@ -20,9 +20,8 @@ from ncgear.studio.editing import values_of, with_values
 def lacking(text: str, changes: Mapping[str, Any], path: Path) -> dict[str, str]:
     """Of the keys that ``changes`` leave out those without which the text has a fault that it has not with them.
 
-    Each has the words of that fault.  Keys that can be left out together are; otherwise each is judged by itself, and
-    where each by itself can be left out, none is.  Raises WrongInput where the text cannot be read, or has no place for
-    a change.
+    Each has the words of that fault.  Keys that can be left out together are; otherwise each is judged by itself.
+    Raises WrongInput where the text cannot be read, or has no place for a change.
     """
     emptied = [key for key, value in changes.items() if value is None]
     if not emptied:
@@ -36,9 +35,9 @@ def lacking(text: str, changes: Mapping[str, Any], path: Path) -> dict[str, str]
         after = _faults(with_values(before, values_of(text, dict.fromkeys(keys))), text, path)
         return next((problem for key, problem in after.items() if known.get(key) != problem), "")
 
-    together = fault_without(*emptied)
-    alone = {key: problem for key in emptied if together and (problem := fault_without(key))}
-    return alone or (dict.fromkeys(emptied, together) if together else {})
+    if not fault_without(*emptied):
+        return {}
+    return {key: problem for key in emptied if (problem := fault_without(key))}
 
 
 def _faults(document: Document, text: str, path: Path) -> dict[str, str]:
