@@ -129,7 +129,8 @@ class OpenPage:
         }
         action = actions.get(str(message.get("do")))
         if action is None:
-            raise WrongInput(f"{shortened(str(message.get('do')))!r} asked for; {', '.join(actions)} are right")
+            asked = f"{shortened(str(message['do']))!r} asked for" if "do" in message else "nothing to do asked for"
+            raise WrongInput(f"{asked}; {', '.join(actions)} are right", key="do")
         await action(message)
 
     async def change(self, message: Mapping[str, Any]) -> None:
