@@ -285,7 +285,8 @@ SMALLEST_TEXT = """Math.min(...[...document.querySelectorAll(".plot svg text")].
   .map((one) => parseFloat(getComputedStyle(one).fontSize) * one.getScreenCTM().a))"""
 """Size in pixels of the smallest text of a chart as it is seen."""
 
-CLIPPED = """[...document.querySelectorAll(".value, .value :is(.unit, label, textarea), #facts :is(td, th), .tools button")]
+CLIPPED = """[...document.querySelectorAll(".value, .value :is(.unit, label, textarea), #facts :is(td, th)")]
+  .concat([...document.querySelectorAll(".tools button")])
   .filter((one) => one.checkVisibility() && one.scrollWidth > one.clientWidth + 1)
   .filter((one) => getComputedStyle(one).display !== "inline")
   .map((one) => one.outerHTML.slice(0, 120))"""

@@ -46,7 +46,7 @@ def uninterrupted() -> Iterator[None]:
 
 
 def quiet_of_interrupts(unraisable: sys.UnraisableHookArgs) -> None:
-    """Stay silent about an interrupt that could not be raised, as while an object is freed; whoever asked asks again."""
+    """Stay silent about an interrupt that could not be raised, as while an object is freed: it comes again."""
     if not issubclass(unraisable.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(unraisable)
 

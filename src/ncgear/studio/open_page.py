@@ -2,8 +2,8 @@
 
 Messages are values of JSON.  From the page come ``{"do": ..., ...}``, as the methods of ``OpenPage`` named after them
 say; to it go ``state`` (the text and all that follows from it), the answers of ``answers.py`` with the number ``n`` of
-the text that they belong to, ``job``, ``said``, ``lacking`` (keys that were emptied but must be given, with what is wrong
-without them), and ``question`` where a person has to decide on a save.
+the text that they belong to, ``job``, ``said``, ``lacking`` (keys that were emptied but must be given, with what is
+wrong without them), and ``question`` where a person has to decide on a save.
 """
 
 from __future__ import annotations
