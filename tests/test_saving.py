@@ -99,6 +99,21 @@ def test_a_read_only_file_is_saved_only_when_that_is_said(path: Path, soon: None
     assert (path.read_text(encoding="utf-8"), path.stat().st_mode & 0o777) == (OWN, mode)
 
 
+def test_a_design_that_cannot_be_saved_is_not_advised_another_folder(
+    path: Path, soon: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    file = design_on_disk(path)
+    monkeypatch.setattr(on_disk, "written_beside", full)
+    with pytest.raises(WrongInput, match="No space left") as refused:
+        file.saved(OWN)
+    assert "--out" not in str(refused.value)
+    assert "save again" in str(refused.value)
+    assert path.read_text(encoding="utf-8") == OLD
+
+
 def test_a_file_with_a_long_name_is_saved_and_has_a_draft(tmp_path: Path, soon: None) -> None:
     path = tmp_path / f"{'n' * 250}.yaml"
     path.write_text(OLD, encoding="utf-8")

@@ -6,8 +6,10 @@ import asyncio
 import json
 import queue
 import signal
+import sys
 import threading
 import time
+import weakref
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -28,11 +30,13 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import keys_of
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.errors import WrongInput
+from ncgear.interrupts import quiet_of_interrupts
 from ncgear.project.drive import Drive
 from ncgear.studio import editing, open_page, worker
 from ncgear.studio.answers import Answer, Answers, guarded
 from ncgear.studio.chains import Chains
 from ncgear.studio.editing import History, as_written, difference, edited
+from ncgear.studio.emptied import lacking
 from ncgear.studio.followed import Followed
 from ncgear.studio.form import form
 from ncgear.studio.gear_answers import contact_answers, gear_answers
@@ -215,6 +219,48 @@ def test_a_group_that_is_left_out_begins_with_values_that_are_right() -> None:
         needs_more = row["path"].endswith(("housing", "end_stop"))
         if row.get("begin") is not None and row["path"].startswith("gears") and not needs_more:
             parsed(edited(text, {row["path"]: row["begin"]}), DESIGNS / "x.yaml")
+
+
+# --- keys that were emptied
+
+
+@pytest.mark.parametrize("name", ["pusher", "baler", "feeder-table"])
+def test_a_key_is_lacking_where_the_design_has_a_fault_without_it(name: str) -> None:
+    text, path = text_of(name), DESIGNS / f"{name}.yaml"
+    for key, _ in leaves(data_of(text)):
+        if key == "motion.law" or "published" in key:
+            continue
+        try:
+            parsed(edited(text, {key: None}), path)
+        except WrongInput as error:
+            assert lacking(text, {key: None}, path) == {key: error.problem}
+        else:
+            assert lacking(text, {key: None}, path) == {}
+
+
+@pytest.mark.parametrize(
+    ("changes", "lack"),
+    [
+        ({"motion.theta2_pi": None, "motion.theta2_deg": 90}, set()),
+        ({"gears.teeth": None, "gears.center_distance_mm": 72}, set()),
+        ({"gears.teeth": None, "gears.backlash_mm": None}, {"gears.teeth"}),
+        ({"gears.teeth": None, "gears.module_mm": None}, {"gears.teeth", "gears.module_mm"}),
+        ({"operation.speed_rpm": -1, "gears.backlash_mm": None}, set()),
+        ({"operation.speed_rpm": -1, "linkage.rod_mm": None}, {"linkage.rod_mm"}),
+        ({"gears": None}, set()),
+    ],
+)
+def test_keys_are_lacking_by_what_else_is_changed(changes: Mapping[str, Any], lack: set[str]) -> None:
+    assert set(lacking(text_of("pusher"), changes, DESIGNS / "pusher.yaml")) == lack
+
+
+def test_each_fault_of_a_text_is_told_at_its_key() -> None:
+    text = text_of("pusher").replace("speed_rpm: 30", "speed_rpm: -1", 1).replace("teeth: 48", "teeth: 47.5")
+    content = answered(motion_answers, text, "pusher")[-1][1]
+    told = [content, *content["others"]]
+    assert [one["key"] for one in told] == ["operation.speed_rpm", "gears.teeth"]
+    assert all("\n" not in one["problem"] and ".yaml" not in one["problem"] for one in told)
+    assert [text.splitlines()[one["line"] - 1].strip()[:5] for one in told] == ["opera", "teeth"]
 
 
 # --- handles: where a point is dragged to, there the law has it
@@ -440,6 +486,63 @@ def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left
     assert all(text == text_of("ellipse") for text, changes in asked.asked if changes)
 
 
+@pytest.mark.parametrize("deaf_s", [0.0, 0.3])
+def test_what_swallows_a_break_is_broken_off_again_without_a_word(
+    deaf_s: float, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The callback of a weak reference is deaf to exceptions, and Python prints what it has not heard."""
+
+    class Freed:
+        pass
+
+    def deaf(_: object) -> None:
+        end = time.monotonic() + deaf_s
+        while time.monotonic() < end:
+            time.sleep(0.001)
+
+    lines: queue.Queue[bytes] = queue.Queue()
+    requests = worker.Requests(iter(lines.get, None))  # type: ignore[arg-type]
+    before = signal.signal(signal.SIGINT, requests.interrupt)
+    monkeypatch.setattr(sys, "unraisablehook", quiet_of_interrupts)
+    threading.Thread(target=requests.read_all, daemon=True).start()
+    come(lines, 1)
+    requests.next()
+    requests.shown()
+
+    def free_one_and_go_on() -> None:
+        requests.computing = True
+        freed = Freed()
+        kept.append(weakref.ref(freed, deaf))
+        come(lines, 2)
+        del freed
+        computed(requests, 20.0)
+
+    kept: list[Any] = []
+    try:
+        with pytest.raises(worker.Superseded):
+            free_one_and_go_on()
+        assert requests.next()["n"] == 2
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert capfd.readouterr().err == ""
+
+
+def come(lines: queue.Queue[bytes], number: int) -> None:
+    """A request comes to a worker."""
+    lines.put(json.dumps({"n": number, "changes": {}, "path": "", "text": "x"}).encode())
+
+
+def computed(requests: worker.Requests, seconds: float) -> None:
+    """Compute for a time as a worker does."""
+    requests.computing = True
+    try:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            time.sleep(0.001)
+    finally:
+        requests.computing = False
+
+
 def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(worker, "PATIENCE_S", 0.0)
     lines: queue.Queue[bytes] = queue.Queue()
@@ -447,27 +550,15 @@ def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkey
     before = signal.signal(signal.SIGINT, requests.interrupt)
     threading.Thread(target=requests.read_all, daemon=True).start()
 
-    def come(number: int) -> None:
-        lines.put(json.dumps({"n": number, "changes": {}, "path": "", "text": "x"}).encode())
-
-    def computed(seconds: float) -> None:
-        requests.computing = True
-        try:
-            end = time.monotonic() + seconds
-            while time.monotonic() < end:
-                time.sleep(0.001)
-        finally:
-            requests.computing = False
-
     try:
-        come(1)
+        come(lines, 1)
         assert requests.next()["n"] == 1
-        come(2)
+        come(lines, 2)
         with pytest.raises(worker.Superseded):
-            computed(20.0)
+            computed(requests, 20.0)
         assert requests.next()["n"] == 2
-        come(3)
-        computed(0.05)
+        come(lines, 3)
+        computed(requests, 0.05)
         assert requests.newer
         requests.shown()
         assert requests.next()["n"] == 3

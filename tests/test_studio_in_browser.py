@@ -285,11 +285,163 @@ SMALLEST_TEXT = """Math.min(...[...document.querySelectorAll(".plot svg text")].
   .map((one) => parseFloat(getComputedStyle(one).fontSize) * one.getScreenCTM().a))"""
 """Size in pixels of the smallest text of a chart as it is seen."""
 
-CLIPPED = """[...document.querySelectorAll(".value .unit, .value label, #facts td, #facts th, .tools button")]
+CLIPPED = """[...document.querySelectorAll(".value, .value :is(.unit, label, textarea), #facts :is(td, th)")]
+  .concat([...document.querySelectorAll(".tools button")])
   .filter((one) => one.checkVisibility() && one.scrollWidth > one.clientWidth + 1)
   .filter((one) => getComputedStyle(one).display !== "inline")
   .map((one) => one.outerHTML.slice(0, 120))"""
 """Texts that do not fit into their places."""
+
+CUT = """(() => {
+  const pen = document.createElement("canvas").getContext("2d");
+  const fields = [...document.querySelectorAll(".value :is(input:not([type=checkbox]), select)")];
+  return fields.filter((one) => one.checkVisibility()).map((one) => {
+    const [style, isChoice] = [getComputedStyle(one), one.tagName === "SELECT"];
+    const [text, hint] = isChoice ? [one.selectedOptions[0].textContent] : [one.value, one.placeholder];
+    pen.font = text ? style.font : style.font.replace(/[\\d.]+px/, (size) => `${0.8 * parseFloat(size)}px`);
+    // A browser keeps the place of an arrow beside a choice.
+    const room = one.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight) - (isChoice ? 17 : 0);
+    return [one.closest("[data-path]").dataset.path, text || hint, pen.measureText(text || hint).width, room];
+  }).filter(([, , wide, room]) => wide > room);
+})()"""
+"""Values that are wider than the room of their fields, in the font of the field."""
+
+OVER_EACH_OTHER = """[...document.querySelectorAll("#facts tr")].filter((row) => {
+  const boxes = [...row.cells].map((cell) => {
+    const inside = document.createRange();
+    inside.selectNodeContents(cell);
+    return inside.getBoundingClientRect();
+  }).filter((box) => box.width);
+  return boxes.some((a, i) => boxes.slice(i + 1).some((b) =>
+    a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1));
+}).map((row) => row.textContent)"""
+"""Rows of figures whose texts lie over each other."""
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_no_value_of_any_design_is_cut(browser: Any, studio: Studio, width: int) -> None:
+    opened = Opened(browser, studio, viewport={"width": width, "height": 720})
+    page = opened.page
+    for path in sorted(DESIGNS.glob("*.yaml")):
+        before = int(page.evaluate("document.body.dataset.asked"))
+        page.evaluate("text => ncgear.send({ do: 'text', text })", path.read_text(encoding="utf-8"))
+        page.wait_for_function("n => Number(document.body.dataset.asked) > n", arg=before)
+        page.evaluate("document.querySelectorAll('#form details').forEach((one) => (one.open = true))")
+        assert page.evaluate(CUT) == [], path.name
+        assert page.evaluate(CLIPPED) == [], path.name
+    narrow = "document.querySelectorAll('.value input').forEach((one) => (one.style.minWidth = '0'))"
+    page.evaluate(narrow + "; document.querySelectorAll('.value').forEach((one) => (one.style.width = '9rem'))")
+    assert page.evaluate(CUT) != []
+    page.context.close()
+
+
+@pytest.fixture
+def pusher(tmp_path: Path) -> Iterator[Studio]:
+    path = tmp_path / "pusher.yaml"
+    shutil.copy(DESIGNS / "pusher.yaml", path)
+    with running(path, tmp_path / "export") as made:
+        yield made
+
+
+def field_of(opened: Opened, key: str) -> Any:
+    return opened.page.locator(f"#key-{key}".replace(".", "\\."))
+
+
+def test_an_emptied_key_that_must_be_given_says_so_and_nothing_else_changes(browser: Any, pusher: Studio) -> None:
+    opened = Opened(browser, pusher, viewport={"width": 1280, "height": 720})
+    page, before = opened.page, opened.text
+    needed = ["motion.theta2_pi", "motion.v2_mm_s", "linkage.crank_mm", "linkage.rod_mm", "gears.teeth", "name"]
+    for key in needed:
+        field_of(opened, key).fill("")
+        field_of(opened, key).press("Tab")
+        said = page.locator(f".value[data-path='{key}'] .fault")
+        said.get_by_text("nothing given").wait_for()
+        assert field_of(opened, key).is_visible()
+        assert field_of(opened, key).input_value() == ""
+    assert opened.text == before
+    assert page.locator(".refusal").count() == 0
+    assert page.locator("#undo").is_disabled()
+    # A way back at the key, and another key in its place, which takes the empty one away.
+    page.locator(".value[data-path='motion.theta2_pi'] .fault button").click()
+    assert field_of(opened, "motion.theta2_pi").input_value() == "0.5"
+    page.evaluate("document.querySelectorAll('#form details').forEach((one) => (one.open = true))")
+    opened.set("gears.center_distance_mm", "75")
+    assert "center_distance_mm: 75" in opened.text
+    assert "teeth:" not in opened.text
+    assert "crank_mm: 60" in opened.text
+    assert "nothing given" in page.locator(".value[data-path='linkage.crank_mm'] .fault").inner_text()
+    assert opened.errors == []
+    page.context.close()
+
+
+def test_a_number_with_a_comma_is_not_taken_for_another_one(browser: Any, pusher: Studio) -> None:
+    opened = Opened(browser, pusher)
+    speed, before = field_of(opened, "operation.speed_rpm"), opened.text
+    speed.fill("")
+    speed.type("3,5")
+    speed.press("Tab")
+    opened.page.locator(".value[data-path='operation.speed_rpm'] .fault").get_by_text("not understood").wait_for()
+    assert (speed.input_value(), opened.text) == ("3,5", before)
+    speed.fill("31")
+    opened.step(lambda: speed.press("ArrowUp"))
+    assert "speed_rpm: 31.1}" in opened.text
+    opened.page.context.close()
+
+
+def test_what_is_shown_of_an_earlier_text_is_pale_while_a_text_is_refused(browser: Any, pusher: Studio) -> None:
+    opened = Opened(browser, pusher, viewport={"width": 1280, "height": 720})
+    page = opened.page
+    assert page.locator(".stale").count() == 0
+    assert page.locator("#best-saves").inner_text() != ""
+    text = opened.text
+    refused = text.replace("theta2_pi: 0.5", "theta2_pi: 0.552").replace("v2_mm_s: 110", "v2_mm_s: 156")
+    opened.step(lambda: page.evaluate("text => ncgear.send({ do: 'text', text })", refused))
+    assert page.locator(".refusal").count() == 1
+    charts = page.locator(".chart").count()
+    assert charts > 3
+    assert page.locator(".chart.stale").count() == charts
+    for place in ("#facts", "#achieved", "#tables > div"):
+        assert page.locator(f"{place}.stale").count() == 1, place
+    assert float(page.evaluate("getComputedStyle(document.querySelector('#facts')).opacity")) < 0.6
+    assert page.locator("#facts thead th").first.inner_text() == "before"
+    assert page.locator("#best-saves").inner_text() == ""
+    picture, told = page.locator("#stage").bounding_box(), page.locator("#refusals").bounding_box()
+    assert told["y"] > picture["y"] + 0.35 * picture["height"]
+    opened.step(page.locator("#undo").click)
+    assert page.locator(".stale").count() == 0
+    assert page.locator("#facts thead th").first.inner_text() == "now"
+    assert page.locator("#best-saves").inner_text() != ""
+    page.context.close()
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_figures_side_by_side_do_not_lie_over_each_other(browser: Any, pusher: Studio, width: int) -> None:
+    opened = Opened(browser, pusher, viewport={"width": width, "height": 844})
+    page = opened.page
+    page.locator("#hold").click()
+    assert page.locator("#facts tr:has(th:text-is('masses')) td").count() == 3
+    assert page.evaluate(OVER_EACH_OTHER) == []
+    assert page.evaluate(CLIPPED) == []
+    stages, kept = page.locator(".picture").bounding_box(), page.locator("#held-stage svg.scene").bounding_box()
+    assert kept["y"] + kept["height"] <= stages["y"] + stages["height"] + 1.0
+    page.add_style_tag(content="#facts td { white-space: nowrap; }")
+    assert page.evaluate(OVER_EACH_OTHER) != []
+    page.context.close()
+
+
+def test_a_button_rests_while_its_command_runs(browser: Any, pusher: Studio) -> None:
+    opened = Opened(browser, pusher)
+    page = opened.page
+    page.locator("[data-run=build]").first.dblclick()
+    page.locator("#jobs strong").first.wait_for()
+    assert page.locator("#jobs > li").count() == 1
+    for button in ("[data-run=build]", "#zip", "[data-run=report]"):
+        assert page.locator(button).first.is_disabled(), button
+    assert page.locator("[data-run=simulate]").is_enabled()
+    page.locator("#jobs button:text-is('cancel')").click()
+    page.locator("#jobs").get_by_text("cancelled").wait_for()
+    assert page.locator("#zip").is_enabled()
+    page.context.close()
 
 
 def test_all_is_in_sight_on_a_small_screen_and_nothing_is_cut(browser: Any, studio: Studio) -> None:
@@ -314,6 +466,7 @@ def test_all_is_in_sight_on_a_small_screen_and_nothing_is_cut(browser: Any, stud
     field.fill("")
     field.press("Tab")
     said = page.locator(".value[data-path='gears.face_width_mm'] .fault")
+    said.get_by_text("nothing given").wait_for()
     assert said.inner_text().startswith("nothing given; needed: a number")
     assert page.locator(".refusal").count() == 0
     assert page.locator("#stage.pale").count() == 0

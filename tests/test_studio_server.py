@@ -24,7 +24,7 @@ from drives import DESIGNS
 from ncgear.studio import chains
 from ncgear.studio.chains import Process, chains_by_process
 from ncgear.studio.entrance import open_in_browser
-from ncgear.studio.open_page import OpenPage
+from ncgear.studio.open_page import OpenPage, _files_of
 from studios import Studio, children, is_running, running
 
 pytestmark = pytest.mark.slow
@@ -155,6 +155,12 @@ def test_a_page_hears_all_parts_and_then_of_a_change(studio: Studio) -> None:
         assert page.until("state")["content"]["saved"]
 
 
+def test_a_page_without_a_name_is_told_so(studio: Studio) -> None:
+    with studio.page("") as page:
+        assert "page" in (said := page.until("said")["content"])
+        assert "are open" not in said
+
+
 def test_pages_do_not_share_what_is_edited(studio: Studio) -> None:
     with studio.page("one") as one, studio.page("two") as two:
         one.until("state"), two.until("state")
@@ -164,10 +170,11 @@ def test_pages_do_not_share_what_is_edited(studio: Studio) -> None:
         assert "speed_rpm: 11" not in two.until("state")["content"]["text"]
 
 
-@pytest.mark.tiers(slow=["message6"], rest="long")
+@pytest.mark.tiers(slow=["message7"], rest="long")
 @pytest.mark.parametrize(
     "message",
     [
+        {},
         {"do": "no_such"},
         {"do": "set"},
         {"do": "set", "changes": {}},
@@ -186,8 +193,10 @@ def test_pages_do_not_share_what_is_edited(studio: Studio) -> None:
 def test_messages_that_ask_for_nonsense_are_told_so(studio: Studio, message: dict[str, object]) -> None:
     with studio.page(f"nonsense{hash(str(message))}") as page:
         page.until("state")
-        page.send(**message)  # type: ignore[arg-type]
-        assert page.until("said")["content"]
+        page.socket.send(json.dumps(message))
+        said = page.until("said")["content"]
+        assert said
+        assert "None" not in said or "do" in message
         page.send("redo")
         assert page.until("state")["content"]["saved"]
 
@@ -386,6 +395,31 @@ def test_a_command_writes_what_the_command_line_writes(studio: Studio, tmp_path:
     assert done.returncode == 0, done.stderr
     made = (studio.out / "ellipse" / "report.html").read_bytes()
     assert made == (tmp_path / "out" / "report.html").read_bytes()
+
+
+@pytest.mark.slow
+def test_a_second_command_into_the_same_folder_is_refused_and_names_the_first(studio: Studio) -> None:
+    with studio.page("first") as page, studio.page("second") as other:
+        page.until("state"), other.until("state")
+        page.send("run", command="build")
+        job = page.until("job")["content"]
+        assert {"build", "report", "animate"} == set(job["alike"])
+        for asking, command in ((page, "build"), (other, "build"), (other, "report")):
+            asking.send("run", command=command)
+            said = asking.until("said")["content"]
+            assert "Build all files runs already and writes into ellipse" in said
+            assert [one["job"] for one in asking.until("state")["content"]["jobs"]] == ([1] if asking is page else [])
+        page.send("cancel", job=job["job"])
+        while page.until("job")["content"]["running"]:
+            pass
+
+
+def test_what_is_hidden_is_no_file_that_was_made(tmp_path: Path) -> None:
+    folder = tmp_path / "pusher"
+    for name in ("a.csv", ".hidden", ".ncgear-1/new/b.csv", "shown/c.stl"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).touch()
+    assert _files_of(folder, tmp_path) == ["pusher/a.csv", "pusher/shown/c.stl"]
 
 
 @pytest.mark.slow

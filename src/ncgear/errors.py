@@ -17,19 +17,21 @@ class DesignError(Exception):
     """A design from which no gears can be made; ``exit_status`` tells what is wrong.
 
     ``key`` is the dotted path of the wrong value (``motion.v1_mm_s``), or empty where the whole file is wrong.
-    ``location`` is ``FILE:LINE:COLUMN`` once ``located`` has added it.
+    ``location`` is ``FILE:LINE:COLUMN`` once ``located`` has added it.  ``others`` are further faults of the same file.
     """
 
     exit_status = 1
 
-    def __init__(self, problem: str, *, key: str = "", location: str = "") -> None:
+    def __init__(self, problem: str, *, key: str = "", location: str = "", others: Sequence[DesignError] = ()) -> None:
         super().__init__(problem)
         self.problem = problem
         self.key = key
         self.location = location
+        self.others = tuple(others)
 
     def __str__(self) -> str:
-        return ": ".join(part for part in (self.location, self.key, self.problem) if part)
+        own = ": ".join(part for part in (self.location, self.key, self.problem) if part)
+        return "\n".join([own, *map(str, self.others)])
 
 
 class WrongInput(DesignError):

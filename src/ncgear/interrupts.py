@@ -45,6 +45,12 @@ def uninterrupted() -> Iterator[None]:
         signal.raise_signal(number)
 
 
+def quiet_of_interrupts(unraisable: sys.UnraisableHookArgs) -> None:
+    """Stay silent about an interrupt that could not be raised, as while an object is freed: it comes again."""
+    if not issubclass(unraisable.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(unraisable)
+
+
 class TimeIsOver(Exception):
     """Work has taken the processor time that it was given."""
 

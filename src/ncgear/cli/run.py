@@ -14,7 +14,7 @@ from typing import NoReturn
 
 from ncgear.cli.streams import open_streams
 from ncgear.errors import DesignError
-from ncgear.interrupts import ENDING
+from ncgear.interrupts import ENDING, quiet_of_interrupts
 from ncgear.memory import collect_rarely
 
 BY_SIGNAL = 128
@@ -82,7 +82,7 @@ def main() -> NoReturn:
     # To look for plugins of other packages, pydantic would read what is installed: a tenth of a check.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     end = _End()
-    sys.unraisablehook = _quiet_of_ctrl_c
+    sys.unraisablehook = quiet_of_interrupts
     status, last_words = _run()
     end.ignore()
     if end.came and status:
@@ -99,12 +99,6 @@ def _say(last_words: str) -> None:
     except OSError:
         # What is left in the buffer would fail again at the end of the interpreter, and change the exit status.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
-
-
-def _quiet_of_ctrl_c(unraisable: sys.UnraisableHookArgs) -> None:
-    """Stay silent about a Ctrl-C that could not be raised, for example while an object is freed: it comes again."""
-    if not issubclass(unraisable.exc_type, KeyboardInterrupt):
-        sys.__unraisablehook__(unraisable)
 
 
 def _run() -> tuple[int, str]:

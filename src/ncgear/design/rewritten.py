@@ -26,6 +26,8 @@ def rewritten(text: str, values: Mapping[str, Any], width: int = LONGEST_LINE) -
     """
     yaml = YAML()
     yaml.width, yaml.preserve_quotes = width, True
+    # Reading the text refuses anchors, in words.
+    yaml.composer.warn_double_anchors = False
     data = yaml.load(text)
     for key, value in values.items():
         *above, name = key.split(".")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from difflib import SequenceMatcher, unified_diff
 from itertools import accumulate
 from typing import Any
@@ -17,6 +18,7 @@ from ruamel.yaml.error import YAMLError
 from ncgear.design.beginning import begun
 from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
+from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import LINE_WIDTH, LONGEST_LINE, rewritten
@@ -147,6 +149,14 @@ def values_of(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
         else:
             values[key] = _written(value)
     return values
+
+
+def with_values(document: Document, values: Mapping[str, Any]) -> Document:
+    """A document with other values by dotted keys; raises WrongInput where it has no place for one."""
+    for key, value in values.items():
+        with in_its_place(key):
+            document = replace(document, data=with_value(document.data, key, value))
+    return document
 
 
 def _written(value: Any) -> Any:

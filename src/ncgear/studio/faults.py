@@ -18,13 +18,12 @@ def words_of(error: Exception) -> str:
 
 
 def refusal(error: Exception, part: str = "") -> dict[str, Any]:
-    """Why the parts after one do not exist."""
+    """Why the parts after one do not exist, and in ``others`` further faults of the same text."""
     design = error if isinstance(error, DesignError) else DesignError(words_of(error))
-    place = design.location.rpartition(":")[0].rpartition(":")[2]
-    return {
-        "after": part,
-        "wrong_input": isinstance(design, WrongInput),
-        "problem": design.problem,
-        "key": design.key,
-        "line": int(place) if place.isdigit() else None,
-    }
+    others = [_fault(one) for one in design.others]
+    return {"after": part, "wrong_input": isinstance(design, WrongInput), **_fault(design), "others": others}
+
+
+def _fault(error: DesignError) -> dict[str, Any]:
+    place = error.location.rpartition(":")[0].rpartition(":")[2]
+    return {"problem": error.problem, "key": error.key, "line": int(place) if place.isdigit() else None}

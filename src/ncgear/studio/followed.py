@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ncgear.design.reading.design_file import design_of
-from ncgear.design.reading.places import Document, with_value
+from ncgear.design.reading.places import Document
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
-from ncgear.studio.editing import in_its_place, values_of
+from ncgear.studio.editing import values_of, with_values
 
 
 class Followed:
@@ -30,11 +29,7 @@ class Followed:
         """
         if text != self._text:
             self._document, self._text = read_yaml(text, str(path)), text
-        document = self._document
-        for key, value in values_of(text, changes).items():
-            with in_its_place(key):
-                document = replace(document, data=with_value(document.data, key, value))
-        loaded = design_of(document, text, path)
+        loaded = design_of(with_values(self._document, values_of(text, changes)), text, path)
         before = self._drive
         self._drive = drive_like(before, loaded.design, loaded) if before else Drive(loaded.design, loaded=loaded)
         return self._drive

@@ -72,11 +72,12 @@ class Job:
 
     @property
     def as_plain(self) -> dict[str, Any]:
-        """The job for the page."""
+        """The job for the page; ``alike`` are the commands that write into the same folder."""
         return {
             "job": self.number,
             "name": self.name,
             "words": COMMANDS[self.name].words,
+            "alike": [name for name, command in COMMANDS.items() if command.out == COMMANDS[self.name].out],
             "progress": self.progress,
             "lines": self.lines[-LAST_LINES:],
             "running": self.status is None,

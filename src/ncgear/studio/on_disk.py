@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import os
 import re
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -19,6 +20,7 @@ from time import sleep
 from ncgear.design.reading.text import read_text
 from ncgear.errors import WrongInput
 from ncgear.files.one_file import (
+    REMEDY,
     UNFINISHED,
     hidden,
     is_there,
@@ -72,7 +74,7 @@ class DesignOnDisk:
         WrongInput where it cannot be written.
         """
         content = text.encode()
-        with opened(self.path.parent):
+        with _in_its_own_folder(), opened(self.path.parent):
             kept = _clear_up(self.path)
             if self._found() != content:
                 self._require_same()
@@ -131,6 +133,16 @@ class DesignOnDisk:
         sync_folder(self.path.parent)
         if (found := self._found()) != content:
             raise self._changed(found)
+
+
+@contextmanager
+def _in_its_own_folder() -> Iterator[None]:
+    """A context in which no other folder is advised: a design is saved where it was opened."""
+    try:
+        yield
+    except WrongInput as error:
+        error.problem = error.problem.replace(REMEDY, "make room there or allow it, and save again")
+        raise
 
 
 SAVING = ".saving"

@@ -2,7 +2,8 @@
 
 Messages are values of JSON.  From the page come ``{"do": ..., ...}``, as the methods of ``OpenPage`` named after them
 say; to it go ``state`` (the text and all that follows from it), the answers of ``answers.py`` with the number ``n`` of
-the text that they belong to, ``job``, ``said``, and ``question`` where a person has to decide on a save.
+the text that they belong to, ``job``, ``said``, ``lacking`` (keys that were emptied but must be given, with what is
+wrong without them), and ``question`` where a person has to decide on a save.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
 from ncgear.studio.drafts import Draft, draft_left
 from ncgear.studio.editing import History, difference, edited
+from ncgear.studio.emptied import lacking
 from ncgear.studio.faults import words_of
 from ncgear.studio.form import form
-from ncgear.studio.jobs import Job, require_command
+from ncgear.studio.jobs import COMMANDS, Job, require_command
 from ncgear.studio.messages import read_message
 from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk
 
@@ -53,7 +55,7 @@ class OpenPage:
         self.out = out
         self.history = History(self.file.text).kept(self.draft.text)
         self.changes: dict[str, Any] = {}
-        self.number = 0
+        self.number = self._shown = 0
         self.jobs: dict[int, Job] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._send: Callable[[str], Awaitable[None]] | None = None
@@ -127,7 +129,8 @@ class OpenPage:
         }
         action = actions.get(str(message.get("do")))
         if action is None:
-            raise WrongInput(f"{shortened(str(message.get('do')))!r} asked for; {', '.join(actions)} are right")
+            asked = f"{shortened(str(message['do']))!r} asked for" if "do" in message else "nothing to do asked for"
+            raise WrongInput(f"{asked}; {', '.join(actions)} are right", key="do")
         await action(message)
 
     async def change(self, message: Mapping[str, Any]) -> None:
@@ -144,10 +147,16 @@ class OpenPage:
         """Make one step of the history of what was changed since the last one."""
         changes, self.changes = self.changes, {}
         self._changed.clear()
-        if changes:
-            text = await asyncio.to_thread(edited, self.history.now, changes)
-            self.history = self.history.kept(text)
-        await self._show()
+        if not changes:
+            await self._show()
+            return
+        emptied = await asyncio.to_thread(lacking, self.history.now, changes, self.file.path)
+        if remaining := {key: value for key, value in changes.items() if key not in emptied}:
+            self.history = self.history.kept(await asyncio.to_thread(edited, self.history.now, remaining))
+        if remaining or self.number != self._shown:
+            await self._show()
+        if emptied:
+            await self._tell(json.dumps({"is": "lacking", "content": emptied}))
 
     async def text(self, message: Mapping[str, Any]) -> None:
         """The whole ``text``, typed by hand."""
@@ -215,16 +224,21 @@ class OpenPage:
 
     async def _run(self, name: Any, text: str) -> None:
         command = require_command(name)
-        if sum(job.status is None for job in self.jobs.values()) >= MOST_JOBS:
-            raise WrongInput(f"{MOST_JOBS} commands run already; wait for one, or cancel it", key="command")
         loaded = await asyncio.to_thread(parsed, text, self.file.path)
         design = loaded.design.name
         folder = self.out / f"{design}{command.out}"
+        for job in running_jobs.values():
+            if job.folder == folder:
+                said = f"{COMMANDS[job.name].words} runs already and writes into {folder.name}"
+                raise WrongInput(f"{said}; wait for it, or cancel it", key="command")
+        running = [COMMANDS[job.name].words for job in self.jobs.values() if job.status is None]
+        if len(running) >= MOST_JOBS:
+            raise WrongInput(f"{' and '.join(running)} run already; wait for one, or cancel it", key="command")
         job = Job(len(self.jobs) + 1, str(name), text, design, folder, self._job_told)
         self.jobs[job.number] = job
         task = asyncio.create_task(self._carried_out(job))
-        job_tasks.add(task)
-        task.add_done_callback(job_tasks.discard)
+        running_jobs[task] = job
+        task.add_done_callback(running_jobs.pop)
         self._job_told(job)
 
     async def _carried_out(self, job: Job) -> None:
@@ -286,7 +300,7 @@ class OpenPage:
     async def _show(self) -> None:
         """Tell the page the text and what follows from it by itself, and ask for the answers."""
         async with self._asking:
-            self.number += 1
+            self.number = self._shown = self.number + 1
             content = await asyncio.to_thread(self._state)
             if problem := await asyncio.to_thread(self._draft_problem, content["text"]):
                 await self._say(problem)
@@ -329,7 +343,7 @@ class OpenPage:
             await self._send(text)
 
 
-job_tasks: set[asyncio.Task[None]] = set()
+running_jobs: dict[asyncio.Task[None], Job] = {}
 """Commands that run, whatever page has asked for them; asyncio itself keeps no task alive."""
 
 
@@ -350,6 +364,7 @@ def _changes_of(message: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _files_of(folder: Path, out: Path) -> list[str]:
-    """The files of a folder, by their way from the export folder."""
-    places = sorted(place for place in folder.rglob("*") if place.is_file() and not place.name.startswith("."))
-    return [place.relative_to(out).as_posix() for place in places]
+    """The files of a folder, by their way from the export folder, without hidden ones and those in hidden folders."""
+    places = sorted(place for place in folder.rglob("*") if place.is_file())
+    shown = [place for place in places if not any(part.startswith(".") for part in place.relative_to(folder).parts)]
+    return [place.relative_to(out).as_posix() for place in shown]

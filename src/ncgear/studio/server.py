@@ -189,8 +189,8 @@ class Studio:
         name = socket.query_params.get("page", "")[:64] if self.path is not None else ""
         await socket.accept()
         if not name or (name not in self.open and len(self.open) >= MOST_PAGES):
-            said = {"is": "said", "content": f"{MOST_PAGES} pages are open; close one"}
-            await socket.send_text(json.dumps(said))
+            problem = f"{MOST_PAGES} pages are open; close one" if name else "a page without a name; load it anew"
+            await socket.send_text(json.dumps({"is": "said", "content": problem}))
             await socket.close(code=1013)
             return
         try:

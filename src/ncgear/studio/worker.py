@@ -27,7 +27,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from ncgear.interrupts import end_with_parent
+from ncgear.interrupts import end_with_parent, quiet_of_interrupts
 
 if TYPE_CHECKING:
     from ncgear.studio.answers import Answer, Answers
@@ -53,8 +53,12 @@ NICENESS = 5
 """The motion follows the hand; teeth may come a little later."""
 
 
-class Superseded(BaseException):
-    """A newer request has come; no ``except Exception`` on the way may take it for a fault."""
+AGAIN_S = 0.05
+"""Time after which a computation is broken off again that has gone on: some libraries swallow what they are told."""
+
+
+class Superseded(KeyboardInterrupt):
+    """A newer request has come; the optimiser makes a plain KeyboardInterrupt of it."""
 
 
 class Requests:
@@ -80,10 +84,13 @@ class Requests:
                 self._come.notify()
                 if self._alarm is None and self._patient_until_s < inf:
                     # One alarm is enough: it is the newest request that then waits.
-                    wait_s = max(self._patient_until_s - time.monotonic(), 0.0)
-                    self._alarm = threading.Timer(wait_s, _thread.interrupt_main)
-                    self._alarm.daemon = True
-                    self._alarm.start()
+                    self._wake(max(self._patient_until_s - time.monotonic(), 0.0))
+
+    def _wake(self, wait_s: float) -> None:
+        """Interrupt the main thread after a time."""
+        self._alarm = threading.Timer(wait_s, _thread.interrupt_main)
+        self._alarm.daemon = True
+        self._alarm.start()
 
     def next(self) -> dict[str, Any]:
         """Wait for a request, and take it."""
@@ -112,9 +119,16 @@ class Requests:
         return self._newest is not None
 
     def interrupt(self, number: int, frame: FrameType | None) -> None:
-        """Raise Superseded in the main thread while it computes for an older request, unless it imports a module."""
+        """Raise Superseded in the main thread while it computes for an older request, unless it imports a module.
+
+        It comes again until the main thread takes the newer request: where it lands in a callback of a weak reference,
+        or in the optimiser, nobody hears it.
+        """
         self._alarm = None
-        if not self.computing or self._newest is None or time.monotonic() < self._patient_until_s:
+        if self._newest is None or time.monotonic() < self._patient_until_s:
+            return
+        self._wake(AGAIN_S)
+        if not self.computing:
             return
         while frame is not None:
             if frame.f_code.co_filename == IMPORTING:
@@ -134,6 +148,7 @@ def main() -> None:
         os.nice(NICENESS)
     requests = Requests(sys.stdin.buffer)
     signal.signal(signal.SIGINT, requests.interrupt)
+    sys.unraisablehook = quiet_of_interrupts
     end_with_parent(requests.read_all)
 
     from ncgear.studio.answers import guarded
@@ -146,7 +161,7 @@ def main() -> None:
         for chain, of_chain in answers:
             try:
                 _answer(requests, out, (chain, request["n"], chain == chains[-1]), guarded(of_chain, drive))
-            except Superseded:
+            except KeyboardInterrupt:
                 break
 
 

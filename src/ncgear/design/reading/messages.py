@@ -60,12 +60,10 @@ def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
     own_file = source.place("").file
     placed = [(source.place(problem.key), problem) for problem in found]
     placed.sort(key=lambda item: (item[0].file != own_file, item[0].line, item[0].column))
-    (place, first), *others = placed
-    lines = [first.text]
-    lines += [": ".join(part for part in (str(where), *one) if part) for where, one in others[: MOST_PROBLEMS - 1]]
+    first, *others = (WrongInput(one.text, key=one.key, location=str(place)) for place, one in placed[:MOST_PROBLEMS])
     if len(placed) > MOST_PROBLEMS:
-        lines.append(f"and {len(placed) - MOST_PROBLEMS} more")
-    return WrongInput("\n".join(lines), key=first.key, location=str(place))
+        others.append(WrongInput(f"and {len(placed) - MOST_PROBLEMS} more"))
+    return WrongInput(first.problem, key=first.key, location=first.location, others=others)
 
 
 def problems(error: ValidationError, root: type[BaseModel]) -> list[Problem]:

@@ -7,6 +7,8 @@ stages there are two splines, ln i12 and ln iB.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import redirect_stderr
+from io import StringIO
 from typing import Any
 
 import casadi
@@ -107,7 +109,9 @@ class Programme:
         lowest[of_levels] = [level.least for level in self.levels]
         lowest[:size], highest[:size] = self.coefficient_bounds(size)
         least, greatest = self._row_bounds(caps, most, kept_back, missed)
-        answer = solver(p=prices, lbx=lowest, ubx=highest, lbg=least, ubg=greatest, **given)
+        # The solver warns of an interrupt; its status says it.
+        with redirect_stderr(StringIO()):
+            answer = solver(p=prices, lbx=lowest, ubx=highest, lbg=least, ubg=greatest, **given)
         ended = solver.stats()["return_status"]
         if ended == STOPPED:
             raise KeyboardInterrupt

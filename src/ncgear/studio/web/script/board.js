@@ -17,10 +17,10 @@ function createBoard(place, handles, onPick) {
     return one;
   }
 
-  // A chart as the server has drawn it.
-  function draw(content) {
+  // A chart as the server has drawn it for the text of a number.
+  function draw(content, { from, n }) {
     const one = charts.get(content.key) ?? created(content.key);
-    one.late = null;
+    Object.assign(one, { late: null, from, n });
     if (handles.dragging()) {
       one.late = content;
       return;
@@ -75,7 +75,7 @@ function createBoard(place, handles, onPick) {
 
   // What was drawn while something was dragged is shown at its end.
   function settle() {
-    for (const one of charts.values()) if (one.late) draw(one.late);
+    for (const one of charts.values()) if (one.late) draw(one.late, one);
   }
 
   function valuesAt(one) {
@@ -103,6 +103,10 @@ function createBoard(place, handles, onPick) {
     for (const one of charts.values()) if (one.chart) overlay(one);
   }
 
+  function showStale(stale) {
+    for (const one of charts.values()) one.figure.classList.toggle("stale", stale(one.from, one.n));
+  }
+
   const chart = (key) => charts.get(key)?.chart;
-  return { draw, follow, lines, settle, show, hold, chart };
+  return { draw, follow, lines, settle, show, hold, showStale, chart };
 }

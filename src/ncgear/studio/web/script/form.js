@@ -30,6 +30,11 @@ function textOf(value) {
   return Array.isArray(value) ? value.join(", ") : String(value);
 }
 
+const isNumber = (row) => row.kind === "number" || row.kind === "integer";
+
+// Lists and texts break into lines where they are long.
+const isText = (row) => ["text", "numbers", "other"].includes(row.kind);
+
 // What an input holds, in the form of the file; undefined for what is none.
 function valueOf(row, input) {
   const text = input.type === "checkbox" ? String(input.checked) : input.value.trim();
@@ -45,11 +50,13 @@ function valueOf(row, input) {
 
 // `acts.change(changes)` hears of every value on the way, `acts.set(changes)` of the one that is meant.
 function createForm(place, find, acts) {
-  const state = { shape: "", inputs: new Map(), faults: new Map() };
+  // `faults` are of the text, `own` what was typed and is not taken, both in words by the keys' paths.
+  const state = { shape: "", inputs: new Map(), faults: new Map(), own: new Map() };
 
   function show(rows) {
     const shape = JSON.stringify(rows, (key, value) => (["value", "step"].includes(key) ? undefined : value));
     if (shape !== state.shape) build(rows, shape);
+    state.own.clear();
     fill(rows);
   }
 
@@ -78,10 +85,19 @@ function createForm(place, find, acts) {
     known.row = row;
     const { input } = known;
     if (input === document.activeElement && known.typing) return;
-    say(known, state.faults.get(row.path) ?? "");
+    say(known);
     if (input.type === "checkbox") input.checked = row.value === true;
-    else input.value = textOf(row.value);
-    if (input.type === "number") input.step = row.kind === "integer" ? 1 : row.step;
+    else put(known, textOf(row.value));
+  }
+
+  function put(known, text) {
+    known.input.value = text;
+    fit(known.input);
+  }
+
+  // A field is as wide as what it holds, or as the hint that stands in it.
+  function fit(input) {
+    input.style.setProperty("--letters", (input.value || (input.placeholder ?? "")).length);
   }
 
   function element(row) {
@@ -128,15 +144,43 @@ function createForm(place, find, acts) {
     state.inputs.set(row.path, known);
     listen(known, label);
     const out = row.given && !row.needed ? outButton(row) : null;
-    const long = row.kind === "text" && String(row.value ?? "").length > LONG_TEXT ? " long" : "";
+    const long = isText(row) && textOf(row.value).length > LONG_TEXT ? " long" : "";
     return made("div", { class: `value ${row.kind}${long}`, "data-path": row.path }, label, input, unit, out, fault, help);
   }
 
-  // What is wrong with a key, beside it; nothing where the text is empty.
-  function say(known, text) {
-    known.fault.textContent = text;
+  // What is wrong with a key, beside it, and the way back where what was typed is not taken.
+  function say(known) {
+    const { path, value } = known.row;
+    const own = state.own.get(path);
+    const text = own ?? state.faults.get(path) ?? "";
+    const back = own && known.row.given ? [" ", backButton(known, `put ${isNumber(known.row) ? textOf(value) : "it"} back`)] : [];
+    known.fault.replaceChildren(text, ...back);
     known.input.setAttribute("aria-invalid", String(text !== ""));
     known.input.closest(".value")?.classList.toggle("refused", text !== "");
+  }
+
+  function backButton(known, words) {
+    const button = made("button", { type: "button", class: "small" }, words);
+    button.addEventListener("click", () => {
+      state.own.delete(known.row.path);
+      fillOne(known, known.row);
+      known.input.focus();
+    });
+    return button;
+  }
+
+  // Keys that were emptied but must be given; their fields stay empty. Says which of them have no field.
+  function lack(problems) {
+    for (const [path, problem] of Object.entries(problems)) {
+      const known = state.inputs.get(path);
+      if (!known) continue;
+      const { needed, allowed } = known.row;
+      state.own.set(path, `nothing given; ${needed ? `needed: ${allowed}` : problem.replace("missing; ", "")}`);
+      known.input.placeholder = "needed";
+      put(known, "");
+      say(known);
+    }
+    return Object.keys(problems).filter((path) => !state.inputs.has(path));
   }
 
   function outButton(row) {
@@ -154,56 +198,82 @@ function createForm(place, find, acts) {
       const choices = row.choices.map((choice) => made("option", { value: String(choice) }, String(choice).replaceAll("_", " ")));
       return made("select", { id }, ...none, ...choices);
     }
-    if (row.kind === "number" || row.kind === "integer") {
-      return made("input", { id, type: "number", min: row.least, max: row.most, step: "any", placeholder: row.hint });
-    }
     const more = { id, placeholder: row.hint, autocomplete: "off", spellcheck: "false" };
-    return row.kind === "text" ? made("textarea", { ...more, rows: 1 }) : made("input", { ...more, type: "text" });
+    if (isText(row)) return made("textarea", { ...more, rows: 1 });
+    // A browser's own field of numbers drops the comma of a number that is pasted, and what is left is taken.
+    return made("input", { ...more, type: "text", inputmode: isNumber(row) && row.least >= 0 ? "decimal" : "text" });
   }
 
   function listen(known, label) {
     const { input } = known;
     const told = (act) => {
       const value = valueOf(known.row, input);
-      const emptied = value === null && known.row.given && known.row.needed;
-      const fault = emptied ? "nothing given; needed" : value === undefined ? "not understood" : "";
-      say(known, fault && `${fault}: ${known.row.allowed}`);
-      if (!fault) act({ [known.row.path]: value });
+      const { path, allowed } = known.row;
+      state.own.delete(path);
+      if (value === undefined) state.own.set(path, `not understood: ${allowed}`);
+      say(known);
+      if (value !== undefined) act({ [path]: value });
     };
-    const isNumber = () => input.type === "number";
+    // What was emptied and has to be given goes along: another key may be given in its place now.
+    const meant = (changes) => acts.set({ ...Object.fromEntries(emptied().map((path) => [path, null])), ...changes });
     input.addEventListener("input", () => {
       known.typing = true;
-      if (isNumber() && input.value !== "") told(acts.change);
+      fit(input);
+      if (isNumber(known.row) && Number.isFinite(valueOf(known.row, input))) told(acts.change);
+    });
+    input.addEventListener("keydown", (event) => {
+      const steps = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+      if (!steps || !isNumber(known.row) || !turned(known, valueOf(known.row, input), steps)) return;
+      event.preventDefault();
+      known.typing = known.turned = true;
+      told(acts.change);
     });
     if (input.tagName === "TEXTAREA") {
       input.addEventListener("keydown", (event) => event.key === "Enter" && !event.shiftKey && (event.preventDefault(), input.blur()));
     }
     input.addEventListener("change", () => {
       known.typing = false;
-      told(acts.set);
+      told(meant);
     });
-    input.addEventListener("blur", () => (known.typing = false));
-    if (isNumber()) turnBy(label, known, told);
+    // A browser tells no change of what the arrow keys have turned.
+    const turnedEnough = () => {
+      known.typing = false;
+      if (known.turned) told(meant);
+      known.turned = false;
+    };
+    input.addEventListener("keyup", turnedEnough);
+    input.addEventListener("blur", turnedEnough);
+    if (isNumber(known.row)) turnBy(label, known, told, meant);
+  }
+
+  const emptied = () => [...state.own.keys()].filter((path) => state.inputs.get(path)?.input.value === "");
+
+  // Puts a number some steps further; whether there is one.
+  function turned(known, from, steps) {
+    if (!Number.isFinite(from)) return false;
+    const { step, least, most } = known.row;
+    const value = Math.min(Math.max(from + steps * step, least ?? -Infinity), most ?? Infinity);
+    put(known, String(Number(value.toPrecision(12))));
+    return true;
   }
 
   // A name that is dragged sideways turns its number.
-  function turnBy(label, known, told) {
+  function turnBy(label, known, told, meant) {
     let from = null;
     label.classList.add("turns");
     label.addEventListener("pointerdown", (event) => {
-      from = { x: event.clientX, value: Number(known.input.value), moved: false };
+      from = { x: event.clientX, value: valueOf(known.row, known.input), moved: false };
       label.setPointerCapture(event.pointerId);
     });
     label.addEventListener("pointermove", (event) => {
-      if (!from || known.input.value === "") return;
+      if (!from) return;
       const steps = Math.round((event.clientX - from.x) / PIXELS_A_STEP);
-      if (!steps && !from.moved) return;
+      if ((!steps && !from.moved) || !turned(known, from.value, steps)) return;
       from.moved = true;
-      known.input.value = Number((from.value + steps * known.row.step).toPrecision(12));
       told(acts.change);
     });
     label.addEventListener("pointerup", () => {
-      if (from?.moved) told(acts.set);
+      if (from?.moved) told(meant);
       from = null;
     });
     label.addEventListener("click", (event) => event.preventDefault());
@@ -227,26 +297,25 @@ function createForm(place, find, acts) {
   function follow(changes) {
     for (const [path, value] of Object.entries(changes)) {
       const known = state.inputs.get(path);
-      if (known && known.input !== document.activeElement && known.input.type === "number") {
-        known.input.value = Number(value.toPrecision(7));
-      }
+      if (known && known.input !== document.activeElement && isNumber(known.row)) put(known, String(Number(value.toPrecision(7))));
     }
   }
 
   // Says what refusals say of keys beside these, by the keys' paths.
   function mark(faults) {
     state.faults = faults;
-    for (const [path, known] of state.inputs) say(known, faults.get(path) ?? "");
+    for (const known of state.inputs.values()) say(known);
   }
 
   function reveal(path) {
-    const known = state.inputs.get(path);
-    if (!known) return;
-    for (let one = known.input.closest("details"); one; one = one.parentElement.closest("details")) one.open = true;
-    known.input.scrollIntoView({ block: "center" });
-    known.input.focus();
+    const group = [...place.querySelectorAll("details")].find((one) => one.dataset.path === path);
+    const shown = state.inputs.get(path)?.input ?? group?.querySelector("summary");
+    if (!shown) return;
+    for (let one = shown.closest("details"); one; one = one.parentElement.closest("details")) one.open = true;
+    shown.scrollIntoView({ block: "center" });
+    shown.focus();
   }
 
   find.addEventListener("input", filter);
-  return { show, follow, mark, reveal };
+  return { show, follow, mark, lack, reveal };
 }

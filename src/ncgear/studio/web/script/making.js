@@ -5,17 +5,25 @@ const BOX = { width: 360, height: 220, left: 48, right: 12, top: 14, bottom: 34 
 
 function createMaking(place, send) {
   const items = new Map();
-  const state = { zipWanted: false };
+  const state = { zipWanted: false, running: new Map() };
+  const zip = document.getElementById("zip");
+  const commandOf = (button) => button.dataset.run ?? "build";
+  const buttons = [...document.querySelectorAll("[data-run]"), zip];
 
-  for (const button of document.querySelectorAll("[data-run]")) {
-    button.addEventListener("click", () => send({ do: "run", command: button.dataset.run }));
+  for (const button of buttons) {
+    button.addEventListener("click", () => {
+      // All files that a build makes are fetched as one zip once they are there.
+      if (commandOf(button) === "build") state.zipWanted = button === zip;
+      rest([commandOf(button)]);
+      send({ do: "run", command: commandOf(button) });
+    });
   }
 
-  // All files that a build makes, fetched as one zip once they are there.
-  document.getElementById("zip").addEventListener("click", () => {
-    state.zipWanted = true;
-    send({ do: "run", command: "build" });
-  });
+  // Buttons rest while a command runs that writes where theirs would.
+  function rest(asked = []) {
+    const names = new Set([...asked, ...[...state.running.values()].flat()]);
+    for (const button of buttons) button.disabled = names.has(commandOf(button));
+  }
 
   function fetchZip(job) {
     state.zipWanted = false;
@@ -23,14 +31,26 @@ function createMaking(place, send) {
     made("a", { href: `zip/${encodeURIComponent(folder)}`, download: `${folder}.zip` }).click();
   }
 
+  // All jobs of the page, as after something that was asked for has been refused.
+  function showAll(jobs) {
+    rest();
+    jobs.forEach(show);
+  }
+
   function show(job) {
+    if (job.running) state.running.set(job.job, job.alike);
+    else state.running.delete(job.job);
+    rest();
     if (state.zipWanted && job.name === "build" && job.files?.length) fetchZip(job);
     else if (state.zipWanted && job.name === "build" && !job.running) state.zipWanted = false;
     const item = items.get(job.job) ?? made("li", {});
     const wasOpen = item.querySelector("details")?.open ?? false;
     item.replaceChildren(...parts(job));
     if (item.querySelector("details")) item.querySelector("details").open = wasOpen;
-    if (!items.has(job.job)) place.prepend(item);
+    if (!items.has(job.job)) {
+      place.prepend(item);
+      if (job.running) item.scrollIntoView({ block: "nearest" });
+    }
     items.set(job.job, item);
   }
 
@@ -104,5 +124,5 @@ function createMaking(place, send) {
     return [Number(low.toPrecision(2)) > low ? low : Number(low.toPrecision(2)), high > low ? high : low + 1];
   }
 
-  return { show };
+  return { show, showAll };
 }

@@ -59,10 +59,11 @@ function start() {
     }
     const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
     Object.assign(answers, { verdict: told.verdict, strength: told.strength, best: told.best, chart: takeChart });
-    Object.assign(answers, { job: making.show, said: say, question: saving.ask });
+    Object.assign(answers, { job: making.show, said: say, question: saving.ask, lacking: takeLacking });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
     if (["motion", "scene", "strength", "done"].includes(is)) settled(message);
+    showStale();
     if (is === "done") document.body.dataset[`done${message.from[0].toUpperCase()}${message.from.slice(1)}`] = n;
   }
 
@@ -76,8 +77,14 @@ function start() {
     if (document.activeElement !== at("text")) at("text").value = content.text;
     at("difference").textContent = content.difference || "Nothing.";
     if (content.form) form.show(content.form);
-    for (const job of content.jobs) making.show(job);
+    making.showAll(content.jobs);
     document.body.dataset.asked = message.n;
+  }
+
+  // Keys without a field are groups.
+  function takeLacking(content) {
+    const groups = form.lack(content);
+    if (groups.length) say(groups.map((path) => `${path} cannot be left out: ${content[path]}`).join(" "));
   }
 
   function takeMotion(content) {
@@ -115,8 +122,8 @@ function start() {
     clock.set(clock.deg());
   }
 
-  function takeChart(content) {
-    board.draw(content);
+  function takeChart(content, message) {
+    board.draw(content, message);
   }
 
   function setPaces(paces) {
@@ -136,10 +143,20 @@ function start() {
   // The same refusal of several chains is told once.
   function showRefusals() {
     const found = Object.values(state.refused);
-    const once = found.filter((one, i) => found.findIndex((other) => other.problem === one.problem) === i);
+    const each = found.flatMap((one) => [one, ...one.others.map((other) => ({ ...one, ...other }))]);
+    const once = each.filter((one, i) => each.findIndex((other) => other.problem === one.problem && other.key === one.key) === i);
     machine.refuse(found.length > 0);
     told.refusals(once);
     form.mark(new Map(once.map((one) => [one.key, one.problem])));
+  }
+
+  // What an earlier text has achieved is pale while the text that is shown is refused.
+  function showStale() {
+    const stale = (from, n) => (state.refused[from]?.n ?? -Infinity) > n;
+    const motion = told.showStale(stale);
+    board.showStale(stale);
+    const before = { motion, machine: Object.keys(state.refused).length > 0 };
+    for (const one of document.querySelectorAll("[data-now]")) one.textContent = before[one.dataset.now] ? "before" : "now";
   }
 
   // What is answered to its end, or up to its picture while a newer change waits, is not refused any more.
@@ -170,7 +187,7 @@ function start() {
   });
   document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
-    const typing = event.target.closest("textarea, input[type=text], input[type=search]");
+    const typing = event.target.closest("textarea, input[type=search], :not(.number, .integer) > input[type=text]");
     const key = event.key.toLowerCase();
     if (key === "s") saving.save();
     else if (key === "z" && !typing) link.send({ do: event.shiftKey ? "redo" : "undo" });

@@ -39,7 +39,7 @@ function differenceOf(text, other) {
 // `acts.set(changes)` takes a remedy, `acts.reveal(key)` shows a key of the form.
 function createTold(acts) {
   const at = (id) => document.getElementById(id);
-  const parts = { facts: [], teeth: [], safety: [], crank: "", verdict: null, verdictOf: -1, tables: { motion: [], gears: [], strength: [] } };
+  const parts = { facts: [], teeth: [], safety: [], crank: "", verdict: null, verdictOf: -1, figuresOf: -1, tables: { motion: [], gears: [], strength: [] } };
   let held = null;
 
   // The peaks and the safeties first; beside them the crank, or the kept design in its place.
@@ -97,8 +97,8 @@ function createTold(acts) {
     at("tables").lastElementChild.replaceChildren(...[...strength, ...motion, ...gears].map(tableElement));
   }
 
-  function figures(content) {
-    Object.assign(parts, { facts: content.facts, crank: content.crank });
+  function figures(content, message) {
+    Object.assign(parts, { facts: content.facts, crank: content.crank, figuresOf: message.n });
     parts.tables.motion = content.tables;
     at("achieved").replaceChildren(...content.achieved.map((line) => cell("li", line)));
     showFacts();
@@ -156,5 +156,14 @@ function createTold(acts) {
     at("best").title = content?.in_full ?? "";
   }
 
-  return { best, figures, teeth, verdict, strength, withoutGears, hold, refusals };
+  // Makes pale what `stale(chain, n)` tells of an earlier text; gives whether the motion's figures are.
+  function showStale(stale) {
+    const motion = stale("motion", parts.figuresOf);
+    for (const one of [at("facts"), at("achieved"), at("tables").lastElementChild]) one.classList.toggle("stale", motion);
+    at("warnings").classList.toggle("stale", stale("motion", parts.verdictOf) || stale("contact", parts.verdictOf));
+    if (motion) best(null);
+    return motion;
+  }
+
+  return { showStale, best, figures, teeth, verdict, strength, withoutGears, hold, refusals };
 }
