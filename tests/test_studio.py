@@ -543,6 +543,36 @@ def computed(requests: worker.Requests, seconds: float) -> None:
         requests.computing = False
 
 
+def test_a_picture_of_an_older_place_is_broken_off_where_the_hand_rests_and_not_while_it_moves() -> None:
+    lines: queue.Queue[bytes] = queue.Queue()
+    requests = worker.Requests(iter(lines.get, None))  # type: ignore[arg-type]
+    before = signal.signal(signal.SIGINT, requests.interrupt)
+    threading.Thread(target=requests.read_all, daemon=True).start()
+    over = threading.Event()
+
+    def move() -> None:
+        number = 2
+        while not over.is_set():
+            come(lines, number)
+            number += 1
+            time.sleep(0.02)
+
+    hand = threading.Thread(target=move)
+    try:
+        come(lines, 1)
+        assert requests.next()["n"] == 1
+        hand.start()
+        computed(requests, 5.0 * worker.RESTING_S)
+        over.set()
+        hand.join()
+        with pytest.raises(worker.Superseded):
+            computed(requests, 20.0)
+        assert requests.next()["n"] > 10
+    finally:
+        over.set()
+        signal.signal(signal.SIGINT, before)
+
+
 def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(worker, "PATIENCE_S", 0.0)
     lines: queue.Queue[bytes] = queue.Queue()

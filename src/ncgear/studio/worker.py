@@ -2,7 +2,8 @@
 
 What is dragged shall move even if changes come faster than answers, so an answer is finished up to its picture, the
 part named in PICTURES, though a newer change has come; what follows the picture is broken off at once.  Pictures that
-take longer than PATIENCE_S are broken off too, but never two of them in a row: then the hand would see none.
+take longer than PATIENCE_S are broken off too, and so are those of a hand that rests at a newer place, but never two of
+them in a row: then the hand would see none.
 
 Requests come as lines of JSON on the standard input, answers go as lines of JSON to the standard output.  A request has
 the number ``n``, the ``path`` of the design, ``changes`` by key, and the ``text`` unless it is that of the request
@@ -45,6 +46,9 @@ IMPORTING = "<frozen importlib._bootstrap>"
 PATIENCE_S = 5.0
 """Time that a picture may take while a newer change waits: several times that of teeth and their strength."""
 
+RESTING_S = 0.1
+"""Time without a newer request after which the hand rests: two moves of a drag are half as long apart."""
+
 DONE = "done", None
 """The last message about a request."""
 
@@ -69,7 +73,7 @@ class Requests:
         self._come = threading.Condition()
         self._newest: dict[str, Any] | None = None
         self._text = ""
-        self._patient_until_s = 0.0
+        self._patient_until_s = self._came_s = 0.0
         self._alarm: threading.Timer | None = None
         self._broken_off = False
         self.computing = False
@@ -82,9 +86,16 @@ class Requests:
                 self._text = request.setdefault("text", self._text)
                 self._newest = request
                 self._come.notify()
-                if self._alarm is None and self._patient_until_s < inf:
-                    # One alarm is enough: it is the newest request that then waits.
-                    self._wake(max(self._patient_until_s - time.monotonic(), 0.0))
+                self._came_s = time.monotonic()
+                if self._alarm is not None:
+                    self._alarm.cancel()
+                if self._patient_until_s < inf:
+                    self._wake(max(self._due_s - self._came_s, 0.0))
+
+    @property
+    def _due_s(self) -> float:
+        """When the newest request need not wait any longer for the one that is computed."""
+        return min(self._patient_until_s, self._came_s + RESTING_S) if self._patient_until_s < inf else inf
 
     def _wake(self, wait_s: float) -> None:
         """Interrupt the main thread after a time."""
@@ -125,7 +136,7 @@ class Requests:
         or in the optimiser, nobody hears it.
         """
         self._alarm = None
-        if self._newest is None or time.monotonic() < self._patient_until_s:
+        if self._newest is None or time.monotonic() < self._due_s:
             return
         self._wake(AGAIN_S)
         if not self.computing:
