@@ -79,7 +79,8 @@ class Drag:
         if kind == "asked":
             value = json.loads(text)["content"][self.key]
             self.moves[number] = min(range(len(self.values)), key=lambda one: abs(self.values[one] - value))
-        elif kind in PARTS and number in self.moves:
+        elif kind in PARTS and number in self.moves and self.moves[number] not in (move for _, move in self.came[kind]):
+            # The gears come again with bore and holes.
             self.came[kind].append((time.monotonic(), self.moves[number]))
         return kind, number
 
