@@ -199,6 +199,15 @@ def test_a_table_and_a_chart_from_python() -> None:
     assert slow == pytest.approx(fast / 2.0)
 
 
+def test_a_machine_without_a_load_has_no_power_to_compare() -> None:
+    found = ncgear.compare(DESIGNS / "pusher.yaml", EVEN)
+    assert found.figures[0]["peak_power_w"] > 0.0
+    assert not [key for key in found.figures[1] if "power" in key]
+    assert found.percent("peak_power_w") == (None,)
+    row = next(line for line in repr(found).splitlines() if line.strip().startswith("peak power"))
+    assert row.split()[-1] == "-"
+
+
 def test_one_design_is_nothing_to_compare(run: Run) -> None:
     status, out, err = run("compare", str(DESIGNS / "pusher.yaml"))
     assert (status, out) == (2, "")

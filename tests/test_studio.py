@@ -35,7 +35,7 @@ from ncgear.project.drive import Drive
 from ncgear.studio import editing, open_page, worker
 from ncgear.studio.answers import Answer, Answers, guarded
 from ncgear.studio.chains import Chains
-from ncgear.studio.editing import History, as_written, difference, edited
+from ncgear.studio.editing import History, difference, edited
 from ncgear.studio.emptied import lacking
 from ncgear.studio.followed import Followed
 from ncgear.studio.form import form
@@ -94,16 +94,6 @@ def test_a_place_that_is_not_there_is_refused(key: str) -> None:
 def test_text_that_is_no_yaml_is_refused() -> None:
     with pytest.raises(WrongInput):
         edited("name: [1, 2\n", {"name": "x"})
-
-
-def test_lines_are_merged_by_what_they_say() -> None:
-    """What has changed counts, in the indentation that stands there."""
-    own, again = "a:   1\nb:   2\nc: 3\n", "a: 1\nb: 2\nc: 3\n"
-    assert as_written(own, again, "a: 1\nb: 2\nc: 4\n") == "a:   1\nb:   2\nc: 4\n"
-    assert as_written(own, again, "a: 1\nb: 9\nc: 3\n") == "a:   1\nb: 9\nc: 3\n"
-    assert as_written(own, again, "a: 1\nb: 2\nx: 1\nc: 3\n") == "a:   1\nb:   2\nx: 1\nc: 3\n"
-    assert as_written(own, again, "b: 2\nc: 3\n") == "b:   2\nc: 3\n"
-    assert as_written("l:\n    - a\n    - b\n", "l:\n  - a\n  - b\n", "l:\n  - a\n  - c\n") == "l:\n    - a\n    - c\n"
 
 
 def test_numbers_that_are_dragged_have_no_more_digits_than_a_screen() -> None:

@@ -15,9 +15,13 @@ import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import MagicMock
 
 import pytest
-from websockets.exceptions import InvalidStatus
+import uvicorn
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.exceptions import InvalidState, InvalidStatus
+from websockets.protocol import State
 
 from commands import environment, fresh
 from drives import DESIGNS
@@ -25,6 +29,7 @@ from ncgear.studio import chains
 from ncgear.studio.chains import Process, chains_by_process
 from ncgear.studio.entrance import open_in_browser
 from ncgear.studio.open_page import OpenPage, _files_of
+from ncgear.studio.server import Conversation
 from studios import Studio, children, is_running, running
 
 pytestmark = pytest.mark.slow
@@ -374,6 +379,28 @@ def test_ctrl_c_ends_it_and_its_commands(tmp_path: Path) -> None:
         studio.process.send_signal(signal.SIGINT)
         assert studio.process.wait(30) == 0
         wait_until_gone(processes)
+
+
+@pytest.mark.parametrize("kind", [Conversation, WebSocketsSansIOProtocol])
+def test_the_end_of_the_server_while_a_page_closes_is_no_fault(kind: type[WebSocketsSansIOProtocol]) -> None:
+    """The page's word that it closes is there, the answer is not yet sent; uvicorn alone raises then."""
+
+    async def ended() -> bool:
+        config = uvicorn.Config(MagicMock(), ws=kind, log_config=None)
+        server = uvicorn.Server(config)
+        talk = kind(config, server.server_state, {})
+        transport = MagicMock(**{"get_extra_info.return_value": None})
+        talk.connection_made(transport)
+        talk.handshake_complete = True
+        talk.conn.state = State.CLOSING
+        talk.shutdown()
+        return bool(transport.close.called)
+
+    if kind is Conversation:
+        assert asyncio.run(ended())
+    else:
+        with pytest.raises(InvalidState):
+            asyncio.run(ended())
 
 
 @pytest.mark.slow

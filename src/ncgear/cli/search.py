@@ -67,7 +67,7 @@ def optimize(
             best.law  # noqa: B018
             on_step("limit beside the law")
             best.limit  # noqa: B018
-            written = optimized_design(loaded.text, best)
+            written = optimized_design(loaded, best)
             on_step("figures")
             figures = certificate(best)
             files = {f"{name}.yaml": written.encode(), "certificate.json": json_text(figures).encode()}

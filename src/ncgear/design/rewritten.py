@@ -1,64 +1,58 @@
-"""The text of a design file with other values at some of its keys; its comments stay."""
+"""The text of a design file with other values at some of its keys: only the characters of these values differ.
+
+Values are replaced at their places in the text.  A key that is added gets a line of its group's indentation, or a place
+in its group's row, and one that is left out takes its own lines away.  Comments, line ends and order stay.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from io import StringIO
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.nodes import MappingNode, SequenceNode
 
 from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.reading.places import with_value
+from ncgear.design.reading.text import plain_value
+from ncgear.design.reading.yaml import read_yaml
+from ncgear.frozen import dataclass
 
 LINE_WIDTH = 118
-"""Width of the lines of files that hold many numbers."""
+"""Width over which what is written is broken into lines."""
 
-LONGEST_LINE = 10_000
-"""Length over that of any line of a design file that people write, so that no line is broken."""
+BREAK = re.compile(r"\r\n|\r|\n")
+
+_REST = re.compile(r"[ \t]*(#[^\r\n]*)?(\r\n|\r|\n|\Z)")
+"""What stands behind a value on its line: a comment, and the end of the line."""
+
+_BETWEEN = re.compile(r"(?:[ \t\r\n]|(?<![^ \t\r\n,])#[^\r\n]*)*")
+"""What stands between two values besides signs: blanks and comments."""
+
+_STRANGE = r"\x00-\x1f\x7f-\x9f\u2028\u2029\ufeff"
+"""Characters that no text shows."""
+
+_AS_IT_IS = re.compile(rf"[^\s{_STRANGE}\-?:,\[\]{{}}#&*!|>'\"%@`][^{_STRANGE},\[\]{{}}]*")
+"""A text that needs no quotation marks, neither in a row; it has no ``: `` or `` #`` in it, nor blanks about it."""
 
 
-def rewritten(text: str, values: Mapping[str, Any], width: int = LONGEST_LINE) -> str:
-    """A design file with other values at some dotted keys; None leaves a key out.  Lines are broken at ``width``.
+def rewritten(text: str, values: Mapping[str, Any]) -> str:
+    """A design file with other values at some dotted keys; None leaves a key out.
 
-    A key that the file does not have comes after the first one of its group.  A group that is missing is made.  A
-    number in a key is the place of an item in a list.
+    A key that the file does not have comes after the first one of its group.  A group that is missing is made, and one
+    that is given as a group is written anew.  A number in a key is the place of an item in a list.  Raises WrongInput
+    where the text cannot be read, ValueError, LookupError or TypeError where it has no such places.
     """
-    yaml = YAML()
-    yaml.width, yaml.preserve_quotes = width, True
-    # Reading the text refuses anchors, in words.
-    yaml.composer.warn_double_anchors = False
-    data = yaml.load(text)
-    for key, value in values.items():
-        *above, name = key.split(".")
-        group = data
-        for one in above:
-            if isinstance(group, list):
-                group = group[int(one)]
-                continue
-            if group.get(one) is None:
-                _put(group, one, CommentedMap())
-            group = group[one]
-        if isinstance(group, list):
-            group[int(name) : int(name) + 1] = [] if value is None else [_flow(value)]
-        elif value is None:
-            group.pop(name, None)
-        elif isinstance(value, list) and isinstance(group.get(name), list):
-            # Only the items are replaced, so that the list keeps the style in which it is written.
-            group[name][:] = [_flow(item) for item in value]
-        else:
-            _put(group, name, _flow(value))
-    made = StringIO()
-    yaml.dump(data, made)
-    return made.getvalue()
-
-
-def flow_text(value: Any) -> str:
-    """A list or a group as it stands in a file on one line."""
-    yaml, made = YAML(), StringIO()
-    yaml.width = LONGEST_LINE
-    yaml.dump(_flow(value), made)
-    return made.getvalue().strip()
+    data = read_yaml(text, "design").data
+    wanted = reduce(lambda made, key: with_value(made, key, values[key]), values, data)
+    anew = {key for key, value in values.items() if isinstance(value, dict)}
+    made = _Rewriting(text, anew).made(data, wanted)
+    if read_yaml(made, "design").data != wanted:
+        raise ValueError("the text has no such place")
+    return made
 
 
 def design_copy(loaded: LoadedDesign, values: Mapping[str, Any]) -> str:
@@ -70,23 +64,258 @@ def design_copy(loaded: LoadedDesign, values: Mapping[str, Any]) -> str:
     points: dict[str, Any] = {}
     for group, table in loaded.source.from_files.items():
         points |= {f"{group}.{key}": value for key, value in table.values.items()} | {f"{group}.file": None}
-    return rewritten(loaded.text, {**points, **values}, LINE_WIDTH)
+    return rewritten(loaded.text, {**points, **values})
 
 
-def _put(group: CommentedMap, name: str, value: Any) -> None:
-    if name in group:
-        group[name] = value
-    else:
-        group.insert(min(1, len(group)), name, value)
+def flow_text(value: Any, quote: str | None = None) -> str:
+    """A value as it stands in a file on one line; ``quote`` is the sign in which a text stands already."""
+    match value:
+        case dict():
+            return "{" + ", ".join(f"{flow_text(key)}: {flow_text(inner)}" for key, inner in value.items()) + "}"
+        case list():
+            return "[" + ", ".join(map(flow_text, value)) + "]"
+        case str():
+            return _quoted(str(value), quote)
+        case float():
+            # Some readers of YAML take 1e-05 for a text, but never 1.0e-05.
+            number = float.__repr__(value)
+            return {"inf": ".inf", "-inf": "-.inf", "nan": ".nan"}.get(
+                number, number if "." in number else number.replace("e", ".0e")
+            )
+        case _:
+            return json.dumps(value)
 
 
-def _flow(value: Any) -> Any:
-    """The value as it stands in a file: lists and groups on one line."""
-    if not isinstance(value, list | dict):
-        return value
-    if isinstance(value, list):
-        made: CommentedSeq | CommentedMap = CommentedSeq([_flow(item) for item in value])
-    else:
-        made = CommentedMap({key: _flow(inner) for key, inner in value.items()})
-    made.fa.set_flow_style()
-    return made
+def _quoted(text: str, quote: str | None) -> str:
+    plain = _AS_IT_IS.fullmatch(text) and not re.search(r":(\s|\Z)|\s#|\s\Z", text) and text[:3] != "..."
+    if plain and quote is None and isinstance(plain_value(text), str):
+        return text
+    if quote == "'" and text.isprintable():
+        return "'" + text.replace("'", "''") + "'"
+    escaped = json.dumps(text, ensure_ascii=False)
+    return re.sub(rf"[{_STRANGE}]", lambda one: f"\\u{ord(one[0]):04x}", escaped)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A key with its value, or an item, in the text: where it begins, where the sign after the key or before the item
+    ends, and where its value begins and ends."""
+
+    start: int
+    after: int
+    begin: int
+    end: int
+    node: Any
+
+
+class _Rewriting:
+    """One pass over a text and its values; what differs is collected, from place to place with the new characters."""
+
+    def __init__(self, text: str, anew: Iterable[str]) -> None:
+        self._text, self._anew = text, set(anew)
+        self._edits: list[tuple[int, int, str]] = []
+        found = BREAK.search(text)
+        self._break = found[0] if found else "\n"
+
+    def made(self, data: Any, wanted: Any) -> str:
+        """The text with the wanted values."""
+        root = YAML(typ="safe", pure=True).compose(self._text)
+        if root is None:
+            self._insert_lines(len(self._text), self._lines_of_group(wanted, 0))
+        else:
+            start = root.start_mark.index
+            self._change(_Part(start, start, start, self._end(root, start), root), (), data, wanted, 0, in_flow=False)
+        pieces, done = [], 0
+        for start, end, new in sorted(self._edits, key=lambda edit: edit[:2]):
+            pieces += [self._text[done : max(start, done)], new]
+            done = max(done, end)
+        return "".join([*pieces, self._text[done:]])
+
+    def _change(self, part: _Part, path: tuple[str, ...], old: Any, new: Any, indent: int, *, in_flow: bool) -> None:
+        if new == old and isinstance(new, bool) == isinstance(old, bool):
+            return
+        node = part.node
+        if isinstance(old, dict) and isinstance(new, dict) and ".".join(path) not in self._anew and old.keys() & new:
+            self._change_group(node, path, old, new)
+        elif isinstance(old, list) and isinstance(new, list) and old and new:
+            self._change_items(node, path, old, new)
+        else:
+            self._replace(part, new, indent, in_flow=in_flow)
+
+    def _change_group(self, node: Any, path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> None:
+        parts = self._parts(node)
+        column, flow = node.value[0][0].start_mark.column, bool(node.flow_style)
+        for place, (key, value) in enumerate(old.items()):
+            if key in new:
+                self._change(parts[place], (*path, key), value, new[key], column, in_flow=flow)
+        self._remove(parts, [place for place, key in enumerate(old) if key not in new], in_flow=flow)
+        first = next(part for part, key in zip(parts, old, strict=True) if key in new)
+        added = {key: value for key, value in new.items() if key not in old}
+        if flow:
+            self._insert_in_row(
+                first, column, [f"{flow_text(key)}: {flow_text(value)}" for key, value in added.items()]
+            )
+        else:
+            self._insert_lines(first.end, self._lines_of_group(added, column))
+
+    def _change_items(self, node: Any, path: tuple[str, ...], old: list[Any], new: list[Any]) -> None:
+        parts = self._parts(node)
+        column, flow, shared = node.start_mark.column, bool(node.flow_style), min(len(old), len(new))
+        same = next((step for step in range(shared) if old[step] != new[step]), shared)
+        # Items behind the place where one was taken out or put in stay as they are.
+        tail = next((step for step in range(shared - same) if old[-1 - step] != new[-1 - step]), shared - same)
+        middle = shared - tail
+        for place in range(same, middle):
+            inner = (*path, str(place))
+            self._change(parts[place], inner, old[place], new[place], column, in_flow=flow)
+        self._remove(parts, list(range(middle, len(old) - tail)), in_flow=flow)
+        added = new[middle : len(new) - tail]
+        if not added:
+            return
+        if middle == 0:
+            raise ValueError("no item can come before the first")
+        if flow:
+            self._insert_in_row(
+                parts[middle - 1], parts[0].start - self._line_start(parts[0].start), map(flow_text, added)
+            )
+        else:
+            lines = [line for one in added for line in self._lines("-", one, column)]
+            self._insert_lines(parts[middle - 1].end, lines)
+
+    def _replace(self, part: _Part, new: Any, indent: int, *, in_flow: bool) -> None:
+        node, begin, end, lead = part.node, part.begin, part.end, ""
+        was_block = isinstance(node, MappingNode | SequenceNode) and not node.flow_style
+        if was_block:
+            rest = _REST.match(self._text, end)
+            end = rest.start(2) if rest else end
+        between = self._text[part.after : begin]
+        if (was_block and not between.strip()) or begin == end:
+            begin = part.after
+            lead = " " if self._text[begin - 1 : begin] in (":", "-") else "" if was_block else ": "
+        written = flow_text(new, getattr(node, "style", None))
+        column = begin - self._line_start(begin) + len(lead)
+        too_long = not in_flow and column + len(written) > LINE_WIDTH
+        if was_block and isinstance(new, dict) and new:
+            lines = self._lines_of_group(new, node.start_mark.column)
+            self._edits.append((part.begin, end, self._break.join(lines).lstrip(" ")))
+        elif too_long and isinstance(new, dict) and new:
+            self._edits.append((begin, end, ""))
+            self._insert_lines(end, self._lines_of_group(new, indent + 2))
+        elif too_long and isinstance(new, list):
+            lines = _filled(" " * column, new, indent + 2)
+            self._edits.append((begin, end, lead + self._break.join(lines).lstrip(" ")))
+        else:
+            self._edits.append((begin, end, lead + written))
+
+    def _remove(self, parts: Sequence[_Part], gone: Sequence[int], *, in_flow: bool) -> None:
+        """Take parts away; at least one stays."""
+        last = max(set(range(len(parts))) - set(gone))
+        for place in gone:
+            start, end = parts[place].start, parts[place].end
+            if not in_flow:
+                rest = _REST.match(self._text, end)
+                line, following = self._line_start(start), rest.end() if rest else end
+                if not self._text[line:start].strip():
+                    start, end = line, following
+                else:
+                    # A sign of the list in which the group stands is before it.
+                    then = parts[place + 1].start
+                    end = following if self._text[following:then].strip() else then
+                self._edits.append((start, end, ""))
+            elif place < last:
+                after = self._sign(end) + 1
+                self._edits.append((start, after + _blanks(self._text[after : parts[place + 1].start]), ""))
+            else:
+                comma = self._sign(parts[place - 1].end)
+                self._edits.append((comma, comma + 1, ""))
+                between = self._text[comma + 1 : start]
+                self._edits.append((start if BREAK.search(between) else start - _blanks(between[::-1]), end, ""))
+
+    def _insert_in_row(self, part: _Part, column: int, added: Iterable[str]) -> None:
+        """Put what is added behind a part, in lines of their own where the line would be too long."""
+        found = BREAK.search(self._text, part.end)
+        used = (found.start() if found else len(self._text)) - self._line_start(part.end)
+        made = ""
+        for one in added:
+            used += len(one) + 2
+            made += f", {one}" if used <= LINE_WIDTH else f",{self._break}{' ' * column}{one}"
+        self._edits.append((part.end, part.end, made))
+
+    def _insert_lines(self, end: int, lines: Sequence[str]) -> None:
+        """Put lines behind the line in which a value ends."""
+        rest = _REST.match(self._text, end)
+        at = rest.end() if rest else end
+        made = "".join(f"{line}{self._break}" for line in lines)
+        if lines and at and self._text[at - 1] not in "\r\n":
+            made = self._break + made.removesuffix(self._break)
+        self._edits.append((at, at, made))
+
+    def _lines_of_group(self, group: Mapping[str, Any], indent: int) -> list[str]:
+        return [line for key, value in group.items() for line in self._lines(f"{flow_text(key)}:", value, indent)]
+
+    def _lines(self, head: str, value: Any, indent: int) -> list[str]:
+        head = " " * indent + head
+        on_one = f"{head} {flow_text(value)}"
+        if len(on_one) <= LINE_WIDTH or not value or not isinstance(value, dict | list):
+            return [on_one]
+        if isinstance(value, dict):
+            return [head, *self._lines_of_group(value, indent + 2)]
+        return _filled(f"{head} ", value, indent + 2)
+
+    def _parts(self, node: Any) -> list[_Part]:
+        """The keys or items of a group or list."""
+        parts: list[_Part] = []
+        end: int = node.start_mark.index
+        for one in node.value:
+            if isinstance(node, MappingNode):
+                key, value = one
+                start, sign = key.start_mark.index, re.compile(r"[ \t]*:").match(self._text, key.end_mark.index)
+                after = sign.end() if sign else key.end_mark.index
+            else:
+                value = one
+                start = value.start_mark.index if node.flow_style else self._sign(end)
+                after = start if node.flow_style else start + 1
+            end = self._end(value, after)
+            begin = after if _is_empty(value) else value.start_mark.index
+            parts.append(_Part(start, after, begin, end, value))
+        return parts
+
+    def _end(self, node: Any, after: int) -> int:
+        """Where a value ends; the parser takes what is beneath a block for a part of it."""
+        if isinstance(node, MappingNode | SequenceNode):
+            return node.end_mark.index if node.flow_style else self._parts(node)[-1].end
+        if _is_empty(node):
+            return after
+        start: int = node.start_mark.index
+        end: int = node.end_mark.index
+        return start + len(self._text[start:end].rstrip()) if node.style in ("|", ">") else end
+
+    def _sign(self, place: int) -> int:
+        """Where the next sign stands, a comma or the dash of an item, behind blanks and comments."""
+        found = _BETWEEN.match(self._text, place)
+        return found.end() if found else place
+
+    def _line_start(self, place: int) -> int:
+        return max(self._text.rfind("\n", 0, place), self._text.rfind("\r", 0, place)) + 1
+
+
+def _is_empty(node: Any) -> bool:
+    """Whether nothing stands where a value could."""
+    return node.value == "" and node.style is None and node.start_mark.index == node.end_mark.index
+
+
+def _blanks(text: str) -> int:
+    return len(text) - len(text.lstrip(" \t"))
+
+
+def _filled(head: str, items: Sequence[Any], indent: int) -> list[str]:
+    """A list in brackets, in lines as full as can be."""
+    lines = [f"{head}["]
+    for place, one in enumerate(items):
+        written = flow_text(one) + ("," if place < len(items) - 1 else "]")
+        gap = "" if lines[-1].endswith("[") and len(lines) == 1 and place == 0 else " "
+        if len(lines[-1]) + len(gap) + len(written) > LINE_WIDTH and place:
+            lines.append(" " * indent + written)
+        else:
+            lines[-1] += gap + written
+    return lines

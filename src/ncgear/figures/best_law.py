@@ -8,13 +8,9 @@ from __future__ import annotations
 import platform
 from collections.abc import Sequence
 from dataclasses import asdict
-from io import StringIO
 from math import degrees
 from pathlib import Path
 from typing import Any
-
-from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from ncgear import __version__
 from ncgear.design.keys.base import listed
@@ -22,14 +18,14 @@ from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.laws.made import found_values
 from ncgear.design.naming import LONGEST_NAME
-from ncgear.design.rewritten import LINE_WIDTH
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.rewritten import design_copy
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import finite, fixed, shown
 from ncgear.figures.quantities import figure, name_of, told
 from ncgear.figures.tables import aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import KG_M2, label_and_unit
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
@@ -74,27 +70,14 @@ def _named(values: dict[str, Any], beside: Comparison) -> dict[str, Any]:
     return {key.replace("_mm_s", "_rad_s"): value for key, value in values.items()}
 
 
-def optimized_design(text: str, best: BestLaw) -> str:
-    """The text of the design file with the optimised law in place of its motion; comments elsewhere stay.
-
-    Points of the resistance that are in a CSV file are written into the text, because the path of that file is relative
-    to the folder of the old design.
-    """
-    yaml = YAML(typ="rt")
-    yaml.width = LINE_WIDTH
-    document = yaml.load(text)
-    document["name"] = optimized_name(best.design)
+def optimized_design(loaded: LoadedDesign, best: BestLaw) -> str:
+    """The text of the design file with the optimised law in place of its motion; comments elsewhere stay."""
     ratio, second = best.law.ratio.tolist(), best.law.second
-    document["motion"] = _block(found_values(ratio, None if second is None else second.tolist()))
+    motion = found_values(ratio, None if second is None else second.tolist())
+    values: dict[str, Any] = {"name": optimized_name(best.design), "motion": motion}
     if best.design.motion.gives_center_distance and best.design.gears is not None:
-        for name, value in zip(SIZES, kept_size(best.design), strict=True):
-            document["gears"].pop(name, None)
-            if value is not None:
-                document["gears"][name] = value
-    _bring_points(document, best.design)
-    written = StringIO()
-    yaml.dump(document, written)
-    return written.getvalue()
+        values |= {f"gears.{key}": size for key, size in zip(SIZES, kept_size(best.design), strict=True)}
+    return design_copy(loaded, values)
 
 
 def optimized_name(design: Design) -> str:
@@ -173,31 +156,6 @@ def figures_summary(found: Figures) -> dict[str, Any]:
     """Figures as plain values, angles in degrees beside radians; those that are not known are left out."""
     known = {name: value for name, value in asdict(found).items() if value is not None}
     return {**known, "working_deg": degrees(found.working_rad), "tangent_deg": degrees(found.tangent_rad)}
-
-
-def _bring_points(document: CommentedMap, design: Design) -> None:
-    if design.resistance is None:
-        return
-    strokes = (
-        (document["resistance"], design.resistance),
-        (document["resistance"].get("returning"), design.resistance.returning),
-    )
-    for keys, given in strokes:
-        table = None if given is None else given.table
-        if table is not None and table.file is not None:
-            keys["table"] = CommentedMap({key: _row(getattr(table, key) or ()) for key in table.COLUMNS})
-
-
-def _block(values: dict[str, Any]) -> CommentedMap:
-    """Plain values as a block of a file, lists each in a row."""
-    made = {key: _row(value) if isinstance(value, list) else value for key, value in values.items()}
-    return CommentedMap({key: _block(value) if isinstance(value, dict) else value for key, value in made.items()})
-
-
-def _row(values: Array | Sequence[float]) -> CommentedSeq:
-    row = CommentedSeq([float(value) for value in values])
-    row.fa.set_flow_style()
-    return row
 
 
 LAW_HEADS = ("peak power, W", "peak acceleration, {}", "ratio", "pressure angle, deg", "without rack", "convex")

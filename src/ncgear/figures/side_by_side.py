@@ -85,16 +85,21 @@ def compare(*given: Drive | str | Path | Mapping[str, Any]) -> SideBySide:
 
 
 def figures_of(drive: Drive) -> dict[str, float]:
-    """The numbers of a check by key, and those of the pitch curves where there is one pair that can be made."""
+    """The numbers of a check by key, and those of the pitch curves where there is one pair that can be made.
+
+    A machine without a load has no power: none is told of it, as a check tells none.
+    """
     summary = check_summary(drive)
     if drive.design.gears is not None and drive.design.stages == 1:
         with suppress(DesignError):
             summary = {**summary, "pitch": pitch_summary(drive)}
+    loaded = drive.design.resistance is not None or drive.check.with_masses is not None
     return {
         f"ratio_{key}" if section == "ratio" else key: float(value)
         for section in SECTIONS
         for key, value in summary.get(section, {}).items()
         if isinstance(value, int | float) and not isinstance(value, bool) and not key.endswith(PLACE)
+        if loaded or not ("power" in key and key.endswith("_w"))
     }
 
 

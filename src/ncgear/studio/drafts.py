@@ -96,7 +96,7 @@ def _taken(file: DesignOnDisk, place: Path) -> Draft | None:
             return None
         kept = json.loads(place.read_bytes())
         content, text = kept["file"], kept["text"]
-        if text.encode() == file.content:
+        if file.content is not None and text == file.text:
             place.unlink()
             return None
         base = DesignOnDisk(file.path, None if content is None else content.encode())

@@ -21,7 +21,7 @@ from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
 from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.rewritten import LINE_WIDTH, LONGEST_LINE, rewritten
+from ncgear.design.rewritten import BREAK, rewritten
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
@@ -83,59 +83,25 @@ def edited(text: str, changes: Mapping[str, Any]) -> str:
     """The text with other values at some dotted keys; None leaves a key out.
 
     A number in a key is the place of an item in a list (``motion.ratio.3``).  Another law or mechanism takes the whole
-    of its group.  Lines that say the same as before stay as they are written.  Raises WrongInput where the text has no
-    such places.
+    of its group.  Raises WrongInput where the text has no such places.
     """
-    values, width = values_of(text, changes), LONGEST_LINE
+    values = values_of(text, changes)
     with in_its_place(next(iter(changes), "")):
-        again = rewritten(text, {}, width)
-        if not set(again.splitlines()) <= set(text.splitlines()):
-            # Long lists are broken into lines, as ncgear itself writes them.
-            width = LINE_WIDTH
-            again = rewritten(text, {}, width)
-        made = rewritten(text, values, width)
-    merged = as_written(text, again, made)
-    # Lines are merged without regard to their meaning, so the meaning is compared.
-    try:
-        return merged if read_yaml(merged, "design").data == read_yaml(made, "design").data else made
-    except WrongInput:
-        return made
+        return rewritten(text, values)
 
 
-def as_written(text: str, again: str, other: str) -> str:
-    """``other``, where it says the same as ``again``, in the lines of ``text``.
-
-    ``again`` says the same as ``text`` in the form of the writer, and ``other`` is in that form too.  Lines that differ
-    are indented as those in whose place they stand.
-    """
-    own, plain, new = (one.splitlines(keepends=True) for one in (text, again, other))
-    to_own = _alike([" ".join(line.split()) for line in plain], [" ".join(line.split()) for line in own])
-    to_new = _alike(plain, new)
-    made: list[str] = []
-    done_plain = done_own = done_new = 0
-    # Places in the writer's lines at which all three texts are in step; between two of them, one or both differ.
-    for step in [*sorted(to_own.keys() & to_new.keys()), len(plain)]:
-        at_own, at_new = to_own.get(step, len(own)), to_new.get(step, len(new))
-        before, kept, changed = plain[done_plain:step], own[done_own:at_own], new[done_new:at_new]
-        shift = _indent(kept[0]) - _indent(before[0]) if kept and before else 0
-        made += kept if before == changed else [_shifted(line, shift) for line in changed]
-        made += own[at_own : at_own + 1]
-        done_plain, done_own, done_new = step + 1, at_own + 1, at_new + 1
-    return "".join(made)
-
-
-def _alike(lines: list[str], others: list[str]) -> dict[int, int]:
-    """Places of lines that both texts have, in order."""
-    blocks = SequenceMatcher(None, lines, others, autojunk=False).get_matching_blocks()
-    return {block.a + step: block.b + step for block in blocks for step in range(block.size)}
-
-
-def _indent(line: str) -> int:
-    return len(line) - len(line.lstrip(" "))
-
-
-def _shifted(line: str, spaces: int) -> str:
-    return " " * max(_indent(line) + spaces, 0) + line.lstrip(" ")
+def in_line_ends_of(before: str, text: str) -> str:
+    """A text that was typed on the page, which knows one line end alone, in the line ends of the text before it."""
+    ends = BREAK.findall(before)
+    if "\r" in text or set(ends) <= {"\n"}:
+        return text
+    lines = text.split("\n")
+    alike = SequenceMatcher(None, BREAK.split(before), lines, autojunk=False).get_matching_blocks()
+    own = {block.b + step: block.a + step for block in alike for step in range(block.size)}
+    # What has no line of the file, or stands in place of its last one, ends as the first line does.
+    last = len(ends)
+    ended = [line + ends[own.get(place, last) % last] for place, line in enumerate(lines[:-1])]
+    return "".join(ended) + lines[-1]
 
 
 def values_of(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -73,7 +74,9 @@ class DesignOnDisk:
         Raises NotSaved where another program has changed it, and unless ``protected_too`` where it is read-only;
         WrongInput where it cannot be written.
         """
-        content = text.encode()
+        # Some editors begin a file with a byte order mark, and look for it.
+        mark = BOM_UTF8 if (self.content or b"").startswith(BOM_UTF8) else b""
+        content = mark + text.encode()
         with _in_its_own_folder(), opened(self.path.parent):
             kept = _clear_up(self.path)
             if self._found() != content:

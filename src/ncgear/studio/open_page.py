@@ -21,7 +21,7 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
 from ncgear.studio.drafts import Draft, draft_left
-from ncgear.studio.editing import History, difference, edited
+from ncgear.studio.editing import History, difference, edited, in_line_ends_of
 from ncgear.studio.emptied import lacking
 from ncgear.studio.faults import words_of
 from ncgear.studio.form import form
@@ -163,7 +163,8 @@ class OpenPage:
         text = message.get("text")
         if not isinstance(text, str) or len(text.encode()) > LARGEST_MB * 1_000_000:
             raise WrongInput(f"a text of at most {LARGEST_MB} MB is right", key="text")
-        await self._step(self.history.kept(text))
+        before = self.history.now
+        await self._step(self.history.kept(await asyncio.to_thread(in_line_ends_of, before, text)))
 
     async def undo(self, _: Mapping[str, Any]) -> None:
         """One step back."""

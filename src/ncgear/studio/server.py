@@ -25,6 +25,8 @@ from starlette.requests import HTTPConnection, Request
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.exceptions import InvalidState
 
 from ncgear.errors import DesignError, WrongInput
 from ncgear.files.publish import real_place
@@ -105,6 +107,17 @@ class Guard:
         given = scope["path"].strip("/"), cookies.get(self.cookie, "")
         known = any(secrets.compare_digest(one.encode(), self.token.encode()) for one in given)
         return None if known else "the address lacks its token; the studio has said it where it was started"
+
+
+class Conversation(WebSocketsSansIOProtocol):
+    """A web socket that can be ended while its page is ending it."""
+
+    def shutdown(self) -> None:
+        """End the connection as the server ends; one that the page has begun to close needs no word of it."""
+        try:
+            super().shutdown()
+        except InvalidState:
+            self.transport.close()
 
 
 class Studio:
@@ -281,7 +294,7 @@ def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[s
         application(Studio(path, out), hosts, token),
         log_level="error",
         access_log=False,
-        ws="websockets-sansio",
+        ws=Conversation,
         ws_max_size=LARGEST_MESSAGE,
         # On one computer it takes longer to compress a message than to send it.
         ws_per_message_deflate=False,
