@@ -15,6 +15,7 @@ from ruamel.yaml import YAML
 import ncgear
 from conftest import Run
 from drives import DESIGNS, drive
+from ncgear.errors import WrongInput
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.traced import NotTraced, formula_of
@@ -215,3 +216,35 @@ def test_one_design_is_nothing_to_compare(run: Run) -> None:
     status, _, err = run("compare", str(DESIGNS / "pusher.yaml"), "none.yaml")
     assert status == 2
     assert err.startswith("none.yaml: cannot be read")
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (lambda phi: 1.0 + 0.05 * phi, "does not come back at the end of the cycle"),
+        (lambda phi: np.where(phi < 2.0, 1.0, 1.2), "jumps"),
+        (lambda phi: 1.0 + 0.3 * np.exp(-(((phi - 3.3217) / 0.001) ** 2)), "narrow peak"),
+        (lambda phi: 1.0 + 0.1j * np.sin(phi), "real number .*complex"),
+        (lambda phi: "1", "real number .*str"),
+        (lambda phi: None, "no finite value|real number"),
+        (lambda phi, other: 1.0, "real number .*other"),
+        (lambda phi: [1.0, 2.0], "real number"),
+    ],
+)
+def test_a_function_that_no_law_follows_is_refused_by_its_key(function: Any, said: str) -> None:
+    with pytest.raises(WrongInput, match=said) as refused:
+        ncgear.load(with_law(law="table", ratio=function, scale_to_close=True))
+    assert refused.value.key == "motion.ratio"
+
+
+def test_what_is_no_design_is_refused_in_words() -> None:
+    endless: dict[str, Any] = {"name": "x"}
+    endless["motion"] = endless
+    for given, said in ((None, "NoneType given"), ([1], "list given"), (endless, "levels deep")):
+        with pytest.raises(WrongInput, match=said):
+            ncgear.load(given)  # type: ignore[arg-type]
+    two = ncgear.compare(EVEN, with_law(law="harmonic_ratio", cosine=[0.1]))
+    with pytest.raises(WrongInput, match="no figure of these designs"):
+        two.percent("nope")
+    with pytest.raises(WrongInput, match="displacement, velocity"):
+        ncgear.plots.compared(two, "nope")

@@ -343,3 +343,15 @@ def test_a_lock_is_held_by_one(path: Path) -> None:
         assert not locked(other.fileno(), wait=False)
         one.close()
         assert locked(other.fileno(), wait=False)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root gives files away")
+def test_a_saved_file_belongs_to_whom_it_belonged(path: Path, soon: None) -> None:
+    os.chown(path, 1000, 1000)
+    os.setxattr(path, "user.kept", b"yes")
+    before = path.stat()
+    design_on_disk(path).saved("name: again\n")
+    after = path.stat()
+    assert (after.st_uid, after.st_gid, after.st_mode) == (1000, 1000, before.st_mode)
+    assert after.st_mtime_ns > before.st_mtime_ns
+    assert os.getxattr(path, "user.kept") == b"yes"

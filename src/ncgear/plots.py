@@ -28,6 +28,7 @@ from ncgear.drawings.plots.assembled_pair import (
     draw_whole,
 )
 from ncgear.drawings.side_by_side import draw_side_by_side
+from ncgear.errors import WrongInput
 from ncgear.figures.side_by_side import SideBySide
 from ncgear.project.drive import Drive
 
@@ -78,8 +79,11 @@ def compared(found: SideBySide, quantity: str = "acceleration", axes: Axes | Non
 
     The quantity is one of displacement, velocity, acceleration, load, power and ratio.
     """
+    known = {one.name.lower(): one for one in Quantity}
+    if quantity not in known:
+        raise WrongInput(f"{quantity!r} given; {', '.join(known)} are right", key="quantity")
     axes = axes or _own_axes()
-    angle_scale([axes], draw_side_by_side(axes, found, Quantity[quantity.upper()]))
+    angle_scale([axes], draw_side_by_side(axes, found, known[quantity]))
     return axes
 
 

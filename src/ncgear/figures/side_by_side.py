@@ -65,6 +65,8 @@ class SideBySide:
 
     def percent(self, key: str) -> tuple[float | None, ...]:
         """By how many percent each other figure is over that of the first design; None where there is no such share."""
+        if key not in self.keys:
+            raise WrongInput(f"{key!r} is no figure of these designs; {', '.join(self.keys)} are", key=key)
         first, *others = (own.get(key) for own in self.figures)
         return tuple(100.0 * (other / first - 1.0) if other is not None and first else None for other in others)
 

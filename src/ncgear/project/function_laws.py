@@ -46,6 +46,10 @@ FEWEST, MOST = 64, 1024
 NEAR = 1e-9
 """Share of the greatest value by which the law may miss a function between the points."""
 
+FARTHEST = 0.01
+"""Share of the greatest value by which a law may miss a function with a corner.  Where it misses by more the function
+jumps, does not come back at the end of the cycle, has a pole, or a peak between the points."""
+
 BETWEEN = 8
 """Angles between two points at which that is measured."""
 
@@ -146,8 +150,15 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
             phi1 = _with_top(phi1, _called(function, phi1, key), function, key)
         values = {"phi1_rad": phi1.tolist(), key.removeprefix("motion."): _called(function, phi1, key).tolist()}
         drive = _drive({**data, "motion": {**data["motion"], **values}})
-        error = _missed(drive, phi1, cycle, function, key, scaled=bool(data["motion"].get("scale_to_close")))
+        error, at_rad = _missed(drive, phi1, cycle, function, key, scaled=bool(data["motion"].get("scale_to_close")))
         if error <= NEAR or 2 * count > MOST:
+            if not error <= FARTHEST:
+                raise WrongInput(
+                    f"through {phi1.size} points of the function the law is off by {error:.2g} of its greatest value "
+                    f"near phi1 = {at_rad:.4g} rad: there it jumps, has a pole or a narrow peak, or does not come back "
+                    f"at the end of the cycle; a function that the law follows to {FARTHEST:g} is right",
+                    key=key,
+                )
             followed = Followed(key, "", phi1.size, error, *_decay(partial(_called, function, key=key), cycle))
             return Drive(drive.design, loaded=drive.loaded, followed=followed)
         count *= 2
@@ -185,15 +196,27 @@ def _called(function: Function, phi1: Array, key: str) -> Array:
     """The function at angles, called with all of them, or one by one if it takes no arrays."""
     with np.errstate(all="ignore"):
         try:
-            values = np.asarray(function(phi1), dtype=float)
-            if values.shape != phi1.shape:
-                raise TypeError
+            values = _real(function(phi1), phi1.shape)
         except (TypeError, ValueError):
-            values = np.array([float(function(angle)) for angle in phi1.tolist()])
+            try:
+                values = _real([function(angle) for angle in phi1.tolist()], phi1.shape)
+            except (TypeError, ValueError) as error:
+                raise WrongInput(
+                    f"a function that gives a real number for phi1 in rad is right ({error})", key=key
+                ) from error
     if not np.all(np.isfinite(values)):
         at = float(phi1[int(np.argmin(np.isfinite(values)))])
         raise WrongInput(f"the function has no finite value at phi1 = {at:.6g} rad", key=key)
     return values
+
+
+def _real(given: Any, shape: tuple[int, ...]) -> Array:
+    """Values as numbers; raises TypeError or ValueError where they are complex, texts, or another number of them."""
+    found = np.asarray(given)
+    if found.shape != shape or found.dtype.kind not in "fiubO":
+        raise TypeError(f"it gives {type(given[0] if isinstance(given, list) else given).__name__}")
+    numbers: Array = found.astype(float)
+    return numbers
 
 
 def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array:
@@ -207,8 +230,10 @@ def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array
     return np.sort(np.append(phi1[np.abs(phi1 - end) > step / 4.0], end))
 
 
-def _missed(drive: Drive, phi1: Array, cycle: float, function: Function, key: str, *, scaled: bool) -> float:
-    """The greatest difference of law and function between the points, over the function's greatest value."""
+def _missed(
+    drive: Drive, phi1: Array, cycle: float, function: Function, key: str, *, scaled: bool
+) -> tuple[float, float]:
+    """The greatest difference of law and function between the points, over the function's greatest value, and where."""
     width = np.diff(np.append(phi1, cycle))
     between = (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
     wanted = _called(function, between, key)
@@ -218,4 +243,5 @@ def _missed(drive: Drive, phi1: Array, cycle: float, function: Function, key: st
         found *= np.mean(wanted / found) if scaled else 1.0
     else:
         found = drive.linkage.OUTPUT.place.factor * drive.machine.displacement(between, 0).value
-    return float(np.max(np.abs(found - wanted)) / np.max(np.abs(wanted)))
+    off = np.abs(found - wanted) / np.max(np.abs(wanted))
+    return float(np.max(off)), float(between[np.argmax(off)])

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from ncgear.design.reading.design_file import load as load_design
 from ncgear.design.reading.design_file import parsed
+from ncgear.errors import WrongInput
 from ncgear.project.drive import Drive
 from ncgear.project.function_laws import drive_of
 
@@ -31,6 +33,10 @@ def load(given: str | Path | Mapping[str, Any]) -> Drive:
     """
     if isinstance(given, Mapping):
         return drive_of(given)
+    if not isinstance(given, str | PathLike):
+        raise WrongInput(
+            f"{type(given).__name__} given; the path of a design file, or a mapping with its keys, is right"
+        )
     loaded = load_design(Path(given))
     return Drive(loaded.design, loaded=loaded)
 

@@ -15,6 +15,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
+from shutil import copystat
 from stat import S_IMODE
 from time import sleep
 
@@ -118,6 +119,7 @@ class DesignOnDisk:
         """Exchange the file for a new one, and look whether what came away is the former one."""
         mode = S_IMODE(self.path.stat().st_mode)
         written = written_beside(self.path, content, mode)
+        _belong_as(written, self.path)
         written.chmod(mode)
         new = hidden(self.path, f".{_digest(former)}-{_digest(content)}{SAVING}")
         written.replace(new)
@@ -136,6 +138,16 @@ class DesignOnDisk:
         sync_folder(self.path.parent)
         if (found := self._found()) != content:
             raise self._changed(found)
+
+
+def _belong_as(new: Path, former: Path) -> None:
+    """Give a file the owner, the group and the extended attributes of another one, as far as the system allows."""
+    before, now = former.stat(), new.stat()
+    with suppress(OSError, AttributeError):
+        os.chown(new, before.st_uid, before.st_gid)
+    with suppress(OSError):
+        copystat(former, new)
+        os.utime(new, ns=(now.st_atime_ns, now.st_mtime_ns))
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from ncgear.design.reading.design_file import FILES, LoadedDesign
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Document, Place, Source
 from ncgear.design.reading.points import values_from_files
+from ncgear.design.reading.yaml import DEEPEST
 from ncgear.errors import WrongInput
 
 NOWHERE = Place("", 0, 0)
@@ -37,6 +38,8 @@ def plain(value: Any, key: str = "") -> Any:
 
     Raises WrongInput for keys that are no text.
     """
+    if key.count(".") >= DEEPEST:
+        raise WrongInput(f"nested over {DEEPEST} levels deep; no key of ncgear needs over five", key=key.split(".")[0])
     if isinstance(value, Mapping):
         for name in value:
             if not isinstance(name, str):
