@@ -297,12 +297,26 @@ def _reversals(drive: Drive) -> IndexArray:
     placement = placement_of(drive)
     if not _is_loaded(drive):
         return np.arange(placement.count)
-    sign = np.sign(drive.tooth_load.torque_n_mm(placement.phi1_rad))
+    sign = _sides(drive.tooth_load.torque_n_mm(placement.phi1_rad))
     if placement.toothed is not None:
         turning = np.flatnonzero(sign[1:] * sign[:-1] < 0.0)
         return np.unique(np.concatenate([[0], turning, turning + 1, [placement.count - 1]]))
     turning = np.flatnonzero(sign * np.roll(sign, -1) < 0.0)
     return np.unique(np.concatenate([turning, (turning + 1) % placement.count]))
+
+
+NO_TORQUE = 1e-9
+"""Share of the greatest torque that counts as none: a million rounding errors of it."""
+
+
+def _sides(torque_n_mm: Array) -> Array:
+    """The sign of a torque at positions around a turn, shape (n,); where it counts as none, that of the one before."""
+    sign = np.sign(np.where(np.abs(torque_n_mm) > NO_TORQUE * np.abs(torque_n_mm).max(), torque_n_mm, 0.0))
+    known = np.flatnonzero(sign)
+    if not known.size:
+        return sign
+    kept: Array = sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
+    return kept
 
 
 def _needed(

@@ -290,6 +290,10 @@ FINEST_IN_MODULES, COARSEST_IN_MODULES = 1e-7, 0.05
 """Chord tolerances that may be given: finer ones are lost in single precision, as STL has it, and with coarser ones
 outlines, which may overlap by as much, are no teeth: a fifth of a usual tip clearance."""
 
+NARROWEST_IN_MODULES = 5e-4
+"""The narrowest band of tooth thickness: a micrometre at module 2, to which master gears are ground.  Outlines within a
+tenth of it have ten times the usual points."""
+
 COARSEST_IN_BAND = 0.2
 """The coarsest chord tolerance, in widths of the band of tooth thickness: chords c inside both flanks of a tooth take
 2 c / cos(alpha) off its thickness and let pins sink as that does, which at alpha = 20 deg is 0.85 of half the band.
@@ -314,11 +318,11 @@ class Output(Model):
         """
         given, band = self.chord_tolerance_mm, inf if band_mm is None else band_mm
         finest, coarsest = FINEST_IN_MODULES * module_mm, COARSEST_IN_MODULES * module_mm
-        in_band = COARSEST_IN_BAND * band
-        if in_band / 2.0 < finest:
+        in_band, narrowest = COARSEST_IN_BAND * band, NARROWEST_IN_MODULES * module_mm
+        if band < narrowest:
             raise WrongInput(
-                f"the band of tooth thickness is {band:.3g} mm wide, too narrow for chords of outlines; "
-                f"{shown_above(2.0 * finest / COARSEST_IN_BAND, 3)} mm or more, or twice the same limit, is right",
+                f"the band of tooth thickness is {band:.3g} mm wide, which no process holds, and too narrow for chords "
+                f"of outlines; {shown_above(narrowest, 3)} mm or more, or twice the same limit, is right",
                 key="gears.tolerances.tooth_thickness_lower_mm",
             )
         if given is None:

@@ -6,6 +6,7 @@ from math import degrees
 
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import placed, to_digits
+from ncgear.numerics.bounds import shown_above
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
 from ncgear.project.strengthening import (
@@ -48,14 +49,20 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         (Where(first.gear.value, (first.tooth,), ((at, at),)),),
         f"the teeth do not hold {load}: tooth {first.tooth} of the {first.gear.value} gear has "
         f"{to_digits(first.stress_mpa, 3)} MPa at phi1 = {placed(at)} deg and endures "
-        f"{to_digits(first.endured_mpa, 3)} MPa, a safety of {to_digits(first.safety, 2)} against "
+        f"{to_digits(first.endured_mpa, 3)} MPa, a safety of {_under(first.safety, first.wanted)} against "
         f"{first.damage.words} where {first.wanted:g} is wanted" + (f" (also {'; '.join(also)})" if also else ""),
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
         "ncgear strength computes what would do",
         _sizes(drive, face_width_factor(rating.weakest), module_factor(rating.weakest)),
-        brief=f"the teeth do not hold: safety {to_digits(first.safety, 2)} against {first.damage.words}, "
+        brief=f"the teeth do not hold: safety {_under(first.safety, first.wanted)} against {first.damage.words}, "
         f"{first.wanted:g} wanted",
     )
+
+
+def _under(safety: float, wanted: float) -> str:
+    """A safety under the wanted one, in two digits or as many as tell that it is."""
+    told = (to_digits(safety, digits) for digits in range(2, 10))
+    return next((text for text in told if float(text) < wanted), f"just under {wanted:g}")
 
 
 def rough(drive: Drive) -> Advice | NotJudged | None:
@@ -78,7 +85,7 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
         more = f"; how much under is not told, since {found.needs_teeth}"
     else:
         said, stress = f"{teeth} will hardly hold", f" with {to_digits(first.stress_mpa, 2)} MPa"
-        safety = f"safety about {to_digits(first.safety, 2)} against {damage}, {first.wanted:g} wanted"
+        safety = f"safety about {_under(first.safety, first.wanted)} against {damage}, {first.wanted:g} wanted"
         more = ""
     meaning = "ncgear strength computes every tooth"
     if found.unjudged:
@@ -133,10 +140,10 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
         return (Remedy("take a stronger material or more pairs of gears: no usual size of these would do"),)
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
-        about = f"about {to_digits(module, 2)} mm"
+        about = f"about {shown_above(module, 2)} mm"
         found.insert(0, Remedy(f"take a module of {about} with as many teeth", short=f"module {about}"))
     if width <= WIDEST_MODULES * size.module_mm:
-        about = f"about {to_digits(width, 2)} mm"
+        about = f"about {shown_above(width, 2)} mm"
         found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}"))
     return tuple(found)
 
