@@ -10,6 +10,7 @@ import pytest
 from commands import Run, on_text
 from drives import drive, drive_of_text
 from ncgear.figures.advice import strength_advice
+from ncgear.figures.advice.strength_advice import _under
 from ncgear.figures.advice.values import Advice, NotJudged
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import build_answer
@@ -376,3 +377,11 @@ def test_a_load_that_no_gears_of_usual_size_bear_asks_for_others(run: Run) -> No
     _, weak, _ = on_text(run, "check", "--verbose")(TEXT.replace("1500", "1e11"))
     assert "To change it: take a stronger material or more pairs of gears" in " ".join(weak.split())
     assert "ncgear size" not in weak
+
+
+@pytest.mark.parametrize(
+    ("safety", "wanted", "told"), [(1.36, 2.0, "1.4"), (1.99849, 2.0, "1.998"), (1.3997, 1.4, "1.3997")]
+)
+def test_a_safety_under_the_wanted_one_is_told_with_digits_that_say_so(safety: float, wanted: float, told: str) -> None:
+    assert _under(safety, wanted) == told
+    assert _under(wanted * (1.0 - 1e-15), wanted) == f"just under {wanted:g}"

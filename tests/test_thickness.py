@@ -26,6 +26,8 @@ from shapely import Polygon, affinity
 from commands import new_folder
 from drives import design_of, loaded
 from ncgear.errors import WrongInput
+from ncgear.figures.advice.made_advice import made
+from ncgear.figures.advice.values import Advice
 from ncgear.files.build import build
 from ncgear.files.workshop.formats import Format
 from ncgear.pitch.shape import Gear
@@ -209,6 +211,9 @@ def test_chords_too_coarse_for_the_band_are_refused(band: tuple[float, float], c
     with pytest.raises(WrongInput, match="too narrow for chords") as narrow:
         _ = with_chords((band[0], band[0] + 1e-6), None).chord_tolerance_mm
     assert narrow.value.key == "gears.tolerances.tooth_thickness_lower_mm"
+    said = made(with_chords((band[0], band[0] + 1e-6), None))
+    assert isinstance(said, Advice)
+    assert "too narrow for chords" in said.what
 
 
 @pytest.mark.slow

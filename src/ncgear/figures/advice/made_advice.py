@@ -12,6 +12,8 @@ def made(drive: Drive) -> Advice | NotJudged:
     """The refusal of the pitch curves, or of gears that were made for their inertia; else only teeth can tell."""
     try:
         require_pushing_flanks(drive.pitch, drive.gears.rack)
+        # Chords out of proportion to the teeth, or to the band of their thickness, are refused
+        _ = drive.chord_tolerance_mm
     except DesignError as refusal:
         return _refused(refusal)
     if drive.design.masses is not None and not drive.design.motion.is_open:
