@@ -75,7 +75,7 @@ def in_its_place(key: str) -> Iterator[None]:
     """Say in words of the design file that it has no place for a value."""
     try:
         yield
-    except (YAMLError, AttributeError, TypeError, ValueError, LookupError) as error:
+    except (WrongInput, YAMLError, AttributeError, TypeError, ValueError, LookupError) as error:
         raise WrongInput("the text has no place for this value; mend the text first", key=key) from error
 
 
