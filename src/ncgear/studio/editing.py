@@ -75,7 +75,9 @@ def in_its_place(key: str) -> Iterator[None]:
     """Say in words of the design file that it has no place for a value."""
     try:
         yield
-    except (WrongInput, YAMLError, AttributeError, TypeError, ValueError, LookupError) as error:
+    except WrongInput as error:
+        raise WrongInput(f"the text {error.problem}; mend the text first", key=key) from error
+    except (YAMLError, AttributeError, TypeError, ValueError, LookupError) as error:
         raise WrongInput("the text has no place for this value; mend the text first", key=key) from error
 
 
