@@ -348,10 +348,13 @@ def test_a_lock_is_held_by_one(path: Path) -> None:
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root gives files away")
 def test_a_saved_file_belongs_to_whom_it_belonged(path: Path, soon: None) -> None:
     os.chown(path, 1000, 1000)
-    os.setxattr(path, "user.kept", b"yes")
-    before = path.stat()
+    os.utime(path, (1.0, 1.0))
+    with suppress(OSError):
+        # Not every file system has attributes.
+        os.setxattr(path, "user.kept", b"yes")
+    before, attributes = path.stat(), os.listxattr(path)
     design_on_disk(path).saved("name: again\n")
     after = path.stat()
     assert (after.st_uid, after.st_gid, after.st_mode) == (1000, 1000, before.st_mode)
-    assert after.st_mtime_ns > before.st_mtime_ns
-    assert os.getxattr(path, "user.kept") == b"yes"
+    assert after.st_mtime > 1e9
+    assert os.listxattr(path) == attributes
