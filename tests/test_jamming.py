@@ -22,7 +22,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import backlash_needed, jamming_of
 from ncgear.project.tolerance import lot_of
-from ncgear.project.tolerance_limits import left_of_backlash, limits_of, rounded_up
+from ncgear.project.tolerance_limits import left_of_backlash, limits_of
 from ncgear.project.usual_tolerances import Process, process_of, tolerances_of
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
@@ -172,11 +172,6 @@ def test_what_all_positions_share_is_told_from_the_rest() -> None:
     found = needed(0.01 - 0.7 * shared[0] + 0.02 * shared[1] + rest, shared)
     assert found.deviation == pytest.approx(0.002, rel=0.1)
     assert found.shared == pytest.approx(0.01 - 0.7 * shared[0] + 0.02 * shared[1], abs=5e-4)
-
-
-@pytest.mark.parametrize(("value", "step", "told"), [(0.0501, 0.005, 0.055), (0.05, 0.005, 0.05), (0.0, 0.005, 0.0)])
-def test_a_backlash_is_rounded_up(value: float, step: float, told: float) -> None:
-    assert rounded_up(value, step) == told
 
 
 # --- the advice ------------------------------------------------------------------------------------------------

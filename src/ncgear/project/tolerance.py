@@ -12,8 +12,9 @@ from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.bounds import rounded_up
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, nothing, rounded_up
+from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, nothing
 from ncgear.project.usual_tolerances import Process, tolerances_of
 from ncgear.solids.helical.sections import said_of_section
 from ncgear.teeth.gear import ToothedPair, toothed_pair

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, cos, degrees, radians
+from math import cos, degrees, radians
 
 import numpy as np
 
@@ -107,8 +107,3 @@ def left_of_backlash(pair: Drive, least_play_rad: Array, least_arm_mm: float) ->
     lower, upper = thickness_limits_mm(pair.gears) or (0.0, 0.0)
     thicker_rad = (upper - lower) * cos(pair.rack.angles_rad[1]) / least_arm_mm
     return np.asarray(unit * (least_play_rad - pair.play.driven_rad - thicker_rad))
-
-
-def rounded_up(value: float, step: float) -> float:
-    """The least multiple of a step that is not below a value, as far as six digits of it tell."""
-    return float(f"{step * ceil(round(value / step, 6)):.12g}")
