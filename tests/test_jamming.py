@@ -13,7 +13,6 @@ from scipy.stats import norm
 
 import ncgear
 from drives import design_of, drive, loaded
-from ncgear.contact.placement import BACK
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances, Temperatures
 from ncgear.errors import DesignError
 from ncgear.figures.advice.assembly_advice import jams
@@ -45,8 +44,7 @@ def drawn_needs(one: Drive) -> Array:
     """The backlash that each of many drawn assemblies of a machine needs, as ncgear tolerance finds it."""
     lot = lot_of(one, tolerances_of(one)[0])
     found = assemblies_of(lot, drawn_evenly(SAMPLES, 3, len(lot.pairs)), Workers())
-    of_pairs = zip(one.by_stage, lot.pairs, found.pairs, strict=True)
-    left = [left_of_backlash(p, own.least_play_rad, float(of.mesh.arm_mm[BACK].min())) for p, of, own in of_pairs]
+    left = [left_of_backlash(p, own.least_play_rad) for p, own in zip(one.by_stage, found.pairs, strict=True)]
     return -np.minimum.reduce(left)
 
 
@@ -139,7 +137,7 @@ def test_an_estimate_that_forgets_a_source_is_off(forgotten: str) -> None:
 
     def of(teeth: Teeth) -> tuple[float, float]:
         plays = plays_of(teeth, 0)
-        return off((needed(-left_of_backlash(one, plays.least_rad, plays.least_arm_mm), plays.shared),), drawn)
+        return off((needed(-left_of_backlash(one, plays.least_rad), plays.shared),), drawn)
 
     share, backlash = of(teeth_of(one))
     assert share < SHARE_OFF

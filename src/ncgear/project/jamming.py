@@ -118,7 +118,7 @@ def _needed(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Needed:
         pair.gears.drives == "both_ways",
     )
     plays = plays_of(teeth, seed)
-    return needed(-left_of_backlash(pair, plays.least_rad, plays.least_arm_mm), plays.shared)
+    return needed(-left_of_backlash(pair, plays.least_rad), plays.shared)
 
 
 def _leaves_teeth(whole: Drive, changes: dict[str, float]) -> bool:
