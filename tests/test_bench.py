@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import cache, partial
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,11 @@ import shapely
 from scipy.integrate import quad
 from shapely import Polygon
 
+import ncgear
 from commands import Run
 from drives import DESIGNS, drive, drive_of_text
+from ncgear.contact.placement import placed
+from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
 from ncgear.figures.answers.answer import COLUMNS, LINES, answer_text
 from ncgear.figures.answers.bench import bench_answer
 from ncgear.pitch.shape import Gear
