@@ -67,7 +67,9 @@ def of_motion_wishes(machine: WishedMachine, wishes: Sequence[Wish]) -> Iterator
                     yield _deceleration(machine, wish, asked)
                 case TimeWithin():
                     # Those of a gentle stretch only say where it is, so that a soft one counts by its bound alone
-                    yield from _times(machine, replace(wish, weight=None) if isinstance(wish, GentleStretch) else wish, asked)
+                    yield from _times(
+                        machine, replace(wish, weight=None) if isinstance(wish, GentleStretch) else wish, asked
+                    )
 
 
 def _level(
@@ -147,9 +149,7 @@ def _deceleration(machine: WishedMachine, wish: Wish, asked: DecelerationWithin)
         forwards = slider.first / abs(slider.first)
         return (-forwards * acceleration(at, slider, machine.speed_rad_s) / asked.most_mm_s2 - 1.0,)
 
-    return _level(
-        wish, Kind.PEAK, asked.stretch, sides, lambda level: deceleration_offer(wish, asked, 1.0 + level)
-    )
+    return _level(wish, Kind.PEAK, asked.stretch, sides, lambda level: deceleration_offer(wish, asked, 1.0 + level))
 
 
 def deceleration_offer(wish: Wish, asked: DecelerationWithin, factor: float) -> Offer:
