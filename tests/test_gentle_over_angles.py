@@ -172,6 +172,20 @@ def test_the_crank_angles_are_moved_to_where_the_law_is_best() -> None:
     assert float(there.reached[0]) * unit > 1.02 * value
 
 
+@pytest.mark.tiers(slow=["deceleration"], rest="long")
+@pytest.mark.parametrize("wish", [SLOW, STOP], ids=["speed", "deceleration"])
+def test_a_soft_one_costs_no_more_than_the_hard_one(wish: GentleStretch) -> None:
+    """Of each weight, since the hard law is one of those that it may choose; it is kept more nearly by a greater one."""
+    most, (_, hard, _) = outcome(best(wish)[2], wish).most, best(wish)
+    missed = []
+    for weight in (0.1, 3.0):
+        limit, value, machine = best(replace(wish, weight=weight))
+        missed.append(max(sampled(machine, wish) / most - 1.0, 0.0))
+        assert limit <= value * (1.0 + weight * missed[-1]) <= 1.002 * hard
+    assert missed[1] <= missed[0] + 1e-3
+    assert missed[1] < 1e-3
+
+
 HEAD: dict[str, Any] = {
     "name": "d",
     "linkage": {"crank_mm": 380, "rod_mm": 960},
