@@ -249,7 +249,7 @@ def undercut_by(deeper_mm: float, undercut: str) -> Data:
     return merged(SMALL, {"gears": gears})
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("undercut", ["avoid", "allow"])
 @pytest.mark.parametrize(("deeper_mm", "matters"), [(0.0005, False), (0.05, True)])
 def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: float, matters: bool) -> None:
@@ -391,7 +391,7 @@ def test_a_law_stated_at_another_speed_than_the_given_one_is_a_remark() -> None:
     assert "v2 is 624.9 mm/s" in advice.line
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "given", "kind", "left"),
     [
@@ -425,7 +425,7 @@ def test_a_resistance_that_is_said_to_be_negative_is_a_remark() -> None:
         assert (advice.matters, advice.remedies) == (False, ())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_gentler_law_is_not_advised_where_it_would_miss_a_wish_that_is_kept() -> None:
     """This law comes back several times as fast as it works, and a gentler one a little less so."""
     data = merged(SMALL, {"motion": {"law": "harmonic_ratio", "sine": [1.9]}})

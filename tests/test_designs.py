@@ -34,8 +34,7 @@ BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)
 
 every_design = pytest.mark.parametrize("name", BUILT)
 in_tiers = pytest.mark.tiers(
-    quick=["ellipse*", "spiral-pair*"],
-    thorough=["baler", "baler-check*", "baler-d*", "baler-pitch*"],
+    quick=["ellipse*"],
     rest="slow",
 )
 """A build takes seconds; the slow ones resemble the others."""

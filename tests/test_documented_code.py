@@ -18,7 +18,7 @@ from ncgear.errors import WrongInput
 from tiers import long_but
 
 LONG = ("frontier", "optimize", "simulate", "new", "size", "strength", "baler")
-THOROUGH = ["README.md", "docs/commands/balance.md"]
+THOROUGH = ["docs/commands/balance.md"]
 
 
 @pytest.fixture

@@ -400,7 +400,7 @@ def test_inertia_has_the_slope_that_it_says_and_the_energy_of_the_cycle() -> Non
     assert abs(difference) <= 1e-10 * asked.fluctuation.work_n_mm
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_energy_of_losses_is_the_work_that_is_asked_for_more() -> None:
     """To 1e-9: work with friction = useful work + teeth + guide; without friction there is no loss."""
     losses = demand().losses
@@ -696,7 +696,7 @@ def test_the_command_tells_what_does_not_hold(run: Run) -> None:
     assert "Power take-off" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [0.0, 7000.0, 60000.0])
 def test_the_disc_is_what_the_flywheel_of_the_file_lacks(given: float) -> None:
     """By m d^2 / 8; with all that the wanted fluctuation needs on the shaft there is no disc."""

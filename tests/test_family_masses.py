@@ -129,7 +129,7 @@ def driven_angle_of(optimum: FamilyOptimum) -> Callable[[Array], Array]:
     return lambda phi1: optimum.law.transmission.driven_angle(phi1).value
 
 
-@pytest.mark.tiers(thorough=["in line-True"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("inverse", [False, True])
 @pytest.mark.parametrize("name", LINKAGES)
 def test_sampled_power_is_that_of_the_energy(name: str, inverse: bool) -> None:

@@ -288,7 +288,7 @@ def test_helical_and_open_gears_that_break_are_warned_of_and_others_are_not_judg
             assert "against breaking at once" in strong.why
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_too_fast_for_the_dynamic_factor_are_judged_without_it() -> None:
     """As the same file with a dynamic factor of 1 has them: the largest tension of each gear, and K_V in its range is
     what it was."""

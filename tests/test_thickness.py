@@ -273,7 +273,7 @@ def test_play_over_the_band_is_what_shapely_finds_by_turning() -> None:
     assert thinnest > 1.5 * thickest
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_pushing_flanks_keep_the_law_over_the_whole_band() -> None:
     for at in changed("ellipse", BANDS["ellipse"]).thickness_band:
         assert at.extremes.pushing_error_rad.width < 1e-9
@@ -283,7 +283,7 @@ def test_pushing_flanks_keep_the_law_over_the_whole_band() -> None:
         assert at.play.least_normal_mm.value == pytest.approx(least, rel=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_strength_simulation_and_assemblies_are_those_of_the_middle() -> None:
     """One truth: whoever asks the drive for teeth has those that are written."""
     one, same = changed("ellipse", (-0.09, -0.03)), changed("ellipse", (-0.06, -0.06))
@@ -308,7 +308,7 @@ def test_teeth_that_would_jam_or_vanish_are_refused(band: tuple[float, float], k
     assert remedy in str(refused.value)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_that_just_do_not_jam_are_made() -> None:
     """0.06 mm of backlash along the normal is 0.0319 mm along the pitch curve of each gear."""
     band = changed("ellipse", (-0.02, 0.0319)).thickness_band
