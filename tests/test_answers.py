@@ -10,7 +10,7 @@ import pytest
 
 import reports
 from commands import ROOT, Run
-from drives import DESIGNS, drive, loaded
+from drives import DESIGNS, designs_with, drive, loaded
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.advice.verdict import Judged, Known, Verdict, judged, together
 from ncgear.figures.answers.answer import (
@@ -34,16 +34,8 @@ from tiers import long_but
 
 NAMED = [path.stem for path in sorted(DESIGNS.glob("*.yaml"))]
 BALANCES = sorted(path.stem for path in (DESIGNS / "balance").glob("*.yaml"))
-
-
-def with_section(*sections: str) -> list[str]:
-    """Designs with one of some sections; by their text, as to load all of them takes each worker a second."""
-    begins = re.compile(rf"^({'|'.join(sections)}):", flags=re.MULTILINE)
-    return [name for name in NAMED if begins.search((DESIGNS / f"{name}.yaml").read_text(encoding="utf-8"))]
-
-
-WITH_MASSES = with_section("masses")
-LOADED = with_section("masses", "resistance")
+WITH_MASSES = designs_with("masses")
+LOADED = designs_with("masses", "resistance")
 QUICK = ["pusher", "baler", "desk-toy"]
 
 

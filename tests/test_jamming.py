@@ -106,7 +106,7 @@ OTHER_CASES = [
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        pytest.param(*case, marks=[pytest.mark.long] * (number % 3 > 0))
+        pytest.param(*case, marks=[pytest.mark.long] * (number % 5 > 0))
         for number, case in enumerate(USUAL_CASES + OTHER_CASES)
     ],
 )

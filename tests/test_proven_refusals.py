@@ -192,7 +192,7 @@ def with_teeth(data: Data, teeth: int) -> Data:
     return {**data, "gears": {**gears, "teeth": teeth, "module_mm": gears["module_mm"] * gears["teeth"] / teeth}}
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(long=["notches"], rest="slow")
 @pytest.mark.parametrize(
     "data",
     [

@@ -138,7 +138,7 @@ def within(found: dict[Damage | None, float]) -> bool:
     return all(0.8 <= ratio <= 1.1 for ratio in found.values())
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(long=["baler-half*", "baler-real", "baler-66*", "baler-8*", "baler-s*"], rest="slow")
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize("name", LOADED)
 def test_a_design_beside_the_estimate_with_teeth(name: str) -> None:
@@ -236,6 +236,7 @@ def test_what_only_teeth_tell_is_said(gears: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.judges("strength")
+@pytest.mark.tiers(slow=["33-*"], rest="long")
 @pytest.mark.parametrize(("teeth", "module", "load"), [(33, 2.0, 900), (52, 1.5, 2600)])
 def test_the_static_root_stress_of_helical_teeth_beside_finite_elements(teeth: int, module: float, load: int) -> None:
     """Plane elements on the outlines of straight teeth of the same section."""

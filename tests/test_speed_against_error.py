@@ -74,11 +74,12 @@ def test_a_study_is_known_by_its_own_key(key: str) -> None:
     assert STUDIES[key]().key == key
 
 
-@pytest.mark.tiers(slow=["pitch-length-baler", "driven-angle-ellipse", "curvature-baler", "closure"], rest="thorough")
-@pytest.mark.parametrize(
-    "key",
-    [pytest.param(key, marks=pytest.mark.slow if key == "driven-angle-return" else ()) for key in BOUNDS],
+@pytest.mark.tiers(
+    slow=["pitch-length-baler", "driven-angle-ellipse", "curvature-baler", "closure"],
+    long=["driven-angle-return"],
+    rest="thorough",
 )
+@pytest.mark.parametrize("key", BOUNDS)
 def test_what_ncgear_does_is_exact(key: str) -> None:
     assert of(key).chosen[1].error <= BOUNDS[key]
 

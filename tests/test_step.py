@@ -109,6 +109,7 @@ def test_ellipse_sections_are_the_exact_outlines() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_baler_sections_are_the_exact_outlines() -> None:
     require_both("baler")
 

@@ -179,7 +179,7 @@ def with_chords(band: tuple[float, float], chord_mm: float | None, module_mm: fl
 
 
 @pytest.mark.judges("files")
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["band1"], rest="long")
 @pytest.mark.parametrize("band", [(-0.062, -0.047), (-0.031, -0.027)])
 def test_chords_that_are_left_out_keep_pins_in_the_middle_half_of_the_band(band: tuple[float, float]) -> None:
     drive, folder = with_chords(band, None), new_folder()
@@ -216,11 +216,17 @@ def test_chords_too_coarse_for_the_band_are_refused(band: tuple[float, float], c
     assert "too narrow for chords" in said.what
 
 
+@cache
+def drawn() -> Path:
+    folder = new_folder()
+    build(changed("ellipse", BANDS["ellipse"]), folder, lambda step: None, [Format.DRAWING])
+    return folder
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_the_picture_dimensions_the_band_of_the_table(gear: str) -> None:
-    folder = new_folder()
-    build(changed("ellipse", BANDS["ellipse"]), folder, lambda step: None, [Format.DRAWING])
+    folder = drawn()
     (found,) = re.findall(r"([\d.]+) to ([\d.]+) over 2 pins \u00d8([\d.]+) \((\d+), (\d+)\)", _texts(folder, gear))
     diameter, _, rows = told(folder, gear)
     (row,) = (row for row in rows if tuple(row[:2]) == (float(found[3]), float(found[4])))

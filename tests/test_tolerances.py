@@ -914,7 +914,7 @@ DECIDES = {"index_driven": {"motion_error", "peak_acceleration"}}
 """What a single source makes vary, where it is not everything: the driven keyway only sets off the output."""
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(long=["index_driven", "eccentricity_driven", "tilt_driven"], rest="slow")
 @pytest.mark.parametrize("source", SINGLE)
 def test_all_of_the_variance_is_that_of_a_single_source(source: str, run: Run, tmp_path: Path) -> None:
     """By definition of the total index; and the spread of the play by first order is that source's alone."""

@@ -29,8 +29,8 @@ PLAIN: dict[str, Any] = {
     "operation": {"speed_rpm": 45},
     "motion": {"law": "harmonic_ratio", "cosine": [0.1], "sine": [0.12]},
     "gears": {
-        "teeth": 42,
-        "module_mm": 2,
+        "teeth": 28,
+        "module_mm": 3,
         "face_width_mm": 16,
         "backlash_mm": 0.15,
         "driving_axis_deg": 180,
