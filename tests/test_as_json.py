@@ -214,6 +214,7 @@ READING = [name for name in CASES if name != "reproduce"]
 
 
 # A sweep only counts the designs that are impossible.
+@pytest.mark.tiers(slow=["3-optimize"], rest="quick")
 @pytest.mark.parametrize(
     ("status", "name"), [*((2, name) for name in READING), *((3, name) for name in READING if name != "sweep")]
 )

@@ -206,6 +206,7 @@ def test_the_text_has_every_group_and_table() -> None:
     assert "None" not in text
 
 
+@pytest.mark.slow
 def test_the_report_shows_measurements_to_a_tenth_of_a_micrometre() -> None:
     shown = next(table for table in sheet_tables(toleranced()) if table.title.startswith("Span of the driving"))
     nominal = [cells[4] for cells in table(toleranced(), "Span of the driving").rows]

@@ -74,7 +74,7 @@ def table() -> PitchPair:
     return sized_pair(law, 60, None, DISTANCE, Mesh.INTERNAL)
 
 
-every_pair = pytest.mark.parametrize("of", [variable, pytest.param(table, marks=pytest.mark.thorough)])
+every_pair = pytest.mark.parametrize("of", [variable, pytest.param(table, marks=pytest.mark.slow)])
 
 
 # --- circles -------------------------------------------------------------------------------------------------------
