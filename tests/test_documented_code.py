@@ -17,7 +17,7 @@ from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 from tiers import long_but
 
-LONG = ("tutorial", "frontier", "optimize", "simulate", "new", "size", "strength", "baler")
+LONG = ("tutorial", "build", "tolerance", "frontier", "optimize", "simulate", "new", "size", "strength", "baler")
 THOROUGH = ["docs/commands/balance.md"]
 
 

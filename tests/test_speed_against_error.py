@@ -75,8 +75,8 @@ def test_a_study_is_known_by_its_own_key(key: str) -> None:
 
 
 @pytest.mark.tiers(
-    slow=["pitch-length-baler", "driven-angle-ellipse", "curvature-baler", "closure"],
-    long=["driven-angle-return"],
+    slow=["pitch-length-baler", "driven-angle-ellipse", "closure"],
+    long=["driven-angle-return", "curvature-baler"],
     rest="thorough",
 )
 @pytest.mark.parametrize("key", BOUNDS)

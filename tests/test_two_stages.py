@@ -345,6 +345,7 @@ def test_a_given_law_shared_has_far_less_angle(tmp_path: Path) -> None:
     assert min(pairs) == pytest.approx(max(pairs), rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_law_of_baler_66_shared_as_it_is() -> None:
     """A little over half of its one pair's angle, the rack's apart, and the same motion."""

@@ -121,7 +121,8 @@ def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name:
     assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
 
 
-@pytest.mark.tiers(slow=["ellipse"], rest="long")
+@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> None:
     """Contact of the written arcs, sampled off their ends: their errors are a third of those of chords, or less."""
