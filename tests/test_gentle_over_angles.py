@@ -83,11 +83,11 @@ def test_what_a_law_at_random_achieves(seed: int, wish: GentleStretch) -> None:
 
 @pytest.mark.parametrize("ends", [(2.0, 3.0), (-0.6, 0.5), (-2.0, -1.0), (0.0, 4.0), (5.0, TURN)])
 def test_crank_angles_that_every_law_passes(ends: tuple[float, float]) -> None:
-    """None of 20 laws leaves them; control: taken for a range that is half as wide, some laws do."""
+    """None of eight laws leaves them; control: taken for a range that is half as wide, some laws do."""
     left = []
     for share in (1.0, 0.5):
         outside = 0
-        for seed in range(20):
+        for seed in range(8):
             machine = moving(law_at_random(seed))
             ratio = 1.0 / machine.transmission.driven_angle(np.linspace(0.0, TURN, 2000), 1).derivative(1)
             low, high = float(ratio.min()), float(ratio.max())
@@ -100,7 +100,7 @@ def test_crank_angles_that_every_law_passes(ends: tuple[float, float]) -> None:
 
 
 @pytest.mark.parametrize("wish", ALL, ids=["speed", "deceleration", "around the end"])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_what_is_asked_is_enough(seed: int, wish: GentleStretch) -> None:
     """A law keeps its times over the crank angles it passes; shifted to later, or to earlier ones, it breaks them."""
     machine = moving(law_at_random(seed))

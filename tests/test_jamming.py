@@ -104,7 +104,7 @@ OTHER_CASES = [
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        pytest.param(*case, marks=[pytest.mark.long] * (number % 3 > 0))
+        pytest.param(*case, marks=[pytest.mark.long] * (number % 5 > 0))
         for number, case in enumerate(USUAL_CASES + OTHER_CASES)
     ],
 )
@@ -151,7 +151,7 @@ def test_an_estimate_that_forgets_a_source_is_off(forgotten: str) -> None:
 
 def test_what_is_enough_is_enough_for_the_share_and_no_less() -> None:
     """By the share itself, with the confidence taken off: its backlash rises to nothing as numbers grow."""
-    own = Needed(np.linspace(-0.01, 0.02, 400_000), 0.004)
+    own = Needed(np.linspace(-0.01, 0.02, 100_000), 0.004)
     value = enough([own], 0.98)
     assert 1.0 - own.jammed(value) == pytest.approx(0.98, abs=2e-3)
     assert enough([own, own], 0.98) > value
