@@ -70,51 +70,30 @@ RECORDS = "The records of the measurement."
 MODEL = "The drum's geometry and its finite-element model."
 
 ENTRIES = (
-    Entry(
-        ("Table 2", "section 3.1"), "natural frequencies", Printed(NATURAL_HZ, "Hz"), Verdict.NEEDS_DATA, None,
-        f"{MODEL} The sixth is printed below the fourth and the fifth.",
-    ),
-    Entry(
-        ("Table 2", "section 3.1"), "critical speeds", Printed(CRITICAL_RPM, "r/min"), Verdict.REPRODUCED,
-        lambda: computed(*(critical_speed_rpm(float(text)) for text in NATURAL_HZ)), of_printed=True,
-    ),
-    Entry(
-        ("section 3.1",), "working speeds below the first critical speed", Below("much higher than working speeds"),
-        Verdict.REPRODUCED, lambda: computed(1000.0, 8625.6), of_printed=True,
-    ),
-    Entry(
-        ("section 3.2",), "first balancing: weight and its phase", Printed(("143.4", "115"), "g, deg"),
-        Verdict.REPRODUCED, lambda: from_readings(correction, *FIRST, *TRIAL),
-    ),
-    Entry(
-        ("section 3.2",), "reading left by 142.45 g at 120 deg", Printed(("0.37", "161"), "mm/s, deg"),
-        Verdict.NEEDS_DATA, lambda: from_readings(after_correction, *FIRST, *TRIAL),
-        f"{RECORDS} Computed is what the influence coefficient foretells.",
-    ),
-    Entry(
-        ("section 3.2",), "reduction of the amplitude", Printed(("70",), "%"), Verdict.REPRODUCED,
-        lambda: from_readings(lambda left, first: (100.0 * (1.0 - left / first),), "0.37", "1.234"),
-        of_printed=True,
-    ),
-    Entry(
-        ("section 3.2",), "grade that 0.37 mm/s meets", Printed(("0.4",), "mm/s"), Verdict.UNDER_READING, finest_grade,
-        "With the reading on the bearing taken for the speed of the drum's centre of mass, which it is not: a grade "
-        "needs the unbalance by the mass.",
-    ),
-    Entry(
-        ("section 3.2", "section 4"), "least phase to expect once 58.8 g at 240 deg are added",
-        Printed(("161",), "deg"), Verdict.NOT_REPRODUCIBLE,
-        lambda: from_readings(with_weight_added, *FIRST, *TRIAL, "0.37", "161"),
-        "The paper adds the weight at its own phase. By its first balancing a weight shows at another phase than it is "
-        "put at, and the phase to expect lies below 161 deg without any chain.",
-    ),
-    Entry(
-        ("section 3.2", "Fig. 6"), "phase measured then", Printed(("108",), "deg"), Verdict.NEEDS_DATA,
-        lambda: from_readings(with_weight_added, *FIRST, *TRIAL, "0.37", "161"),
-        f"{RECORDS} Computed is what the influence coefficient foretells.",
-    ),
-    Entry(
-        ("section 3.2",), "range of the trial weight", Printed(("82.03", "164"), "g"), Verdict.NEEDS_DATA, None,
-        "The instrument's rule: the drum's mass and the radius of the weight.",
-    ),
+    Entry(("Table 2", "section 3.1"), "natural frequencies", Printed(NATURAL_HZ, "Hz"), Verdict.NEEDS_DATA, None,
+          f"{MODEL} The sixth is printed below the fourth and the fifth."),
+    Entry(("Table 2", "section 3.1"), "critical speeds", Printed(CRITICAL_RPM, "r/min"), Verdict.REPRODUCED,
+          lambda: computed(*(critical_speed_rpm(float(text)) for text in NATURAL_HZ)), of_printed=True),
+    Entry(("section 3.1",), "working speeds below the first critical speed", Below("much higher than working speeds"),
+          Verdict.REPRODUCED, lambda: computed(1000.0, 8625.6), of_printed=True),
+    Entry(("section 3.2",), "first balancing: weight and its phase", Printed(("143.4", "115"), "g, deg"),
+          Verdict.REPRODUCED, lambda: from_readings(correction, *FIRST, *TRIAL)),
+    Entry(("section 3.2",), "reading left by 142.45 g at 120 deg", Printed(("0.37", "161"), "mm/s, deg"),
+          Verdict.NEEDS_DATA, lambda: from_readings(after_correction, *FIRST, *TRIAL),
+          f"{RECORDS} Computed is what the influence coefficient foretells."),
+    Entry(("section 3.2",), "reduction of the amplitude", Printed(("70",), "%"), Verdict.REPRODUCED,
+          lambda: from_readings(lambda left, first: (100.0 * (1.0 - left / first),), "0.37", "1.234"), of_printed=True),
+    Entry(("section 3.2",), "grade that 0.37 mm/s meets", Printed(("0.4",), "mm/s"), Verdict.UNDER_READING,
+          finest_grade, "With the reading on the bearing taken for the speed of the drum's centre of mass, which it is "
+          "not: a grade needs the unbalance by the mass."),
+    Entry(("section 3.2", "section 4"), "least phase to expect once 58.8 g at 240 deg are added",
+          Printed(("161",), "deg"), Verdict.NOT_REPRODUCIBLE,
+          lambda: from_readings(with_weight_added, *FIRST, *TRIAL, "0.37", "161"), "The paper adds the weight at its "
+          "own phase. By its first balancing a weight shows at another phase than it is put at, and the phase to "
+          "expect lies below 161 deg without any chain."),
+    Entry(("section 3.2", "Fig. 6"), "phase measured then", Printed(("108",), "deg"), Verdict.NEEDS_DATA,
+          lambda: from_readings(with_weight_added, *FIRST, *TRIAL, "0.37", "161"),
+          f"{RECORDS} Computed is what the influence coefficient foretells."),
+    Entry(("section 3.2",), "range of the trial weight", Printed(("82.03", "164"), "g"), Verdict.NEEDS_DATA, None,
+          "The instrument's rule: the drum's mass and the radius of the weight."),
 )  # fmt: skip

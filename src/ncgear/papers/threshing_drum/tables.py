@@ -86,41 +86,28 @@ def single_and_spiral() -> Computed:
 
 
 ENTRIES = (
-    Entry(
-        ("Table 4", "section 3.2.2"), "amplitude grows with the speed, from each speed to the next",
-        Below("the higher the speed the greater"), Verdict.NOT_REPRODUCIBLE, growth_with_speed,
-        "At a few holes it falls.", of_printed=True,
-    ),
-    Entry(
-        ("Table 4", "section 3.2.2"), "weights in holes 6 to 10 show more than in holes 1 to 5, at 900 and 1000 r/min",
-        Below("significant increase"), Verdict.NOT_REPRODUCIBLE, front_and_rear,
-        "Means of five holes. On the bar at 210 deg it is the other way round.", of_printed=True,
-    ),
-    Entry(
-        ("Table 4", "section 3.2.2"), "hole matters less below 800 r/min than above: largest by least amplitude",
-        Below("little effect"), Verdict.NOT_REPRODUCIBLE, spread_of_holes,
-        "As a share of the amplitude the holes differ no less below; in mm/s they do, since the amplitude is less.",
-        of_printed=True,
-    ),
-    Entry(
-        ("Table 5", "section 3.2.3"), "spiral of weights shows more than any single weight", Below("much larger"),
-        Verdict.NOT_REPRODUCIBLE, single_and_spiral, "Only at 800 r/min.", of_printed=True,
-    ),
-    Entry(
-        ("Table 5", "section 3.2.3"), "amplitude of the spiral grows tenfold from 700 to 800 r/min",
-        Below("increases rapidly"), Verdict.REPRODUCED, lambda: computed(10.0 * 0.234, 3.378), of_printed=True,
-    ),
+    Entry(("Table 4", "section 3.2.2"), "amplitude grows with the speed, from each speed to the next",
+          Below("the higher the speed the greater"), Verdict.NOT_REPRODUCIBLE, growth_with_speed,
+          "At a few holes it falls.", of_printed=True),
+    Entry(("Table 4", "section 3.2.2"),
+          "weights in holes 6 to 10 show more than in holes 1 to 5, at 900 and 1000 r/min",
+          Below("significant increase"), Verdict.NOT_REPRODUCIBLE, front_and_rear,
+          "Means of five holes. On the bar at 210 deg it is the other way round.", of_printed=True),
+    Entry(("Table 4", "section 3.2.2"), "hole matters less below 800 r/min than above: largest by least amplitude",
+          Below("little effect"), Verdict.NOT_REPRODUCIBLE, spread_of_holes,
+          "As a share of the amplitude the holes differ no less below; in mm/s they do, since the amplitude is less.",
+          of_printed=True),
+    Entry(("Table 5", "section 3.2.3"), "spiral of weights shows more than any single weight", Below("much larger"),
+          Verdict.NOT_REPRODUCIBLE, single_and_spiral, "Only at 800 r/min.", of_printed=True),
+    Entry(("Table 5", "section 3.2.3"), "amplitude of the spiral grows tenfold from 700 to 800 r/min",
+          Below("increases rapidly"), Verdict.REPRODUCED, lambda: computed(10.0 * 0.234, 3.378), of_printed=True),
 )  # fmt: skip
 
 LEFT_OUT = (
-    LeftOut(
-        ("Table 3",), "amplitudes and phases at five speeds", Reason.MEASURED,
-        tuple(text for row in BY_PHASE for text in row),
-    ),
-    LeftOut(
-        ("Table 4",), "amplitudes for ten holes of three rack bars at five speeds", Reason.MEASURED,
-        tuple(text for bar in BY_HOLE.values() for row in bar for text in row),
-    ),
+    LeftOut(("Table 3",), "amplitudes and phases at five speeds", Reason.MEASURED,
+            tuple(text for row in BY_PHASE for text in row)),
+    LeftOut(("Table 4",), "amplitudes for ten holes of three rack bars at five speeds", Reason.MEASURED,
+            tuple(text for bar in BY_HOLE.values() for row in bar for text in row)),
     LeftOut(("Table 5",), "amplitudes and phases at five speeds", Reason.MEASURED,
             tuple(text for row in SPIRAL for text in row)),
 )  # fmt: skip
