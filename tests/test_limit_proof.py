@@ -23,8 +23,8 @@ from ncgear.optimum.certified.demands import Demands, Priced, Ranges
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.problem import Problem
-from ncgear.optimum.certified.proof import DATA, Linear, Programme, Proof
-from ncgear.optimum.certified.ranges import Known, Stretch, everywhere
+from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof
+from ncgear.optimum.certified.ranges import Known, PlacesInRow, everywhere
 from ncgear.optimum.task import Task
 from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
 
@@ -129,7 +129,7 @@ def power(task: Task, law: Turning) -> float:
     return float(np.max(force * np.abs(slope) * law.s(angle))) * task.speed_rad_s / 1000.0
 
 
-def filled(programme: Programme, known: list[tuple[Linear, Array]]) -> Array:
+def filled(programme: ConicProgramme, known: list[tuple[Linear, Array]]) -> Array:
     """Values of all variables, shape (n,); those not known are nan."""
     values = np.full(programme.size, np.nan)
     for expression, value in known:
@@ -156,7 +156,7 @@ def broken(task: Task, law: Turning, asked: Demands, places: int, ranges: bool) 
     return worst(made.programme, values)
 
 
-def variables_left(programme: Programme, values: Array) -> list[Array]:
+def variables_left(programme: ConicProgramme, values: Array) -> list[Array]:
     ends = np.cumsum([low.size for low in programme.low])
     return [
         np.arange(end - low.size, end)
@@ -165,7 +165,7 @@ def variables_left(programme: Programme, values: Array) -> list[Array]:
     ]
 
 
-def worst(programme: Programme, values: Array) -> float:
+def worst(programme: ConicProgramme, values: Array) -> float:
     matrix, bounds, cones = proof._standard_form(programme)
     spare = bounds - matrix @ values
     size = np.abs(bounds) + abs(matrix) @ np.abs(values)
@@ -359,7 +359,7 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     q = law.s(on.crank_angle_rad) ** 2
     numbers = np.arange(0, on.count, round(apart_rad / on.step_rad[0]))
     asked = Demands(0.01, 1.01 / float(np.sqrt(q.min())), steepness, convex=steepness == inf)
-    stretch = Stretch(np.arange(on.count), q, asked)
+    stretch = PlacesInRow(np.arange(on.count), q, asked)
     known = Known(np.full(on.count, asked.ratio_max**-2), np.full(on.count, inf))
     for place in numbers.tolist():
         known = known.within(place, float(q[place]), float(q[place]))

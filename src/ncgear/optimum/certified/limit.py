@@ -22,7 +22,7 @@ from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import cells_that_matter, stretches
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
-from ncgear.optimum.certified.tree import Effort, Figures, Solved, Trials, Tried, bisected, motion_along
+from ncgear.optimum.certified.tree import Effort, FigureRanges, Solved, Trials, Tried, bisected, motion_along
 from ncgear.optimum.task import Task
 
 PLACES_ROUGH = 960
@@ -210,10 +210,10 @@ def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Probl
 def _trials(problem: Problem, least_value: LeastValue, name: str) -> Trials:
     """What the search for ranges asks of the programmes."""
 
-    def tried_in(curve: Ranges | Near | None, figures: Figures, below: float) -> Tried:
+    def tried_in(curve: Ranges | Near | None, figures: FigureRanges, below: float) -> Tried:
         return least_value(problem, curve)
 
-    def programme(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
+    def programme(ranges: Ranges | None, figures: FigureRanges, below: float) -> MotionProgramme:
         return problem.under(**{name: below}).programme(ranges)
 
     return Trials(problem.on, tried_in, programme, {})

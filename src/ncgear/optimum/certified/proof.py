@@ -88,7 +88,7 @@ class Linear:
 
 
 @dataclass
-class Programme:
+class ConicProgramme:
     """A programme as it is put together: variables with their ranges, then rows that must not be negative.
 
     ``error`` is the relative error that the numbers of its rows may have.
@@ -138,7 +138,7 @@ class Answer:
     near: Array | None
 
 
-def least(programme: Programme, goal: Linear) -> Answer:
+def least(programme: ConicProgramme, goal: Linear) -> Answer:
     """The least value of a goal, one expression, and variables that come near it.
 
     Raises WrongInput where Clarabel is not installed.
@@ -175,7 +175,7 @@ def least(programme: Programme, goal: Linear) -> Answer:
     return answer
 
 
-def _standard_form(programme: Programme) -> tuple[sparse.csc_matrix, Array, int]:
+def _standard_form(programme: ConicProgramme) -> tuple[sparse.csc_matrix, Array, int]:
     """A, b and the number of cones: each row b - A v is an expression that must be in its cone."""
     blocks = [*programme.rows, *_interleaved(programme.cones)]
     columns, rows, values, before = [], [], [], 0

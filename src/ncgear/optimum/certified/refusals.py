@@ -122,7 +122,7 @@ def _at_one_ratio(ratio: str, crank_rad: float, driving_rad: float) -> str:
     return f"at the {ratio} throughout, {taken}, and the wish asks for"
 
 
-class Peak(NamedTuple):
+class LimitName(NamedTuple):
     """A demand that can be given too low: its name among the limits of a design file, and its unit there."""
 
     name: str
@@ -135,21 +135,21 @@ class Peak(NamedTuple):
 
 
 PEAKS = {
-    "power_w": Peak("peak_power_w", "W"),
-    "acceleration_mm_s2": Peak("peak_acceleration_mm_s2", "mm/s^2"),
-    "braking_w": Peak("braking_power_w", "W of braking power"),
-    "torque_n_mm": Peak("rms_torque_n_m", "N m of r.m.s. torque"),
-    "fluctuation_n_mm": Peak("flywheel_kg_mm2", "kg mm^2 of flywheel"),
+    "power_w": LimitName("peak_power_w", "W"),
+    "acceleration_mm_s2": LimitName("peak_acceleration_mm_s2", "mm/s^2"),
+    "braking_w": LimitName("braking_power_w", "W of braking power"),
+    "torque_n_mm": LimitName("rms_torque_n_m", "N m of r.m.s. torque"),
+    "fluctuation_n_mm": LimitName("flywheel_kg_mm2", "kg mm^2 of flywheel"),
 }
 """By their names among the demands, of an output that slides."""
 
 
-def peak_of(task: Task, name: str) -> Peak:
+def peak_of(task: Task, name: str) -> LimitName:
     """A demand that can be given too low, in the units of the output."""
     if name != "acceleration_mm_s2":
         return PEAKS[name]
     told = task.linkage.OUTPUT.acceleration
-    return Peak(f"peak_acceleration_{told.ending}", f"{told.text[:-1]}^2")
+    return LimitName(f"peak_acceleration_{told.ending}", f"{told.text[:-1]}^2")
 
 
 def in_demand(task: Task, name: str) -> float:

@@ -29,7 +29,7 @@ from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, 
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import halves
-from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, proven, whole_tree
+from ncgear.optimum.certified.tree import Budget, Effort, FigureRanges, Solved, Trials, Tried, proven, whole_tree
 from ncgear.optimum.task import Task
 
 PLACES_RAISED = 120
@@ -111,11 +111,10 @@ def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bo
     low = least_of(task, asked, "power_w").value
 
     def acceleration(power_w: float) -> Bound:
-        under = problem.under(power_w=power_w)
-        made = under.programme(with_peak=True)
-        answer = least(made.programme, made.acceleration)
-        near = None if answer.near is None else motion_of(problem.on, q_of(made.q, answer.near))
-        return Bound(min(answer.value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2, problem.on.count, near)
+        made = problem.under(power_w=power_w).programme(with_peak=True)
+        found = tried(made, made.acceleration, lambda value: value)
+        near = None if found.q is None else motion_of(problem.on, found.q)
+        return Bound(min(found.value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2, problem.on.count, near)
 
     free = acceleration(inf)
     powers, found = [low], [acceleration(low * (1.0 + BISECTED))]
@@ -183,7 +182,7 @@ def _raised_on(
 def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
     """The programmes of motions by the sum of priced figures."""
 
-    def programme(curve: Ranges | Near | None, figures: Figures, below: float) -> tuple[MotionProgramme, Linear]:
+    def programme(curve: Ranges | Near | None, figures: FigureRanges, below: float) -> tuple[MotionProgramme, Linear]:
         others = sum(price * figures[name][0] for name, price in prices.items())
         priced = [
             Priced(name, figures[name][0], min(figures[name][1], (below - others) / price + figures[name][0]))
@@ -194,12 +193,12 @@ def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
         made.programme.positive(1.0 - total)
         return made, total
 
-    def least_value(curve: Ranges | Near | None, figures: Figures, below: float) -> Tried:
+    def least_value(curve: Ranges | Near | None, figures: FigureRanges, below: float) -> Tried:
         made, total = programme(curve, figures, below)
         # No figure is negative
         return tried(made, total, lambda value: max(value, 0.0) * below)
 
-    def motions(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
+    def motions(ranges: Ranges | None, figures: FigureRanges, below: float) -> MotionProgramme:
         return programme(ranges, figures, below)[0]
 
     return Trials(problem.on, least_value, motions, prices)

@@ -32,7 +32,7 @@ from ncgear.optimum.certified.cycle import Cycle
 from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.proof import Linear, least
-from ncgear.optimum.certified.ranges import Known, Stretch, everywhere
+from ncgear.optimum.certified.ranges import Known, PlacesInRow, everywhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class Solved:
     q: Array
 
 
-Figures = Mapping[str, tuple[float, float]]
+FigureRanges = Mapping[str, tuple[float, float]]
 """Ranges of the figures that a sum counts, by their names in ``Demands``."""
 
 
@@ -65,8 +65,8 @@ class Trials:
     """
 
     on: Cycle
-    least: Callable[[Ranges | Near | None, Figures, float], Tried]
-    below: Callable[[Ranges | None, Figures, float], MotionProgramme]
+    least: Callable[[Ranges | Near | None, FigureRanges, float], Tried]
+    below: Callable[[Ranges | None, FigureRanges, float], MotionProgramme]
     prices: Mapping[str, float]
 
 
@@ -162,7 +162,7 @@ class Box:
     """Motions in ranges of q and of figures; ``value`` is certain: none below the target has less."""
 
     known: Known
-    figures: Figures
+    figures: FigureRanges
     value: float
 
 
@@ -171,7 +171,7 @@ class Tree:
     """The stretches in which ranges of q are looked for, and what narrows and divides boxes of them."""
 
     trials: Trials
-    stretches: Sequence[Stretch]
+    stretches: Sequence[PlacesInRow]
     checkpoints: Sequence[Sequence[int]]
     budget: Budget
 
@@ -361,7 +361,7 @@ def whole_tree(
 ) -> tuple[Tree, Box]:
     """The tree and the box of all motions, with ranges in parts of the turn; see ``bisected``."""
     on = trials.on
-    stretches = [Stretch(places, motion.q[places], asked) for places in parts]
+    stretches = [PlacesInRow(places, motion.q[places], asked) for places in parts]
     known = Known(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
     tree = Tree(trials, stretches, [stretch.checkpoints(on) for stretch in stretches], budget)
     return tree, Box(known, dict.fromkeys(trials.prices, (0.0, inf)), without)

@@ -17,9 +17,8 @@ from scipy import sparse
 from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place, Slider
-from ncgear.optimum.makeable.rows import Rows, closing_terms, level_terms
-from ncgear.optimum.makeable.spline import NEAR
-from ncgear.optimum.makeable.spline import Rows as SplineRows
+from ncgear.optimum.makeable.rows import ProgrammeRows, closing_terms, level_terms
+from ncgear.optimum.makeable.spline import NEAR, SplineRows
 
 LOCAL = 3
 """Of a ratio at a place: its logarithm, and the first two derivatives of that by the crank's angle."""
@@ -109,7 +108,7 @@ class Assembly:
     """Splines at all places of rows, and the rows' local terms."""
 
     local: LocalTerms
-    rows: Rows
+    rows: ProgrammeRows
     basis: SplineRows
     knots: int
     pairs: int

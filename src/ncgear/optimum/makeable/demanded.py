@@ -155,7 +155,7 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
         _refuse_together(task, asked)
         weights = Weights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
         return least_weighted_sum(task, asked, weights)
-    found = [bound for name, price in priced.items() if (bound := _alone(task, asked, name, price)) is not None]
+    found = [_alone(task, asked, name, price) for name, price in priced.items()]
     if not found:
         _refuse_together(task, asked)
         return None
@@ -205,24 +205,15 @@ def raised_limit(
     return replace(bound, value=max(bound.value, value), effort=effort)
 
 
-def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound | None:
-    """The limit of one figure times its price; None where no limit of it is known."""
-    if name == "peak_acceleration_mm_s2":
-        return _not_under(task, asked, "acceleration_mm_s2", least_acceleration(task, asked)).times(price)
-    if name == "peak_power_w":
-        return _not_under(task, asked, "power_w", least_power(task, asked)).times(price)
-    if name in OF_LOADS:
-        demand = OF_LOADS[name]
-        return _not_under(task, asked, demand, least_of(task, asked, demand)).times(price / in_demand(task, demand))
-    return None
-
-
-def _not_under(task: Task, asked: Demands, name: str, bound: Bound) -> Bound:
-    """The least value of a demand that is limited itself; raises NoSuchMechanism for a limit under it."""
-    given = getattr(asked, name)
+def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound:
+    """The limit of one figure times its price; raises NoSuchMechanism where the figure is limited to less."""
+    demand = DEMANDS[name]
+    alone = {"acceleration_mm_s2": least_acceleration, "power_w": least_power}.get(demand)
+    bound = least_of(task, asked, demand) if alone is None else alone(task, asked)
+    given = getattr(asked, demand)
     if given < bound.value:
-        raise too_little(task, name, given, bound.value)
-    return bound
+        raise too_little(task, demand, given, bound.value)
+    return bound.times(price / in_demand(task, demand))
 
 
 def _refuse_together(task: Task, asked: Demands) -> None:

@@ -32,8 +32,7 @@ from ncgear.papers.entry import (
     from_readings,
     texts,
 )
-from ncgear.papers.threshing_drum.first_balancing import measured_effect, phase_deg, polar
-from ncgear.papers.threshing_drum.tables import BY_PHASE, SPEEDS_RPM
+from ncgear.papers.threshing_drum.first_balancing import BY_PHASE, SPEEDS_RPM, measured_effect, phase_deg, polar
 
 PHASES = ChainPhases(wrap_rad=radians(180.0), tight_rad=radians(105.0), slack_rad=radians(270.0))
 
