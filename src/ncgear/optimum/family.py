@@ -251,7 +251,13 @@ def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int =
         optimum = _under_cap(family, least, cap, point)
         if optimum is not None:
             return optimum
-    raise _out_of_reach(family, least, cap, seed, starts)
+    capped = _capped(least)
+    points = _local_optima(family, capped, inf, seed, starts)
+    lowest = float(np.abs(sampled_laws(family, points[0][None]).of(capped)).max())
+    raise NoSuchMechanism(
+        f"no law of the three-segment family was found with a {capped.value} of {cap:.6g} or less; the least found is "
+        f"{shown_above(lowest)}"
+    )
 
 
 def _local_optima(family: Family, least: Peak, cap: float, seed: int, starts: int) -> list[Array]:
@@ -395,14 +401,3 @@ def _law_of(family: Family, request: StrokeRequest, constant: float | None) -> F
     if task.masses is not None:
         check = counting_masses(check, DrivingShaft(task.loaded(machine)))
     return FamilyOptimum(request, family.inverse, constant, law, check)
-
-
-def _out_of_reach(family: Family, least: Peak, cap: float, seed: int, starts: int) -> NoSuchMechanism:
-    """The refusal of a cap, with the least that the family reaches where nothing else is asked of it."""
-    capped = _capped(least)
-    points = _local_optima(family, capped, inf, seed, starts)
-    lowest = float(np.abs(sampled_laws(family, points[0][None]).of(capped)).max())
-    return NoSuchMechanism(
-        f"no law of the three-segment family was found with a {capped.value} of {cap:.6g} or less; the least found is "
-        f"{shown_above(lowest)}"
-    )

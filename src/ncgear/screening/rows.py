@@ -118,12 +118,7 @@ def single_figures(design: Design) -> dict[str, float]:
     }
 
 
-WITH_MASSES = (
-    "check.peak_power_resistance_w",
-    "check.braking_power_w",
-    "check.rms_torque_n_m",
-    "check.energy_swing_j",
-)
+WITH_MASSES = ("check.peak_power_resistance_w", "check.braking_power_w", "check.rms_torque_n_m", "check.energy_swing_j")
 """Keys of the figures that only designs with masses have."""
 
 

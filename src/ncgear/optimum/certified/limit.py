@@ -20,7 +20,7 @@ from ncgear.optimum.certified.demands import Demands, Near, Ranges
 from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme, needs_times
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.proof import Linear, least
-from ncgear.optimum.certified.ranges import cells_that_matter, stretches
+from ncgear.optimum.certified.ranges import cells_that_matter, rows_of_places
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
 from ncgear.optimum.certified.tree import Effort, FigureRanges, Solved, Trials, Tried, bisected, motion_along
 from ncgear.optimum.task import Task
@@ -183,7 +183,7 @@ def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven
         found = motion_along(trials, without)
     value = without.value
     if proven and found.value > CLOSE * value:
-        parts = stretches(problem.on, without.q, found.q)
+        parts = rows_of_places(cells_that_matter(problem.on, without.q, found.q), problem.on.count)
         value = bisected(trials, parts, without.value, found, problem.asked)
     # The motion knows no upper bounds of times, and where no motion was found along the curve it knows nothing of that
     known = found is not without and not needs_times(problem.task, problem.asked)

@@ -68,7 +68,10 @@ def motion_programme(
     made = MotionProgramme(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
     made.limit_acceleration(with_peak)
     made.limit_power(powers_w)
-    made.limit_curves()
+    if asked.convex:
+        made.limit_bulge()
+    if not isinf(asked.steepness):
+        made.limit_lean()
     if isinstance(curve, Ranges):
         if asked.convex:
             made.limit_driving_curve(curve)
@@ -244,14 +247,7 @@ class MotionProgramme:
         least_product = self._constant(np.sqrt(lasting[worked]))
         self.programme.product(self.time[worked], root.repeated(worked.size), least_product)
 
-    def limit_curves(self) -> None:
-        """The driven curve's convexity, and the tangent of both curves."""
-        if self.asked.convex:
-            self._bulge()
-        if not isinf(self.asked.steepness):
-            self._lean()
-
-    def _bulge(self) -> None:
+    def limit_bulge(self) -> None:
         """Three places in a row of a convex driven curve, over alpha, which is of the square of their distance."""
         near, far = self.before_h, self.after_h
         whole = np.sin(near + far)
@@ -268,7 +264,7 @@ class MotionProgramme:
         mixed = (2.0 * beta * gamma / alpha) * between
         self.programme.positive(roots + squares + mixed + alpha - self.q * (1.0 / alpha))
 
-    def _lean(self) -> None:
+    def limit_lean(self) -> None:
         """1 + s grows by at most exp(t h) from place to place, either way."""
         cells = self._leaning()
         here, there = cells, self.next[cells]

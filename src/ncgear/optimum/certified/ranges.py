@@ -41,11 +41,6 @@ def halves(on: Cycle) -> list[IndexArray]:
     return [np.arange(middle + 1), np.append(np.arange(middle, on.count), 0)]
 
 
-def stretches(on: Cycle, without: Array, motion: Array) -> list[IndexArray]:
-    """The places at which the driving curve matters, in rows, from q without it and of a motion that keeps it."""
-    return _rows(cells_that_matter(on, without, motion), on.count)
-
-
 @dataclass(frozen=True, eq=False)
 class PlacesInRow:
     """Places in a row in which ranges are looked for, and q there of a motion that keeps demands."""
@@ -113,7 +108,7 @@ def _spare(on: Cycle, q: Array) -> Array:
     return spare
 
 
-def _rows(cells: IndexArray, count: int) -> list[IndexArray]:
+def rows_of_places(cells: IndexArray, count: int) -> list[IndexArray]:
     """The places of cells in a row, around the turn; gaps of two cells are closed."""
     if not cells.size:
         return []

@@ -79,11 +79,9 @@ The bounds themselves hold down to 1e-12; below that, rounding decides whether t
 """
 
 
-class TooTight(Refused):
+def _too_tight(said: str, offers: Sequence[Offer], key: str) -> Refused:
     """The refusal of limits that certainly no law keeps together; each offer alone can be enough."""
-
-    def __init__(self, said: str, offers: Sequence[Offer], key: str) -> None:
-        super().__init__(said, offers, key, _can_be_enough, each=True, found=False)
+    return Refused(said, offers, key, _can_be_enough, each=True, found=False)
 
 
 def _can_be_enough(said: str, offers: Sequence[Offer]) -> str:
@@ -110,7 +108,7 @@ def refuse_ratios(task: Task, asked: Demands) -> None:
             said = f"{said} at least {degrees(least):.5g}"
         else:
             continue
-        raise TooTight(f"{said} deg of them", offers, stretch.key)
+        raise _too_tight(f"{said} deg of them", offers, stretch.key)
 
 
 def _ratio(name: str, side: str, enough: str) -> Offer:
@@ -163,13 +161,13 @@ def in_demand(task: Task, name: str) -> float:
     return 1.0
 
 
-def too_little(task: Task, name: str, value: float, enough: float) -> TooTight:
+def too_little(task: Task, name: str, value: float, enough: float) -> Refused:
     """The refusal of a demand whose least value with the others is known."""
     said = f"{_said(task, name, value)} is too little with the other limits"
-    return TooTight(said, [_enough(task, name, enough, "at least ")], peak_of(task, name).key)
+    return _too_tight(said, [_enough(task, name, enough, "at least ")], peak_of(task, name).key)
 
 
-def refusal(problem: Problem) -> TooTight:
+def refusal(problem: Problem) -> Refused:
     """The error that says why no law keeps the demands: the peaks that bind, then curves and wishes.
 
     For a peak that is too low whatever the others are, its nearest value with the others as they are, if there is one;
@@ -185,12 +183,12 @@ def refusal(problem: Problem) -> TooTight:
             other = {"power_w": " at any acceleration", "acceleration_mm_s2": " at any power"}.get(name, "")
             kept = problem if problem.under(**{name: inf}).is_open else free.under(**{name: value})
             said = f"{_said(task, name, value)} is too little{other}"
-            return TooTight(said, _offers(kept, [name]), peak_of(task, name).key)
+            return _too_tight(said, _offers(kept, [name]), peak_of(task, name).key)
     # Of two, each alone can be kept
     binding = [name for name in given if len(given) == 2 or problem.under(**{name: inf}).is_open] or list(given)
     names = sorted(binding, key=lambda name: name != "acceleration_mm_s2")
     said = " and ".join(_said(task, name, given[name]) for name in names)
-    return TooTight(f"{said} are too little together", _offers(problem, names), peak_of(task, names[0]).key)
+    return _too_tight(f"{said} are too little together", _offers(problem, names), peak_of(task, names[0]).key)
 
 
 def _offers(problem: Problem, names: Sequence[str]) -> list[Offer]:
@@ -225,7 +223,7 @@ def _least(problem: Problem, name: str) -> float:
     return inf if found is None else found[1]
 
 
-def _of_curves_and_wishes(problem: Problem) -> TooTight:
+def _of_curves_and_wishes(problem: Problem) -> Refused:
     """The refusal where no peak is enough: convex curves, the pressure angle or a wish leave no law.
 
     A wish that cannot be kept alone is told before those that cannot be kept together.
@@ -238,14 +236,14 @@ def _of_curves_and_wishes(problem: Problem) -> TooTight:
             free = _without(problem, kind, wish)
             kept, free = (problem, free) if free.is_open else (alone, bare)
             offers = [*_nearest_wish(free, kind, wish), *_other_curves(kept)]
-            return TooTight("no law keeps this wish", offers, wish.key or "wishes")
+            return _too_tight("no law keeps this wish", offers, wish.key or "wishes")
     instead = [(wish, said) for kind, wish in wishes for said in _instead_of(problem, kind, wish)]
     offers = [*(said for _, said in instead), *_other_curves(problem)]
     if instead:
         said, key = "no law keeps this wish with the other wishes", instead[0][0].key or "wishes"
     else:
         said, key = "no law keeps the limits of ratio and curves and the wishes together", "optimize.limits"
-    return TooTight(said, offers, key)
+    return _too_tight(said, offers, key)
 
 
 WISHES = ("times", "even_speeds", "speeds", "decelerations")
@@ -345,15 +343,13 @@ def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Demands, stretch
                 f"be constant; {side} is right",
                 key=f"optimize.limits.{key}",
             )
-    if limits.ratio_min > mean:
-        raise NoSuchMechanism(
-            f"at {limits.ratio_min:g} throughout, {stretch} takes {limits.ratio_min * crank_rad:.5g} rad of the "
-            f"driving gear, and it has {driving_rad:.5g}; at most {shown_below(mean)} is right",
-            key="optimize.limits.ratio_min",
-        )
-    if limits.ratio_max < mean:
-        raise NoSuchMechanism(
-            f"at {limits.ratio_max:g} throughout, {stretch} takes {limits.ratio_max * crank_rad:.5g} rad of the "
-            f"driving gear, and it has {driving_rad:.5g}; at least {shown_above(mean)} is right",
-            key="optimize.limits.ratio_max",
-        )
+    for key, given, beyond, enough in (
+        ("ratio_min", limits.ratio_min, limits.ratio_min > mean, f"at most {shown_below(mean)}"),
+        ("ratio_max", limits.ratio_max, limits.ratio_max < mean, f"at least {shown_above(mean)}"),
+    ):
+        if beyond:
+            raise NoSuchMechanism(
+                f"at {given:g} throughout, {stretch} takes {given * crank_rad:.5g} rad of the driving gear, and it has "
+                f"{driving_rad:.5g}; {enough} is right",
+                key=f"optimize.limits.{key}",
+            )

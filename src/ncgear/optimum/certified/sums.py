@@ -133,12 +133,7 @@ def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bo
 # Numbers beyond all size prove nothing, and are no fault
 @np.errstate(over="ignore", invalid="ignore")
 def raised(
-    task: Task,
-    asked: Demands,
-    prices: Mapping[str, float],
-    law: Mapping[str, float],
-    motion: Motion,
-    budget: Budget,
+    task: Task, asked: Demands, prices: Mapping[str, float], law: Mapping[str, float], motion: Motion, budget: Budget
 ) -> tuple[float, Effort]:
     """A certain least sum of priced figures, by their names in ``Demands``, and what it took to prove it.
 

@@ -53,7 +53,7 @@ def local_terms(levels: Sequence[Level], pairs: int) -> LocalTerms:
         means.append(casadi.SX.sym("mean"))
         return means[-1]
 
-    at = [_place(*casadi.vertsplit(one)) for one in ratio]
+    at = [Place(f, casadi.exp(f), casadi.exp(-f), *rates) for f, *rates in map(casadi.vertsplit, ratio)]
     terms = level_terms(levels, at, Slider(*casadi.vertsplit(data)), length, mean_of)
     every = casadi.vertcat(*(term for own in terms for term in own), *closing_terms(at))
     variables, weights = casadi.vertcat(*ratio, *length, *means), casadi.SX.sym("weights", every.shape[0])
@@ -67,10 +67,6 @@ def local_terms(levels: Sequence[Level], pairs: int) -> LocalTerms:
         np.array(slopes.sparsity().get_triplet(), dtype=int),
         np.array(bends.sparsity().get_triplet(), dtype=int),
     )
-
-
-def _place(logarithm: Any, first: Any, second: Any) -> Place:
-    return Place(logarithm, casadi.exp(logarithm), casadi.exp(-logarithm), first, second)
 
 
 def _entries(matrix: Any) -> Any:

@@ -65,6 +65,7 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         for one in _demands(task, wish, requirement, limits.ratio_max)
     ]
     one_pair, loads_known = wishes.two_stages is None, knows_loads(task, wishes)
+    of_loads = {name: getattr(limits, figure) if loads_known else None for figure, name in OF_LOADS.items()}
     return Demands(
         ratio_min=fastest,
         ratio_max=limits.ratio_max,
@@ -73,10 +74,7 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         convex=wishes.convex and one_pair,
         acceleration_mm_s2=limits.peak_acceleration_mm_s2 or inf,
         power_w=(limits.peak_power_w if loads_known else None) or inf,
-        **{
-            name: _of_load(task, figure, getattr(limits, figure) if loads_known else None)
-            for figure, name in OF_LOADS.items()
-        },
+        **{name: inf if value is None else value * in_demand(task, name) for name, value in of_loads.items()},
         times=tuple(one for one in asked if isinstance(one, StretchTime)),
         even_speeds=tuple(one for one in asked if isinstance(one, SpeedSpread)),
         speeds=tuple(one for one in asked if isinstance(one, SpeedRange)),
@@ -100,11 +98,6 @@ def _refuse_slow_gear(task: Task, limit_rad_s: float | None) -> None:
             f"{shown_above(mean * (1.0 + LEAST_ROOM) / RAD_S_PER_RPM)} r/min; over that is right",
             key="optimize.limits.driven_speed_rpm",
         )
-
-
-def _of_load(task: Task, figure: str, value: float | None) -> float:
-    """The demand that a limit of a load is: N mm for torques, and for the energy that a flywheel takes."""
-    return inf if value is None else value * in_demand(task, OF_LOADS[figure])
 
 
 def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> Iterator[OfWish]:
@@ -236,10 +229,7 @@ def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Moti
     return motion
 
 
-NOT_COVERED = {
-    "peak_jerk_mm_s3": "jerk",
-    "curvature_turns": "least radius or undercut",
-}
+NOT_COVERED = {"peak_jerk_mm_s3": "jerk", "curvature_turns": "least radius or undercut"}
 
 DRIVING_RANGE = "gentle stops over some driving angles"
 """Where a law within the ratios may be outside a range, no bound holds for every law."""

@@ -229,10 +229,18 @@ def law_of(search: Search, found: Kept) -> MakeableLaw:
 
 
 def _cannot_be(search: Search, near: Solution) -> Refused:
-    """The refusal: what each limit would have to be with all the others, or all of them together."""
-    if found := list(_easings(search, near)):
-        return _offered(NONE, found)
-    return _offered(NONE, list(_easings_together(search, near)), each=False)
+    """The refusal: what each limit would have to be with all the others, or several of them together."""
+    alone = [
+        easing
+        for wish, found in _eased(search, near)
+        for easing in _easing(search, wish, search.reached(found.coefficients))
+    ]
+    if alone:
+        return _offered(NONE, alone)
+    freed, found = _freed_together(search, near, lambda level: True)
+    reached = None if found is None else search.reached(found.coefficients)
+    eased = [] if reached is None else [list(_easing(search, wish, reached)) for wish in freed]
+    return _offered(NONE, list(chain(*eased)) if all(eased) else [], each=False)
 
 
 def _offered(said: str, easings: Sequence[Offer], *, each: bool = True) -> Refused:
@@ -243,12 +251,6 @@ def _offered(said: str, easings: Sequence[Offer], *, each: bool = True) -> Refus
 
 def _told(enough: str, said: str, offers: Sequence[Offer]) -> str:
     return f"{said}; {enough}: {', '.join(map(str, offers)) or 'none known'}"
-
-
-def _easings(search: Search, near: Solution) -> Iterator[Offer]:
-    """For each wish that presses, the nearest value with which all others can be kept, if there is one."""
-    for wish, found in _eased(search, near):
-        yield from _easing(search, wish, search.reached(found.coefficients))
 
 
 def _eased(search: Search, near: Solution) -> Iterator[tuple[str, Solution]]:
@@ -299,15 +301,6 @@ def _eased_by(search: Search, wishes: Sequence[str], reached: Array) -> Eased:
         return list(chain(*(_easing(search, wish, levels) for wish in wishes)))
 
     return eased
-
-
-def _easings_together(search: Search, near: Solution) -> Iterator[Offer]:
-    """Values of several wishes that are enough together, where no single one is."""
-    freed, found = _freed_together(search, near, lambda level: True)
-    if found is not None:
-        reached = search.reached(found.coefficients)
-        eased = [list(_easing(search, wish, reached)) for wish in freed]
-        yield from chain(*eased) if all(eased) else ()
 
 
 def _freed_together(

@@ -115,13 +115,7 @@ def limit_offer(name: str, words: str, number: str) -> Offer:
 
 
 def limited(
-    name: str,
-    words: str,
-    number: Callable[[float], str],
-    limit: float | None,
-    weight: float,
-    sides: Sides,
-    **more: Any,
+    name: str, words: str, number: Callable[[float], str], limit: float | None, weight: float, sides: Sides, **more: Any
 ) -> Level:
     """The level of a limit by its name under ``optimize.limits``; ``number`` writes the user's limit for a level."""
     return Level(name, limit, weight, sides, lambda level: limit_offer(name, words, number(level)), **more)

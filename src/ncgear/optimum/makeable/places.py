@@ -84,20 +84,14 @@ class Places:
 
 def cell_ends(task: Task, knots_rad: Array, stretches: Iterable[CrankStretch]) -> Array:
     """Ends of the cells, from 0 to a turn; dead centres and ends of stretches stay exactly where they are."""
-    stroke, working = task.linkage.stroke_mm, task.linkage.working_angle_rad
-    corners = np.concatenate([_corners_rad(task, stroke, returning) for returning in (False, True)])
+    sharp = {returning: task.load.knots_mm(task.linkage.stroke_mm, returning) for returning in (False, True)}
+    crank = [task.linkage.crank_angle(at, np.full(at.size, back)) if at.size else at for back, at in sharp.items()]
     asked = np.array([end for stretch in stretches for end in (stretch.start_rad, stretch.end_rad)]) % A_TURN
-    ends = np.array([0.0, working, A_TURN])
-    for others in (asked, corners, knots_rad):
+    ends = np.array([0.0, task.linkage.working_angle_rad, A_TURN])
+    for others in (asked, np.concatenate(crank), knots_rad):
         near = np.abs(others[:, None] - ends).min(axis=1, initial=np.inf) <= APART
         ends = np.unique(np.concatenate([ends, others[~near]]))
     return np.delete(ends, 1 + np.nonzero(np.diff(ends[1:-1]) <= APART)[0])
-
-
-def _corners_rad(task: Task, stroke_mm: float, returning: bool) -> Array:
-    """Crank angles of one stroke at which its load turns or is sharp, shape (n,)."""
-    sharp = task.load.knots_mm(stroke_mm, returning)
-    return task.linkage.crank_angle(sharp, np.full(sharp.size, returning)) if sharp.size else sharp
 
 
 def places(task: Task, ends_rad: Array, steps: int) -> Places:

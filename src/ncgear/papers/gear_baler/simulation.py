@@ -27,11 +27,6 @@ from ncgear.papers.gear_baler.published import (
 NOT_THERE = "It is taken from an earlier paper, whose law and speed are not given."
 
 
-def largest_displacement() -> Computed:
-    """Displacement in mm at the end of the working stroke."""
-    return computed(float(slider_displacement(2, np.array([THETAS_RAD[3]]), 0).value[0]))
-
-
 def working_speeds(rpm: float) -> Computed:
     """Largest speed of the working stroke and speed of pressing in mm/s, at a driving speed in r/min."""
     _, theta2, theta3, _ = THETAS_RAD
@@ -40,9 +35,10 @@ def working_speeds(rpm: float) -> Computed:
     return computed(*(speed * rpm * RAD_S_PER_RPM for speed in (fastest, pressing)))
 
 
-def end_acceleration(rpm: float) -> Computed:
-    """Acceleration of the slider in mm/s^2 at the retracted dead centre, where the return ends."""
-    return computed(float(slider_displacement(0, np.array([0.0]), 2).derivative(2)[0]) * (rpm * RAD_S_PER_RPM) ** 2)
+def end_acceleration() -> Computed:
+    """Acceleration of the slider in mm/s^2 at the retracted dead centre, where the return ends, at 20 r/min."""
+    slope = float(slider_displacement(0, np.array([0.0]), 2).derivative(2)[0])
+    return computed(slope * (SIMULATION_RPM * RAD_S_PER_RPM) ** 2)
 
 
 def fluctuation_over_cycle() -> Computed:
@@ -64,7 +60,7 @@ INFERRED = (
 
 SPEED = (
     Entry(("Fig. 9", "Fig. 11", "section 4.3.1"), "largest displacement", Printed(("760",), "mm"), Verdict.GIVEN_BACK,
-          largest_displacement, "H of Table 1."),
+          lambda: computed(float(slider_displacement(2, np.array([THETAS_RAD[3]]), 0).value[0])), "H of Table 1."),
     Entry(("Fig. 4", "Fig. 10", "Fig. 12", "section 4.3.1"),
           "largest speed of the working stroke and speed of pressing", Printed(("1600", "1100"), "mm/s"),
           Verdict.GIVEN_BACK, lambda: working_speeds(law_rpm()),
@@ -74,7 +70,8 @@ SPEED = (
           "Speeds, power and acceleration are printed for different driving speeds."),
     Entry(("section 4.3.1",), "earlier mechanism: largest speed and speed of pressing",
           Printed(("2100", "820"), "mm/s"), Verdict.NEEDS_DATA, None, NOT_THERE),
-    Entry(("section 4.3.1", "section 5"), "less fluctuation: largest speed by speed of pressing, in the working stroke",
+    Entry(("section 4.3.1", "section 5"),
+          "less fluctuation: largest speed by speed of pressing, in the working stroke",
           Below("less speed fluctuation"), Verdict.REPRODUCED, lambda: computed(1600.0 / 1100.0, 2100.0 / 820.0),
           "The quotients do not depend on the driving speeds.", of_printed=True),
     Entry(("section 4.3.1", "section 5"), "less fluctuation: largest speed of the whole cycle by speed of pressing",
@@ -83,8 +80,9 @@ SPEED = (
     Entry(("section 4.3.1",), "lower largest speed and higher speed of pressing, at equal driving speed",
           Below("lower, higher"), Verdict.UNDER_READING, speeds_at_equal_speed, INFERRED),
     Entry(("section 4.2",), "acceleration where the return ends", Printed(("0",), "mm/s2"), Verdict.NOT_REPRODUCIBLE,
-          lambda: end_acceleration(SIMULATION_RPM), "It is said to come back to zero; at a dead centre the slider "
-          "turns round, and the law has its acceleration from eq. 2.6 there."),
+          end_acceleration,
+          "It is said to come back to zero; at a dead centre the slider turns round, and the law has its acceleration "
+          "from eq. 2.6 there."),
     Entry(("section 4.3.1",), "driving angle of the working stroke", Printed(("234",), "deg"), Verdict.GIVEN_BACK,
           lambda: computed(degrees(THETAS_RAD[3])), "theta4 of Table 1."),
     Entry(("section 4.3.1",), "driving angle of the working stroke of a crank that turns evenly",
@@ -92,11 +90,6 @@ SPEED = (
     Entry(("section 4.3.1", "section 1"), "longer time of pressing than on a crank that turns evenly",
           Printed(("30",), "%"), Verdict.REPRODUCED, lambda: computed(100.0 * (234.0 / 180.0 - 1.0)), of_printed=True),
 )  # fmt: skip
-
-
-def power(rpm: float) -> Computed:
-    """Largest power of the working stroke in W."""
-    return computed(at_speed(rpm).peak_power_w.value)
 
 
 def saving(one_w: float, other_w: float) -> tuple[float]:
@@ -114,10 +107,10 @@ A1_AT_20 = "a1 is read at the simulation's 20 r/min, and v1 and v2 at the 52.81 
 
 POWER = (
     Entry(("Fig. 13", "section 4.3.2", *equations("4.1", "4.2")), "largest power", Printed(("6300",), "W"),
-          Verdict.FITTED, lambda: power(SIMULATION_RPM),
+          Verdict.FITTED, lambda: computed(at_speed(SIMULATION_RPM).peak_power_w.value),
           f"At 20 r/min; {A1_AT_20}. The resistance is negative below 33.7 mm and counts as zero there."),
     Entry(("Fig. 13",), "largest power at the speed at which v1 and v2 hold", Printed(("6300",), "W"),
-          Verdict.NOT_REPRODUCIBLE, lambda: power(law_rpm()),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(at_speed(law_rpm()).peak_power_w.value),
           "Power is proportional to speed, and the printed one belongs to 20 r/min."),
     Entry(("Fig. 13", "Fig. 14"), "largest power and acceleration with a1 read at the speed of v1 and v2",
           Printed(("6300", "1500"), "W, mm/s2"), Verdict.NOT_REPRODUCIBLE, power_and_acceleration_of_other_reading,

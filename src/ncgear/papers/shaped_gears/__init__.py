@@ -67,16 +67,6 @@ def _module_by_length() -> Computed:
     return computed(*(pair().length_mm(gear) / (pi * TEETH * module) - 1.0 for gear in Gear))
 
 
-def _closes() -> Computed:
-    """Eqs. 4 and 6 over a lobe."""
-    return computed(pair().transmission.closure_error_rad / (2.0 * pi))
-
-
-def _dented() -> Computed:
-    """Zero below the curvature of the mate's dents, in 1/mm."""
-    return computed(0.0, -pair().curvature_range[Gear.DRIVEN][0].value)
-
-
 def _thickness(module_text: str, *shifts: float, angles_deg: tuple[float, float] = (20.0, 20.0)) -> Computed:
     """Thickness on the pitch curve of teeth with profile shifts, from a module as printed."""
     one, other = map(radians, angles_deg)
@@ -90,7 +80,8 @@ PAPER = Paper(
     "I. Zarebski, T. Salacinski, Designing of non-circular gears, The Archive of Mechanical Engineering 55(3), 2008",
     promised=(*counted("Table", 4), *equations(*range(1, 16))),
     entries=(
-        Entry(("eq. 4", "eq. 6"), "mate that closes over a lobe", Relation(), Verdict.REPRODUCED, _closes),
+        Entry(("eq. 4", "eq. 6"), "mate that closes over a lobe", Relation(), Verdict.REPRODUCED,
+              lambda: computed(pair().transmission.closure_error_rad / (2.0 * pi))),
         Entry(("eq. 15",), "module from the length of the curve", Relation(), Verdict.REPRODUCED, _module_by_length),
         Entry(("Table 1",), "tooth thickness at the least and the greatest shift", Printed(texts("6.710 8.081"), "mm"),
               Verdict.REPRODUCED, lambda: _thickness("4.71", -0.2, 0.2), of_printed=True),
@@ -98,13 +89,13 @@ PAPER = Paper(
               lambda: _thickness("4.71", 0.0, angles_deg=(17.5, 22.5)), of_printed=True),
         Entry(("Table 4",), "tooth thickness of the square", Printed(("7.714",), "mm"), Verdict.REPRODUCED,
               lambda: _thickness("4.91", 0.0), of_printed=True),
-        Entry(("Table 4",), "module at the printed centre distance", Printed(("4.91",), "mm"), Verdict.NOT_REPRODUCIBLE,
-              lambda: computed(pair().size.module_mm),
+        Entry(("Table 4",), "module at the printed centre distance", Printed(("4.91",), "mm"),
+              Verdict.NOT_REPRODUCIBLE, lambda: computed(pair().size.module_mm),
               "With straight sides, corners of 25 mm and 32 teeth, axes 150 mm apart make 4.923 mm."),
         Entry(("section 9",), "centre distance at the printed module", Printed(("150",), "mm"), Verdict.REPRODUCED,
               _distance_of_the_module),
         Entry(("section 9",), "mate with concave sides", Below("0 < curvature of the dents"), Verdict.REPRODUCED,
-              _dented),
+              lambda: computed(0.0, -pair().curvature_range[Gear.DRIVEN][0].value)),
     ),
     left_out=(
         LeftOut(("section 9",), "radius of the corners", Reason.GIVEN, texts("25")),

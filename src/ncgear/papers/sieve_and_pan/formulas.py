@@ -127,8 +127,8 @@ PAN_ALONE = (
     Entry((*equations("1"), "section 2.2.2"), "pan: crank at the pin", Printed(("0.8",), "kg"), Verdict.REPRODUCED,
           lambda: computed(CRANK_KG * CRANK_CENTER_MM / CRANK_MM)),
     Entry((*equations("1"), "section 2.2.2"), "pan: board at pin and roller", Printed(("11.1", "12.6"), "kg"),
-          Verdict.NOT_REPRODUCIBLE, pan_board, "The place printed for the board's centre is that of the crank's; "
-          "the printed masses put it near the middle."),
+          Verdict.NOT_REPRODUCIBLE, pan_board, "The place printed for the board's centre is that of the crank's; the "
+          "printed masses put it near the middle."),
     Entry((*equations("1"), "section 2.2.2"), "pan: all at pin and roller", Printed(("11.9", "12.86"), "kg"),
           Verdict.REPRODUCED,
           lambda: from_readings(lambda *kg: (kg[0] + kg[1], kg[2] + ROLLER_KG), "0.8", "11.1", "12.6"),
@@ -210,8 +210,8 @@ TOGETHER = (
           eta1(90.0), SIZES),
     Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 45 deg", Printed(("0.72",)),
           Verdict.NOT_REPRODUCIBLE, eta1(45.0), f"{SIZES} It is rounded up."),
-    Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 0 deg", Printed(("0.74",)), Verdict.NOT_REPRODUCIBLE,
-          eta1(0.0), SIZES),
+    Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 0 deg", Printed(("0.74",)),
+          Verdict.NOT_REPRODUCIBLE, eta1(0.0), SIZES),
     *(
         Entry((*equations("12", "13", "14", "15", "16"), "section 2.2.3"), f"eta2 at {phase:g} deg", Printed((text,)),
               Verdict.NOT_REPRODUCIBLE, eta2(phase), SAME_ELLIPSE)
@@ -219,8 +219,9 @@ TOGETHER = (
     ),
     Entry(("section 2.2.3", "section 3.3", "section 4"), "best phase of the pan", Printed(("90",), "deg"),
           Verdict.REPRODUCED, best_phase),
-    Entry(("section 2.2.3",), "sieve's counterweight at 90 deg", Printed(("11.4", "13.7"), "kg"), Verdict.UNDER_READING,
-          combined(90), f"{BY_FORMULA} The upper one comes out only with the rounding of the shares."),
+    Entry(("section 2.2.3",), "sieve's counterweight at 90 deg", Printed(("11.4", "13.7"), "kg"),
+          Verdict.UNDER_READING, combined(90),
+          f"{BY_FORMULA} The upper one comes out only with the rounding of the shares."),
     Entry(("section 2.2.3", "section 3.3"), "sieve's counterweight at 45 deg", Printed(("13.9", "16.5"), "kg"),
           Verdict.NOT_REPRODUCIBLE, combined(45), BY_FORMULA),
     Entry(("section 2.2.3",), "sieve's counterweight at 0 deg", Printed(("13.2", "15.8"), "kg"),

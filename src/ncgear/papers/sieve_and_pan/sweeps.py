@@ -127,8 +127,8 @@ SPREADS = (
         Entry((place,), "peak to peak", Printed(table.spread, "N"), Verdict.REPRODUCED, table.spreads, of_printed=True)
         for place, table in (("Table 1", PAN_TABLE), ("Table 3", BOTH_TABLE))
     ),
-    Entry(("Table 2",), "peak to peak", Printed(SIEVE_TABLE.spread, "N"), Verdict.NOT_REPRODUCIBLE, SIEVE_TABLE.spreads,
-          "The row of 17.4 kg contradicts itself; the others agree.", of_printed=True),
+    Entry(("Table 2",), "peak to peak", Printed(SIEVE_TABLE.spread, "N"), Verdict.NOT_REPRODUCIBLE,
+          SIEVE_TABLE.spreads, "The row of 17.4 kg contradicts itself; the others agree.", of_printed=True),
     *(
         Entry((place, section), "mean, r.m.s. and peak to peak fall with every counterweight", Below("all decreased"),
               Verdict.REPRODUCED, table.below_none, of_printed=True)

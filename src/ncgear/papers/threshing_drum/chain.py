@@ -10,15 +10,7 @@ from collections.abc import Callable
 from itertools import chain
 from math import cos, radians, sin
 
-from ncgear.balance.rotor import (
-    ChainPhases,
-    ChainUnbalance,
-    Prediction,
-    Range,
-    WeightRun,
-    chain_unbalance,
-    predicted,
-)
+from ncgear.balance.rotor import ChainPhases, ChainUnbalance, Prediction, Range, WeightRun, chain_unbalance, predicted
 from ncgear.papers.entry import (
     Computed,
     Entry,
@@ -96,7 +88,8 @@ RANGES = (
     Entry((*equations("1"), "Table 3", "Fig. 9", "section 3.2.1"), "range of the weight's amplitude, at 700 r/min",
           Printed(("0.074", "0.214"), "mm/s"), Verdict.REPRODUCED,
           lambda: from_readings(lambda *r: (ranges(*r).weight.low, ranges(*r).weight.high), *AT_700)),
-    Entry(("section 3.2.1",), "largest amplitude of the weight's 161.3 g, by the effect that the first balancing found",
+    Entry(("section 3.2.1",),
+          "largest amplitude of the weight's 161.3 g, by the effect that the first balancing found",
           Printed(("0.214",), "mm/s"), Verdict.NEEDS_DATA, lambda: computed(WEIGHT_G * measured_effect()),
           "The radii of the weights. Computed for equal radii, at the same speed."),
     Entry(("section 3.2.1",), "vector of the weight at 300 deg, by its length", Printed(("-0.5", "0.87")),
@@ -115,8 +108,8 @@ RANGES = (
           "The readings of Table 3 give less, at the same weight as the tight side's."),
     Entry((*equations("6"), "section 3.2.1"), "largest amplitude of the slack side, with two slips at 300 deg",
           Printed(("2.58",), "mm/s"), Verdict.FITTED, lambda: from_readings(slack_with_two_slips, *AT_700),
-          "With a cosine in place of the sine of the reading's phase, and with the sign of the weight's y that section "
-          "3.2.1 prints at 300 deg; either by itself gives another number."),
+          "With a cosine in place of the sine of the reading's phase, and with the sign of the weight's y that "
+          "section 3.2.1 prints at 300 deg; either by itself gives another number."),
 )  # fmt: skip
 
 # --- section 3.3, eqs. 10 to 13, Table 6: what the ranges predict, and how the predictions fare ---------------------

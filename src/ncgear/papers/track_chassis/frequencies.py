@@ -85,9 +85,8 @@ NATURAL = (
     Entry(("Table 4",), "differences of the 1st, 3rd, 4th and 5th", Printed(("5.2", "1.4", "0.6", "2"), "%"),
           Verdict.REPRODUCED, lambda: errors(1, 3, 4, 5), of_printed=True),
     Entry(("Table 4", "section 3.3"), "differences of the 2nd and the 6th, which is the largest",
-          Printed(("5.9", "11.3"), "%"), Verdict.NOT_REPRODUCIBLE, lambda: errors(2, 6),
-          "By the measured frequency, as the other four are; the printed ones are by the simulated frequency, cut off.",
-          of_printed=True),
+          Printed(("5.9", "11.3"), "%"), Verdict.NOT_REPRODUCIBLE, lambda: errors(2, 6), "By the measured frequency, "
+          "as the other four are; the printed ones are by the simulated frequency, cut off.", of_printed=True),
     Entry(("section 3.3",), "the auger's frequency by the first natural one", Printed(("0.8",)), Verdict.REPRODUCED,
           lambda: from_readings(lambda auger, first: (auger / first,), "3.77", "4.62"), of_printed=True),
     Entry(("section 3.3",), "other excitations as near to a natural frequency as that", Printed(("0",)),

@@ -60,11 +60,6 @@ def stroke_residual() -> Computed:
     return computed(*(float(np.abs(formula - exact).max() / LINKAGE.stroke_mm) for formula in (second, third)))
 
 
-def series() -> Computed:
-    """Eq. 4: the first coefficients of (1 - x)^(1/2), without their signs."""
-    return computed(*(abs(float(binom(0.5, power))) for power in (1, 2, 3)))
-
-
 def two_term_residual() -> Computed:
     """Eq. 6 against eq. 3 with the root of eq. 5, by the stroke."""
     sine, cosine = np.sin(ANGLES_RAD), np.cos(ANGLES_RAD)
@@ -92,7 +87,7 @@ MOTION = (
     Entry(equations("1", "2", "3"), "stroke against crank angle, from the extended dead centre", Relation(),
           Verdict.REPRODUCED, stroke_residual),
     Entry(equations("4"), "coefficients of the root's series", Printed(("0.5", "0.125", "0.0625")), Verdict.REPRODUCED,
-          series),
+          lambda: computed(*(abs(float(binom(0.5, power))) for power in (1, 2, 3)))),
     Entry(equations("5", "6"), "stroke by two terms of the series", Relation(), Verdict.REPRODUCED, two_term_residual),
     Entry(equations("7"), "velocity by two terms", Relation(), Verdict.REPRODUCED, velocity_residual),
     Entry(equations("8", "16"), "acceleration by two terms, growing with the square of the speed", Relation(),
