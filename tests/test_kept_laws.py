@@ -22,7 +22,7 @@ Limit = Callable[[Task, Demands], float]
 
 def shaped(asked: Demands) -> Demands:
     """Peaks, ratios, pressure angle and convexity: what a design asks without wishes of its motion."""
-    return replace(asked, times=(), speeds=(), even_speeds=())
+    return replace(asked, wishes=())
 
 
 def loose(asked: Demands) -> Demands:

@@ -14,12 +14,13 @@ from scipy.optimize import brentq
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
+from ncgear.kinematics.wishes import CrankStretch, TimeWithin
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.cycle import cycle
-from ncgear.optimum.certified.demands import Demands, StretchTime
+from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.certified.refusals import turning_point
@@ -40,6 +41,10 @@ USUAL = Demands(0.2, 5.0)
 
 def tangent(deg: float) -> float:
     return tan(radians(deg))
+
+
+def within(key: str, start_rad: float, end_rad: float, most_rad: float) -> WishDemand:
+    return WishDemand(key, TimeWithin(CrankStretch(start_rad, end_rad), most_rad=most_rad))
 
 
 @cache
@@ -105,10 +110,10 @@ def test_nothing_but_acceleration_in_closed_form() -> None:
 @pytest.mark.parametrize("working", [2.5, 4.0])
 def test_given_working_stroke_in_closed_form(working: float) -> None:
     """Each stroke by itself: A = 4 H / t^2 of the quicker one."""
-    times = (StretchTime("out", 0.0, pi, working), StretchTime("back", pi, 2.0 * pi, 2.0 * pi - working))
+    times = within("out", 0.0, pi, working), within("back", pi, 2.0 * pi, 2.0 * pi - working)
     quicker = min(working, 2.0 * pi - working) / (2.0 * pi)
     exact = 4.0 * 760.0 / quicker**2
-    found = least_acceleration(Task(BALER_LINKAGE, NONE, 2.0 * pi), replace(WIDE, times=times)).value
+    found = least_acceleration(Task(BALER_LINKAGE, NONE, 2.0 * pi), replace(WIDE, wishes=times)).value
     assert 0.99 * exact < found <= exact
 
 
@@ -169,7 +174,7 @@ def test_two_lobes_are_twice_the_speed() -> None:
 
 @pytest.mark.slow
 def test_more_freedom_never_costs() -> None:
-    tight = Demands(0.4, 2.5, power_w=15000.0, steepness=tan(0.5), times=(StretchTime("out", 0.0, pi, 3.0),))
+    tight = Demands(0.4, 2.5, power_w=15000.0, steepness=tan(0.5), wishes=(within("out", 0.0, pi, 3.0),))
     freer = [{"ratio_min": 0.3}, {"ratio_max": 3.0}, {"power_w": 16000.0}, {"steepness": tan(0.8)}, {"times": ()}]
     value = least_acceleration(AT_SIXTY, tight).value
     for more in freer:
@@ -214,7 +219,7 @@ def test_weighted_sum_is_no_more_than_a_scan_of_powers() -> None:
     [
         (Demands(1.2, 5.0), "optimize.limits.ratio_min", "at most 1 is right"),
         (Demands(0.2, 0.9), "optimize.limits.ratio_max", "at least 1 is right"),
-        (replace(USUAL, times=(StretchTime("wish", 0.0, pi, 0.5),)), "wish", "at most 0.15915"),
+        (replace(USUAL, wishes=(within("wish", 0.0, pi, 0.5),)), "wish", "at most 0.15915"),
         (Demands(0.2, 5.0, power_w=2000.0), "optimize.limits.peak_power_w", "is too little at any acceleration"),
     ],
 )

@@ -30,6 +30,7 @@ from math import inf, isinf, log
 import numpy as np
 
 from ncgear.frozen import dataclass
+from ncgear.kinematics.wishes import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import Cycle
 from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
@@ -91,7 +92,7 @@ def needs_times(task: Task, asked: Demands) -> bool:
     """Whether a longer time than the true one eases a row: those of energies, and those of stretches."""
     return (
         task.masses is not None
-        or bool(asked.times)
+        or bool(asked.requirements(TimeWithin))
         or any(not isinf(one) for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm))
     )
 
@@ -215,9 +216,9 @@ class MotionProgramme:
         What they miss is the swing of the deceleration within a cell, of first order in its step.
         """
         on = self.on
-        for limit in self.asked.decelerations:
+        for limit in self.asked.requirements(DecelerationWithin):
             most = limit.most_mm_s2 / self.acceleration_unit_mm_s2
-            cells = on.cells_within(limit.start_rad, limit.end_rad)
+            cells = on.cells_within(*limit.stretch)
             self.falls[cells] = np.minimum(self.falls[cells], most)
             self.programme.positive(self._slope()[cells] + most)
             # The dead centres at which one of these cells ends
@@ -348,16 +349,16 @@ class MotionProgramme:
         """Even speeds over stretches, and ranges of the speed; squared, over crank w."""
         on, per_q = self.on, (self.on.slope_mm_rad / self.crank) ** 2
         unit = self.crank * self.speed
-        for even in self.asked.even_speeds:
-            places = on.within(even.start_rad, even.end_rad)
+        for even in self.asked.requirements(EvenSpeed):
+            places = on.within(*even.stretch)
             places = places[per_q[places] > 0.0]
             top = float(np.max(per_q[places] * self.highest[places], initial=1.0))
             least = self.programme.variable(np.zeros(1), np.full(1, top))
             speed = self.q[places] * per_q[places]
             self.programme.positive(even.spread**2 * least.repeated(places.size) - speed)
             self.programme.positive(speed - least.repeated(places.size))
-        for limit in self.asked.speeds:
-            places = on.within(limit.start_rad, limit.end_rad)
+        for limit in self.asked.requirements(SpeedWithin):
+            places = on.within(*limit.stretch)
             speed = self.q[places] * per_q[places]
             self.programme.positive(speed - (limit.least_mm_s / unit) ** 2)
             if not isinf(limit.most_mm_s):
@@ -481,8 +482,8 @@ class MotionProgramme:
         """The driving angles that the cycle and its stretches have."""
         if closed:
             self.programme.positive(1.0 - self.angle)
-        for stretch in self.asked.times:
-            cells = self.on.cells_within(stretch.start_rad, stretch.end_rad)
+        for limit in self.asked.requirements(TimeWithin):
+            cells = self.on.cells_within(*limit.stretch)
             if cells.size:
                 taken = (self.time[cells] * self.after_h[cells]).total()
-                self.programme.positive((stretch.at_most_rad - taken) * (1.0 / stretch.at_most_rad))
+                self.programme.positive((limit.most_rad - taken) * (1.0 / limit.most_rad))

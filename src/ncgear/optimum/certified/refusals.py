@@ -6,14 +6,15 @@ comes down to that which the cycle has.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import atan, degrees, exp, inf, log, pi, tan
 from typing import Any, NamedTuple
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.kinematics.wishes import EvenSpeed, TimeWithin
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.optimum.certified.demands import Demands, GreatestDeceleration, OfWish, SpeedRange, SpeedSpread, StretchTime
+from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.problem import Problem
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
@@ -94,21 +95,24 @@ def _can_be_enough(said: str, offers: Sequence[Offer]) -> str:
 def refuse_ratios(task: Task, asked: Demands) -> None:
     """Refuse ratios that cannot close the cycle, or a stretch of it in its time; raises NoSuchMechanism."""
     _refuse_ratio(2.0 * pi, task.cycle_rad, asked, "the cycle")
-    for stretch in asked.times:
-        crank, most = stretch.end_rad - stretch.start_rad, stretch.at_most_rad
+    for wish in asked.wishes:
+        if not isinstance(wish.asked, TimeWithin):
+            continue
+        (start, end), most = wish.asked.stretch, wish.asked.most_rad
+        crank = end - start
         rest, least = 2.0 * pi - crank, task.cycle_rad - most
         if asked.ratio_min * crank > most:
             said = _at_one_ratio(f"least ratio of {asked.ratio_min:g}", crank, asked.ratio_min * crank)
-            offers = [stretch.shown(asked.ratio_min * crank), _ratio("ratio_min", "most", shown_below(most / crank))]
+            offers = [wish.shown(asked.ratio_min * crank), _ratio("ratio_min", "most", shown_below(most / crank))]
             said = f"{said} at most {degrees(most):.5g}"
         elif asked.ratio_max * rest < least:
             said = _at_one_ratio(f"greatest ratio of {asked.ratio_max:g}", rest, asked.ratio_max * rest)
-            own = stretch.shown(task.cycle_rad - asked.ratio_max * rest)
-            offers = [own, *stretch.instead, _ratio("ratio_max", "least", shown_above(least / rest))]
+            own = wish.shown(task.cycle_rad - asked.ratio_max * rest)
+            offers = [own, *wish.instead, _ratio("ratio_max", "least", shown_above(least / rest))]
             said = f"{said} at least {degrees(least):.5g}"
         else:
             continue
-        raise _too_tight(f"{said} deg of them", offers, stretch.key)
+        raise _too_tight(f"{said} deg of them", offers, wish.key)
 
 
 def _ratio(name: str, side: str, enough: str) -> Offer:
@@ -228,65 +232,48 @@ def _of_curves_and_wishes(problem: Problem) -> Refused:
 
     A wish that cannot be kept alone is told before those that cannot be kept together.
     """
-    wishes = list(_wishes(problem.asked))
-    bare = problem.under(**dict.fromkeys(WISHES, ()))
-    for kind, wish in wishes:
-        alone = bare.under(**{kind: (wish,)})
+    wishes, bare = problem.asked.in_order, problem.under(wishes=())
+    for wish in wishes:
+        alone = bare.under(wishes=(wish,))
         if bare.is_open and not alone.is_open:
-            free = _without(problem, kind, wish)
+            free = _without(problem, wish)
             kept, free = (problem, free) if free.is_open else (alone, bare)
-            offers = [*_nearest_wish(free, kind, wish), *_other_curves(kept)]
+            offers = [*_nearest_wish(free, wish), *_other_curves(kept)]
             return _too_tight("no law keeps this wish", offers, wish.key or "wishes")
-    instead = [(wish, said) for kind, wish in wishes for said in _instead_of(problem, kind, wish)]
-    offers = [*(said for _, said in instead), *_other_curves(problem)]
+    instead = _other_wishes(problem)
+    offers = [*instead, *_other_curves(problem)]
     if instead:
-        said, key = "no law keeps this wish with the other wishes", instead[0][0].key or "wishes"
+        said, key = "no law keeps this wish with the other wishes", instead[0].key or "wishes"
     else:
         said, key = "no law keeps the limits of ratio and curves and the wishes together", "optimize.limits"
     return _too_tight(said, offers, key)
 
 
-WISHES = ("times", "even_speeds", "speeds", "decelerations")
-"""The demands that wishes of the motion ask for."""
-
-
-def _wishes(asked: Demands) -> Iterator[tuple[str, OfWish]]:
-    return ((kind, wish) for kind in WISHES for wish in getattr(asked, kind))
-
-
-def _without(problem: Problem, kind: str, wish: OfWish) -> Problem:
+def _without(problem: Problem, wish: WishDemand) -> Problem:
     """The problem without one of its wishes."""
-    return problem.under(**{kind: tuple(one for one in getattr(problem.asked, kind) if one is not wish)})
+    return problem.under(wishes=tuple(one for one in problem.asked.wishes if one is not wish))
 
 
 def _other_wishes(problem: Problem) -> list[Offer]:
     """For each wish without which there may be a law, the nearest that could be asked for, with its key."""
-    return [said for kind, wish in _wishes(problem.asked) for said in _instead_of(problem, kind, wish)]
+    free = ((wish, _without(problem, wish)) for wish in problem.asked.in_order)
+    return [said for wish, without in free if without.is_open for said in _nearest_wish(without, wish)]
 
 
-def _instead_of(problem: Problem, kind: str, wish: OfWish) -> list[Offer]:
-    """The nearest that could be asked for instead of a wish, with its key; none where nothing is gained without it."""
-    free = _without(problem, kind, wish)
-    return _nearest_wish(free, kind, wish) if free.is_open else []
-
-
-def _nearest_wish(free: Problem, kind: str, wish: OfWish) -> list[Offer]:
+def _nearest_wish(free: Problem, wish: WishDemand) -> list[Offer]:
     """The nearest wish that can be kept, in words, with all that ``free`` asks for; none where there is none."""
-    others = getattr(free.asked, kind)
 
-    def nearest(eased: Callable[[float], OfWish], guess: float) -> float:
-        return _eased(free, lambda value: {kind: (*others, eased(value))}, guess)
+    def nearest(guess: float) -> float:
+        return 1.0 + _eased(free, lambda more: {"wishes": (*free.asked.wishes, wish.eased(1.0 + more))}, guess)
 
-    match wish:
-        case StretchTime():
-            eased = free.least_time(wish.start_rad, wish.end_rad)
-        case SpeedSpread():
-            eased = 1.0 + nearest(lambda more: replace(wish, spread=1.0 + more), max(wish.spread - 1.0, LEAST_EASE))
-        case SpeedRange() | GreatestDeceleration():
-            eased = 1.0 + nearest(lambda more: wish.wider(1.0 + more), LEAST_EASE)
-    if eased == inf:
-        return []
-    return [replace(wish.shown(eased), key=wish.key)]
+    match wish.asked:
+        case TimeWithin(stretch):
+            eased = free.least_time(*stretch)
+        case EvenSpeed(_, spread):
+            eased = nearest(max(spread - 1.0, LEAST_EASE))
+        case _:
+            eased = nearest(LEAST_EASE)
+    return [] if eased == inf else [replace(wish.shown(eased), key=wish.key)]
 
 
 def _eased(problem: Problem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:

@@ -21,7 +21,7 @@ from ncgear.kinematics.wishes import (
 )
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.demands import Demands, GreatestDeceleration, OfWish, SpeedRange, SpeedSpread, StretchTime
+from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
 from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, too_little
 from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
@@ -75,10 +75,7 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         acceleration_mm_s2=limits.peak_acceleration_mm_s2 or inf,
         power_w=(limits.peak_power_w if loads_known else None) or inf,
         **{name: inf if value is None else value * in_demand(task, name) for name, value in of_loads.items()},
-        times=tuple(one for one in asked if isinstance(one, StretchTime)),
-        even_speeds=tuple(one for one in asked if isinstance(one, SpeedSpread)),
-        speeds=tuple(one for one in asked if isinstance(one, SpeedRange)),
-        decelerations=tuple(one for one in asked if isinstance(one, GreatestDeceleration)),
+        wishes=tuple(asked),
     )
 
 
@@ -100,18 +97,14 @@ def _refuse_slow_gear(task: Task, limit_rad_s: float | None) -> None:
         )
 
 
-def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> Iterator[OfWish]:
+def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> Iterator[WishDemand]:
     match asked:
-        case SpeedWithin(stretch, least, most):
-
-            def wider(factor: float) -> Offer:
-                return speed_offer(wish, asked, log(factor))
-
-            yield SpeedRange(wish.key, *stretch, least, most, wider)
-        case EvenSpeed(stretch, spread):
-            yield SpeedSpread(wish.key, *stretch, spread, lambda other: evenness_offer(wish, log(other)))
-        case DecelerationWithin(stretch, most):
-            yield GreatestDeceleration(wish.key, *stretch, most, lambda factor: deceleration_offer(wish, asked, factor))
+        case SpeedWithin():
+            yield WishDemand(wish.key, asked, lambda factor: speed_offer(wish, asked, log(factor)))
+        case EvenSpeed():
+            yield WishDemand(wish.key, asked, lambda other: evenness_offer(wish, log(other)))
+        case DecelerationWithin():
+            yield WishDemand(wish.key, asked, lambda factor: deceleration_offer(wish, asked, factor))
         case TimeWithin(stretch, least, most):
             if most < inf:
                 yield _time(task, wish, stretch, most, 1.0)
@@ -120,11 +113,11 @@ def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> It
                 yield replace(longest, instead=_wider_dwell(task, wish, ratio_max))
 
 
-def _time(task: Task, wish: Wish, stretch: CrankStretch, at_most_rad: float, sign: float) -> StretchTime:
+def _time(task: Task, wish: Wish, stretch: CrankStretch, most_rad: float, sign: float) -> WishDemand:
     def shown(other_rad: float) -> Offer:
-        return time_offer(wish, other_rad - at_most_rad, sign, task.cycle_rad)
+        return time_offer(wish, other_rad - most_rad, sign, task.cycle_rad)
 
-    return StretchTime(wish.key, *stretch, at_most_rad, shown)
+    return WishDemand(wish.key, TimeWithin(stretch, most_rad=most_rad), shown)
 
 
 def _wider_dwell(task: Task, wish: Wish, ratio_max: float) -> tuple[Offer, ...]:
