@@ -33,7 +33,7 @@ smooth there."""
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle:
+class CrankCycle:
     """n places of one turn of the crank, the first at the retracted dead centre, and the n cells that follow them.
 
     Of shape (n,), at the places: the crank's angle; ``slope`` and ``bend``, the magnitudes of the displacement's
@@ -70,7 +70,7 @@ class Cycle:
         return np.nonzero(gone + self.step_rad <= end_rad - start_rad + 2.0 * SAME)[0]
 
 
-def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cycle:
+def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> CrankCycle:
     """The cycle of a task at about so many even places, and at crank angles that matter, such as ends of stretches."""
     angles = _angles(task, places, at_rad)
     linkage = task.linkage
@@ -95,7 +95,7 @@ def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cyc
     loads = None if task.masses is None else machine_loads(linkage, task.masses, angles, nothing)
     # Differences of the way would lose digits at dead centres
     way = _over_cells(task, angles, step, lambda inner: linkage.displacement(Jet.variable(inner, 1)).derivative(1))
-    return Cycle(
+    return CrankCycle(
         angles,
         slope,
         np.abs(position.derivative(2)),

@@ -112,7 +112,7 @@ class Ranges:
 
 
 @dataclass(frozen=True, eq=False)
-class Near:
+class NearMotion:
     """A motion near which others are looked for: q at the places and the mean of q'/q in the cells, shape (n,)."""
 
     q: Array

@@ -32,8 +32,8 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.kinematics.wishes import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
+from ncgear.optimum.certified.cycle import CrankCycle
+from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
 from ncgear.optimum.certified.proof import ConicProgramme, Linear
 from ncgear.optimum.certified.ranges import along, curved
 from ncgear.optimum.task import Task
@@ -47,9 +47,9 @@ MOST_ACCELERATION = 1e4
 
 def motion_programme(
     task: Task,
-    on: Cycle,
+    on: CrankCycle,
     asked: Demands,
-    curve: Ranges | Near | None = None,
+    curve: Ranges | NearMotion | None = None,
     *,
     closed: bool = True,
     with_peak: bool = False,
@@ -78,7 +78,7 @@ def motion_programme(
             made.limit_driving_curve(curve)
         if closed and needs_times(task, asked):
             made.limit_times(curve)
-    if isinstance(curve, Near):
+    if isinstance(curve, NearMotion):
         made.follow_driving_curve(curve)
     made.limit_speeds()
     made.limit_decelerations()
@@ -119,7 +119,9 @@ class MotionProgramme:
     driving angle that the cycle takes, over that which it has; one expression each.
     """
 
-    def __init__(self, task: Task, on: Cycle, asked: Demands, known: Ranges | None, priced: Sequence[Priced]) -> None:
+    def __init__(
+        self, task: Task, on: CrankCycle, asked: Demands, known: Ranges | None, priced: Sequence[Priced]
+    ) -> None:
         self.task, self.on, self.asked = task, on, asked
         self.speed = task.speed_rad_s
         self.crank = task.linkage.half_way
@@ -304,7 +306,7 @@ class MotionProgramme:
         lowest = first * y[number[self.before[here]]] + second * y[number[self.next[here]]] + rest
         self.programme.positive((y[inner[good]] - lowest[good]) * (1.0 / (near * far)[good]))
 
-    def follow_driving_curve(self, motion: Near) -> None:
+    def follow_driving_curve(self, motion: NearMotion) -> None:
         """Three places in a row of a driving curve that stays convex by the tangents at a motion."""
         rate = (motion.rate + motion.rate[self.before]) / 2.0
         first, second, rest = along(rate, motion.q, self.before_h, self.after_h)

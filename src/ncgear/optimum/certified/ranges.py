@@ -22,7 +22,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.certified.cycle import Cycle
+from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import Demands, Ranges
 
 LOWER = 0.02
@@ -35,7 +35,7 @@ ROUNDING = 1e-9
 """Relative error that a range between checkpoints may have by rounding, with much to spare."""
 
 
-def halves(on: Cycle) -> list[IndexArray]:
+def halves(on: CrankCycle) -> list[IndexArray]:
     """All places of the turn, in two parts that share their ends."""
     middle = on.count // 2
     return [np.arange(middle + 1), np.append(np.arange(middle, on.count), 0)]
@@ -49,7 +49,7 @@ class PlacesInRow:
     motion: Array
     asked: Demands
 
-    def checkpoints(self, on: Cycle) -> list[int]:
+    def checkpoints(self, on: CrankCycle) -> list[int]:
         """Places of the stretch, first and last among them, between which ln q hardly leaves the chord."""
         places, ratio = self.places, 1.0 / np.sqrt(self.motion)
         if self.asked.convex:
@@ -65,22 +65,22 @@ class PlacesInRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class KnownRanges:
     """Ranges of q at the places, shape (n,)."""
 
     least: Array
     most: Array
 
-    def within(self, place: int, least: float, most: float) -> Known:
+    def within(self, place: int, least: float, most: float) -> KnownRanges:
         """The same with a range at one place, unless a narrower one is known."""
         low, high = self.least.copy(), self.most.copy()
         low[place] = max(low[place], least)
         high[place] = min(high[place], most)
-        return Known(low, high)
+        return KnownRanges(low, high)
 
-    def and_all(self, ranges: Ranges) -> Known:
+    def and_all(self, ranges: Ranges) -> KnownRanges:
         """What is known together with ranges that hold as well."""
-        return Known(np.maximum(self.least, ranges.least), np.minimum(self.most, ranges.most))
+        return KnownRanges(np.maximum(self.least, ranges.least), np.minimum(self.most, ranges.most))
 
     @property
     def empty(self) -> bool:
@@ -88,7 +88,7 @@ class Known:
         return bool(np.any(self.least > self.most))
 
 
-def cells_that_matter(on: Cycle, without: Array, motion: Array) -> IndexArray:
+def cells_that_matter(on: CrankCycle, without: Array, motion: Array) -> IndexArray:
     """The cells beside places where the driving curve is bent inwards without the relation, or flat with it."""
     matter = (_spare(on, without) < 0.0) | (_spare(on, motion) < FLAT)
     return np.nonzero(matter | np.roll(matter, -1))[0]
@@ -98,7 +98,7 @@ FLAT = 0.02
 """What is left of convexity, over the size of its terms, below which the driving curve counts as flat."""
 
 
-def _spare(on: Cycle, q: Array) -> Array:
+def _spare(on: CrankCycle, q: Array) -> Array:
     """1 + s - s s'' + s'^2 over the size of its terms, shape (n,): what is left until the driving curve is flat."""
     after, before = on.step_rad, np.roll(on.step_rad, 1)
     s = np.sqrt(q)
@@ -120,7 +120,7 @@ def rows_of_places(cells: IndexArray, count: int) -> list[IndexArray]:
 
 
 def everywhere(
-    on: Cycle, known: Known, stretches: Sequence[PlacesInRow], checkpoints: Sequence[Sequence[int]]
+    on: CrankCycle, known: KnownRanges, stretches: Sequence[PlacesInRow], checkpoints: Sequence[Sequence[int]]
 ) -> Ranges:
     """Ranges of q at all places and in all cells of the stretches, from those known and between checkpoints."""
     least, most = np.zeros(on.count), np.full(on.count, inf)

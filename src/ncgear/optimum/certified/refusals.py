@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import atan, degrees, exp, inf, log, pi, tan
-from typing import Any, NamedTuple
+from typing import Any
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.wishes import EvenSpeed, TimeWithin
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.optimum.certified.demands import Demands, WishDemand
-from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
 
@@ -124,54 +124,39 @@ def _at_one_ratio(ratio: str, crank_rad: float, driving_rad: float) -> str:
     return f"at the {ratio} throughout, {taken}, and the wish asks for"
 
 
-class LimitName(NamedTuple):
-    """A demand that can be given too low: its name among the limits of a design file, and its unit there."""
-
-    name: str
-    unit: str
-
-    @property
-    def key(self) -> str:
-        """Its dotted key."""
-        return f"optimize.limits.{self.name}"
-
-
 PEAKS = {
-    "power_w": LimitName("peak_power_w", "W"),
-    "acceleration_mm_s2": LimitName("peak_acceleration_mm_s2", "mm/s^2"),
-    "braking_w": LimitName("braking_power_w", "W of braking power"),
-    "torque_n_mm": LimitName("rms_torque_n_m", "N m of r.m.s. torque"),
-    "fluctuation_n_mm": LimitName("flywheel_kg_mm2", "kg mm^2 of flywheel"),
+    "power_w": ("peak_power_w", "W"),
+    "acceleration_mm_s2": ("peak_acceleration_mm_s2", "mm/s^2"),
+    "braking_w": ("braking_power_w", "W of braking power"),
+    "torque_n_mm": ("rms_torque_n_m", "N m of r.m.s. torque"),
+    "fluctuation_n_mm": ("flywheel_kg_mm2", "kg mm^2 of flywheel"),
 }
-"""By their names among the demands, of an output that slides."""
+"""Demands that can be given too low: the name of the limit and its unit in a design file, of an output that slides."""
 
 
-def peak_of(task: Task, name: str) -> LimitName:
-    """A demand that can be given too low, in the units of the output."""
-    if name != "acceleration_mm_s2":
-        return PEAKS[name]
-    told = task.linkage.OUTPUT.acceleration
-    return LimitName(f"peak_acceleration_{told.ending}", f"{told.text[:-1]}^2")
+def _key_and_unit(task: Task, name: str) -> tuple[str, str]:
+    """The dotted key of such a demand, and its unit there, in those of the output."""
+    key, unit = PEAKS[name]
+    if name == "acceleration_mm_s2":
+        told = task.linkage.OUTPUT.acceleration
+        key, unit = f"peak_acceleration_{told.ending}", f"{told.text[:-1]}^2"
+    return f"optimize.limits.{key}", unit
 
 
 def in_demand(task: Task, name: str) -> float:
     """What one unit of a limit in a design file is in the unit of the demand: power in W, torque in N mm, and so on."""
-    match name:
-        case "torque_n_mm":
-            return 1000.0
-        case "fluctuation_n_mm":
-            # Swing of energy = J w^2 times the coefficient of fluctuation; 1 N mm is 1000 kg mm^2/s^2
-            return task.speed_rad_s**2 * task.speed_fluctuation / 1000.0
-    return 1.0
+    # Swing of energy = J w^2 times the coefficient of fluctuation; 1 N mm is 1000 kg mm^2/s^2
+    swing = task.speed_rad_s**2 * task.speed_fluctuation / 1000.0
+    return {"torque_n_mm": 1000.0, "fluctuation_n_mm": swing}.get(name, 1.0)
 
 
 def too_little(task: Task, name: str, value: float, enough: float) -> Refused:
     """The refusal of a demand whose least value with the others is known."""
     said = f"{_said(task, name, value)} is too little with the other limits"
-    return _too_tight(said, [_enough(task, name, enough, "at least ")], peak_of(task, name).key)
+    return _too_tight(said, [_enough(task, name, enough, "at least ")], _key_and_unit(task, name)[0])
 
 
-def refusal(problem: Problem) -> Refused:
+def refusal(problem: LimitProblem) -> Refused:
     """The error that says why no law keeps the demands: the peaks that bind, then curves and wishes.
 
     For a peak that is too low whatever the others are, its nearest value with the others as they are, if there is one;
@@ -187,15 +172,15 @@ def refusal(problem: Problem) -> Refused:
             other = {"power_w": " at any acceleration", "acceleration_mm_s2": " at any power"}.get(name, "")
             kept = problem if problem.under(**{name: inf}).is_open else free.under(**{name: value})
             said = f"{_said(task, name, value)} is too little{other}"
-            return _too_tight(said, _offers(kept, [name]), peak_of(task, name).key)
+            return _too_tight(said, _offers(kept, [name]), _key_and_unit(task, name)[0])
     # Of two, each alone can be kept
     binding = [name for name in given if len(given) == 2 or problem.under(**{name: inf}).is_open] or list(given)
     names = sorted(binding, key=lambda name: name != "acceleration_mm_s2")
     said = " and ".join(_said(task, name, given[name]) for name in names)
-    return _too_tight(f"{said} are too little together", _offers(problem, names), peak_of(task, names[0]).key)
+    return _too_tight(f"{said} are too little together", _offers(problem, names), _key_and_unit(task, names[0])[0])
 
 
-def _offers(problem: Problem, names: Sequence[str]) -> list[Offer]:
+def _offers(problem: LimitProblem, names: Sequence[str]) -> list[Offer]:
     """What would do instead of peaks that are too low: each of them higher, or something else."""
     least = [(name, value) for name in names if (value := _least(problem, name)) < inf]
     enough = [
@@ -205,12 +190,12 @@ def _offers(problem: Problem, names: Sequence[str]) -> list[Offer]:
 
 
 def _said(task: Task, name: str, value: float) -> str:
-    return f"{value / in_demand(task, name):.10g} {peak_of(task, name).unit}"
+    return f"{value / in_demand(task, name):.10g} {_key_and_unit(task, name)[1]}"
 
 
 def _enough(task: Task, name: str, value: float, before: str) -> Offer:
-    peak, enough = peak_of(task, name), shown_above(value * (1.0 + EDGE) / in_demand(task, name))
-    return Offer(f"{before}{enough} {peak.unit}", ((peak.key, float(enough)),))
+    (key, unit), enough = _key_and_unit(task, name), shown_above(value * (1.0 + EDGE) / in_demand(task, name))
+    return Offer(f"{before}{enough} {unit}", ((key, float(enough)),))
 
 
 EDGE = 1e-4
@@ -218,7 +203,7 @@ EDGE = 1e-4
 solver may find no motion.  With a third of it, it does on the baler."""
 
 
-def _least(problem: Problem, name: str) -> float:
+def _least(problem: LimitProblem, name: str) -> float:
     """Least value of a demand that is not certainly too low; infinite where there is none."""
     value = problem.least_peak(name)
     if value > 0.0:
@@ -227,7 +212,7 @@ def _least(problem: Problem, name: str) -> float:
     return inf if found is None else found[1]
 
 
-def _of_curves_and_wishes(problem: Problem) -> Refused:
+def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
     """The refusal where no peak is enough: convex curves, the pressure angle or a wish leave no law.
 
     A wish that cannot be kept alone is told before those that cannot be kept together.
@@ -249,18 +234,18 @@ def _of_curves_and_wishes(problem: Problem) -> Refused:
     return _too_tight(said, offers, key)
 
 
-def _without(problem: Problem, wish: WishDemand) -> Problem:
+def _without(problem: LimitProblem, wish: WishDemand) -> LimitProblem:
     """The problem without one of its wishes."""
     return problem.under(wishes=tuple(one for one in problem.asked.wishes if one is not wish))
 
 
-def _other_wishes(problem: Problem) -> list[Offer]:
+def _other_wishes(problem: LimitProblem) -> list[Offer]:
     """For each wish without which there may be a law, the nearest that could be asked for, with its key."""
     free = ((wish, _without(problem, wish)) for wish in problem.asked.in_order)
     return [said for wish, without in free if without.is_open for said in _nearest_wish(without, wish)]
 
 
-def _nearest_wish(free: Problem, wish: WishDemand) -> list[Offer]:
+def _nearest_wish(free: LimitProblem, wish: WishDemand) -> list[Offer]:
     """The nearest wish that can be kept, in words, with all that ``free`` asks for; none where there is none."""
 
     def nearest(guess: float) -> float:
@@ -276,13 +261,13 @@ def _nearest_wish(free: Problem, wish: WishDemand) -> list[Offer]:
     return [] if eased == inf else [replace(wish.shown(eased), key=wish.key)]
 
 
-def _eased(problem: Problem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
+def _eased(problem: LimitProblem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
     """The least value with which demands that follow from it can be kept, to a share of EASED; infinite where none is.
 
     On a grid of many places, one of few places tells where to look.
     """
 
-    def turned(on: Problem, guess: float, step: float) -> tuple[float, float] | None:
+    def turned(on: LimitProblem, guess: float, step: float) -> tuple[float, float] | None:
         return turning_point(lambda value: on.under(**demands(value)).excess, guess, EASED, step)
 
     few = problem.under(**demands(guess)).on_grid(FEW_PLACES)
@@ -301,7 +286,7 @@ LEAST_EASE = 0.01
 """Where the search for a spread or a range of speeds begins, as a share of the speed."""
 
 
-def _other_curves(problem: Problem) -> list[Offer]:
+def _other_curves(problem: LimitProblem) -> list[Offer]:
     """What of the curves would do instead: the least pressure angle, or curves that are not convex."""
     asked, said = problem.asked, list[Offer]()
     if asked.steepness < inf:

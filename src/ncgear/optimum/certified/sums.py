@@ -12,7 +12,7 @@ from operator import add
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
+from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
 from ncgear.optimum.certified.limit import (
     BISECTED,
     Bound,
@@ -26,10 +26,10 @@ from ncgear.optimum.certified.limit import (
     tried,
 )
 from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, motion_programme
-from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import halves
-from ncgear.optimum.certified.tree import Budget, Effort, FigureRanges, Solved, Trials, Tried, proven, whole_tree
+from ncgear.optimum.certified.tree import Budget, Effort, FigureRanges, Solved, Trials, TriedMotion, proven, whole_tree
 from ncgear.optimum.task import Task
 
 PLACES_RAISED = 120
@@ -48,7 +48,7 @@ MOST_SPLITS = 60
 
 
 @dataclass(frozen=True)
-class Weights:
+class PeakWeights:
     """What 1 mm/s^2 of peak acceleration and 1 W of peak power cost; both positive."""
 
     per_mm_s2: float
@@ -56,7 +56,7 @@ class Weights:
 
 
 def least_weighted_sum(
-    task: Task, asked: Demands, weights: Weights, places: int | None = None, tolerance: float = TOLERANCE
+    task: Task, asked: Demands, weights: PeakWeights, places: int | None = None, tolerance: float = TOLERANCE
 ) -> Bound:
     """Least weighted sum of both peaks; demands on the two peaks themselves are not looked at.
 
@@ -105,7 +105,7 @@ def least_weighted_sum(
     return Bound(queue[0][0], problem.on.count, motion)
 
 
-def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bound:
+def _sum_with_masses(problem: LimitProblem, weights: PeakWeights, tolerance: float) -> Bound:
     """The least sum by intervals of powers at each of whose ends the least acceleration is known."""
     task, asked = problem.task, problem.asked
     low = least_of(task, asked, "power_w").value
@@ -174,10 +174,12 @@ def _raised_on(
     return proven(tree, box, whole, tree.lacking(of_law, law))
 
 
-def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
+def _trials(problem: LimitProblem, prices: Mapping[str, float]) -> Trials:
     """The programmes of motions by the sum of priced figures."""
 
-    def programme(curve: Ranges | Near | None, figures: FigureRanges, below: float) -> tuple[MotionProgramme, Linear]:
+    def programme(
+        curve: Ranges | NearMotion | None, figures: FigureRanges, below: float
+    ) -> tuple[MotionProgramme, Linear]:
         others = sum(price * figures[name][0] for name, price in prices.items())
         priced = [
             Priced(name, figures[name][0], min(figures[name][1], (below - others) / price + figures[name][0]))
@@ -188,7 +190,7 @@ def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
         made.programme.positive(1.0 - total)
         return made, total
 
-    def least_value(curve: Ranges | Near | None, figures: FigureRanges, below: float) -> Tried:
+    def least_value(curve: Ranges | NearMotion | None, figures: FigureRanges, below: float) -> TriedMotion:
         made, total = programme(curve, figures, below)
         # No figure is negative
         return tried(made, total, lambda value: max(value, 0.0) * below)

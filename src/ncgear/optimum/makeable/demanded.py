@@ -23,21 +23,20 @@ from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
-from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, too_little
-from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
+from ncgear.optimum.certified.refusals import LEAST_ROOM, PEAKS, in_demand, refusal, too_little
+from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.driving_ranges import sure_crank
 from ncgear.optimum.makeable.motion_wishes import deceleration_offer, evenness_offer, speed_offer, time_offer
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer
-from ncgear.optimum.task import Figures, Task
+from ncgear.optimum.task import LOAD_LIMITS, Figures, Task
 
-OF_LOADS = {"braking_power_w": "braking_w", "rms_torque_n_m": "torque_n_mm", "flywheel_kg_mm2": "fluctuation_n_mm"}
-"""Figures of a machine's loads that the limit knows, and their names among its demands."""
-
-
-DEMANDS = {"peak_acceleration_mm_s2": "acceleration_mm_s2", "peak_power_w": "power_w", **OF_LOADS}
+DEMANDS = {figure: name for name, (figure, _) in PEAKS.items()}
 """All figures that the limit knows, and their names among its demands."""
+
+OF_LOADS = {figure: DEMANDS[figure] for figure in LOAD_LIMITS if figure in DEMANDS}
+"""Those of a machine's loads."""
 
 
 def knows_loads(task: Task, wishes: Wishes) -> bool:
@@ -139,7 +138,7 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
     priced = _known_prices(task, wishes)
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
         _refuse_together(task, asked)
-        weights = Weights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
+        weights = PeakWeights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
         return least_weighted_sum(task, asked, weights)
     found = [_alone(task, asked, name, price) for name, price in priced.items()]
     if not found:
