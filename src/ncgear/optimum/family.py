@@ -173,17 +173,8 @@ def request_at(family: Family, point: Array) -> StrokeRequest:
     strokes, _ = strokes_at(family, point[None])
     one = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
     omega = family.task.speed_rad_s
-    return StrokeRequest(
-        theta1_rad=one["theta1_rad"],
-        theta2_rad=one["theta2_rad"],
-        theta3_rad=max(one["theta3_rad"], one["theta2_rad"]),
-        theta4_rad=one["theta4_rad"],
-        v1_mm_s=one["v1_mm_s"] * omega,
-        v2_mm_s=None,
-        a1_mm_s2=one["a1_mm_s2"] * omega**2,
-        law_speed_rad_s=omega,
-        stroke_mm=one["stroke_mm"],
-    )
+    theta = one["theta1_rad"], one["theta2_rad"], max(one["theta3_rad"], one["theta2_rad"]), one["theta4_rad"]
+    return StrokeRequest(*theta, one["v1_mm_s"] * omega, None, one["a1_mm_s2"] * omega**2, omega, one["stroke_mm"])
 
 
 def constant_at(family: Family, point: Array) -> float:
