@@ -11,16 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import pi
-from typing import TYPE_CHECKING
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from ncgear.kinematics.wishes import CrankStretch, DrivingRange, GentleStretch
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.wishes import Wishes
-
-if TYPE_CHECKING:
-    from ncgear.optimum.makeable.law import MakeableLaw
 
 STEPS = (0.1, 0.03)
 """Crank angles in rad by which ends are moved, one after the other: the second leaves a degree."""
@@ -33,6 +30,24 @@ BETTER = 1e-4
 
 LEAST = 1e-3
 """Crank angle in rad that a stretch keeps, from end to end and to the dead centre that it begins or ends at."""
+
+
+class FoundLaw(Protocol):
+    """What a search finds."""
+
+    @property
+    def motion(self) -> Motion:
+        """How the crank turns."""
+
+    def cost(self, first: float) -> float:
+        """What is to be least, with what soft wishes cost where it is ``first``."""
+
+    @property
+    def goal(self) -> float:
+        """What is to be least."""
+
+
+Found = TypeVar("Found", bound=FoundLaw)
 
 
 def sure_crank(driving: DrivingRange, cycle_rad: float, ratio_min: float, ratio_max: float) -> CrankStretch:
@@ -77,7 +92,7 @@ def held_as(wishes: Wishes, motion: Motion, cycle_rad: float) -> Wishes:
     return wishes
 
 
-def best_held(wishes: Wishes, found: MakeableLaw, find: Callable[[Wishes, Motion], MakeableLaw | None]) -> MakeableLaw:
+def best_held(wishes: Wishes, found: Found, find: Callable[[Wishes, Motion], Found | None]) -> Found:
     """The best law that ``find`` finds for wishes whose driving ranges are held over other crank angles.
 
     ``found`` is the law for the crank angles of ``wishes``; ``find`` starts from a motion.  Each end is moved by
