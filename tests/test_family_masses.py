@@ -16,12 +16,13 @@ from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import shares
-from ncgear.optimum.family import FamilyOptimum, best_of_family
-from ncgear.optimum.family_samples import (
+from ncgear.optimum.family import (
     RETURN_POINTS,
     SEGMENT_POINTS,
     Family,
+    FamilyOptimum,
     Peak,
+    best_of_family,
     sampled_laws,
     strokes_at,
 )

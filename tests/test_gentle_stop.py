@@ -15,6 +15,8 @@ from conftest import Run
 from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.outcomes import outcome
 from ncgear.kinematics.wishes import (
+    CrankStretch,
+    DecelerationWithin,
     GentleSpeed,
     GentleStop,
     GentleStretch,
@@ -27,7 +29,7 @@ from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.certified.demands import Demands, GreatestDeceleration
+from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import problem_of
 from ncgear.optimum.makeable.demanded import certified_limit, start_motion
 from ncgear.optimum.makeable.law import law_of, makeable_law
@@ -152,7 +154,7 @@ def own_demands(seed: int, *, curved: bool) -> Demands:
         convex=found.convex and curved,
         acceleration_mm_s2=found.peak_acceleration_mm_s2 * room,
         power_w=found.peak_power_w * room,
-        decelerations=tuple(GreatestDeceleration("", *stretch, most) for stretch, most in own),
+        wishes=tuple(WishDemand("", DecelerationWithin(stretch, most)) for stretch, most in own),
     )
 
 
@@ -168,7 +170,7 @@ def test_no_law_is_refused_its_own_decelerations(seed: int, curved: bool, places
 def test_a_little_less_deceleration_is_refused() -> None:
     """Negative control: how near the programme is to laws; this one keeps its own, and no law 3 % less."""
     own = own_demands(2, curved=True)
-    less = replace(own, decelerations=tuple(one.wider(0.97) for one in own.decelerations))
+    less = replace(own, wishes=tuple(one.eased(0.97) for one in own.wishes))
     assert [problem_of(PRESS, asked, 60).is_open for asked in (own, less)] == [True, False]
 
 
@@ -193,7 +195,7 @@ def test_the_shortest_cycle_of_a_gentle_stop(rising: float, places: int, near: f
     """Time-optimal motion between rests: the programme is never above it, on any grid, and comes near on a fine one."""
     falling = 0.4 * TOP
     asked = Demands(1.0 / FASTEST, 50.0, acceleration_mm_s2=rising)
-    asked = replace(asked, decelerations=(GreatestDeceleration("", 0.0, 2.0 * pi, falling),))
+    asked = replace(asked, wishes=(WishDemand("", DecelerationWithin(CrankStretch(0.0, 2.0 * pi), falling)),))
     task = Task(YOKE, SliderLoad(PolynomialResistance()), W)
     share = problem_of(task, asked, places).closing / least_cycle(rising, falling)
     assert near < share <= 1.0 + 1e-6

@@ -14,11 +14,11 @@ from kept_laws import FILES, KeptLaw, kept
 from ncgear.design.reading.design_file import load
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.cycle import Cycle, cycle
+from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.certified.sums import PLACES_RAISED, raised
-from ncgear.optimum.certified.tree import Box, Budget, Effort, Tree
+from ncgear.optimum.certified.tree import Budget, Effort, MotionBox, Tree
 from ncgear.optimum.makeable.demanded import MOST_PROGRAMMES, demands_of
 from ncgear.optimum.task import figures
 from ncgear.project.best_law import BestLaw
@@ -145,12 +145,12 @@ def test_ratios_that_leave_next_to_nothing_have_a_known_optimum(width: float) ->
 class Watched:
     """The boxes that are left whenever a target was tried, with the target."""
 
-    left: list[tuple[float, Sequence[Box]]]
+    left: list[tuple[float, Sequence[MotionBox]]]
 
     def of(self, monkeypatch: pytest.MonkeyPatch) -> None:
         emptied = Tree.emptied
 
-        def watched(tree: Tree, boxes: Sequence[Box], target: float, until: int) -> list[Box]:
+        def watched(tree: Tree, boxes: Sequence[MotionBox], target: float, until: int) -> list[MotionBox]:
             left = emptied(tree, boxes, target, until)
             self.left.append((target, left))
             return left
@@ -166,11 +166,11 @@ def q_of(law: KeptLaw, angle_rad: Array) -> Array:
     )
 
 
-def grids(law: KeptLaw) -> list[Cycle]:
+def grids(law: KeptLaw) -> list[CrankCycle]:
     return [cycle(law.task, places, law.demands().places_rad) for places in (PLACES_RAISED, 2 * PLACES_RAISED)]
 
 
-def inside(box: Box, at: dict[int, Array]) -> bool:
+def inside(box: MotionBox, at: dict[int, Array]) -> bool:
     """Whether a law lies in a box, from its q at the places of either grid."""
     q = at[box.known.least.size]
     return bool(np.all((box.known.least <= q * EXACT) & (q <= box.known.most * EXACT)))
@@ -212,7 +212,7 @@ def test_ranges_that_leave_a_half_out_prove_too_much(monkeypatch: pytest.MonkeyP
     halves = Tree.halves
     at = {on.count: q_of(law, on.crank_angle_rad) for on in grids(law)}
 
-    def wrong(tree: Tree, box: Box) -> list[Box]:
+    def wrong(tree: Tree, box: MotionBox) -> list[MotionBox]:
         return [half for half in halves(tree, box) if not inside(half, at)]
 
     monkeypatch.setattr(Tree, "halves", wrong)

@@ -17,12 +17,11 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
-from ncgear.optimum.felt import felt
 from ncgear.optimum.loads import Affine, machine_loads
 from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
 from ncgear.optimum.makeable.search import searched
 from ncgear.optimum.makeable.wishes import Goal, Wishes
-from ncgear.optimum.task import Figures, GearSize, Prices, Task, figures
+from ncgear.optimum.task import Figures, GearSize, Prices, Task, felt, figures
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, single
 from published import AT_SIXTY, BALER_LINKAGE, USUAL

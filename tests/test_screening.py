@@ -19,10 +19,10 @@ from ncgear.design.varied import checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import integrated
-from ncgear.screening import block as block_module
+from ncgear.screening import designs as block_module
 from ncgear.screening import rows as figures_module
 from ncgear.screening.batch import Batch, kind_of
-from ncgear.screening.block import MADE, Block, screened_block
+from ncgear.screening.designs import MADE, Block, screened_block
 from ncgear.screening.rows import single_figures
 from ncgear.screening.samples import Fineness, sampled
 

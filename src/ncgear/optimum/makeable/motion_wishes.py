@@ -35,7 +35,7 @@ from ncgear.kinematics.wishes import (
 )
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.optimum.makeable.levels import Kind, Level, Stretch
+from ncgear.optimum.makeable.levels import Kind, Level
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, acceleration, log_speed
 from ncgear.optimum.offers import Offer
 
@@ -90,7 +90,7 @@ def _level(
         sides,
         shown,
         kind=kind,
-        stretch=Stretch(*stretch),
+        stretch=stretch,
         target=target,
         group="",
         floor=-inf if wish.hard else most,
@@ -106,7 +106,7 @@ def _extreme(machine: WishedMachine, wish: ExtremeSpeed) -> Level:
         0.0,
         lambda at, slider, _: (sign * log_speed(at, slider, machine.speed_rad_s),),
         lambda level: Offer(f"{exp(sign * level):.5g} {wish.output.speed.text}"),
-        stretch=Stretch(*wish.place(machine.linkage)),
+        stretch=wish.place(machine.linkage),
         group="",
         share_of_goal=wish.weight or 0.0,
     )

@@ -20,10 +20,9 @@ from ncgear.optimum.makeable.assembly import Assembly, local_terms
 from ncgear.optimum.makeable.levels import Kind, Level
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place
-from ncgear.optimum.makeable.reached import Judged, ratios, running
-from ncgear.optimum.makeable.rows import Rows, rows_of
-from ncgear.optimum.makeable.spline import Knots
-from ncgear.optimum.makeable.spline import Rows as SplineRows
+from ncgear.optimum.makeable.reached import JudgedLaw, ratios, running
+from ncgear.optimum.makeable.rows import ProgrammeRows, rows_of
+from ncgear.optimum.makeable.spline import Knots, SplineRows
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 STOPPED = "User_Requested_Stop"
@@ -60,7 +59,7 @@ class Programme:
     levels: Sequence[Level]
     knots: Knots
     basis: SplineRows
-    rows: Rows
+    rows: ProgrammeRows
     cycles_rad: Sequence[float]
     afresh: Any
     onwards: Any
@@ -155,7 +154,7 @@ class Programme:
         """All variables from coefficients: those of the whole so that rows hold with room, or are zero."""
         at, columns = self.rows.at, self.rows.columns
         law = ratios(at, self.basis, coefficients, self.cycles_rad)
-        judged = Judged(self.levels, at, law)
+        judged = JudgedLaw(self.levels, at, law)
         floors = np.array([level.least for level in self.levels])
         whole = np.zeros(self.rows.wholes)
         whole[: columns.first_mean] = judged.lengths

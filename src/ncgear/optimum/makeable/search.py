@@ -15,13 +15,12 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
-from ncgear.optimum.makeable.levels import Kind, Level
-from ncgear.optimum.makeable.load_levels import machine_scales
+from ncgear.optimum.makeable.levels import Kind, Level, machine_scales
 from ncgear.optimum.makeable.motion_wishes import WishedMachine
 from ncgear.optimum.makeable.places import Places, cell_ends, places
 from ncgear.optimum.makeable.programme import Programme, Solution, programme
-from ncgear.optimum.makeable.reached import Judged, ratios
-from ncgear.optimum.makeable.spline import Rows, even_knots
+from ncgear.optimum.makeable.reached import JudgedLaw, ratios
+from ncgear.optimum.makeable.spline import SplineRows, even_knots
 from ncgear.optimum.makeable.wishes import Scales, Wishes, levels
 from ncgear.optimum.task import Task
 
@@ -79,7 +78,7 @@ class Search:
 
     programme: Programme
     finer: Places
-    basis: Rows
+    basis: SplineRows
     caps: Array
     weights: Array
     ratio_range: tuple[float, float]
@@ -98,11 +97,11 @@ class Search:
         strayed: Array = begun + (STRAYING * random.normal(size=(pairs, len(waves))) @ waves).ravel()
         return strayed
 
-    def judged(self, ratio: Array) -> Judged:
+    def judged(self, ratio: Array) -> JudgedLaw:
         """A law by its ratios at the knots, shape (pairs, n), at the judge's places."""
         coefficients = np.concatenate([self.programme.knots.coefficients(np.log(own)) for own in ratio])
         law = ratios(self.finer, self.basis, coefficients, self.programme.cycles_rad)
-        return Judged(self.programme.levels, self.finer, law)
+        return JudgedLaw(self.programme.levels, self.finer, law)
 
     def rounded(self, coefficients: Array) -> Array:
         """Ratios at the knots as a file holds them, shape (pairs, n)."""
@@ -110,6 +109,10 @@ class Search:
         values: Array = np.exp(np.array([self.programme.knots.values(own) for own in each]))
         more = ceil(2.0 * log10(max(self.programme.knots.count / ROUNDED_KNOTS, 1.0)))
         return np.round(values, DECIMALS + more)
+
+    def nearest(self, start: Array) -> Solution | None:
+        """The law that comes nearest to keeping all limits, from coefficients; None where none is found."""
+        return self.programme.nearest(self.caps, np.zeros(self.caps.size), 1.0, start)
 
     def reached(self, coefficients: Array) -> Array:
         """Levels of a law with rounded ratios, shape (levels,)."""
