@@ -151,7 +151,6 @@ WRITERS = {
     "files/one_file.py",
     "project/frontier_run.py",
     "files/workshop/dxf.py",
-    "files/workshop/sheets/dxf.py",
     "studio/chains.py",
     "studio/entrance.py",
     "studio/worker.py",

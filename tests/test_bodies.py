@@ -22,7 +22,7 @@ from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.build_summary import bodies_summary
-from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes, written_outlines
+from ncgear.files.read_back import outline_of_stl, read_back, section_rings, stl_bytes, written_outlines
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import take_over

@@ -20,7 +20,7 @@ from ncgear.contact.designed.as_designed import SideContact, as_designed
 from ncgear.contact.placement import placed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.files.build import build
-from ncgear.files.meshes import read_back, stl_bytes
+from ncgear.files.read_back import read_back, stl_bytes
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

@@ -24,7 +24,7 @@ from ncgear.design.reading.design_file import load
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.assembly import Placed, assembled_pose
-from ncgear.files.meshes import read_back, stl_bytes
+from ncgear.files.read_back import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.internal import LEAST_RATIO, require_ring

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 from ncgear.errors import Unanswered
-from ncgear.files.meshes import read_back, stl_bytes
+from ncgear.files.read_back import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.pair import sized_pair

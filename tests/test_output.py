@@ -665,7 +665,7 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
     from shapely import Polygon
 
     from ncgear.files import build as build_module
-    from ncgear.files.meshes import stl_bytes
+    from ncgear.files.read_back import stl_bytes
     from ncgear.solids.mesh.slabs import slab_mesh
     from ncgear.solids.plan.body import Slab
 

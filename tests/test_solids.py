@@ -13,7 +13,7 @@ from trimesh.exchange.stl import export_stl
 
 from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.figures.assembly import Placed, assembled_pose, met_at, outline_radius_mm
-from ncgear.files.meshes import mesh_of_stl, read_back, stl_bytes
+from ncgear.files.read_back import mesh_of_stl, read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import gear_solid

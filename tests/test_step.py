@@ -19,10 +19,11 @@ pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs
 from closeness import farthest, farthest_from_pieces
 from commands import Run
 from drives import DESIGNS, drive, drive_of_text, loaded
+from ncgear.drawings.beside import HERE
 from ncgear.errors import Unanswered, WrongInput
-from ncgear.files.outline_errors import error_of_step_mm
-from ncgear.files.workshop.step import step_files
-from ncgear.files.workshop.step_kernel import VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same
+from ncgear.files.read_back import error_of_step_mm
+from ncgear.files.workshop.formats import Format, begun_workshop_files
+from ncgear.files.workshop.step import VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same, step_files
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -239,7 +240,7 @@ def test_helical_teeth_that_do_not_go_up_smoothly_are_refused(monkeypatch: pytes
 def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ncgear.extras.find_spec", lambda library: None)
     with pytest.raises(WrongInput, match=r"python -m pip install 'ncgear\[step\]' installs it"):
-        step_files(drive("ellipse"))
+        begun_workshop_files(drive("ellipse"), [Format.STEP], HERE, None)
 
 
 @pytest.mark.slow
@@ -395,6 +396,6 @@ def test_a_build_writes_the_kind_that_is_asked_for(run: Run, tmp_path: Path) -> 
 
 @pytest.mark.slow
 def test_nothing_but_steps_needs_the_library() -> None:
-    """The module that others import loads it only when it is asked for files."""
-    code = "import sys, ncgear.files.build, ncgear.files.workshop.step; sys.exit('OCP' in sys.modules)"
+    """Its module is loaded only when these files are asked for."""
+    code = "import sys, ncgear.files.build, ncgear.files.workshop.formats; sys.exit('OCP' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

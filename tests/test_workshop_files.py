@@ -29,12 +29,10 @@ from drives import drive
 from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings.beside import HERE
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
-from ncgear.files.outline_errors import exact_outlines, outline_errors_mm
+from ncgear.files.read_back import exact_outlines, outline_errors_mm
 from ncgear.files.workshop import dxf as workshop_dxf
-from ncgear.files.workshop.drawing import Layer, Use
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
-from ncgear.files.workshop.gear_drawing import pitch_points
-from ncgear.files.workshop.sheets import dxf as sheet_dxf
+from ncgear.files.workshop.gear_drawing import Layer, Use, pitch_points
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -167,8 +165,7 @@ def test_chains_written_as_one_text_are_those_of_the_library(monkeypatch: pytest
         rows = np.column_stack([points, np.broadcast_to(bulges, len(points))]).tolist()
         space.add_lwpolyline(rows, format="xyb", close=closed, dxfattribs=attributes)
 
-    for module in (workshop_dxf, sheet_dxf):
-        monkeypatch.setattr(module, "add_chain", slowly)
+    monkeypatch.setattr(workshop_dxf, "add_chain", slowly)
     found = all_made(begun_workshop_files(drive("baler"), [Format.DXF, Format.DRAWING], HERE, None)).files
     names = [name for name in found if name.endswith(".dxf")]
     assert len(names) == 6
@@ -463,7 +460,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
 SMALL_DRAWING = """
 import sys
 import numpy as np
-from ncgear.files.workshop.drawing import Circle, Drawing, Layer, polygon
+from ncgear.files.workshop.gear_drawing import Circle, Drawing, Layer, polygon
 from ncgear.files.workshop.dxf import dxf_bytes
 triangle = polygon(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]))
 drawing = Drawing("triangle", {Layer.OUTLINE: (triangle,), Layer.BORE: (Circle(0.5, 0.5, 0.1),)}, ("note",))

@@ -27,9 +27,9 @@ from ncgear.drawings.plots.assembled_pair import (
     draw_pitch_curves,
     draw_whole,
 )
-from ncgear.drawings.side_by_side import draw_side_by_side
 from ncgear.errors import WrongInput
 from ncgear.figures.side_by_side import SideBySide
+from ncgear.files.side_by_side import draw_side_by_side
 from ncgear.project.drive import Drive
 
 __all__ = [

@@ -26,9 +26,8 @@ from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build_summary import build_summary, with_files
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files.manifest import publish_run
-from ncgear.files.meshes import stl_bytes, written_outlines
-from ncgear.files.outline_errors import ERRORS, error_of_step_mm, exact_outlines
 from ncgear.files.publish import prepare
+from ncgear.files.read_back import ERRORS, error_of_step_mm, exact_outlines, stl_bytes, written_outlines
 from ncgear.files.workshop.formats import WRITERS, Format, all_made, begun_workshop_files
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.drawings.simulation_pictures import dynamic_pictures, quasi_static_pictures, rigid_pictures
+from ncgear.drawings.charts.simulation_charts import dynamic_pictures, quasi_static_pictures, rigid_pictures
 from ncgear.dynamics.history import PER_TURN, even_times_s, history
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.peaks import motion_peaks

@@ -8,18 +8,216 @@ from math import isnan
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
-from ncgear.drawings.plots.sweep_plots import MOST_KEYS, Axis, Effect, Named, effects, pareto, scatter_matrix
+from ncgear.drawings.plots.canvas import (
+    DRIVEN,
+    DRIVING,
+    HIGHLIGHT,
+    INK,
+    REFERENCE,
+    SMALL,
+    Margins,
+    Style,
+    dress,
+    figure,
+    png,
+)
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.quantities import name_of
 from ncgear.figures.sweep import effects_csv, front_csv, values_of
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.units import label_and_unit
 from ncgear.screening.designs import Designs
 from ncgear.screening.overview import Overview, rank_correlations
+
+CELL_IN = 1.75
+"""Width and height of a small picture among many."""
+
+MOST_KEYS = 6
+"""Keys that a picture has room for; those that explain most of the first objective are shown."""
+
+TICKS = 4
+TICKS_OF_A_CELL = 3
+LABEL = 0.05
+"""Designs nearer to each other than this share of the picture have one number between them, the first one's."""
+
+TITLE_IN = 0.62
+
+ROUNDING = 1e-9
+"""Share of a figure by which it differs from design to design only as numbers are rounded."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A key or an objective: its heading with the unit, and its values of designs by lot and of the Pareto set."""
+
+    head: str
+    drawn: Array
+    front: Array
+
+
+def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
+    """PNG of every pair of keys and objectives below the diagonal, on which there is each one's distribution."""
+    count = len(axes)
+    size = CELL_IN * count + 0.9
+    made = figure(max(size, 5.0), size + TITLE_IN, title)
+    made.subplots_adjust(
+        **Margins(left=0.95, right=0.2, bottom=0.75, top=TITLE_IN + 0.15).shares(max(size, 5.0), size + TITLE_IN),
+        hspace=0.12,
+        wspace=0.12,
+    )
+    for row, up in enumerate(axes):
+        for column, along in enumerate(axes[: row + 1]):
+            cell = made.add_subplot(count, count, row * count + column + 1)
+            if row == column:
+                _distribution(cell, up)
+            else:
+                _points(cell, along, up)
+            dress(
+                cell, _broken(along.head) if row == count - 1 else "", _broken(up.head) if column == 0 and row else ""
+            )
+            for axis, values in ((cell.xaxis, along.drawn), (cell.yaxis, up.drawn)):
+                axis.set_major_locator(_ticks(values, TICKS_OF_A_CELL))
+                axis.get_major_formatter().set_useOffset(False)  # type: ignore[attr-defined]
+            cell.tick_params(labelbottom=row == count - 1, labelleft=column == 0 and row > 0)
+            _small_labels(cell)
+    _explained_colors(made, size + TITLE_IN)
+    return png(made)
+
+
+def _explained_colors(made: Figure, height: float) -> None:
+    note: Style = {"size": SMALL, "ha": "right", "va": "top"}
+    made.text(0.985, 1.0 - 0.40 / height, "blue: designs by lot", color=DRIVING, **note)
+    made.text(0.985, 1.0 - 0.56 / height, "purple: best designs", color=HIGHLIGHT, **note)
+
+
+def _points(cell: Axes, along: Axis, up: Axis) -> None:
+    cell.plot(along.drawn, up.drawn, color=DRIVING, marker=".", markersize=1.8, alpha=0.35, linestyle="none")
+    cell.plot(along.front, up.front, color=HIGHLIGHT, marker="o", markersize=2.8, linestyle="none", zorder=3)
+
+
+def _distribution(cell: Axes, axis: Axis) -> None:
+    if len(axis.drawn):
+        # Values that differ by rounding alone leave no room for bars.
+        differ = np.ptp(axis.drawn) > ROUNDING * np.abs(axis.drawn).max()
+        cell.hist(axis.drawn, bins=24 if differ else 1, color=DRIVING, alpha=0.55)
+    cell.set_yticks([])
+
+
+def _broken(head: str) -> str:
+    """A heading in two lines, the unit in the second one."""
+    return head.replace(", ", ",\n", 1)
+
+
+def _ticks(values: Array, most: int = TICKS) -> MaxNLocator:
+    """A few ticks, at whole numbers where all values are whole."""
+    return MaxNLocator(most, integer=bool(np.all(values == np.round(values))))
+
+
+def _small_labels(cell: Axes) -> None:
+    cell.xaxis.label.set_fontsize(SMALL)
+    cell.yaxis.label.set_fontsize(SMALL)
+
+
+Named = tuple[str, float, float]
+"""A design by its number, and its place in the picture."""
+
+
+def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
+    """PNG of two objectives: designs by lot, the Pareto set, and the designs of it that are written as files."""
+    width, height = 8.2, 5.8
+    made = figure(width, height, title)
+    made.subplots_adjust(**Margins(left=0.95, right=0.3, top=0.8).shares(width, height))
+    axes = made.add_subplot()
+    axes.plot(along.drawn, up.drawn, color=REFERENCE, marker=".", markersize=2.5, alpha=0.4, linestyle="none")
+    order = np.argsort(along.front)
+    axes.plot(along.front[order], up.front[order], color=DRIVING, linewidth=1.0, marker="o", markersize=3.0, zorder=3)
+    axes.ticklabel_format(useOffset=False)
+    _near_the_front(axes, along, up)
+    labelled: list[Array] = []
+    for name, x, y in named:
+        axes.plot([x], [y], color=HIGHLIGHT, marker="D", markersize=6.0, linestyle="none", zorder=4)
+        place = axes.transAxes.inverted().transform(axes.transData.transform((x, y)))
+        if all(np.abs(place - other).max() > LABEL for other in labelled):
+            note: Style = {"size": SMALL, "color": INK, "zorder": 5}
+            axes.annotate(name, (x, y), xytext=(5.0, 5.0), textcoords="offset points", **note)
+            labelled.append(place)
+    dress(axes, along.head, up.head)
+    said: Style = {"size": SMALL, "ha": "right", "va": "bottom", "transform": axes.transAxes}
+    axes.text(1.0, 1.04, "grey: designs by lot", color=REFERENCE, **said)
+    axes.text(0.82, 1.04, "blue: Pareto set", color=DRIVING, **said)
+    axes.text(0.68, 1.04, "purple: written as files, by number", color=HIGHLIGHT, **said)
+    return png(made)
+
+
+def _near_the_front(axes: Axes, along: Axis, up: Axis) -> None:
+    """Show the front, and about it as much again, or the quarter of the other designs that is nearest to it."""
+    for axis, limits in ((along, axes.set_xlim), (up, axes.set_ylim)):
+        low, high = axis.front.min(), axis.front.max()
+        every = np.concatenate([axis.drawn, axis.front])
+        away = np.maximum(low - every, every - high).clip(0.0)
+        room = max(high - low, np.quantile(away, 0.25), 1e-9 * abs(high), 1e-300)
+        limits(max(low - room, every.min() - 0.05 * room), min(high + room, every.max() + 0.05 * room))
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """What a key does: middles of its bins, the share refused, means of each objective, and how much it explains.
+
+    ``said`` has a text for each objective.
+    """
+
+    head: str
+    middles: Array
+    refused: Array
+    means: Array
+    said: Sequence[str]
+
+
+def effects(rows: Sequence[Effect], objectives: Sequence[str], title: str) -> bytes:
+    """PNG with a row for each key: the mean of each objective, and the share refused, over the key's values."""
+    columns = len(objectives) + 1
+    width, height = 2.75 * columns + 0.9, 1.75 * len(rows) + TITLE_IN + 0.4
+    made = figure(width, height, title)
+    made.subplots_adjust(
+        **Margins(left=0.95, right=0.2, bottom=0.6, top=TITLE_IN + 0.35).shares(width, height), hspace=0.85, wspace=0.42
+    )
+    # Of an objective, all keys have the same scale, so that what matters looks large.
+    for row, effect in enumerate(rows):
+        for column in range(columns):
+            cell = made.add_subplot(len(rows), columns, row * columns + column + 1)
+            last = column == columns - 1
+            values = 100.0 * effect.refused if last else effect.means[:, column]
+            color = DRIVEN if last else DRIVING
+            known = np.isfinite(values)
+            cell.plot(effect.middles[known], values[known], color=color, marker="o", markersize=3.0, linewidth=1.4)
+            dress(cell, effect.head, "")
+            _small_labels(cell)
+            cell.xaxis.set_major_locator(_ticks(effect.middles))
+            cell.yaxis.set_major_locator(MaxNLocator(TICKS))
+            if last:
+                cell.set_ylim(-4.0, 104.0)
+            else:
+                _same_scale(cell, np.concatenate([one.means[:, column] for one in rows]))
+                cell.text(0.02, 1.03, effect.said[column], transform=cell.transAxes, size=SMALL, color=INK)
+            if row == 0:
+                head = "refused, %" if last else f"mean {objectives[column]}"
+                cell.set_title(head, size=SMALL + 1.0, color=color, pad=18.0, loc="left", weight="bold")
+    return png(made)
+
+
+def _same_scale(cell: Axes, values: Array) -> None:
+    low, high = np.nanmin(values), np.nanmax(values)
+    room = max(0.06 * (high - low), 1e-6 * abs(high), 1e-300)
+    cell.set_ylim(low - room, high + room)
+
 
 DESIGNS = 8
 """Designs of the Pareto set that are written as files: the ends of the set, and others between them."""

@@ -20,12 +20,17 @@ from ncgear.design.keys.design import Design
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
 from ncgear.drawings.charts.strength_charts import strength_charts
+from ncgear.drawings.notebook.drawn import (
+    picture,
+    pitch_outlines,
+    running,
+    section_outline,
+    tooth_outline,
+    tooth_outlines,
+)
 from ncgear.drawings.notebook.frame import NOTHING, charts, facts, figures, framed, made, not_made, refusal, table
-from ncgear.drawings.notebook.running import running
-from ncgear.drawings.notebook.shapes import picture, pitch_outlines, section_outline, tooth_outline, tooth_outlines
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.motion_charts import motion_charts
-from ncgear.drawings.page.page_charts import ratio_chart
+from ncgear.drawings.page.charts import motion_charts, ratio_chart
 from ncgear.drawings.page.tables import comparison_tables, typeset
 from ncgear.drawings.plots.frontier_plot import frontier
 from ncgear.drawings.scene.scene import scene_of

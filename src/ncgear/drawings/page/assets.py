@@ -10,8 +10,8 @@ from ncgear.drawings.palette import style_of_colors, with_fallbacks
 
 PACKAGE = "ncgear.drawings.page"
 
-SCENE_SCRIPTS = ("angles", "places", "gestures", "teeth", "scene")
-SHARED_SCRIPTS = ("shafts", "clock", "charts", "views", "find", "readouts", "controls")
+SCENE_SCRIPTS = ("places", "gestures", "teeth", "scene")
+SHARED_SCRIPTS = ("clock", "charts", "find", "controls")
 
 
 def scene_script() -> str:

@@ -2,7 +2,7 @@
 
 trimesh has a page for a scene: three.js with its controls, and the scene as GLB, all within it (both under
 the MIT licence).  That page is packed by gzip, which every browser unpacks, and lies in the report as text that is not
-run.  script/solid.js puts it into a frame when its button is pressed.  The report's policy lets only this one script
+run.  script/page.js puts it into a frame when its button is pressed.  The report's policy lets only this one script
 run there, which has the hash that is given here, and lets it read what is in the page itself.
 """
 

@@ -10,8 +10,7 @@ import shapely
 from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.files.workshop.drawing import Circle, Cross, Layer, Polyline, Shape
-from ncgear.files.workshop.gear_drawing import body_shapes, pitch_points
+from ncgear.files.workshop.gear_drawing import Circle, Cross, Layer, Polyline, Shape, body_shapes, pitch_points
 from ncgear.files.workshop.sheets.sheet import Line, Pen, Ring
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -73,6 +72,19 @@ def finished(drive: Drive, gear: Gear) -> BodyPlan:
         lightening_holes=tuple(replace(hole, diameter_mm=hole.diameter_mm + wider) for hole in plan.lightening_holes),
         clearance_mm=0.0,
     )
+
+
+def title_of(drive: Drive) -> str:
+    """The name of the design, with the number of the pair where there are two."""
+    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
+
+
+def material_of(drive: Drive, gear: Gear) -> str:
+    """The name of a gear's material; or that the design names none."""
+    if drive.gears.material is None:
+        return "not given"
+    driving, driven = drive.gears.material.each
+    return (driving if gear is Gear.DRIVING else driven).name
 
 
 def drawn_body(drive: Drive, gear: Gear, plan: BodyPlan, view: View, name: str = "") -> Iterator[Line | Ring]:

@@ -21,9 +21,17 @@ from ncgear.drawings.scene.standing import supports_mm
 from ncgear.figures.data_sheet.accuracy import distance_text, general_text
 from ncgear.figures.numbers import drawn
 from ncgear.figures.passed import shafts_below
-from ncgear.files.workshop.drawing import Cross
+from ncgear.files.workshop.gear_drawing import Cross
 from ncgear.files.workshop.sheets.board import Board
-from ncgear.files.workshop.sheets.body import View, drawn_body, drawn_holes, drawn_shape, finished
+from ncgear.files.workshop.sheets.body import (
+    View,
+    drawn_body,
+    drawn_holes,
+    drawn_shape,
+    finished,
+    material_of,
+    title_of,
+)
 from ncgear.files.workshop.sheets.frame import (
     TITLE_HEIGHT_MM,
     TITLE_WIDTH_MM,
@@ -35,7 +43,6 @@ from ncgear.files.workshop.sheets.frame import (
     framed,
     inside,
 )
-from ncgear.files.workshop.sheets.gear_sheet import material_of, title_of
 from ncgear.files.workshop.sheets.gear_view import (
     draw_turning,
     free_radius_mm,

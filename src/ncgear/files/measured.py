@@ -1,9 +1,12 @@
-"""A measured gear: its deviations, enlarged, on the exact outline, and the mean of every flank as bars."""
+"""Measured gears as files: figures, a table with a row per flank, all points with their deviations, pictures.
+
+A picture shows a gear's deviations, enlarged, on the exact outline, and the mean of every flank as bars.
+"""
 
 from __future__ import annotations
 
 from itertools import pairwise
-from math import floor, log10
+from math import degrees, floor, log10
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +15,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
+from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.drawings.charts.drawer import CONTACT_COLUMN, CONTACT_LOOK, column_png
 from ncgear.drawings.palette import EXCESS
 from ncgear.drawings.plots.canvas import (
     DRIVEN,
@@ -27,11 +32,13 @@ from ncgear.drawings.plots.canvas import (
     png,
     ring_area,
 )
-from ncgear.figures.numbers import micrometres
+from ncgear.figures.compared import compared_csv, compared_figures, points_csv
+from ncgear.figures.csv_text import outline_csv
+from ncgear.figures.numbers import MICRORAD, json_text, micrometres
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_points
 from ncgear.pitch.shape import Gear
-from ncgear.project.compared import ComparedGear
+from ncgear.project.compared import ComparedGear, ComparedPair
 
 WIDTH_IN, HEIGHT_IN = 8.6, 10.6
 
@@ -145,3 +152,52 @@ def heading(one: ComparedGear, name: str) -> str:
     """The heading of the picture."""
     gear = "driving" if one.gear is Gear.DRIVING else "driven"
     return f"{name}: {gear} gear as measured, r.m.s. deviation {micrometres(one.fit.rms_mm)}"
+
+
+MEASURED, EXACT = "pair as measured", "exact outlines"
+
+
+def compared_pictures(pair: ComparedPair, name: str) -> dict[str, bytes]:
+    """Each measured gear with its deviations, and play and transmission error of the pair over the cycle."""
+    gears = {f"measured-{one.gear.value}.png": deviations_png(one, heading(one, name)) for one in pair.gears}
+    angle, end = np.degrees(pair.placement.phi1_rad), degrees(pair.placement.cycle_rad)
+    charts = [
+        Chart(
+            quantity,
+            unit,
+            (Line(Role.OTHER, EXACT, angle, exact), Line(Role.OWN, MEASURED, angle, measured)),
+            end,
+            axis_label=label,
+        )
+        for quantity, unit, label, measured, exact in (
+            (
+                "play",
+                "mm",
+                "play along the normal\nin \u00b5m (below 0: jams)",
+                1e3 * pair.lever_mm * pair.measured.backlash_rad,
+                1e3 * pair.lever_mm * pair.exact.backlash_rad,
+            ),
+            (
+                "transmission error",
+                MICRORAD,
+                f"error of driven\nangle in {MICRORAD}",
+                1e6 * pair.measured.pushing_rad,
+                1e6 * pair.exact.pushing_rad,
+            ),
+        )
+    ]
+    contact = column_png(charts, f"{name}: contact of the pair as measured", CONTACT_LOOK, CONTACT_COLUMN)
+    return {**gears, "measured-contact.png": contact}
+
+
+def compared_files(pair: ComparedPair, name: str) -> dict[str, bytes]:
+    """The files by their names; outlines as measured have the form of those of a build."""
+    files = {
+        "measured.json": json_text(compared_figures(pair, name)).encode(),
+        "measured.csv": compared_csv(pair).encode(),
+        **compared_pictures(pair, name),
+    }
+    for one in pair.gears:
+        files[f"measured-{one.gear.value}-points.csv"] = points_csv(one).encode()
+        files[f"measured-{one.gear.value}-outline.csv"] = outline_csv(one.outline_mm).encode()
+    return files

@@ -1,26 +1,32 @@
-"""Solids as binary STL, and tooth outlines read back from the files of a build.
+"""Solids as binary STL, and tooth outlines read back from the files of a build: tables, STL files, drawings.
 
-Every STL file is read back: it is used only if it still holds the closed solid that it was made from.  Tooth outlines
-are read back from tables and, as sections, from STL files, so that the contact is judged on the written files.
+Every STL file is read back: it is used only if it still holds the closed solid that it was made from.  The contact is
+judged on outlines as written, and points of the exact curves, that no chord and no arc knows of, are held against them.
+The faces of STEP files are held against those when they are made, between the places that they go through.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from io import StringIO
+from xml.etree import ElementTree as Xml
 
 import numpy as np
 from shapely import Polygon
 
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import Unanswered
-from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.plane import signed_area
+from ncgear.metrology.chord_error import exact_points, farthest_mm
+from ncgear.numerics.arrays import Array, IndexArray, counted_up
+from ncgear.numerics.plane import as_complex, as_points, signed_area
+from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
 from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
+from ncgear.teeth.gear import ToothedPair
 
 VOLUME_TOLERANCE = 1e-5
 """Largest relative error of the volume by single precision; a millionth is usual, and a lost facet costs more."""
@@ -179,3 +185,89 @@ def _without_straight_points(ring: Array) -> Array:
     whole, arm = after - before, ring - before
     aside = np.abs(whole[:, 0] * arm[:, 1] - whole[:, 1] * arm[:, 0])
     return ring[aside > STRAIGHT * size * np.hypot(whole[:, 0], whole[:, 1])]
+
+
+FLAT = 1e-7
+"""Distance from an arc of the chords by which it is measured, as a share of the largest coordinate: a thousandth of a
+usual chord tolerance."""
+
+
+def read_outlines(files: Mapping[str, bytes]) -> dict[str, tuple[Array, Array]]:
+    """The outlines of both gears, shape (n, 2) each, in the drawings among these files, by their kind."""
+    found = {}
+    for kind, read in READERS.items():
+        names = [f"{gear.value}.{kind}" for gear in Gear]
+        if all(name in files for name in names):
+            found[kind] = (read(files[names[0]]), read(files[names[1]]))
+    return found
+
+
+def outline_of_dxf(data: bytes) -> Array:
+    """The tooth outline of a DXF file of one gear in mm, arcs as fine chords, shape (n, 2)."""
+    import ezdxf
+    from ezdxf.entities.lwpolyline import LWPolyline
+
+    entities = ezdxf.read(StringIO(data.decode())).modelspace()
+    (outline,) = (one for one in entities if isinstance(one, LWPolyline) and one.dxf.layer == "OUTLINE")
+    rows = np.array(outline.get_points("xyb"))
+    return flattened(rows[:, :2], rows[:, 2])
+
+
+STEP = re.compile(r"([MLA])([^MLAZ]*)")
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
+
+
+def outline_of_svg(data: bytes) -> Array:
+    """The tooth outline of an SVG file in mm, y up, arcs as fine chords, shape (n, 2)."""
+    space = "{http://www.w3.org/2000/svg}"
+    (path,) = Xml.fromstring(data).iterfind(f".//{space}g[@id='OUTLINE']/{space}path")
+    steps = [(kind, [float(word) for word in NUMBER.findall(rest)]) for kind, rest in STEP.findall(path.attrib["d"])]
+    points = np.array([numbers[-2:] for _, numbers in steps])
+    chord = np.hypot(*np.diff(points, axis=0).T)
+    bulges = np.zeros(len(points))
+    for row, (kind, numbers) in enumerate(steps[1:]):
+        if kind == "A":
+            turned = 2.0 * np.arcsin(min(chord[row] / 2.0 / numbers[0], 1.0))
+            bulges[row] = (1.0 if numbers[4] else -1.0) * np.tan(turned / 4.0)
+    # The path comes back to its first point.
+    return flattened(points[:-1], bulges[:-1])
+
+
+READERS: dict[str, Callable[[bytes], Array]] = {"dxf": outline_of_dxf, "svg": outline_of_svg}
+
+
+def flattened(points_mm: Array, bulges: Array) -> Array:
+    """A closed chain of lines and arcs (see ``ArcOutline``) as chords that stray from arcs by ``FLAT`` at most."""
+    start = as_complex(points_mm)
+    chord, turn = np.roll(start, -1) - start, 4.0 * np.arctan(bulges)
+    height = np.abs(bulges) * np.abs(chord) / 2.0
+    count = np.maximum(np.ceil(np.sqrt(height / (FLAT * np.abs(start).max()))), 1).astype(int)
+    row, number = counted_up(np.zeros(count.size, dtype=int), count)
+    share, turn = number / count[row], turn[row]
+    bent = turn != 0.0
+    on_arc = share.astype(complex)
+    on_arc[bent] = np.expm1(1j * turn[bent] * share[bent]) / np.expm1(1j * turn[bent])
+    return as_points(start[row] + chord[row] * on_arc)
+
+
+ExactOutlines = tuple[Array, Array]
+"""Points of all exact curves of the driving and of the driven gear, shape (n, 2) each."""
+
+ERRORS = f"{__name__}:outline_errors_mm"
+
+
+def exact_outlines(teeth: ToothedPair) -> ExactOutlines:
+    """The points against which outlines are measured."""
+    return exact_points(teeth.of(Gear.DRIVING)), exact_points(teeth.of(Gear.DRIVEN))
+
+
+def outline_errors_mm(exact_mm: ExactOutlines, outlines_mm: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
+    """The largest distance of both gears' exact curves from the outlines of each kind of file, by its name."""
+    return {kind: max(map(farthest_mm, exact_mm, both)) for kind, both in outlines_mm.items()}
+
+
+def error_of_step_mm(data: bytes) -> float:
+    """What the head of a STEP file says of its faces, which were held against the exact curves when they were made."""
+    head = b" ".join(data.split(b"ENDSEC", 1)[0].split())
+    (error,) = re.findall(rb"tooth faces within (\S+) mm", head)
+    return float(error)

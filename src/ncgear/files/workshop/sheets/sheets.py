@@ -1,28 +1,28 @@
-"""The sheet of one gear: its views with numbered teeth above, its tables and its bore below them."""
+"""The sheets of a pair on paper, one for each gear and one for the assembly, as values and as files.
+
+The sheet of a gear has its views with numbered teeth above, its tables and its bore below them.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ncgear.figures.data_sheet.accuracy import general_text
+from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.tables import Table
-from ncgear.files.workshop.sheets.body import (
-    finished,
-)
-from ncgear.files.workshop.sheets.frame import (
-    TITLE_HEIGHT_MM,
-    Box,
-    Titles,
-    framed,
-    inside,
-)
+from ncgear.files.workshop.dxf import sheet_dxf
+from ncgear.files.workshop.pdf import sheet_pdf
+from ncgear.files.workshop.sheets.body import finished, material_of, title_of
+from ncgear.files.workshop.sheets.frame import TITLE_HEIGHT_MM, Box, Titles, framed, inside
 from ncgear.files.workshop.sheets.gear_tables import gear_tables
 from ncgear.files.workshop.sheets.gear_view import gear_views
-from ncgear.files.workshop.sheets.sheet import (
-    A4_MM,
-    Sheet,
-)
-from ncgear.pitch.shape import Gear
+from ncgear.files.workshop.sheets.pair_sheet import pair_sheet
+from ncgear.files.workshop.sheets.sheet import A4_MM, Sheet
+from ncgear.files.workshop.svg import sheet_svg
 from ncgear.project.drive import Drive
 from ncgear.project.measured import MeasuredGear
+
+WRITERS = {"svg": sheet_svg, "pdf": sheet_pdf, "dxf": sheet_dxf}
 
 TABLES_MM, GAP_MM = 108.0, 2.0
 """Height of the tables, a title, two lines of heads and 24 rows; and what is left free beside them."""
@@ -53,14 +53,14 @@ def gear_sheet(drive: Drive, measured: MeasuredGear, pitch_radii: Table) -> Shee
     return Sheet(f"{name}: {gear.value} gear", A4_MM, view.scale, view.origin, (*framed(A4_MM, titles), *items))
 
 
-def title_of(drive: Drive) -> str:
-    """The name of the design, with the number of the pair where there are two."""
-    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
+def sheets_of(drive: Drive) -> dict[str, Sheet]:
+    """The sheets of ``driving``, ``driven`` and ``pair``; raises the errors of the drive's solids."""
+    radii = pitch_table(drive)
+    sheets = {gear.gear.value: gear_sheet(drive, gear, radii) for gear in drive.measured}
+    sheets["pair"] = pair_sheet(drive)
+    return sheets
 
 
-def material_of(drive: Drive, gear: Gear) -> str:
-    """The name of a gear's material; or that the design names none."""
-    if drive.gears.material is None:
-        return "not given"
-    driving, driven = drive.gears.material.each
-    return (driving if gear is Gear.DRIVING else driven).name
+def drawing_files(sheets: Mapping[str, Sheet]) -> dict[str, bytes]:
+    """``driving_drawing``, ``driven_drawing`` and ``pair_drawing`` of each kind by their names."""
+    return {f"{name}_drawing.{kind}": write(sheet) for name, sheet in sheets.items() for kind, write in WRITERS.items()}
