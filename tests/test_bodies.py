@@ -421,13 +421,13 @@ def test_what_moves_in_comes_back() -> None:
 def test_moments_of_inertia_count_all_that_is_cut(blank: Blank) -> None:
     """Slab by slab, against the mesh's own volume integrals."""
     solid = made(blank, TOLERANCE, drive("printed-pump").teeth.driving.outline_mm)
-    assert body_kg_mm2(solid.plan, 7850.0) == pytest.approx(mesh_body(solid.mesh, 7850.0).inertia_kg_mm2, rel=1e-9)
+    assert body_kg_mm2(solid.plan, 7850.0) == pytest.approx(mesh_body(solid.triangles, 7850.0).inertia_kg_mm2, rel=1e-9)
 
 
 @pytest.mark.slow
 def test_chamfer_and_set_screw_that_are_not_counted_are_small() -> None:
     solid = drive("printed-pump").solids.driving
-    counted, whole = body_kg_mm2(solid.plan, 7850.0), mesh_body(solid.mesh, 7850.0).inertia_kg_mm2
+    counted, whole = body_kg_mm2(solid.plan, 7850.0), mesh_body(solid.triangles, 7850.0).inertia_kg_mm2
     assert 0.0 < counted - whole < 0.01 * whole
 
 

@@ -317,7 +317,7 @@ def test_helical_gears_have_bodies_too() -> None:
     found = cylinders(made["driving.step"])
     assert found.count((1.0, [1.0, 0.0, 0.0])) == found.count((3.0, UP)) == found.count((5.5, UP)) == 1
     mesh = own.solids.driving.mesh
-    assert abs(volume_mm3(read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.as_trimesh().area
+    assert abs(volume_mm3(read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.slow
@@ -339,7 +339,7 @@ def test_bodies_hold_what_their_meshes_hold(bodied: tuple[Drive, dict[str, bytes
     own, made = bodied
     for gear, mesh in (("driving", own.solids.driving.mesh), ("driven", own.solids.driven.mesh)):
         found = volume_mm3(read_back(made[f"{gear}.step"]))
-        assert abs(found - mesh.volume) <= own.chord_tolerance_mm * mesh.as_trimesh().area
+        assert abs(found - mesh.volume) <= own.chord_tolerance_mm * mesh.area
 
 
 def levels(data: bytes, height: float, samples: int) -> Array:
@@ -369,7 +369,7 @@ def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
         # The teeth a hundredth of a millimetre farther up stand elsewhere by a third of it.
         assert farthest(levels(data, height + 0.01, DENSE).reshape(-1, 2), exact) > 2e-3
         mesh = own.solids.of(gear).mesh
-        assert abs(volume_mm3(read_back(data)) - mesh.volume) <= 0.005 * mesh.as_trimesh().area
+        assert abs(volume_mm3(read_back(data)) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.tiers(slow=["baler"], rest="long")
@@ -380,7 +380,7 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
     meshes = own.solids.driving.mesh, own.solids.driven.mesh
     shapes = [read_back(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
     for volume, mesh, shape in zip(volumes(name), meshes, shapes, strict=True):
-        assert abs(volume - mesh.volume) <= own.chord_tolerance_mm * mesh.as_trimesh().area
+        assert abs(volume - mesh.volume) <= own.chord_tolerance_mm * mesh.area
         assert volume_mm3(shape) == pytest.approx(volume, rel=VOLUME_TOLERANCE)
 
 

@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 
 from ncgear.contact.pair import PairContact
-from ncgear.drawings.assembled import Assembled, GearPictures, LoadPictures, MotionPicture, Position, heading
+from ncgear.drawings.assembled import Assembled, Position, heading
 from ncgear.drawings.charts import contact_charts
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
@@ -26,34 +26,31 @@ CURVE_POINTS = 1500
 """Points of a drawn pitch curve; on a gear of 300 mm that fills a screen they are 0.2 mm apart on the screen."""
 
 
-def motion_picture(drive: Drive) -> MotionPicture:
-    """The picture of a build that shows the machine's motion."""
-    return MotionPicture(titled(drive, "motion"), [slider_chart(drive, quantity) for quantity in MOTION])
+def motion_picture(drive: Drive) -> tuple[list[Chart], str]:
+    """What the picture of the machine's motion shows: its charts and its heading."""
+    return [slider_chart(drive, quantity) for quantity in MOTION], titled(drive, "motion")
 
 
-def gear_pictures(drive: Drive) -> GearPictures:
-    """The pictures of a build that show the gears, whose contact is not known yet."""
+def gear_pictures(drive: Drive) -> tuple[str, tuple[Assembled, tuple[Mask, Mask]], Assembled, float, list[Position]]:
+    """What the pictures of the gears show, whose contact is not known yet: the pair's name, pitch curves with masks of
+    their concave points, teeth, module in mm, positions.
+    """
     covered = drive.pair.transmission.lobes.range
     turn = np.arange(POSITIONS) * 2.0 * pi / POSITIONS
-    return GearPictures(
-        pair=_name_of_pair(drive),
-        pitch_curves=assembled_pitch_curves(drive),
-        teeth=assembled_teeth(drive),
-        module_mm=drive.pitch.size.module_mm,
-        positions=positions_at(drive, np.linspace(0.0, covered.driving_rad, POSITIONS) if covered else turn),
-    )
+    positions = positions_at(drive, np.linspace(0.0, covered.driving_rad, POSITIONS) if covered else turn)
+    shown = assembled_pitch_curves(drive), assembled_teeth(drive), drive.pitch.size.module_mm, positions
+    return _name_of_pair(drive), *shown
 
 
-def load_pictures(drive: Drive, contact: PairContact) -> LoadPictures:
-    """The pictures of a build that show contact and load."""
+def load_pictures(drive: Drive, contact: PairContact) -> tuple[str, list[Chart], list[tuple[Chart, Chart]], str]:
+    """What the pictures of contact and load show: the pair's name, charts of the contact, those of the load over the
+    driving angle and over displacement, and their heading.
+    """
     load = [slider_chart(drive, quantity) for quantity in LOAD]
     motions = drive.motion, drive.uniform_motion
-    return LoadPictures(
-        pair=_name_of_pair(drive),
-        contact=_contact_charts(drive, contact),
-        load_title=titled(drive, f"{drive.linkage.OUTPUT.load_name} and power"),
-        load=[(chart, over_displacement(chart, drive.linkage.OUTPUT, motions)) for chart in load],
-    )
+    pairs = [(chart, over_displacement(chart, drive.linkage.OUTPUT, motions)) for chart in load]
+    title = titled(drive, f"{drive.linkage.OUTPUT.load_name} and power")
+    return _name_of_pair(drive), _contact_charts(drive, contact), pairs, title
 
 
 def _name_of_pair(drive: Drive) -> str:

@@ -162,9 +162,9 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     # What can be drawn already is drawn beside while the rest is computed.
     for step in _computed(drive, on_step):
         if step == "motion":
-            drawn.append(drawer.begun(MOTION_PICTURE, motion_picture(drive)))
+            drawn.append(drawer.begun(MOTION_PICTURE, *motion_picture(drive)))
         if step == "teeth":
-            drawn.append(drawer.begun(GEAR_PICTURES, gear_pictures(drive)))
+            drawn.append(drawer.begun(GEAR_PICTURES, *gear_pictures(drive)))
     with drive.stopwatch("workshop files"):
         exact = exact_outlines(drive.teeth)
         # A process that takes its clearance from outlines makes parallels of them.
@@ -172,7 +172,7 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
         slow = [kind for kind in formats if WRITERS[kind].is_slow]
         slow_files = begun_workshop_files(drive, slow, *shared)
     files, contact, outlines = _written(drive, on_step)
-    drawn.append(drawer.begun(LOAD_PICTURES, load_pictures(drive, contact)))
+    drawn.append(drawer.begun(LOAD_PICTURES, *load_pictures(drive, contact)))
     with drive.stopwatch("workshop files"):
         other_files = begun_workshop_files(drive, set(formats).difference(slow), *shared)
         both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from io import StringIO
+from io import BytesIO, StringIO
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -23,10 +24,12 @@ from ncgear.numerics.plane import as_complex, as_points, signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
-from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedPair
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 VOLUME_TOLERANCE = 1e-5
 """Largest relative error of the volume by single precision; a millionth is usual, and a lost facet costs more."""
@@ -47,41 +50,39 @@ Two such points arise where a diagonal crosses the section next to a corner.  Ea
 other one and its other neighbour.
 """
 
-STL_HEAD_BYTES = 80
-STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-"""What binary STL has after its head and the number of triangles: this for each of them."""
+STL_HEAD_BYTES, STL_TRIANGLE_BYTES = 84, 50
+"""What binary STL has before its triangles, the last four bytes of it their number; and for each of them."""
 
 FOOT = 1e-7
 """Height of the section of helical teeth, as a share of the face width: here it is the outline, and farther up it has
 turned."""
 
 
-def stl_bytes(mesh: TriangleMesh) -> bytes:
+def stl_bytes(mesh: Trimesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
     Raises Unanswered when the bytes do not hold the same closed solid.
     """
-    packed = np.zeros(len(mesh.faces), dtype=STL_TRIANGLE)
-    packed["normal"], packed["corners"] = mesh.normals, mesh.triangles
-    data = bytes(STL_HEAD_BYTES) + len(packed).to_bytes(4, "little") + packed.tobytes()
+    data: bytes = mesh.export(file_type="stl")
     read_back(data, mesh)
     return data
 
 
-def mesh_of_stl(data: bytes) -> TriangleMesh:
+def mesh_of_stl(data: bytes) -> Trimesh:
     """The triangles of a binary STL file, with corners at the same place as one vertex.
 
     Raises ValueError where the file is not as long as it says.
     """
-    head = STL_HEAD_BYTES + 4
-    count = int.from_bytes(data[STL_HEAD_BYTES:head], "little")
-    if len(data) != head + count * STL_TRIANGLE.itemsize:
+    from trimesh import load_mesh
+
+    count = int.from_bytes(data[STL_HEAD_BYTES - 4 : STL_HEAD_BYTES], "little")
+    if len(data) != STL_HEAD_BYTES + count * STL_TRIANGLE_BYTES:
         raise ValueError(f"an STL file of {len(data)} bytes does not hold {count} triangles")
-    corners = np.frombuffer(data, dtype=STL_TRIANGLE, offset=head)["corners"]
-    return merged(corners.reshape(-1, 3).astype(float), np.arange(3 * count).reshape(-1, 3))
+    mesh: Trimesh = load_mesh(BytesIO(data), file_type="stl")
+    return mesh
 
 
-def read_back(data: bytes, original: TriangleMesh) -> TriangleMesh:
+def read_back(data: bytes, original: Trimesh) -> Trimesh:
     """The solid in an STL file, its vertices merged.
 
     Raises Unanswered unless it is closed and has the volume and the bounds of ``original`` to single precision.
@@ -133,7 +134,7 @@ def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Arra
     closed there.
     """
     mesh = mesh_of_stl(data)
-    found = section_rings(mesh.vertices, mesh.faces, height_mm)
+    found = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
     chosen = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
     return _without_straight_points(chosen)
 

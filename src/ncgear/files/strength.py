@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,8 +24,8 @@ from ncgear.drawings.charts.drawer import STRENGTH_COLUMN, STRENGTH_LOOK, column
 from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.drawings.palette import HOLDING, STRESS
 from ncgear.drawings.pictures import assembled_teeth, positions_at, titled
-from ncgear.drawings.plots.assembled_pair import turned
-from ncgear.drawings.plots.canvas import INK, NORMAL, REFERENCE, SMALL, area, figure, png, ring_area
+from ncgear.drawings.plots.assembled_pair import draw_body
+from ncgear.drawings.plots.canvas import INK, NORMAL, REFERENCE, SMALL, figure, png
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.strong import strength_csv
 from ncgear.files.build import folder_of
@@ -127,19 +128,8 @@ class View:
 
     def body(self, gear: ToothedGear, which: Gear, position: Position, line: float) -> Callable[[Array], Array]:
         """Draw a gear's body, and return what moves points of the gear's own frame (shape (n, 2)) to their place."""
-        driven = which is Gear.DRIVEN
-        ring = self.pair.ring_radius_mm if driven else None
-        center = np.array([self.pair.center_distance_mm, 0.0]) if driven else np.zeros(2)
-        sense = (1.0 if ring is not None else -1.0) if driven else 1.0
-        angle = sense * (position.phi2_rad if driven else position.phi1_rad)
-
-        def placed(points: Array) -> Array:
-            return turned(points, angle) + center
-
-        if ring is None:
-            area(self.axes, placed(gear.outline_mm), REFERENCE, line)
-        else:
-            ring_area(self.axes, placed(gear.outline_mm), (float(center[0]), 0.0), ring, REFERENCE, line)
+        placed = partial(self.pair.placed, which, position=position)
+        draw_body(self.axes, self.pair, which, placed(gear.outline_mm), REFERENCE, line)
         return placed
 
     def with_scale(self, norm: Normalize, scale: Colormap, label: str) -> Colorbar:

@@ -8,7 +8,8 @@ from math import degrees
 import numpy as np
 from matplotlib.axes import Axes
 
-from ncgear.drawings.assembled import Assembled, GearPictures, LoadPictures, MotionPicture, Position
+from ncgear.drawings.assembled import Assembled, Position
+from ncgear.drawings.charts.chart import Chart
 from ncgear.drawings.charts.drawer import (
     CONTACT_COLUMN,
     CONTACT_LOOK,
@@ -34,6 +35,7 @@ from ncgear.drawings.plots.canvas import (
 )
 from ncgear.figures.numbers import drawn, rounded
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.pitch.shape import Gear
 
 PANEL_IN = 3.6
 """Width in inches of one position's views."""
@@ -57,10 +59,10 @@ def pitch_curves_png(pair: Assembled, concave: tuple[Mask, Mask], title: str) ->
 
 def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask, Mask]) -> None:
     """Both pitch curves at phi1 = 0, with their points in the masks ``concave`` (shape (n,) each) highlighted."""
-    area(axes, pair.driving_mm, DRIVING, 1.8, "driving gear")
-    _draw_driven(axes, pair, pair.driven_mm, 1.8, "driven gear")
     centers = [0.0, pair.center_distance_mm]
     curves = pair.driving_mm, pair.driven_mm + np.array([pair.center_distance_mm, 0.0])
+    for gear, curve, color in zip(Gear, curves, (DRIVING, DRIVEN), strict=True):
+        draw_body(axes, pair, gear, curve, color, 1.8, f"{gear.value} gear")
     driving, driven = (np.where(mask[:, None], curve, np.nan) for curve, mask in zip(curves, concave, strict=True))
     # One line with a gap between the gears, so that the legend names it once.
     highlighted = np.vstack([driving, np.full((1, 2), np.nan), driven])
@@ -122,27 +124,20 @@ def draw_mesh(axes: Axes, pair: Assembled, half_mm: float, position: Position) -
     axes.set_aspect("equal")
 
 
-def turned(points_mm: Array, angle_rad: float) -> Array:
-    """Points (shape (n, 2)) turned counter-clockwise about the origin."""
-    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
-    result: Array = points_mm @ np.array([[cosine, sine], [-sine, cosine]])
-    return result
-
-
 def _draw_turned(axes: Axes, pair: Assembled, position: Position, line_width: float) -> None:
-    """Both gears in a position: the driving one turned by +phi1, the driven one by -phi2, or a ring by +phi2."""
-    area(axes, turned(pair.driving_mm, position.phi1_rad), DRIVING, line_width)
-    sense = -1.0 if pair.ring_radius_mm is None else 1.0
-    _draw_driven(axes, pair, turned(pair.driven_mm, sense * position.phi2_rad), line_width)
+    """Both gears in a position."""
+    for gear, curve, color in ((Gear.DRIVING, pair.driving_mm, DRIVING), (Gear.DRIVEN, pair.driven_mm, DRIVEN)):
+        draw_body(axes, pair, gear, pair.placed(gear, curve, position), color, line_width)
 
 
-def _draw_driven(axes: Axes, pair: Assembled, points_mm: Array, line_width: float, label: str = "") -> None:
-    """The driven gear's curve at its axis, with the outer circle of a ring."""
-    moved = points_mm + np.array([pair.center_distance_mm, 0.0])
-    if pair.ring_radius_mm is None:
-        area(axes, moved, DRIVEN, line_width, label)
+def draw_body(
+    axes: Axes, pair: Assembled, gear: Gear, placed_mm: Array, color: str, line_width: float, label: str = ""
+) -> None:
+    """A gear by its curve in place, shape (n, 2), with the outer circle of a ring."""
+    if gear is Gear.DRIVING or pair.ring_radius_mm is None:
+        area(axes, placed_mm, color, line_width, label)
     else:
-        ring_area(axes, moved, (pair.center_distance_mm, 0.0), pair.ring_radius_mm, DRIVEN, line_width, label)
+        ring_area(axes, placed_mm, (pair.center_distance_mm, 0.0), pair.ring_radius_mm, color, line_width, label)
 
 
 def _name_below(axes: Axes, text: str, x: float, color: str) -> None:
@@ -152,23 +147,30 @@ def _name_below(axes: Axes, text: str, x: float, color: str) -> None:
     )
 
 
-def motion_drawn(shown: MotionPicture) -> dict[str, bytes]:
-    """The picture of the machine's motion."""
-    return {"motion.png": column_png(shown.charts, shown.title, MOTION_LOOK, MOTION_COLUMN)}
+def motion_drawn(charts: Sequence[Chart], title: str) -> dict[str, bytes]:
+    """The picture of the machine's motion, by its file name; what is shown is that of ``drawings.pictures``."""
+    return {"motion.png": column_png(charts, title, MOTION_LOOK, MOTION_COLUMN)}
 
 
-def gears_drawn(shown: GearPictures) -> dict[str, bytes]:
+def gears_drawn(
+    pair: str,
+    pitch_curves: tuple[Assembled, tuple[Mask, Mask]],
+    teeth: Assembled,
+    module_mm: float,
+    positions: Sequence[Position],
+) -> dict[str, bytes]:
     """The pictures of the pitch curves and of the teeth."""
-    pair = shown.pair
     return {
-        "pitch_curves.png": pitch_curves_png(*shown.pitch_curves, f"{pair}: pitch curves at phi1 = 0"),
-        "tooth_pair.png": teeth_png(shown.teeth, shown.module_mm, shown.positions, f"{pair}: tooth outlines in mesh"),
+        "pitch_curves.png": pitch_curves_png(*pitch_curves, f"{pair}: pitch curves at phi1 = 0"),
+        "tooth_pair.png": teeth_png(teeth, module_mm, positions, f"{pair}: tooth outlines in mesh"),
     }
 
 
-def load_drawn(shown: LoadPictures) -> dict[str, bytes]:
+def load_drawn(
+    pair: str, contact: Sequence[Chart], load: Sequence[tuple[Chart, Chart]], load_title: str
+) -> dict[str, bytes]:
     """The pictures of contact and load."""
     return {
-        "contact.png": column_png(shown.contact, f"{shown.pair}: contact of the teeth", CONTACT_LOOK, CONTACT_COLUMN),
-        "power.png": beside_png(shown.load, shown.load_title),
+        "contact.png": column_png(contact, f"{pair}: contact of the teeth", CONTACT_LOOK, CONTACT_COLUMN),
+        "power.png": beside_png(load, load_title),
     }

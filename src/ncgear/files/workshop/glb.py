@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ncgear.drawings.solid_pair import linear_light, pair_glb
+from ncgear.drawings.solid_pair import linear_light, pair_scene
 from ncgear.project.drive import Drive
 
 
 def glb_files(drive: Drive) -> dict[str, bytes]:
     """``pair.glb`` with the nodes ``driving`` and ``driven``."""
-    return {"pair.glb": pair_glb(drive, linear_light)}
+    return {"pair.glb": pair_scene(drive, linear_light).export(file_type="glb")}

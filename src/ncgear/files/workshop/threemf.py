@@ -70,7 +70,7 @@ class PlacedMeshes:
 
 def placed_meshes(drive: Drive) -> PlacedMeshes:
     """What the files show: the solids of the STL files."""
-    return PlacedMeshes(drive.solids.driving.mesh, drive.solids.driven.mesh, drive.pitch.center_distance_mm)
+    return PlacedMeshes(drive.solids.driving.triangles, drive.solids.driven.triangles, drive.pitch.center_distance_mm)
 
 
 def threemf_files(shown: PlacedMeshes) -> dict[str, bytes]:
