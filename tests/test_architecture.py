@@ -150,7 +150,6 @@ WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 WRITERS = {
     "files/one_file.py",
     "project/frontier_run.py",
-    "files/read_back.py",
     "files/workshop/dxf.py",
     "files/workshop/glb.py",
     "drawings/page/solid_view.py",

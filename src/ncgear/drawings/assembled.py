@@ -42,7 +42,8 @@ class Assembled:
         if gear is Gear.DRIVING:
             return turned(points_mm, np.asarray(position.phi1_rad))
         sense = -1.0 if self.ring_radius_mm is None else 1.0
-        return turned(points_mm, np.asarray(sense * position.phi2_rad)) + np.array([self.center_distance_mm, 0.0])
+        center = np.array([self.center_distance_mm, 0.0])
+        return np.asarray(turned(points_mm, np.asarray(sense * position.phi2_rad)) + center)
 
     @property
     def frame(self) -> tuple[float, float, float]:

@@ -17,27 +17,15 @@ from ncgear.balance.counterweights import least_squares, minimax
 from ncgear.balance.excitation import Excitation
 from ncgear.balance.mechanism import Counterweight, DrivenCrank, accelerations
 from ncgear.balance.shaking import Shaking, shaking, track
-from ncgear.drawings.plots.canvas import (
-    DRIVEN,
-    DRIVING,
-    HIGHLIGHT,
-    INK,
-    REFERENCE,
-    SMALL,
-    Margins,
-    Style,
-    dress,
-    figure,
-    legend_above,
-    png,
-)
+from ncgear.drawings.plots import canvas
+from ncgear.drawings.plots.canvas import Style
 from ncgear.figures.balance.shaking import excitations_of
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.files.read_back import stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.project.balancing import Balancing, crank_counterweight
 
-COLORS = (DRIVING, DRIVEN, HIGHLIGHT, REFERENCE)
+COLORS = (canvas.DRIVING, canvas.DRIVEN, canvas.HIGHLIGHT, canvas.REFERENCE)
 """Colours of closed curves; further curves have the same colours, dashed."""
 
 MOST_CURVES = 8
@@ -55,15 +43,20 @@ SAMPLES = 61
 LEAST_GAP = 0.03
 """Least distance of two numbers beside a Campbell plot, as a share of its height."""
 
-CAUSES = {"rotation": DRIVING, "rollers and teeth": REFERENCE, "engine": HIGHLIGHT, "slider": DRIVEN}
+CAUSES = {
+    "rotation": canvas.DRIVING,
+    "rollers and teeth": canvas.REFERENCE,
+    "engine": canvas.HIGHLIGHT,
+    "slider": canvas.DRIVEN,
+}
 """Colours of excitations in a Campbell plot, by their cause."""
 
 
 def loops(curves: Mapping[str, Array], unit: str, title: str) -> bytes:
     """PNG of closed curves (shape (n, 2)) at equal scales, by their names; ``unit`` names both axes."""
     width, height = 7.2, 6.6
-    made = figure(width, height, title)
-    made.subplots_adjust(**Margins(top=0.9).shares(width, height))
+    made = canvas.figure(width, height, title)
+    made.subplots_adjust(**canvas.Margins(top=0.9).shares(width, height))
     axes = made.add_subplot()
     names = list(curves)
     places = np.unique(np.linspace(0, len(names) - 1, min(len(names), MOST_CURVES)).round().astype(int))
@@ -73,9 +66,9 @@ def loops(curves: Mapping[str, Array], unit: str, title: str) -> bytes:
         width = np.interp(number, (0, max(len(places) - 1, 1)), WIDEST_AND_THINNEST)
         axes.plot(*curves[name].T, color=color, linestyle=style, linewidth=width, label=name)
     axes.set_aspect("equal", adjustable="datalim")
-    dress(axes, f"along the slider's line in {unit}", f"across it in {unit}")
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=SMALL)
-    return png(made)
+    canvas.dress(axes, f"along the slider's line in {unit}", f"across it in {unit}")
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=canvas.SMALL)
+    return canvas.png(made)
 
 
 def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], band: float, title: str) -> bytes:
@@ -85,12 +78,12 @@ def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], ban
     shafts are assumed to speed up and slow down together.
     """
     width, height = 8.6, 6.2
-    made = figure(width, height, title)
-    made.subplots_adjust(**Margins(right=1.3, top=0.8).shares(width, height))
+    made = canvas.figure(width, height, title)
+    made.subplots_adjust(**canvas.Margins(right=1.3, top=0.8).shares(width, height))
     axes = made.add_subplot()
     for natural in natural_hz:
-        axes.axhspan((1.0 - band) * natural, (1.0 + band) * natural, color=INK, alpha=0.06, linewidth=0.0)
-        axes.axhline(natural, color=INK, linewidth=1.0)
+        axes.axhspan((1.0 - band) * natural, (1.0 + band) * natural, color=canvas.INK, alpha=0.06, linewidth=0.0)
+        axes.axhline(natural, color=canvas.INK, linewidth=1.0)
     share = np.linspace(SLOWEST, FASTEST, SAMPLES)
     for excitation in excitations:
         color = CAUSES[_cause(excitation)]
@@ -100,15 +93,15 @@ def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], ban
     axes.set_ylim(min(min(natural_hz) / 4.0, lowest / 2.0), 1.6 * max(natural_hz))
     axes.set_yscale("log")
     axes.set_xlim(100.0 * SLOWEST, 100.0 * FASTEST)
-    axes.axvline(100.0, color=INK, linewidth=0.8, linestyle=":")
+    axes.axvline(100.0, color=canvas.INK, linewidth=0.8, linestyle=":")
     causes = set(map(_cause, excitations))
     for cause, color in CAUSES.items():
         if cause in causes:
             axes.plot([], [], color=color, label=cause)
     _name_natural(axes, natural_hz)
-    dress(axes, "speed in % of the one given", "frequency in Hz")
-    legend_above(axes)
-    return png(made)
+    canvas.dress(axes, "speed in % of the one given", "frequency in Hz")
+    canvas.legend_above(axes)
+    return canvas.png(made)
 
 
 def _cause(excitation: Excitation) -> str:
@@ -126,7 +119,7 @@ def _name_natural(axes: Axes, natural_hz: Sequence[float]) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
     low, high = np.log(axes.get_ylim())
     heights = (np.log(sorted(natural_hz)) - low) / (high - low)
-    note: Style = {"transform": axes.transAxes, "size": SMALL, "color": INK, "va": "center"}
+    note: Style = {"transform": axes.transAxes, "size": canvas.SMALL, "color": canvas.INK, "va": "center"}
     for natural, height in zip(sorted(natural_hz), spread(heights, LEAST_GAP), strict=True):
         axes.text(1.01, height, f"{to_digits(natural, 4)} Hz", **note)
 

@@ -6,18 +6,7 @@ from collections.abc import Sequence
 
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ncgear.drawings.plots.canvas import (
-    DRIVING,
-    HIGHLIGHT,
-    INK,
-    REFERENCE,
-    SMALL,
-    Margins,
-    dress,
-    figure,
-    legend_above,
-    png,
-)
+from ncgear.drawings.plots import canvas
 from ncgear.figures.bench import bench_csv, bench_figures, error_words, setting_words
 from ncgear.figures.numbers import json_text
 from ncgear.project.bench import Stage
@@ -38,14 +27,18 @@ def bench_pictures(stages: Sequence[Stage], name: str) -> dict[str, bytes]:
 
 def stage_png(stage: Stage, name: str) -> bytes:
     """Error over time of the trials of a stage, each named by its setting, and what is asked."""
-    made = figure(WIDTH_IN, HEIGHT_IN, f"{name}: {stage.name}, by {stage.varied}")
-    made.subplots_adjust(**Margins(left=0.9, right=0.3, top=0.75).shares(WIDTH_IN, HEIGHT_IN))
+    made = canvas.figure(WIDTH_IN, HEIGHT_IN, f"{name}: {stage.name}, by {stage.varied}")
+    made.subplots_adjust(**canvas.Margins(left=0.9, right=0.3, top=0.75).shares(WIDTH_IN, HEIGHT_IN))
     axes = made.add_subplot()
     times = [1e3 * trial.time_s for trial in stage.trials]
     errors = [max(trial.error, LEAST) for trial in stage.trials]
-    axes.plot(times, errors, color=DRIVING, linewidth=1.4, marker="o", markersize=5, label="tried")
+    axes.plot(times, errors, color=canvas.DRIVING, linewidth=1.4, marker="o", markersize=5, label="tried")
     axes.axhline(
-        stage.asked, color=REFERENCE, linewidth=1.1, linestyle="--", label=f"asked: {error_words(stage, stage.asked)}"
+        stage.asked,
+        color=canvas.REFERENCE,
+        linewidth=1.1,
+        linestyle="--",
+        label=f"asked: {error_words(stage, stage.asked)}",
     )
     if best := stage.recommended:
         axes.plot(
@@ -54,7 +47,7 @@ def stage_png(stage: Stage, name: str) -> bytes:
             "o",
             markersize=12,
             markerfacecolor="none",
-            markeredgecolor=HIGHLIGHT,
+            markeredgecolor=canvas.HIGHLIGHT,
             markeredgewidth=1.8,
             label="recommended",
         )
@@ -71,13 +64,13 @@ def stage_png(stage: Stage, name: str) -> bytes:
             (time, error),
             xytext=(7.0, 5.0),
             textcoords="offset points",
-            size=SMALL,
-            color=INK,
+            size=canvas.SMALL,
+            color=canvas.INK,
         )
     unit = f" in {stage.unit}" if stage.unit == "mm" else f", share {stage.unit}"
-    dress(axes, "time in ms", f"error of the {stage.name}{unit}")
-    legend_above(axes)
-    return png(made)
+    canvas.dress(axes, "time in ms", f"error of the {stage.name}{unit}")
+    canvas.legend_above(axes)
+    return canvas.png(made)
 
 
 def bench_files(stages: Sequence[Stage], name: str) -> dict[str, bytes]:

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from itertools import islice
 from json.decoder import JSONDecoder
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.base import Model
@@ -22,13 +22,18 @@ from ncgear.design.keys.design import Design, json_schema
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
-TOKEN = re.compile(r'"(?:[^"\\\n]|\\.)*"|//[^\n\r]*|/\*.*?\*/|[,\]}]|\s+|.', flags=re.DOTALL)
-"""A string, a comment, a sign that may end something, white space, or any other character."""
+# --- JSON with comments ----------------------------------------------------------------------------------------------
 
-BLANK = re.compile(r"\s*")
+TOKEN = re.compile(r'"(?:[^"\\\n]|\\.)*"|//[^\n\r]*|/\*.*?\*/|,(?=(?:\s|//[^\n\r]*|/\*.*?\*/)*[\]}])', flags=re.DOTALL)
+"""A string, a comment, or a comma before the end of an object or a list."""
+
+BLANK = re.compile(r"\ufeff?\s*")
 
 INDENT = "    "
 """What VS Code indents by where nothing else is set."""
+
+Span = tuple[int, int]
+"""Where a value stands in a text: its start and its end."""
 
 
 class NotEditable(ValueError):
@@ -37,26 +42,16 @@ class NotEditable(ValueError):
 
 def plain(text: str) -> str:
     """The text as JSON of the same length: comments and trailing commas are blank."""
-    out: list[str] = []
-    comma: int | None = None
-    for found in TOKEN.finditer(text):
-        token = found[0]
-        if token.startswith(("//", "/*")) and len(token) > 1:
-            out.append(re.sub(r"[^\r\n]", " ", token))
-        elif token.isspace():
-            out.append(token)
-        else:
-            if token in "]}" and comma is not None:
-                out[comma] = " "
-            comma = len(out) if token == "," else None
-            out.append(token)
-    return "".join(out)
+    return TOKEN.sub(lambda found: found[0] if found[0][0] == '"' else re.sub(r"[^\r\n]", " ", found[0]), text)
 
 
 def parsed(text: str) -> dict[str, Any]:
     """The object of a text; raises NotEditable."""
-    found, _ = _object(plain(text), 0)
-    return found
+    bare = plain(text)
+    members, end = _members(bare, _skipped(bare, 0))
+    if bare[end:].strip():
+        raise NotEditable("something stands behind its end")
+    return {key: json.loads(bare[start:end]) for key, (start, end) in members.items()}
 
 
 def with_member(text: str, path: tuple[str, ...], value: Any) -> str:
@@ -65,45 +60,29 @@ def with_member(text: str, path: tuple[str, ...], value: Any) -> str:
     A text without anything is taken for an empty object.  Raises NotEditable where the text is no object, or something
     on the way is none.
     """
-    source = text if plain(text).strip() else f"{text}{{\n}}\n"
-    bare = plain(source)
-    start = _skipped(bare, 0)
-    left = path
-    while True:
+    text = text if plain(text).strip() else f"{text}{{\n}}\n"
+    bare, start = plain(text), 0
+    for depth, key in enumerate(path, 1):
+        start = _skipped(bare, start)
         members, end = _members(bare, start)
-        if left[0] not in members:
-            new = value
-            for key in reversed(left[1:]):
-                new = {key: new}
-            return _inserted(source, start, end, left[0], new, depth=len(path) - len(left) + 1)
-        span = members[left[0]]
-        left = left[1:]
-        if not left:
-            if json.loads(bare[span.start : span.end]) == value:
-                return source
-            return source[: span.start] + _text(value, len(path), source) + source[span.end :]
-        start = span.start
+        if key not in members:
+            for further in reversed(path[depth:]):
+                value = {further: value}
+            return _inserted(text, bare[start + 1 : end - 1], start + 1, key, value, depth)
+        start, end = members[key]
+    if json.loads(bare[start:end]) == value:
+        return text
+    return text[:start] + _text(value, len(path), text) + text[end:]
 
 
-class Span(NamedTuple):
-    """Where a value stands in a text."""
-
-    start: int
-    end: int
-
-
-def _inserted(text: str, start: int, end: int, key: str, value: Any, depth: int) -> str:
-    """The text with one more member at the beginning of the object from ``start`` to ``end``."""
-    line = _line_break(text)
-    comma = "," if plain(text)[start + 1 : end - 1].strip() else ""
-    member = f"{line}{INDENT * depth}{json.dumps(key)}: {_text(value, depth, text)}{comma}"
-    rest = text[start + 1 :]
+def _inserted(text: str, inside: str, start: int, key: str, value: Any, depth: int) -> str:
+    """The text with one more member before what is ``inside`` an object from ``start`` on."""
+    line, rest = _line_break(text), text[start:]
+    comma = "," if inside.strip() else ""
     # What stood behind the bracket goes to a line of its own.
-    alone = BLANK.match(rest)
-    assert alone is not None
-    if "\n" not in alone[0]:
+    if "\n" not in rest[: _skipped(rest, 0)]:
         rest = f"{line}{INDENT * (depth if comma else depth - 1)}{rest.lstrip(' ')}"
-    return f"{text[: start + 1]}{member}{rest}"
+    return f"{text[:start]}{line}{INDENT * depth}{json.dumps(key)}: {_text(value, depth, text)}{comma}{rest}"
 
 
 def _text(value: Any, depth: int, text: str) -> str:
@@ -117,55 +96,42 @@ def _line_break(text: str) -> str:
 
 
 def _skipped(bare: str, place: int) -> int:
-    found = BLANK.match(bare, place + 1 if bare[place : place + 1] == "\ufeff" else place)
+    """The next place that is not blank."""
+    found = BLANK.match(bare, place)
     assert found is not None
     return found.end()
 
 
-def _object(bare: str, place: int) -> tuple[dict[str, Any], int]:
-    start = _skipped(bare, place)
-    members, end = _members(bare, start)
-    if bare[end:].strip():
-        raise NotEditable("something stands behind its end")
-    return {key: json.loads(bare[span.start : span.end]) for key, span in members.items()}, end
-
-
 def _members(bare: str, start: int) -> tuple[dict[str, Span], int]:
-    """Where the values of an object's members stand, by their keys, and where the object ends."""
+    """Where the values of an object's members stand, by their keys, and where the object ends; raises NotEditable."""
     if bare[start : start + 1] != "{":
         raise NotEditable("it is no object in curly brackets")
     found: dict[str, Span] = {}
+    decode, place = JSONDecoder().raw_decode, _skipped(bare, start + 1)
+    sign = "}" if bare[place : place + 1] == "}" else ","
     try:
-        for key, span in _read_members(bare, start):
+        while sign != "}":
+            key, place = decode(bare, place)
+            colon = _skipped(bare, place)
+            if not isinstance(key, str) or bare[colon] != ":":
+                raise NotEditable(f"a key is expected before character {colon}")
             if key in found:
                 raise NotEditable(f"the key {key!r} is there twice")
-            found[key] = span
-            end = span.end
-        last = _skipped(bare, end) if found else _skipped(bare, start + 1)
+            begin = _skipped(bare, colon + 1)
+            _, end = decode(bare, begin)
+            found[key], place = (begin, end), _skipped(bare, end)
+            sign = bare[place]
+            if sign not in ",}":
+                raise NotEditable(f"a comma is expected at character {place}")
+            place = _skipped(bare, place + 1) if sign == "," else place
+    except NotEditable:
+        raise
     except (ValueError, IndexError) as error:
-        raise error if isinstance(error, NotEditable) else NotEditable(str(error)) from error
-    return found, last + 1
+        raise NotEditable(str(error)) from error
+    return found, place + 1
 
 
-def _read_members(bare: str, start: int) -> Iterator[tuple[str, Span]]:
-    decoder = JSONDecoder()
-    place = _skipped(bare, start + 1)
-    while bare[place] != "}":
-        key, place = decoder.raw_decode(bare, place)
-        place = _skipped(bare, place)
-        if not isinstance(key, str) or bare[place] != ":":
-            raise NotEditable(f"a key is expected before character {place}")
-        begin = _skipped(bare, place + 1)
-        _, place = decoder.raw_decode(bare, begin)
-        yield key, Span(begin, place)
-        place = _skipped(bare, place)
-        if bare[place] not in ",}":
-            raise NotEditable(f"a comma is expected at character {place}")
-        if bare[place] == ",":
-            place = _skipped(bare, place + 1)
-            if bare[place] == "}":
-                raise NotEditable(f"a key is expected at character {place}")
-
+# --- settings --------------------------------------------------------------------------------------------------------
 
 SETTINGS_FOLDER, SETTINGS_FILE = ".vscode", "settings.json"
 

@@ -63,7 +63,9 @@ def stl_bytes(mesh: Trimesh) -> bytes:
 
     Raises Unanswered when the bytes do not hold the same closed solid.
     """
-    data: bytes = mesh.export(file_type="stl")
+    from trimesh.exchange.stl import export_stl
+
+    data: bytes = export_stl(mesh)
     read_back(data, mesh)
     return data
 

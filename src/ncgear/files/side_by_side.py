@@ -6,18 +6,8 @@ from matplotlib.axes import Axes
 
 from ncgear.drawings.charts.drawer import COLUMN_IN, CONTACT_COLUMN, DASHED, align, angle_scale
 from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
-from ncgear.drawings.plots.canvas import (
-    DRIVEN,
-    DRIVING,
-    HIGHLIGHT,
-    REFERENCE,
-    Margins,
-    Style,
-    dress,
-    figure,
-    legend_above,
-    png,
-)
+from ncgear.drawings.plots import canvas
+from ncgear.drawings.plots.canvas import Style
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.side_by_side import SideBySide, side_by_side_columns, side_by_side_figures
@@ -27,7 +17,7 @@ CHARTS = (Quantity.DISPLACEMENT, Quantity.VELOCITY, Quantity.ACCELERATION, Quant
 STYLES: tuple[Style, ...] = tuple(
     {"color": color, "linewidth": 1.5, "linestyle": dashes}
     for dashes in ("-", DASHED)
-    for color in (DRIVING, DRIVEN, HIGHLIGHT, REFERENCE)
+    for color in (canvas.DRIVING, canvas.DRIVEN, canvas.HIGHLIGHT, canvas.REFERENCE)
 )
 """One for each design."""
 
@@ -48,7 +38,7 @@ def draw_side_by_side(axes: Axes, found: SideBySide, quantity: Quantity) -> floa
         chart = motion_chart(quantity, drive.linkage, drive.motion)
         axes.plot(chart.own.x, chart.own.values, label=name, **style)
         end, label = max(end, chart.end), label or f"{quantity.name_of(drive.linkage.OUTPUT)}\nin {chart.unit}"
-    dress(axes, "", label)
+    canvas.dress(axes, "", label)
     return end
 
 
@@ -57,16 +47,16 @@ def side_by_side_png(found: SideBySide) -> bytes:
     drives = found.drives
     charts = CHARTS if any(drive.motion.driving_power_w.any() for drive in drives) else CHARTS[:-1]
     lines = -(-len(drives) // IN_A_LINE)
-    top = Margins().top + LINE_IN * (lines - 1)
+    top = canvas.Margins().top + LINE_IN * (lines - 1)
     size = COLUMN_IN, CONTACT_COLUMN.row_in * 1.3 * len(charts) + CONTACT_COLUMN.rest_in + LINE_IN * (lines - 1)
-    made = figure(*size, "side by side")
-    spaces = {**Margins(left=CONTACT_COLUMN.left_in, top=top).shares(*size), "hspace": CONTACT_COLUMN.gap}
+    made = canvas.figure(*size, "side by side")
+    spaces = {**canvas.Margins(left=CONTACT_COLUMN.left_in, top=top).shares(*size), "hspace": CONTACT_COLUMN.gap}
     column = list(made.subplots(len(charts), 1, sharex=True, gridspec_kw=spaces))
     ends = [draw_side_by_side(axes, found, chart) for axes, chart in zip(column, charts, strict=True)]
     angle_scale(column, ends[0])
-    legend_above(column[0], IN_A_LINE)
+    canvas.legend_above(column[0], IN_A_LINE)
     align(column, COLUMN_IN)
-    return png(made)
+    return canvas.png(made)
 
 
 def side_by_side_files(found: SideBySide) -> dict[str, bytes]:

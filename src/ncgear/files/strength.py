@@ -24,8 +24,8 @@ from ncgear.drawings.charts.drawer import STRENGTH_COLUMN, STRENGTH_LOOK, column
 from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.drawings.palette import HOLDING, STRESS
 from ncgear.drawings.pictures import assembled_teeth, positions_at, titled
+from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.assembled_pair import draw_body
-from ncgear.drawings.plots.canvas import INK, NORMAL, REFERENCE, SMALL, figure, png
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.strong import strength_csv
 from ncgear.files.build import folder_of
@@ -80,7 +80,7 @@ def coloured_teeth_png(drive: Drive, gears: dict[Gear, ColouredGear], position: 
     ticks = [1.0 / SPREAD, 0.5, 1.0, 2.0, SPREAD]
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.minorticks_off()
-    return png(view.made)
+    return canvas.png(view.made)
 
 
 def stress_field_png(
@@ -97,7 +97,7 @@ def stress_field_png(
             PolyCollection(triangles, facecolors=colors, edgecolors=colors, linewidths=0.2), autolim=False
         )
     view.with_scale(norm, STRESS_SCALE, "von Mises' stress in MPa, each tooth alone at its worst place of contact")
-    return png(view.made)
+    return canvas.png(view.made)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,9 +117,9 @@ class View:
         left, right, top = pair.frame
         width, most = SIZE_IN
         height = min(most, REST_IN + width * 2.0 * top / (right - left))
-        made = figure(width, height, title)
+        made = canvas.figure(width, height, title)
         axes = made.add_axes((0.0, 1.05 / height, 1.0, 1.0 - REST_IN / height))
-        axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=INK, markersize=9, zorder=5.0)
+        axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=canvas.INK, markersize=9, zorder=5.0)
         axes.set_xlim(left, right)
         axes.set_ylim(-top, top)
         axes.set_aspect("equal")
@@ -129,7 +129,7 @@ class View:
     def body(self, gear: ToothedGear, which: Gear, position: Position, line: float) -> Callable[[Array], Array]:
         """Draw a gear's body, and return what moves points of the gear's own frame (shape (n, 2)) to their place."""
         placed = partial(self.pair.placed, which, position=position)
-        draw_body(self.axes, self.pair, which, placed(gear.outline_mm), REFERENCE, line)
+        draw_body(self.axes, self.pair, which, placed(gear.outline_mm), canvas.REFERENCE, line)
         return placed
 
     def with_scale(self, norm: Normalize, scale: Colormap, label: str) -> Colorbar:
@@ -140,8 +140,8 @@ class View:
             orientation="horizontal",
             extend="both" if isinstance(norm, LogNorm) else "max",
         )
-        bar.ax.tick_params(labelsize=SMALL, colors=INK)
-        bar.set_label(label, size=NORMAL, color=INK)
+        bar.ax.tick_params(labelsize=canvas.SMALL, colors=canvas.INK)
+        bar.set_label(label, size=canvas.NORMAL, color=canvas.INK)
         return bar
 
 
@@ -152,7 +152,9 @@ def _draw(
     placed = view.body(gear, which, position, 0.5)
     teeth = [placed(gear.outline_mm[rows]) for rows in tooth_rows(gear)]
     colors = HOLDING_SCALE(norm(np.clip(coloured.share, 1.0 / SPREAD, SPREAD)))
-    view.axes.add_collection(PolyCollection(teeth, facecolors=colors, edgecolors=INK, linewidths=0.4), autolim=False)
+    view.axes.add_collection(
+        PolyCollection(teeth, facecolors=colors, edgecolors=canvas.INK, linewidths=0.4), autolim=False
+    )
     crowded = gear.flanks.curve.length_mm / len(teeth) < ROOM_IN * view.mm_per_in
     for number, tooth in enumerate(teeth, 1):
         named = number == coloured.named
@@ -161,13 +163,13 @@ def _draw(
             # Closed by this chord, the tooth lies to the left of it where its outline runs counter-clockwise.
             inwards = np.sign(signed_area(tooth)) * np.array([down, -back]) / np.hypot(back, down)
             place = root + BELOW_IN * view.mm_per_in * inwards
-            box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": INK, "linewidth": 1.0}
+            box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": canvas.INK, "linewidth": 1.0}
             view.axes.text(
                 float(place[0]),
                 float(place[1]),
                 str(number),
-                size=SMALL - 1.0,
-                color=INK,
+                size=canvas.SMALL - 1.0,
+                color=canvas.INK,
                 ha="center",
                 va="center",
                 weight="bold" if named else "normal",

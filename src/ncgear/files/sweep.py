@@ -15,19 +15,8 @@ from matplotlib.ticker import MaxNLocator
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
-from ncgear.drawings.plots.canvas import (
-    DRIVEN,
-    DRIVING,
-    HIGHLIGHT,
-    INK,
-    REFERENCE,
-    SMALL,
-    Margins,
-    Style,
-    dress,
-    figure,
-    png,
-)
+from ncgear.drawings.plots import canvas
+from ncgear.drawings.plots.canvas import Style
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.quantities import name_of
 from ncgear.figures.sweep import effects_csv, front_csv, values_of
@@ -67,9 +56,11 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
     """PNG of every pair of keys and objectives below the diagonal, on which there is each one's distribution."""
     count = len(axes)
     size = CELL_IN * count + 0.9
-    made = figure(max(size, 5.0), size + TITLE_IN, title)
+    made = canvas.figure(max(size, 5.0), size + TITLE_IN, title)
     made.subplots_adjust(
-        **Margins(left=0.95, right=0.2, bottom=0.75, top=TITLE_IN + 0.15).shares(max(size, 5.0), size + TITLE_IN),
+        **canvas.Margins(left=0.95, right=0.2, bottom=0.75, top=TITLE_IN + 0.15).shares(
+            max(size, 5.0), size + TITLE_IN
+        ),
         hspace=0.12,
         wspace=0.12,
     )
@@ -80,7 +71,7 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
                 _distribution(cell, up)
             else:
                 _points(cell, along, up)
-            dress(
+            canvas.dress(
                 cell, _broken(along.head) if row == count - 1 else "", _broken(up.head) if column == 0 and row else ""
             )
             for axis, values in ((cell.xaxis, along.drawn), (cell.yaxis, up.drawn)):
@@ -89,25 +80,25 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
             cell.tick_params(labelbottom=row == count - 1, labelleft=column == 0 and row > 0)
             _small_labels(cell)
     _explained_colors(made, size + TITLE_IN)
-    return png(made)
+    return canvas.png(made)
 
 
 def _explained_colors(made: Figure, height: float) -> None:
-    note: Style = {"size": SMALL, "ha": "right", "va": "top"}
-    made.text(0.985, 1.0 - 0.40 / height, "blue: designs by lot", color=DRIVING, **note)
-    made.text(0.985, 1.0 - 0.56 / height, "purple: best designs", color=HIGHLIGHT, **note)
+    note: Style = {"size": canvas.SMALL, "ha": "right", "va": "top"}
+    made.text(0.985, 1.0 - 0.40 / height, "blue: designs by lot", color=canvas.DRIVING, **note)
+    made.text(0.985, 1.0 - 0.56 / height, "purple: best designs", color=canvas.HIGHLIGHT, **note)
 
 
 def _points(cell: Axes, along: Axis, up: Axis) -> None:
-    cell.plot(along.drawn, up.drawn, color=DRIVING, marker=".", markersize=1.8, alpha=0.35, linestyle="none")
-    cell.plot(along.front, up.front, color=HIGHLIGHT, marker="o", markersize=2.8, linestyle="none", zorder=3)
+    cell.plot(along.drawn, up.drawn, color=canvas.DRIVING, marker=".", markersize=1.8, alpha=0.35, linestyle="none")
+    cell.plot(along.front, up.front, color=canvas.HIGHLIGHT, marker="o", markersize=2.8, linestyle="none", zorder=3)
 
 
 def _distribution(cell: Axes, axis: Axis) -> None:
     if len(axis.drawn):
         # Values that differ by rounding alone leave no room for bars.
         differ = np.ptp(axis.drawn) > ROUNDING * np.abs(axis.drawn).max()
-        cell.hist(axis.drawn, bins=24 if differ else 1, color=DRIVING, alpha=0.55)
+        cell.hist(axis.drawn, bins=24 if differ else 1, color=canvas.DRIVING, alpha=0.55)
     cell.set_yticks([])
 
 
@@ -122,8 +113,8 @@ def _ticks(values: Array, most: int = TICKS) -> MaxNLocator:
 
 
 def _small_labels(cell: Axes) -> None:
-    cell.xaxis.label.set_fontsize(SMALL)
-    cell.yaxis.label.set_fontsize(SMALL)
+    cell.xaxis.label.set_fontsize(canvas.SMALL)
+    cell.yaxis.label.set_fontsize(canvas.SMALL)
 
 
 Named = tuple[str, float, float]
@@ -133,28 +124,30 @@ Named = tuple[str, float, float]
 def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
     """PNG of two objectives: designs by lot, the Pareto set, and the designs of it that are written as files."""
     width, height = 8.2, 5.8
-    made = figure(width, height, title)
-    made.subplots_adjust(**Margins(left=0.95, right=0.3, top=0.8).shares(width, height))
+    made = canvas.figure(width, height, title)
+    made.subplots_adjust(**canvas.Margins(left=0.95, right=0.3, top=0.8).shares(width, height))
     axes = made.add_subplot()
-    axes.plot(along.drawn, up.drawn, color=REFERENCE, marker=".", markersize=2.5, alpha=0.4, linestyle="none")
+    axes.plot(along.drawn, up.drawn, color=canvas.REFERENCE, marker=".", markersize=2.5, alpha=0.4, linestyle="none")
     order = np.argsort(along.front)
-    axes.plot(along.front[order], up.front[order], color=DRIVING, linewidth=1.0, marker="o", markersize=3.0, zorder=3)
+    axes.plot(
+        along.front[order], up.front[order], color=canvas.DRIVING, linewidth=1.0, marker="o", markersize=3.0, zorder=3
+    )
     axes.ticklabel_format(useOffset=False)
     _near_the_front(axes, along, up)
     labelled: list[Array] = []
     for name, x, y in named:
-        axes.plot([x], [y], color=HIGHLIGHT, marker="D", markersize=6.0, linestyle="none", zorder=4)
+        axes.plot([x], [y], color=canvas.HIGHLIGHT, marker="D", markersize=6.0, linestyle="none", zorder=4)
         place = axes.transAxes.inverted().transform(axes.transData.transform((x, y)))
         if all(np.abs(place - other).max() > LABEL for other in labelled):
-            note: Style = {"size": SMALL, "color": INK, "zorder": 5}
+            note: Style = {"size": canvas.SMALL, "color": canvas.INK, "zorder": 5}
             axes.annotate(name, (x, y), xytext=(5.0, 5.0), textcoords="offset points", **note)
             labelled.append(place)
-    dress(axes, along.head, up.head)
-    said: Style = {"size": SMALL, "ha": "right", "va": "bottom", "transform": axes.transAxes}
-    axes.text(1.0, 1.04, "grey: designs by lot", color=REFERENCE, **said)
-    axes.text(0.82, 1.04, "blue: Pareto set", color=DRIVING, **said)
-    axes.text(0.68, 1.04, "purple: written as files, by number", color=HIGHLIGHT, **said)
-    return png(made)
+    canvas.dress(axes, along.head, up.head)
+    said: Style = {"size": canvas.SMALL, "ha": "right", "va": "bottom", "transform": axes.transAxes}
+    axes.text(1.0, 1.04, "grey: designs by lot", color=canvas.REFERENCE, **said)
+    axes.text(0.82, 1.04, "blue: Pareto set", color=canvas.DRIVING, **said)
+    axes.text(0.68, 1.04, "purple: written as files, by number", color=canvas.HIGHLIGHT, **said)
+    return canvas.png(made)
 
 
 def _near_the_front(axes: Axes, along: Axis, up: Axis) -> None:
@@ -185,9 +178,11 @@ def effects(rows: Sequence[Effect], objectives: Sequence[str], title: str) -> by
     """PNG with a row for each key: the mean of each objective, and the share refused, over the key's values."""
     columns = len(objectives) + 1
     width, height = 2.75 * columns + 0.9, 1.75 * len(rows) + TITLE_IN + 0.4
-    made = figure(width, height, title)
+    made = canvas.figure(width, height, title)
     made.subplots_adjust(
-        **Margins(left=0.95, right=0.2, bottom=0.6, top=TITLE_IN + 0.35).shares(width, height), hspace=0.85, wspace=0.42
+        **canvas.Margins(left=0.95, right=0.2, bottom=0.6, top=TITLE_IN + 0.35).shares(width, height),
+        hspace=0.85,
+        wspace=0.42,
     )
     # Of an objective, all keys have the same scale, so that what matters looks large.
     for row, effect in enumerate(rows):
@@ -195,10 +190,10 @@ def effects(rows: Sequence[Effect], objectives: Sequence[str], title: str) -> by
             cell = made.add_subplot(len(rows), columns, row * columns + column + 1)
             last = column == columns - 1
             values = 100.0 * effect.refused if last else effect.means[:, column]
-            color = DRIVEN if last else DRIVING
+            color = canvas.DRIVEN if last else canvas.DRIVING
             known = np.isfinite(values)
             cell.plot(effect.middles[known], values[known], color=color, marker="o", markersize=3.0, linewidth=1.4)
-            dress(cell, effect.head, "")
+            canvas.dress(cell, effect.head, "")
             _small_labels(cell)
             cell.xaxis.set_major_locator(_ticks(effect.middles))
             cell.yaxis.set_major_locator(MaxNLocator(TICKS))
@@ -206,11 +201,13 @@ def effects(rows: Sequence[Effect], objectives: Sequence[str], title: str) -> by
                 cell.set_ylim(-4.0, 104.0)
             else:
                 _same_scale(cell, np.concatenate([one.means[:, column] for one in rows]))
-                cell.text(0.02, 1.03, effect.said[column], transform=cell.transAxes, size=SMALL, color=INK)
+                cell.text(
+                    0.02, 1.03, effect.said[column], transform=cell.transAxes, size=canvas.SMALL, color=canvas.INK
+                )
             if row == 0:
                 head = "refused, %" if last else f"mean {objectives[column]}"
-                cell.set_title(head, size=SMALL + 1.0, color=color, pad=18.0, loc="left", weight="bold")
-    return png(made)
+                cell.set_title(head, size=canvas.SMALL + 1.0, color=color, pad=18.0, loc="left", weight="bold")
+    return canvas.png(made)
 
 
 def _same_scale(cell: Axes, values: Array) -> None:
