@@ -151,7 +151,7 @@ WRITERS = {
     "files/one_file.py",
     "project/frontier_run.py",
     "files/workshop/dxf.py",
-    "files/workshop/glb.py",
+    "files/workshop/solid_files.py",
     "drawings/page/solid_view.py",
     "studio/chains.py",
     "studio/entrance.py",

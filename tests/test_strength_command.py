@@ -15,7 +15,7 @@ import pytest
 from commands import ROOT, Run, on_text
 from drives import built, drive_of_text
 from ncgear.design.reading.design_file import load
-from ncgear.drawings.charts.strength_charts import strength_charts
+from ncgear.drawings.charts.teeth_charts import strength_charts
 from ncgear.dynamics.level import Level
 from ncgear.files.simulation import simulate, simulation_text
 from ncgear.files.strength import tooth_rows

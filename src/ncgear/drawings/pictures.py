@@ -9,7 +9,7 @@ import numpy as np
 
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.assembled import Assembled, Position, heading
-from ncgear.drawings.charts import contact_charts
+from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
 from ncgear.numerics.arrays import Array, Mask
@@ -95,12 +95,12 @@ def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
 def _contact_charts(drive: Drive, contact: PairContact) -> list[Chart]:
     """All charts of the contact, with the joints of the law; the chart of backlash only where there is any."""
     designed = contact.as_designed
-    kinds = [contact_charts.flanks_in_contact, contact_charts.pressure_angle, contact_charts.sliding]
+    kinds = [teeth_charts.flanks_in_contact, teeth_charts.pressure_angle, teeth_charts.sliding]
     if np.max(np.abs(designed.backlash_rad)) >= NO_BACKLASH_RAD:
-        kinds.insert(0, contact_charts.backlash)
-    errors = contact_charts.transmission_error(contact)
+        kinds.insert(0, teeth_charts.backlash)
+    errors = teeth_charts.transmission_error(contact)
     # The legend is above the first row, which has no line of the backs: an empty line there names them.
     pushing, written = errors.lines
-    errors = replace(errors, lines=(pushing, Line(Role.OTHER, contact_charts.BACKS, EMPTY, EMPTY), written))
+    errors = replace(errors, lines=(pushing, Line(Role.OTHER, teeth_charts.BACKS, EMPTY, EMPTY), written))
     joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))
     return [replace(chart, joints_deg=joints) for chart in (errors, *(kind(designed) for kind in kinds))]

@@ -90,13 +90,7 @@ def build(
             files[REPORT_FILE] = report_page(drive, reported, contacts, verdict, drawer)
     run = publish_run(folder, files, "build")
     found = pairs.values()
-    return Built(
-        run.paths,
-        run.kept,
-        [pair.summary for pair in found],
-        [pair.contact for pair in found],
-        verdict,
-    )
+    return Built(run.paths, run.kept, [pair.summary for pair in found], [pair.contact for pair in found], verdict)
 
 
 def step_count(drive: Drive, *, report: bool) -> int:

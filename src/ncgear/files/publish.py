@@ -23,8 +23,17 @@ from pathlib import Path
 from stat import S_ISDIR, S_ISLNK
 
 from ncgear.errors import WrongInput
-from ncgear.files.locks import alone_in
-from ncgear.files.one_file import REMEDY, WITHOUT_LINKS, is_there, refused, replace_by, second, sync_folder, write
+from ncgear.files.one_file import (
+    REMEDY,
+    WITHOUT_LINKS,
+    alone_in,
+    is_there,
+    refused,
+    replace_by,
+    second,
+    sync_folder,
+    write,
+)
 from ncgear.interrupts import uninterrupted
 
 STAGING_PREFIX = ".ncgear-"

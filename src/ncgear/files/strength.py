@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from ncgear.drawings.assembled import Assembled, Position
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.charts.drawer import STRENGTH_COLUMN, STRENGTH_LOOK, column_png
-from ncgear.drawings.charts.strength_charts import strength_charts
+from ncgear.drawings.charts.teeth_charts import strength_charts
 from ncgear.drawings.palette import HOLDING, STRESS
 from ncgear.drawings.pictures import assembled_teeth, positions_at, titled
 from ncgear.drawings.plots import canvas

@@ -104,11 +104,7 @@ def sources(of: Mapping[str, Mapping[str, tuple[float, float]]], title: str) -> 
     return canvas.png(made)
 
 
-SHOWN = {
-    "least_play_mm": "least play",
-    "transmission_error_mm": "transmission error",
-    "motion_error": "motion error",
-}
+SHOWN = {"least_play_mm": "least play", "transmission_error_mm": "transmission error", "motion_error": "motion error"}
 """The figures whose sources are drawn."""
 
 

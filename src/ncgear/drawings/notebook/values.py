@@ -17,9 +17,8 @@ from markupsafe import Markup
 from ncgear.contact.designed.as_designed import AsDesigned
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
-from ncgear.drawings.charts import contact_charts
+from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
-from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.drawings.notebook.drawn import (
     picture,
     pitch_outlines,
@@ -228,7 +227,7 @@ def _contact(contact: AsDesigned) -> Iterator[Markup]:
         }
     )
     yield facts([("error and greatest values", f"at {contact.placement.count} positions")])
-    drawn = contact_charts.pressure_angle(contact), contact_charts.sliding(contact), contact_charts.backlash(contact)
+    drawn = teeth_charts.pressure_angle(contact), teeth_charts.sliding(contact), teeth_charts.backlash(contact)
     yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
 
 
@@ -262,7 +261,7 @@ def _strength(strength: Strength) -> Iterator[Markup]:
         for one in found
     )
     yield table(Table("The weakest teeth", STRENGTH_COLUMNS, rows, (METHODS[strength.method],)))
-    drawn = strength_charts(strength, found)
+    drawn = teeth_charts.strength_charts(strength, found)
     yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
 
 

@@ -16,10 +16,9 @@ from math import degrees
 import numpy as np
 
 from ncgear.contact.pair import PairContact
-from ncgear.drawings.charts import contact_charts
+from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.chart import Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, RATIO_NAME, Quantity, motion_chart
-from ncgear.drawings.charts.strength_charts import strength_charts
 from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, PageChart
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
@@ -121,7 +120,7 @@ def _strength(drive: Drive) -> dict[str, Chart]:
     rating = known_rating(drive)
     if not isinstance(rating, Rating):
         return {}
-    charts = strength_charts(rating.strength, rating.weakest)
+    charts = teeth_charts.strength_charts(rating.strength, rating.weakest)
     # The page names the values of the first line.
     return {
         chart.name.replace(" ", "_"): replace(
@@ -133,7 +132,7 @@ def _strength(drive: Drive) -> dict[str, Chart]:
 
 def _pressure_angle(drive: Drive) -> Chart:
     """The pressure angle at the first contact as designed; for circular gears the rack's, of flanks that push."""
-    chart = contact_charts.pressure_angle(drive.designed_contact)
+    chart = teeth_charts.pressure_angle(drive.designed_contact)
     backs, pushing = chart.lines
     circular = np.full(2, degrees(drive.rack.pressure_angle_rad))
     lines = (
@@ -146,9 +145,9 @@ def _pressure_angle(drive: Drive) -> Chart:
 
 def _transmission_error(contact: PairContact) -> Chart:
     """The transmission error of the worst written outlines, from which gears are cut, and of the design."""
-    chart = contact_charts.transmission_error(contact)
+    chart = teeth_charts.transmission_error(contact)
     designed, written = chart.lines
-    source = contact_charts.worst_written(contact).source.upper()
+    source = teeth_charts.worst_written(contact).source.upper()
     lines = (
         _closed(written, chart.end, Role.WRITTEN, f"as written ({source})"),
         _closed(designed, chart.end, Role.OWN, "as designed"),

@@ -46,11 +46,7 @@ JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 
 
 def report_page(
-    drive: Drive,
-    loaded: LoadedDesign,
-    contacts: Sequence[PairContact],
-    verdict: Verdict,
-    drawer: Drawer = HERE,
+    drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact], verdict: Verdict, drawer: Drawer = HERE
 ) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 

@@ -53,8 +53,8 @@ DRAWINGS = "gear_drawing:pair_drawings"
 WRITERS = {
     Format.DXF: Writer("dxf:dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), DRAWINGS, is_slow=True),
     Format.SVG: Writer("svg:svg_files", ("driving.svg", "driven.svg"), DRAWINGS),
-    Format.THREEMF: Writer("threemf:threemf_files", ("gears.3mf", "pair.3mf"), "threemf:placed_meshes"),
-    Format.GLB: Writer("glb:glb_files", ("pair.glb",)),
+    Format.THREEMF: Writer("solid_files:threemf_files", ("gears.3mf", "pair.3mf"), "solid_files:placed_meshes"),
+    Format.GLB: Writer("solid_files:glb_files", ("pair.glb",)),
     Format.STEP: Writer("step:step_files", ("driving.step", "driven.step", "pair.step"), library="OCP"),
     Format.DRAWING: Writer(
         "sheets.sheets:drawing_files",

@@ -1,6 +1,7 @@
-"""3MF files, which hold their unit: both gears side by side on one plate for printing, and assembled at phi1 = 0.
+"""Files of solids: GLB (binary glTF), the assembled pair for viewers and web pages, and 3MF, which holds its unit.
 
-Sources: 3MF Consortium, core specification 1.3 and production extension 1.1; parts of the archive by ECMA-376.
+3MF files have both gears side by side on one plate for printing, and assembled at phi1 = 0.  Sources: 3MF Consortium,
+core specification 1.3 and production extension 1.1; parts of the archive by ECMA-376.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from io import BytesIO
 from itertools import count
 from uuid import UUID
 
+from ncgear.drawings.solid_pair import linear_light, pair_scene
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh.triangles import TriangleMesh
@@ -112,3 +114,8 @@ def _item(number: int, name: str, x_mm: float, identity: UUID) -> str:
     """A part of the build at its place."""
     place = f"1.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 1.0 {x_mm} 0.0 0.0"
     return f'<item objectid="{number}" transform="{place}" p:UUID="{identity}" partnumber="{name}"/>'
+
+
+def glb_files(drive: Drive) -> dict[str, bytes]:
+    """``pair.glb`` with the nodes ``driving`` and ``driven``."""
+    return {"pair.glb": pair_scene(drive, linear_light).export(file_type="glb")}
