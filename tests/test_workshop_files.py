@@ -9,7 +9,6 @@ import sys
 from functools import cache
 from io import BytesIO, StringIO
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 from zipfile import ZipFile
 
@@ -30,7 +29,6 @@ from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings.beside import HERE
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.read_back import exact_outlines, outline_errors_mm
-from ncgear.files.workshop import dxf as workshop_dxf
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
 from ncgear.files.workshop.gear_drawing import Layer, Use, pitch_points
 from ncgear.numerics.arrays import Array
@@ -153,23 +151,6 @@ def test_the_told_errors_of_files_are_those_found_here(name: str) -> None:
     for kind, rings in read.items():
         found = max(strayed_mm(ring, name, gear) for ring, gear in zip(rings, Gear, strict=True))
         assert told[kind] == pytest.approx(found, rel=0.1)
-
-
-@pytest.mark.slow
-def test_chains_written_as_one_text_are_those_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The library's own polylines, point by point, give the same bytes: teeth with bulges, open and closed lines."""
-
-    def slowly(
-        space: Any, points: Array, attributes: dict[str, Any], bulges: Array | float = 0.0, *, closed: bool
-    ) -> None:
-        rows = np.column_stack([points, np.broadcast_to(bulges, len(points))]).tolist()
-        space.add_lwpolyline(rows, format="xyb", close=closed, dxfattribs=attributes)
-
-    monkeypatch.setattr(workshop_dxf, "add_chain", slowly)
-    found = all_made(begun_workshop_files(drive("baler"), [Format.DXF, Format.DRAWING], HERE, None)).files
-    names = [name for name in found if name.endswith(".dxf")]
-    assert len(names) == 6
-    assert all(found[name] == files("baler")[name] for name in names)
 
 
 @pytest.mark.slow

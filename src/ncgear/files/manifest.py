@@ -18,7 +18,7 @@ from stat import S_ISREG
 from ncgear import __version__
 from ncgear.errors import WrongInput
 from ncgear.files.one_file import REMEDY, is_there, kept_names
-from ncgear.files.publish import exchange, is_inside, opened, require_inside
+from ncgear.files.publish import exchange, is_inside, opened
 from ncgear.frozen import dataclass
 
 MANIFEST = "manifest.json"
@@ -49,7 +49,10 @@ def publish_run(folder: Path, files: Mapping[str, bytes], command: str) -> Run:
     ``command`` wrote earlier and does not write now are removed.  Raises WrongInput when the folder cannot be written,
     ValueError when a name has another form; in both cases the folder is as it was.
     """
-    require_inside(files)
+    for name in files:
+        # It could lead out of the folder, or into a staging folder.
+        if not is_inside(name):
+            raise ValueError(f"{name!r} is not a plain file name")
     with opened(folder):
         earlier = entries_in(folder)
         still = {name: earlier[name] for name in _as_written(folder, earlier) if name not in files}

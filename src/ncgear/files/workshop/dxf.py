@@ -7,19 +7,16 @@ that makes its text right.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from io import StringIO
 from math import ceil, degrees, log10
-from typing import Any
 
 import ezdxf
 import numpy as np
 from ezdxf import units
 from ezdxf.document import Drawing as Document
 from ezdxf.entities import Dimension as DimensionEntity
-from ezdxf.entities.lwpolyline import LWPolylinePoints
 from ezdxf.layouts import BlockLayout, Modelspace
-from ezdxf.lldxf.types import DXFTag
 from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.errors import Unanswered
@@ -127,47 +124,14 @@ def _add(space: Modelspace, shape: Shape, layer: str, decimals: int) -> None:
     match shape:
         case Polyline():
             bulges = written(shape.bulges, BULGE_DECIMALS)
-            add_chain(
-                space, written(shape.points, decimals), {**attributes, "flags": WHOLE_PATTERN}, bulges, closed=True
-            )
+            chain = np.column_stack([written(shape.points, decimals), bulges]).tolist()
+            space.add_lwpolyline(chain, "xyb", close=True, dxfattribs={**attributes, "flags": WHOLE_PATTERN})
         case Circle():
             x, y, radius = written(np.array([shape.x_mm, shape.y_mm, shape.radius_mm]), decimals).tolist()
             space.add_circle((x, y), radius, dxfattribs=attributes)
         case Cross():
             for start, end in written(shape.lines, decimals).tolist():
                 space.add_line(start, end, dxfattribs=attributes)
-
-
-class _ChainPoints(LWPolylinePoints):
-    """The points of a polyline, whose tags are one text: the library would make an object of every number."""
-
-    __slots__ = ()
-
-    def dxftags(self) -> Iterator[DXFTag]:
-        rows = ((x, y, f" 42\n{bulge}\n" if bulge else "") for x, y, _, _, bulge in self.values.tolist())
-        yield _TagText(0, "".join(f" 10\n{x}\n 20\n{y}\n{more}" for x, y, more in rows))
-
-
-class _TagText(DXFTag):
-    """Tags as the text that a file has of them."""
-
-    def dxfstr(self) -> str:
-        return str(self._value)
-
-
-def add_chain(
-    space: BlockLayout | Modelspace,
-    points: Array,
-    attributes: dict[str, Any],
-    bulges: Array | float = 0.0,
-    *,
-    closed: bool,
-) -> None:
-    """Add a polyline through points (n, 2) with bulges (n,), all at once: the library copies them point by point."""
-    chain, rows = space.add_lwpolyline([], close=closed, dxfattribs=attributes), np.zeros((len(points), 5))
-    rows[:, :2], rows[:, 4] = points, bulges
-    chain.lwpoints = _ChainPoints()
-    chain.lwpoints.set(rows)
 
 
 def _write(document: Document, notes: Sequence[str], low: Array, high: Array, decimals: int) -> None:
@@ -278,7 +242,8 @@ def _put(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
                 start, end = points.tolist()
                 space.add_line(start, end, dxfattribs=layer)
             else:
-                add_chain(space, points, {**layer, "flags": WHOLE_PATTERN | item.closed}, closed=item.closed)
+                flags = WHOLE_PATTERN | item.closed
+                space.add_lwpolyline(points.tolist(), "xy", close=item.closed, dxfattribs={**layer, "flags": flags})
 
 
 def _measure(document: Document, space: Modelspace, item: Dimension, sheet: Sheet) -> None:
