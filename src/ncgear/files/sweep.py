@@ -160,52 +160,40 @@ def _near_the_front(axes: Axes, along: Axis, up: Axis) -> None:
         limits(max(low - room, every.min() - 0.05 * room), min(high + room, every.max() + 0.05 * room))
 
 
-@dataclass(frozen=True, eq=False)
-class Effect:
-    """What a key does: middles of its bins, the share refused, means of each objective, and how much it explains.
-
-    ``said`` has a text for each objective.
-    """
-
-    head: str
-    middles: Array
-    refused: Array
-    means: Array
-    said: Sequence[str]
-
-
-def effects(rows: Sequence[Effect], objectives: Sequence[str], title: str) -> bytes:
+def _effects_picture(name: str, overview: Overview) -> bytes:
     """PNG with a row for each key: the mean of each objective, and the share refused, over the key's values."""
-    columns = len(objectives) + 1
-    width, height = 2.75 * columns + 0.9, 1.75 * len(rows) + TITLE_IN + 0.4
-    made = canvas.figure(width, height, title)
-    made.subplots_adjust(
-        **canvas.Margins(left=0.95, right=0.2, bottom=0.6, top=TITLE_IN + 0.35).shares(width, height),
-        hspace=0.85,
-        wspace=0.42,
-    )
+    known, ranks = overview.effects, rank_correlations(overview)
+    keys = _foremost(overview)
+    places = [overview.space.keys.index(key) for key in keys]
+    bins = [known.designs[place] > 0.0 for place in places]
+    heads = [*(f"mean {_head(one.name)}" for one in overview.wanted.objectives), "refused, %"]
+    columns = len(heads)
+    width, height = 2.75 * columns + 0.9, 1.75 * len(keys) + TITLE_IN + 0.4
+    made = canvas.figure(width, height, f"{name}: what each key does to {overview.count} designs")
+    margins = canvas.Margins(left=0.95, right=0.2, bottom=0.6, top=TITLE_IN + 0.35).shares(width, height)
+    made.subplots_adjust(**margins, hspace=0.85, wspace=0.42)
     # Of an objective, all keys have the same scale, so that what matters looks large.
-    for row, effect in enumerate(rows):
-        for column in range(columns):
-            cell = made.add_subplot(len(rows), columns, row * columns + column + 1)
+    for row, (key, place, counted) in enumerate(zip(keys, places, bins, strict=True)):
+        middles = known.places[place][counted]
+        for column, head in enumerate(heads):
+            cell = made.add_subplot(len(keys), columns, row * columns + column + 1)
             last = column == columns - 1
-            values = 100.0 * effect.refused if last else effect.means[:, column]
+            values = (100.0 * known.refused_share[place] if last else known.means[place][:, column])[counted]
             color = canvas.DRIVEN if last else canvas.DRIVING
-            known = np.isfinite(values)
-            cell.plot(effect.middles[known], values[known], color=color, marker="o", markersize=3.0, linewidth=1.4)
-            canvas.dress(cell, effect.head, "")
+            finite = np.isfinite(values)
+            cell.plot(middles[finite], values[finite], color=color, marker="o", markersize=3.0, linewidth=1.4)
+            canvas.dress(cell, _head(key), "")
             _small_labels(cell)
-            cell.xaxis.set_major_locator(_ticks(effect.middles))
+            cell.xaxis.set_major_locator(_ticks(middles))
             cell.yaxis.set_major_locator(MaxNLocator(TICKS))
             if last:
                 cell.set_ylim(-4.0, 104.0)
             else:
-                _same_scale(cell, np.concatenate([one.means[:, column] for one in rows]))
-                cell.text(
-                    0.02, 1.03, effect.said[column], transform=cell.transAxes, size=canvas.SMALL, color=canvas.INK
-                )
+                of_all = zip(places, bins, strict=True)
+                _same_scale(cell, np.concatenate([known.means[other][some][:, column] for other, some in of_all]))
+                said = _said(known.explained[place, column], ranks[place, column])
+                cell.text(0.02, 1.03, said, transform=cell.transAxes, size=canvas.SMALL, color=canvas.INK)
             if row == 0:
-                head = "refused, %" if last else f"mean {objectives[column]}"
                 cell.set_title(head, size=canvas.SMALL + 1.0, color=color, pad=18.0, loc="left", weight="bold")
     return canvas.png(made)
 
@@ -301,25 +289,6 @@ def _pareto_picture(
     screened = f", out of {shown.kept} screened" if shown is not overview and shown.kept > overview.kept else ""
     title = f"{name}: Pareto set, {len(front.numbers)} of {overview.kept} designs{screened}"
     return pareto(along, up, named, title)
-
-
-def _effects_picture(name: str, overview: Overview) -> bytes:
-    keys, explained, ranks = overview.space.keys, overview.effects.explained, rank_correlations(overview)
-    rows = []
-    for key in _foremost(overview):
-        place = keys.index(key)
-        known = overview.effects.designs[place] > 0.0
-        rows.append(
-            Effect(
-                _head(key),
-                overview.effects.places[place][known],
-                overview.effects.refused_share[place][known],
-                overview.effects.means[place][known],
-                [_said(*one) for one in zip(explained[place], ranks[place], strict=True)],
-            )
-        )
-    heads: Sequence[str] = [_head(one.name) for one in overview.wanted.objectives]
-    return effects(rows, heads, f"{name}: what each key does to {overview.count} designs")
 
 
 def _said(explained: float, rank: float) -> str:
