@@ -19,15 +19,23 @@ from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
 from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
-from ncgear.drawings.notebook.drawn import (
+from ncgear.drawings.notebook.pieces import (
+    NOTHING,
+    charts,
+    facts,
+    figures,
+    framed,
+    made,
+    not_made,
     picture,
     pitch_outlines,
+    refusal,
     running,
     section_outline,
+    table,
     tooth_outline,
     tooth_outlines,
 )
-from ncgear.drawings.notebook.frame import NOTHING, charts, facts, figures, framed, made, not_made, refusal, table
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.charts import motion_charts, ratio_chart
 from ncgear.drawings.page.tables import comparison_tables, typeset
