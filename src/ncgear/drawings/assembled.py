@@ -61,8 +61,3 @@ class Assembled:
             distance, radius = self.center_distance_mm, self.ring_radius_mm
             points.append(np.array([[distance - radius, -radius], [distance + radius, radius]]))
         return np.vstack(points)
-
-
-def heading(name: str, what: str, speed_rpm: float) -> str:
-    """The heading of a picture of a machine at a speed."""
-    return f"{name}: {what} at {speed_rpm:.4g} r/min"

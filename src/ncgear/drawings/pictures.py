@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 
 from ncgear.contact.pair import PairContact
-from ncgear.drawings.assembled import Assembled, Position, heading
+from ncgear.drawings.assembled import Assembled, Position
 from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
@@ -60,7 +60,7 @@ def _name_of_pair(drive: Drive) -> str:
 
 def titled(drive: Drive, what: str) -> str:
     """The heading of a picture of the machine: design, content and speed."""
-    return heading(drive.design.name, what, drive.design.operation.speed_rpm)
+    return f"{drive.design.name}: {what} at {drive.design.operation.speed_rpm:.4g} r/min"
 
 
 def assembled_pitch_curves(drive: Drive) -> tuple[Assembled, tuple[Mask, Mask]]:

@@ -20,11 +20,6 @@ LEAST = 1e-16
 """Errors that are shown as this: zero has no place on a logarithmic scale."""
 
 
-def bench_pictures(stages: Sequence[Stage], name: str) -> dict[str, bytes]:
-    """A picture of each stage by its file name."""
-    return {f"bench-{stage.name.replace(' ', '-')}.png": stage_png(stage, name) for stage in stages}
-
-
 def stage_png(stage: Stage, name: str) -> bytes:
     """Error over time of the trials of a stage, each named by its setting, and what is asked."""
     made = canvas.figure(WIDTH_IN, HEIGHT_IN, f"{name}: {stage.name}, by {stage.varied}")
@@ -78,5 +73,5 @@ def bench_files(stages: Sequence[Stage], name: str) -> dict[str, bytes]:
     return {
         "bench.json": json_text(bench_figures(stages, name)).encode(),
         "bench.csv": bench_csv(stages).encode(),
-        **bench_pictures(stages, name),
+        **{f"bench-{stage.name.replace(' ', '-')}.png": stage_png(stage, name) for stage in stages},
     }

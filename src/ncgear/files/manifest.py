@@ -124,11 +124,7 @@ def _kept(folder: Path, files: Mapping[str, bytes], earlier: Mapping[str, Entry]
         if found is None or found == content or (name == MANIFEST and earlier):
             continue
         if name not in earlier or earlier[name].sha256 != _digest(found):
-            kept[_free_name(folder, name, {*files, *kept})] = found
+            names = (path.as_posix() for path in kept_names(Path(name)))
+            taken = {*files, *kept}
+            kept[next(new for new in names if new not in taken and not os.path.lexists(folder / new))] = found
     return kept
-
-
-def _free_name(folder: Path, name: str, taken: set[str]) -> str:
-    """``law-kept.csv``, or ``law-kept-2.csv`` where that is taken."""
-    names = (path.as_posix() for path in kept_names(Path(name)))
-    return next(name for name in names if name not in taken and not os.path.lexists(folder / name))

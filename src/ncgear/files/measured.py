@@ -24,7 +24,6 @@ from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.numbers import MICRORAD, json_text, micrometres
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_points
-from ncgear.pitch.shape import Gear
 from ncgear.project.compared import ComparedGear, ComparedPair
 
 WIDTH_IN, HEIGHT_IN = 8.6, 10.6
@@ -139,18 +138,17 @@ def _draw_bars(axes: Axes, one: ComparedGear) -> None:
     canvas.legend_above(axes)
 
 
-def heading(one: ComparedGear, name: str) -> str:
-    """The heading of the picture."""
-    gear = "driving" if one.gear is Gear.DRIVING else "driven"
-    return f"{name}: {gear} gear as measured, r.m.s. deviation {micrometres(one.fit.rms_mm)}"
-
-
 MEASURED, EXACT = "pair as measured", "exact outlines"
 
 
 def compared_pictures(pair: ComparedPair, name: str) -> dict[str, bytes]:
     """Each measured gear with its deviations, and play and transmission error of the pair over the cycle."""
-    gears = {f"measured-{one.gear.value}.png": deviations_png(one, heading(one, name)) for one in pair.gears}
+    gears = {
+        f"measured-{one.gear.value}.png": deviations_png(
+            one, f"{name}: {one.gear.value} gear as measured, r.m.s. deviation {micrometres(one.fit.rms_mm)}"
+        )
+        for one in pair.gears
+    }
     angle, end = np.degrees(pair.placement.phi1_rad), degrees(pair.placement.cycle_rad)
     charts = [
         Chart(

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ncgear.design.reading.design_file import LoadedDesign
@@ -56,14 +55,10 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
     """PNG of every pair of keys and objectives below the diagonal, on which there is each one's distribution."""
     count = len(axes)
     size = CELL_IN * count + 0.9
-    made = canvas.figure(max(size, 5.0), size + TITLE_IN, title)
-    made.subplots_adjust(
-        **canvas.Margins(left=0.95, right=0.2, bottom=0.75, top=TITLE_IN + 0.15).shares(
-            max(size, 5.0), size + TITLE_IN
-        ),
-        hspace=0.12,
-        wspace=0.12,
-    )
+    width, height = max(size, 5.0), size + TITLE_IN
+    made = canvas.figure(width, height, title)
+    margins = canvas.Margins(left=0.95, right=0.2, bottom=0.75, top=TITLE_IN + 0.15).shares(width, height)
+    made.subplots_adjust(**margins, hspace=0.12, wspace=0.12)
     for row, up in enumerate(axes):
         for column, along in enumerate(axes[: row + 1]):
             cell = made.add_subplot(count, count, row * count + column + 1)
@@ -79,14 +74,10 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
                 axis.get_major_formatter().set_useOffset(False)  # type: ignore[attr-defined]
             cell.tick_params(labelbottom=row == count - 1, labelleft=column == 0 and row > 0)
             _small_labels(cell)
-    _explained_colors(made, size + TITLE_IN)
-    return canvas.png(made)
-
-
-def _explained_colors(made: Figure, height: float) -> None:
     note: Style = {"size": canvas.SMALL, "ha": "right", "va": "top"}
     made.text(0.985, 1.0 - 0.40 / height, "blue: designs by lot", color=canvas.DRIVING, **note)
     made.text(0.985, 1.0 - 0.56 / height, "purple: best designs", color=canvas.HIGHLIGHT, **note)
+    return canvas.png(made)
 
 
 def _points(cell: Axes, along: Axis, up: Axis) -> None:
@@ -190,18 +181,15 @@ def _effects_picture(name: str, overview: Overview) -> bytes:
                 cell.set_ylim(-4.0, 104.0)
             else:
                 of_all = zip(places, bins, strict=True)
-                _same_scale(cell, np.concatenate([known.means[other][some][:, column] for other, some in of_all]))
+                means = np.concatenate([known.means[other][some][:, column] for other, some in of_all])
+                low, high = np.nanmin(means), np.nanmax(means)
+                room = max(0.06 * (high - low), 1e-6 * abs(high), 1e-300)
+                cell.set_ylim(low - room, high + room)
                 said = _said(known.explained[place, column], ranks[place, column])
                 cell.text(0.02, 1.03, said, transform=cell.transAxes, size=canvas.SMALL, color=canvas.INK)
             if row == 0:
                 cell.set_title(head, size=canvas.SMALL + 1.0, color=color, pad=18.0, loc="left", weight="bold")
     return canvas.png(made)
-
-
-def _same_scale(cell: Axes, values: Array) -> None:
-    low, high = np.nanmin(values), np.nanmax(values)
-    room = max(0.06 * (high - low), 1e-6 * abs(high), 1e-300)
-    cell.set_ylim(low - room, high + room)
 
 
 DESIGNS = 8
@@ -235,7 +223,8 @@ def sweep_files(
         values = {key: whole(value) for key, value in values_of(front, row).items()}
         files[f"{BEST}/{copy}.yaml"] = design_copy(loaded, {"name": copy, **values}).encode()
     files["effects.png"] = _effects_picture(name, shown)
-    files["scatter.png"] = _scatter(name, shown, front)
+    names = dict.fromkeys([*_foremost(shown), *(one.name for one in shown.wanted.objectives)])
+    files["scatter.png"] = scatter_matrix([_axis(one, shown, front) for one in names], f"{name}: {shown.kept} designs")
     for first, second in combinations(range(len(wanted.objectives)), 2):
         ending = "" if len(wanted.objectives) == 2 else f"-{first + 1}-{second + 1}"
         files[f"pareto{ending}.png"] = _pareto_picture(name, shown, overview, chosen, first, second)
@@ -272,11 +261,6 @@ def _foremost(overview: Overview) -> list[str]:
     explained = np.nan_to_num(overview.effects.explained[:, 0])
     first = np.argsort(-explained, kind="stable")[:MOST_KEYS]
     return [keys[place] for place in sorted(first.tolist())]
-
-
-def _scatter(name: str, shown: Overview, front: Designs) -> bytes:
-    names = dict.fromkeys([*_foremost(shown), *(one.name for one in shown.wanted.objectives)])
-    return scatter_matrix([_axis(one, shown, front) for one in names], f"{name}: {shown.kept} designs")
 
 
 def _pareto_picture(

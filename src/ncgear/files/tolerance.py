@@ -116,9 +116,9 @@ def tolerance_files(tolerated: Tolerated) -> dict[str, bytes]:
         "spread.png": _spreads(tolerated),
     }
     if len(tolerated.pairs) > 1:
-        files |= {
-            f"{folder_of(pair.drive.stage)}spread.png": _pair_spreads(tolerated, pair) for pair in tolerated.pairs
-        }
+        for pair in tolerated.pairs:
+            title = f"{tolerated.drive.design.name}, stage {pair.drive.stage}: {tolerated.assemblies.count} assemblies"
+            files[f"{folder_of(pair.drive.stage)}spread.png"] = spreads(_of_pair(tolerated, pair), title)
     shown = {name: tolerated.indices[name] for name in SHOWN if name in tolerated.indices}
     if shown:
         of = {
@@ -156,12 +156,6 @@ def _spreads(tolerated: Tolerated) -> bytes:
             motion,
         ]
     return spreads(shown, f"{tolerated.drive.design.name}: {found.count} assemblies")
-
-
-def _pair_spreads(tolerated: Tolerated, pair: ToleratedPair) -> bytes:
-    """The figures of one of two pairs."""
-    title = f"{tolerated.drive.design.name}, stage {pair.drive.stage}: {tolerated.assemblies.count} assemblies"
-    return spreads(_of_pair(tolerated, pair), title)
 
 
 JAMS = 0.0, True, "jams"

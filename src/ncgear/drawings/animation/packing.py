@@ -55,11 +55,6 @@ def drawn(made: Picture, scene: Scene, phi1_rad: Array) -> Iterator[Image.Image]
     return map(Image.fromarray, made.frames(scene.poses(phi1_rad)))
 
 
-def in_colors(image: Image.Image, palette: Image.Image | None) -> Image.Image:
-    """An image in the colours of a palette, or as it is where there is none."""
-    return image if palette is None else image.quantize(palette=palette, dither=Image.Dither.NONE)
-
-
 TICK_MS = 10
 """The unit of time of GIF files: a hundredth of a second."""
 
@@ -116,9 +111,11 @@ PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
     """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
     made = picture(scene, loop.width_px)
-    palette = palette_found(made, scene) if kind is AnimationFormat.GIF else None
     # Without the end of the loop, which looks like its beginning.
-    images = (in_colors(image, palette) for image in drawn(made, scene, scene.evenly_in_time(loop.frames)))
+    images = drawn(made, scene, scene.evenly_in_time(loop.frames))
+    if kind is AnimationFormat.GIF:
+        palette = palette_found(made, scene)
+        images = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
     return PACKERS[kind](_counted(images, loop.frames, on_frame), loop)
 
 

@@ -102,12 +102,8 @@ def framed(title: str, *pieces: Markup, description: str = "") -> str:
     """A whole output: its style, a title, a description in muted words, and the pieces below them."""
     told = Markup('<p class="description">{}</p>').format(description) if description else NOTHING
     head = Markup("<h3>{}</h3>{}").format(title, told)
-    return Markup("<style>{}</style>{}").format(Markup(style()), in_frame(head, *pieces))
-
-
-def in_frame(*pieces: Markup) -> Markup:
-    """The pieces in the frame that the style is for."""
-    return Markup('<div class="ncgear">{}</div>').format(NOTHING.join(pieces))
+    output = Markup('<style>{}</style><div class="ncgear">{}</div>')
+    return output.format(Markup(style()), NOTHING.join([head, *pieces]))
 
 
 def made(piece: Callable[[], Markup]) -> Markup:

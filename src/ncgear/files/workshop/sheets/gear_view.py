@@ -93,7 +93,9 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     gear, module = measured.gear, drive.pitch.size.module_mm
     board.add(*drawn_body(drive, gear, plan, view, "outline"))
     board.keep_clear(drawn_holes(plan, view))
-    board.add(*drawn_shape(Cross(0.0, 0.0, _cross_mm(plan, module)), view, Pen.CHAIN))
+    # The mark of the axis is a little longer than the bore.
+    mark_mm = 2.0 * module if plan.bore is None else 1.25 * plan.bore.diameter_mm
+    board.add(*drawn_shape(Cross(0.0, 0.0, mark_mm), view, Pen.CHAIN))
     _mark_plane(board, plan, view)
     for words, own_rad in _directions(drive, gear):
         _point_along(board, plan, view, words, own_rad)
@@ -105,11 +107,6 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     _point_at_holes(board, drive, plan, view)
     sense = 1.0 if gear is Gear.DRIVING else drive.pitch.mesh.sense
     draw_turning(board, view, sense, free_radius_mm(plan, view))
-
-
-def _cross_mm(plan: BodyPlan, module_mm: float) -> float:
-    """Length of the mark of the axis: a little more than the bore."""
-    return 2.0 * module_mm if plan.bore is None else 1.25 * plan.bore.diameter_mm
 
 
 def _mark_plane(board: Board, plan: BodyPlan, view: View) -> None:

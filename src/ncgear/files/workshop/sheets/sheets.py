@@ -133,8 +133,8 @@ def _scale_in(box: Box, size_mm: Array) -> float:
     return next((scale for scale in paper.SCALES if (scale * size_mm <= room).all()), paper.SCALES[-1])
 
 
-PARTS_UPRIGHT_MM, PARTS_ACROSS_MM = 40.0, 85.0
-"""Height of the list of parts above the title block, and its width beside it."""
+PARTS_UPRIGHT_MM = 40.0
+"""Height of the list of parts above the title block."""
 
 
 def _layout(size_mm: tuple[float, float], *, mechanism: bool) -> Layout:
