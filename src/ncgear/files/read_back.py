@@ -241,10 +241,15 @@ READERS: dict[str, Callable[[bytes], Array]] = {"dxf": outline_of_dxf, "svg": ou
 
 def flattened(points_mm: Array, bulges: Array) -> Array:
     """A closed chain of lines and arcs (see ``ArcOutline``) as chords that stray from arcs by ``FLAT`` at most."""
-    start = as_complex(points_mm)
+    points = as_complex(points_mm)
+    height = np.abs(bulges) * np.abs(np.roll(points, -1) - points) / 2.0
+    return as_chords(points_mm, bulges, np.sqrt(height / (FLAT * np.abs(points).max())))
+
+
+def as_chords(points_mm: Array, bulges: Array, least: Array) -> Array:
+    """A closed chain of lines and arcs (see ``ArcOutline``) as chords, of each of them at least so many, shape (n,)."""
+    start, count = as_complex(points_mm), np.maximum(np.ceil(least), 1).astype(int)
     chord, turn = np.roll(start, -1) - start, 4.0 * np.arctan(bulges)
-    height = np.abs(bulges) * np.abs(chord) / 2.0
-    count = np.maximum(np.ceil(np.sqrt(height / (FLAT * np.abs(start).max()))), 1).astype(int)
     row, number = counted_up(np.zeros(count.size, dtype=int), count)
     share, turn = number / count[row], turn[row]
     bent = turn != 0.0

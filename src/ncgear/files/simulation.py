@@ -159,37 +159,12 @@ def bearings_in_time(drive: Drive, shown: History, apart_deg: Array) -> list[Cha
     ]
 
 
-def rigid_pictures(drive: Drive, own: Loads, uniform: Loads) -> dict[str, bytes]:
-    """The pictures of the rigid level; the loads are those at the angles of the drive's motion."""
-    charts = {
-        "driving_torque.png": ([driving_torque(drive, own, uniform)], "driving torque"),
-        "bearing_forces.png": (joint_forces(drive, own, uniform), "forces in the joints"),
-        "mesh_force.png": (mesh_forces(drive, own, uniform), "force between the teeth"),
-    }
-    return _simulation_pictures(drive, LOAD_LOOK, charts)
+Columns = Mapping[str, tuple[Sequence[Chart], str]]
+"""Charts below one another, which may be none, and their title, by file name."""
 
 
-def quasi_static_pictures(drive: Drive, rigid_n_m: Array) -> dict[str, bytes]:
-    """The picture of the quasi-static level, beside the driving torque of rigid teeth in N m, shape (n,)."""
-    charts = teeth_under_load(drive, rigid_n_m)
-    return _simulation_pictures(drive, TIME_LOOK, {"loaded_contact.png": (charts, "teeth under load")})
-
-
-def dynamic_pictures(drive: Drive, shown: History, apart_rad: Array) -> dict[str, bytes]:
-    """The pictures of the dynamic level; in the stretches ``apart_rad`` (shape (k, 2)) no pushing flanks touch."""
-    apart, output = np.degrees(apart_rad), drive.linkage.OUTPUT
-    charts = {
-        f"{output.name.replace(' ', '_')}_motion.png": (output_in_time(shown, output, apart), output.name),
-        "tooth_force.png": (teeth_in_time(shown, apart), "teeth and torque"),
-        "bearing_forces.png": (bearings_in_time(drive, shown, apart), "bearings"),
-    }
-    return _simulation_pictures(drive, TIME_LOOK, charts)
-
-
-def _simulation_pictures(
-    drive: Drive, look: Look, columns: Mapping[str, tuple[Sequence[Chart], str]]
-) -> dict[str, bytes]:
-    """A picture for each column of charts, by file name; a column is given with its title and may be empty."""
+def _pictures(drive: Drive, look: Look, columns: Columns) -> dict[str, bytes]:
+    """A picture for each column of charts, by file name."""
     return {
         file: column_png(charts, titled(drive, what), look, SIMULATION_COLUMN)
         for file, (charts, what) in columns.items()
@@ -236,10 +211,16 @@ def _at_level(drive: Drive, level: Level) -> Results:
             figures = rigid_figures(drive)
             if drive.design.drivetrain is not None:
                 figures |= {"drivetrain": drivetrain_figures(drive.drivetrain)}
-            return rigid_table(drive, *loads), figures, rigid_pictures(drive, *loads)
+            charts: Columns = {
+                "driving_torque.png": ([driving_torque(drive, *loads)], "driving torque"),
+                "bearing_forces.png": (joint_forces(drive, *loads), "forces in the joints"),
+                "mesh_force.png": (mesh_forces(drive, *loads), "force between the teeth"),
+            }
+            return rigid_table(drive, *loads), figures, _pictures(drive, LOAD_LOOK, charts)
         case Level.QUASI_STATIC:
             rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
-            pictures = quasi_static_pictures(drive, rigid)
+            charts = {"loaded_contact.png": (teeth_under_load(drive, rigid), "teeth under load")}
+            pictures = _pictures(drive, TIME_LOOK, charts)
             return quasi_static_table(drive, rigid), quasi_static_figures(drive), pictures
         case Level.DYNAMIC:
             return _dynamic(drive)
@@ -271,6 +252,11 @@ def _dynamic(drive: Drive) -> Results:
     course, rigid = drive.course, drive.rigid.machine
     peaks = motion_peaks(course, rigid)
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
-    apart_rad = np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1)
-    table = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage)
-    return table, dynamic_figures(drive, peaks), dynamic_pictures(drive, drawn, apart_rad)
+    apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1))
+    table, output = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage), drive.linkage.OUTPUT
+    charts = {
+        f"{output.name.replace(' ', '_')}_motion.png": (output_in_time(drawn, output, apart_deg), output.name),
+        "tooth_force.png": (teeth_in_time(drawn, apart_deg), "teeth and torque"),
+        "bearing_forces.png": (bearings_in_time(drive, drawn, apart_deg), "bearings"),
+    }
+    return table, dynamic_figures(drive, peaks), _pictures(drive, TIME_LOOK, charts)

@@ -40,8 +40,6 @@ from ncgear.figures.numbers import shown
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 
-"""Files of scene/ and of script/; each may use those before it.  The studio has them too."""
-
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 
 

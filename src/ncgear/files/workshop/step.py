@@ -63,11 +63,10 @@ def step_files(drive: Drive) -> dict[str, bytes]:
         raise WrongInput(ONLY_MESHES, key="gears.process_clearance_mm")
     solids = solids_of_drive(drive)
     title = drive.design.name if drive.stage is None else f"{drive.design.name}-stage-{drive.stage}"
-    deviation_mm = max(solid.deviation_mm for solid in solids.values())
-    words = f"{title}: tooth faces within {deviation_mm:.1e} mm of the exact ones"
-    place = {Gear.DRIVING: 0.0, Gear.DRIVEN: drive.pitch.center_distance_mm}
-    files = {f"{gear.value}.step": part_bytes(Part(gear.value, solids[gear].shape), words) for gear in Gear}
-    parts = [Part(gear.value, solids[gear].shape, place[gear]) for gear in Gear]
+    words = f"{title}: tooth faces within {max(error for _, error in solids.values()):.1e} mm of the exact ones"
+    files = {f"{gear.value}.step": part_bytes(Part(gear.value, shape), words) for gear, (shape, _) in solids.items()}
+    places = zip(solids.items(), (0.0, drive.pitch.center_distance_mm), strict=True)
+    parts = [Part(gear.value, shape, x_mm) for (gear, (shape, _)), x_mm in places]
     files["pair.step"] = assembly_bytes(title, parts, words)
     require_same(files["pair.step"], [part.shape for part in parts])
     return files
@@ -84,12 +83,8 @@ TIMESTAMP = "1970-01-01T00:00:00"
 """Time in the header of every file, so that the same design gives the same bytes at any time."""
 
 
-@dataclass(frozen=True, eq=False)
-class ExactSolid:
-    """A gear's solid in its own frame, and the largest distance found between its tooth faces and the exact ones."""
-
-    shape: TopoDS_Shape
-    deviation_mm: float
+ExactSolid = tuple[TopoDS_Shape, float]
+"""A gear's solid in its own frame, and the largest distance found between its tooth faces and the exact ones."""
 
 
 def solids_of_drive(drive: Drive) -> dict[Gear, ExactSolid]:
@@ -109,15 +104,15 @@ def _straight(drive: Drive, gear: Gear) -> ExactSolid:
     contour = contour_of(own, CURVES_SHARE * drive.chord_tolerance_mm)
     plan = drive.solids.of(gear).plan
     if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
-        return ExactSolid(gear_shape(contour, plan), contour.deviation_mm)
+        return gear_shape(contour, plan), contour.deviation_mm
     radius = outer_radius_mm(own.outline_mm, rim_mm_of(drive.gears, drive.pitch.size.module_mm))
-    return ExactSolid(ring_shape(contour, plan, radius), contour.deviation_mm)
+    return ring_shape(contour, plan, radius), contour.deviation_mm
 
 
 def _helical(drive: Drive, sections: Sections, helix: Helix, gear: Gear) -> ExactSolid:
     patches = patches_of(sections, gear, CURVES_SHARE * drive.chord_tolerance_mm)
     shape = helical_gear_shape(patches, drive.solids.of(gear).plan, herringbone=helix.herringbone)
-    return ExactSolid(shape, patches.deviation_mm)
+    return shape, patches.deviation_mm
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ import shapely
 from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from ncgear.files.read_back import as_chords
 from ncgear.files.workshop.gear_drawing import Circle, Cross, Layer, Polyline, Shape, body_shapes, pitch_points
 from ncgear.files.workshop.sheets.sheet import Line, Pen, Ring
 from ncgear.frozen import dataclass
@@ -110,7 +111,8 @@ def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[
     """The lines of a shape."""
     match shape:
         case Polyline():
-            ring = shapely.simplify(shapely.LinearRing(flattened(shape)), STRAY_MM / max(view.scale, 1.0))
+            chords = as_chords(shape.points, shape.bulges, np.abs(4.0 * np.arctan(shape.bulges)) / ARC_STEP_RAD)
+            ring = shapely.simplify(shapely.LinearRing(chords), STRAY_MM / max(view.scale, 1.0))
             yield Line(view.on_paper(shapely.get_coordinates(ring)[:-1]), pen, closed=True, name=name)
         case Circle():
             x, y = view.on_paper(np.array([shape.x_mm, shape.y_mm])).tolist()
@@ -118,20 +120,6 @@ def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[
         case Cross():
             for ends in shape.lines:
                 yield Line(view.on_paper(ends), Pen.CHAIN)
-
-
-def flattened(chain: Polyline) -> Array:
-    """A chain of lines and arcs as points (n, 2) of a closed polygon."""
-    points = []
-    for start, end, bulge in zip(chain.points, np.roll(chain.points, -1, axis=0), chain.bulges.tolist(), strict=True):
-        points.append(start[None, :])
-        if bulge:
-            angle = 4.0 * np.arctan(bulge)
-            middle, half = (start + end) / 2.0, (end - start) / 2.0
-            center = middle + np.array([-half[1], half[0]]) / np.tan(angle / 2.0)
-            steps = int(np.ceil(abs(angle) / ARC_STEP_RAD))
-            points.append(center + turned(start - center, angle * np.arange(1, steps)[:, None].ravel() / steps))
-    return np.vstack(points)
 
 
 def tooth_places(gear: ToothedGear, height_mm: float) -> Array:
