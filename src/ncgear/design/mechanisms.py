@@ -22,7 +22,7 @@ from ncgear.design.keys.masses import (
     RockerMasses,
     SlidingMasses,
 )
-from ncgear.design.keys.wishes import Timing, TurningWishes, Wishes
+from ncgear.design.keys.wishes import TurningWishes, Wishes
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
@@ -42,7 +42,7 @@ class Entry:
     linkage: type[Model]
     masses: type[GearMasses] = SlidingMasses
     resistance: type[Load] = Resistance
-    wishes: type[Timing] = Wishes
+    wishes: type[Wishes] = Wishes
     proportions: Mapping[str, float] = field(default_factory=dict)
     """Lengths of a machine that works, as multiples of its crank or pinion, for whoever begins with this mechanism."""
 

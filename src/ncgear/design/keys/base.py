@@ -1,17 +1,20 @@
-"""The base of all models of keys: strict types, no unknown keys, no changes, no nan or infinity; faults; angles.
+"""The base of all models of keys: strict types, no unknown keys, no changes, no nan or infinity; faults; rules; angles.
 
-A fault that a model finds between its own fields has the key to which it belongs.  An angle may be given in radians, in
-degrees or in multiples of pi; its key ends in the unit.
+A fault that a model finds between its own fields has the key to which it belongs.  Fields are ``required`` or
+``optional``.  An angle may be given in radians, in degrees or in multiples of pi, by keys that end in the unit: one
+field marked ``angle`` makes all of them.  What holds between keys of a model stands in its ``RULES``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import operator
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache, partial, reduce
 from itertools import pairwise
 from math import pi, radians
-from typing import Annotated
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
 from ncgear.design.words import UNITS as UNITS
@@ -20,6 +23,7 @@ from ncgear.design.words import listed as listed
 from ncgear.design.words import quantity as quantity
 from ncgear.design.words import spellings as spellings
 from ncgear.numerics.bounds import shown_above
+from ncgear.numerics.units import label_and_unit
 
 LONGEST_MM = 1e7
 """Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
@@ -28,8 +32,12 @@ SLOWEST_RPM, FASTEST_RPM = 1e-6, 1e7
 """One turn in two years, and far above whatever a machine has: squares of speeds stay far from overflow and zero."""
 
 Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM)]
+Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 Speed = Annotated[float, Field(ge=SLOWEST_RPM, le=FASTEST_RPM)]
 Positive = Annotated[float, Field(gt=0.0)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Direction = Annotated[float, Field(ge=-360.0, le=360.0)]
+"""An angle in degrees."""
 
 LONGEST_EXPRESSION = 1000
 
@@ -48,8 +56,51 @@ SMOOTH_LAW = (
 )
 """What the pitch curves ask of a ratio and of dphi2/dphi1."""
 
-# YAML has only lists, and strict models accept only tuples: so the container is not strict, but its numbers are.
-Numbers = Annotated[tuple[float, ...], Strict(False)]
+Item = TypeVar("Item")
+
+# YAML has only lists, and strict models accept only tuples: so the container is not strict, but its items are.
+Several = Annotated[tuple[Item, ...], Strict(False)]
+Numbers = Several[float]
+FileName = Annotated[str, Field(min_length=1)]
+
+
+def required(meaning: str, **limits: Any) -> Any:
+    """A field that a file must give."""
+    return Field(description=meaning, **limits)
+
+
+def optional(meaning: str, default: Any = None, **limits: Any) -> Any:
+    """A field that a file may leave out; ``default`` is its value then, or a function that makes it."""
+    return Field(**{"default_factory" if callable(default) else "default": default}, description=meaning, **limits)
+
+
+class _Angle(NamedTuple):
+    """The mark of an angle: what stands in the place of its field until the class is made."""
+
+    meaning: str
+    quantity: str
+    type: Any
+    rule: Callable[..., None]
+    absent: Any
+
+
+def angle(meaning: str, quantity: str = "", *, needed: bool = False, of: Any = float, absent: Any = 0.0) -> Any:
+    """An angle in rad, or a list of them, that a file gives by one of the keys ``quantity``_rad, _deg and _pi.
+
+    ``quantity`` is the name of the field where nothing is said, ``of`` the type of the value in any unit, ``absent``
+    the angle that is left out.  ``{unit}`` in the meaning stands for the unit in words, ``{turn}`` for a turn in it.
+    """
+    return _Angle(meaning, quantity, of, require_one if needed else allow_one, absent)
+
+
+FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
+
+_WORDS = {"rad": ("in rad", "2 pi"), "deg": ("in degrees", "360"), "pi": ("in multiples of pi", "2")}
+
+_TO_RAD: dict[str, Callable[[float], float]] = {"rad": float, "deg": radians, "pi": lambda value: value * pi}
+
+Rule = Callable[[Any], None]
+"""What holds between keys of a model; raises a fault where it does not."""
 
 
 class Model(BaseModel):
@@ -57,6 +108,51 @@ class Model(BaseModel):
 
     # The schema of a model is made when a file is checked by it: most models are only parts of others.
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
+
+    RULES: ClassVar[tuple[Rule, ...]] = ()
+    """The rules of the class, besides those of its bases."""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Put the keys of all units in the place of each angle, before pydantic looks for fields."""
+        super().__init_subclass__()
+        found: dict[str, Any] = {}
+        for name, annotation in vars(cls).get("__annotations__", {}).items():
+            mark = vars(cls).get(name)
+            if not isinstance(mark, _Angle):
+                found[name] = annotation
+                continue
+            quantity = mark.quantity or name
+            for key, (unit, turn) in zip(spellings(quantity), _WORDS.values(), strict=True):
+                found[key] = mark.type | None
+                setattr(cls, key, optional(mark.meaning.format(unit=unit, turn=turn)))
+            found[name] = ClassVar[Any]
+            setattr(cls, name, property(partial(_in_rad, quantity=quantity, absent=mark.absent)))
+            cls.RULES = (partial(mark.rule, names=spellings(quantity)), *vars(cls).get("RULES", ()))
+        cls.__annotations__ = found
+
+    @model_validator(mode="after")
+    def _rules_hold(self) -> Self:
+        for rule in _rules_of(type(self)):
+            rule(self)
+        return self
+
+
+@cache
+def _rules_of(model: type[Model]) -> list[Rule]:
+    return [rule for base in reversed(model.__mro__) for rule in vars(base).get("RULES", ())]
+
+
+def key_of(model: BaseModel, quantity: str) -> str:
+    """The key by which an angle is given; empty where it is left out."""
+    return next(iter(given(model, spellings(quantity))), "")
+
+
+def _in_rad(model: BaseModel, quantity: str, absent: Any) -> Any:
+    key = key_of(model, quantity)
+    if not key:
+        return absent
+    value, to_rad = getattr(model, key), _TO_RAD[key.rpartition("_")[2]]
+    return tuple(map(to_rad, value)) if isinstance(value, tuple) else to_rad(value)
 
 
 FAULT_TYPE = "ncgear"
@@ -69,9 +165,6 @@ def fault(key: str, problem: str) -> PydanticCustomError:
     """
     # The text is a value of the template: in the template itself, its braces would be placeholders.
     return PydanticCustomError(FAULT_TYPE, "{problem}", {"problem": problem, "key": key})
-
-
-FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
 
 
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:
@@ -94,6 +187,66 @@ def allow_one(model: BaseModel, names: Iterable[str]) -> None:
         raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
 
 
+def one_of(*names: str) -> Rule:
+    """Exactly one of these keys is given."""
+    return partial(require_one, names=names)
+
+
+def one_at_most(*names: str) -> Rule:
+    """No two of these keys are given."""
+    return partial(allow_one, names=names)
+
+
+def together(*names: str) -> Rule:
+    """All of these keys are given, or none."""
+
+    def check(model: BaseModel) -> None:
+        found = given(model, names)
+        if found and len(found) < len(names):
+            absent = next(name for name in names if name not in found)
+            raise fault(absent, f"missing; {found[0]} is given, and needs it")
+
+    return check
+
+
+def needs(key: str, *others: str) -> Rule:
+    """A key is given only with one of the others."""
+
+    def check(model: BaseModel) -> None:
+        if _at(model, key) is not None and all(_at(model, other) is None for other in others):
+            raise fault(key, f"given without {listed(others)}; give that as well, or leave {key} out")
+
+    return check
+
+
+_RELATIONS: dict[str, tuple[Callable[[float, float], bool], str]] = {
+    "<": (operator.lt, "under {}"),
+    "<=": (operator.le, "{} or less"),
+    ">": (operator.gt, "over {}"),
+    ">=": (operator.ge, "{} or more"),
+}
+
+
+def compared(key: str, relation: str, other: str) -> Rule:
+    """The number at a dotted key is in a relation (<, <=, >, >=) to that at another, where both are given."""
+    holds, words = _RELATIONS[relation]
+
+    def check(model: BaseModel) -> None:
+        value, bound = _at(model, key), _at(model, other)
+        if value is not None and bound is not None and not holds(value, bound):
+            told, right = (
+                f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in ((key, value), (other, bound))
+            )
+            raise fault(key, f"{told} given, but {other} is {right}; {words.format(right)} is right")
+
+    return check
+
+
+def _at(model: BaseModel, key: str) -> Any:
+    """The value at a dotted key; None where it, or a group on the way, is left out."""
+    return reduce(lambda group, name: None if group is None else getattr(group, name), key.split("."), model)
+
+
 def require_rising(key: str, values: Sequence[float], least: float) -> None:
     """Refuse a list under ``key`` in which a value does not follow the one before by at least ``least``."""
     for i, (before, after) in enumerate(pairwise(values), start=1):
@@ -101,19 +254,3 @@ def require_rising(key: str, values: Sequence[float], least: float) -> None:
             raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the angles must rise strictly")
         if after - before < least:
             raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {shown_above(least, 2)} apart is right")
-
-
-def in_rad(value: float, unit: str) -> float:
-    """``value`` in radians; ``unit`` is rad, deg or pi."""
-    if unit == "deg":
-        return radians(value)
-    return value * pi if unit == "pi" else value
-
-
-def angle_rad(model: BaseModel, quantity: str) -> float:
-    """The angle ``quantity`` of ``model`` in radians, from the key by which it was given; 0 where it was not given."""
-    for unit in UNITS:
-        value = getattr(model, f"{quantity}_{unit}")
-        if value is not None:
-            return in_rad(float(value), unit)
-    return 0.0

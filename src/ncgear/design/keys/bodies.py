@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, fault
+from ncgear.design.keys.base import Length, Model, fault, optional, required
 
 MOST_HOLES = 100
 
@@ -14,31 +14,26 @@ MOST_HOLES = 100
 class Keyway(Model):
     """A keyway in the bore."""
 
-    width_mm: Length = Field(description="width of the keyway in mm, under the bore")
-    depth_mm: Length = Field(description="depth of the keyway in mm, from the bore outwards")
+    width_mm: Length = required("width of the keyway in mm, under the bore")
+    depth_mm: Length = required("depth of the keyway in mm, from the bore outwards")
 
 
 class SetScrew(Model):
     """A radial hole through one side of the hub, down to the bore."""
 
-    diameter_mm: Length = Field(description="diameter of the hole in mm: the tap drill's, or with clearance")
-    height_mm: Length | None = Field(
-        default=None, description="height of its axis over the face in mm; left out: half the hub's height"
-    )
-    direction_deg: float = Field(
-        default=0.0,
-        ge=-360.0,
-        le=360.0,
-        description="direction in degrees, counter-clockwise from the keyway's side; left out: through to the keyway",
+    diameter_mm: Length = required("diameter of the hole in mm: the tap drill's, or with clearance")
+    height_mm: Length | None = optional("height of its axis over the face in mm; left out: half the hub's height")
+    direction_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = optional(
+        "direction in degrees, counter-clockwise from the keyway's side; left out: through to the keyway", 0.0
     )
 
 
 class Hub(Model):
     """A cylinder about the axis on the upper face."""
 
-    diameter_mm: Length = Field(description="diameter of the hub in mm, over the bore and under the tooth roots")
-    height_mm: Length = Field(description="height of the hub over the face in mm")
-    set_screw: SetScrew | None = Field(default=None, description="hole for a set screw in the hub; left out: none")
+    diameter_mm: Length = required("diameter of the hub in mm, over the bore and under the tooth roots")
+    height_mm: Length = required("height of the hub over the face in mm")
+    set_screw: SetScrew | None = optional("hole for a set screw in the hub; left out: none")
 
     @model_validator(mode="after")
     def _screw_in_hub(self) -> Self:
@@ -58,63 +53,52 @@ class Hub(Model):
 class Web(Model):
     """Pockets in the upper face between rim and hub, down to a web."""
 
-    thickness_mm: Length = Field(description="thickness of the web in mm, from z = 0 up; under the face width")
-    rim_mm: Length = Field(description="least wall in mm between the pockets and the tooth roots")
-    hub_mm: Length | None = Field(
-        default=None, description="diameter in mm that is left about the axis; left out: that of the hub"
-    )
+    thickness_mm: Length = required("thickness of the web in mm, from z = 0 up; under the face width")
+    rim_mm: Length = required("least wall in mm between the pockets and the tooth roots")
+    hub_mm: Length | None = optional("diameter in mm that is left about the axis; left out: that of the hub")
 
 
 class LighteningHoles(Model):
     """Round through holes about the axis: in the pockets of a web, or in the full gear."""
 
-    count: int = Field(ge=1, le=MOST_HOLES, description="number of holes, in evenly spread directions, a whole number")
-    least_wall_mm: Length = Field(
-        description="least wall in mm to tooth outline, bore, hub, pocket sides, index hole and between the holes"
+    count: int = required("number of holes, in evenly spread directions, a whole number", ge=1, le=MOST_HOLES)
+    least_wall_mm: Length = required(
+        "least wall in mm to tooth outline, bore, hub, pocket sides, index hole and between the holes"
     )
-    diameter_mm: Length | None = Field(
-        default=None,
-        description="diameter of the holes in mm; left out: the largest that keeps the walls, 2 mm or more",
+    diameter_mm: Length | None = optional(
+        "diameter of the holes in mm; left out: the largest that keeps the walls, 2 mm or more"
     )
 
 
 class EndStop(Model):
     """An arc slot about the axis, in which a pin of the frame stops a gear that turns less than once."""
 
-    pin_mm: Length = Field(description="diameter of the pin in mm; it stands in the frame, away from the other gear")
-    radius_mm: Length = Field(description="distance in mm of the pin, and of the slot's middle, from the gear's axis")
-    clearance_mm: float = Field(
-        default=0.2,
-        ge=0.0,
-        le=10.0,
-        description="by how much the slot is wider than the pin in mm; its ends meet the pin where the range ends",
+    pin_mm: Length = required("diameter of the pin in mm; it stands in the frame, away from the other gear")
+    radius_mm: Length = required("distance in mm of the pin, and of the slot's middle, from the gear's axis")
+    clearance_mm: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
+        "by how much the slot is wider than the pin in mm; its ends meet the pin where the range ends", 0.2
     )
 
 
 class CrankPin(Model):
     """A hole for the crank pin in the gear itself, which then is the crank."""
 
-    diameter_mm: Length = Field(
-        description="diameter of the hole in mm; its centre is the crank's length from the axis, in the direction of "
-        "the crank at phi1 = 0"
+    diameter_mm: Length = required(
+        "diameter of the hole in mm; its centre is the crank's length from the axis, in the direction of the crank at "
+        "phi1 = 0"
     )
 
 
 class GearBody(Model):
     """What is cut into one gear around its axis, and what stands on it."""
 
-    bore_mm: Length | None = Field(default=None, description="diameter of the bore in mm; left out: no bore")
-    keyway: Keyway | None = Field(default=None, description="keyway in the bore; left out: none")
-    hub: Hub | None = Field(default=None, description="hub on the upper face; left out: none")
-    web: Web | None = Field(default=None, description="web under pockets in the upper face; left out: none")
-    lightening_holes: LighteningHoles | None = Field(
-        default=None, description="round holes that save weight; left out: none"
-    )
+    bore_mm: Length | None = optional("diameter of the bore in mm; left out: no bore")
+    keyway: Keyway | None = optional("keyway in the bore; left out: none")
+    hub: Hub | None = optional("hub on the upper face; left out: none")
+    web: Web | None = optional("web under pockets in the upper face; left out: none")
+    lightening_holes: LighteningHoles | None = optional("round holes that save weight; left out: none")
 
-    end_stop: EndStop | None = Field(
-        default=None,
-        description="arc slot for a pin that stops gears which turn less than once; left out: none",
-    )
+    end_stop: EndStop | None = optional("arc slot for a pin that stops gears which turn less than once; left out: none")
 
     @model_validator(mode="after")
     def _keyway_fits(self) -> Self:
@@ -155,14 +139,12 @@ class GearBody(Model):
 class DrivenBody(GearBody):
     """What is cut into the driven gear around its axis or, of a ring, stands around its teeth."""
 
-    rim_mm: Length | None = Field(
-        default=None,
-        description="of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules",
+    rim_mm: Length | None = optional(
+        "of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules"
     )
-    crank_pin: CrankPin | None = Field(
-        default=None,
-        description="hole for the crank pin in the gear, which then is the crank itself; of two pairs in series it is "
-        "in the last gear; left out: none",
+    crank_pin: CrankPin | None = optional(
+        "hole for the crank pin in the gear, which then is the crank itself; of two pairs in series it is in the last "
+        "gear; left out: none"
     )
 
     @property

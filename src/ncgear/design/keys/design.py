@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, TypeAdapter, create_model, model_validator
 
-from ncgear.design.keys.base import Model, fault, given, listed
+from ncgear.design.keys.base import Model, fault, given, listed, optional, required
 from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.fit import Fit
 from ncgear.design.keys.gears import SIZES, Gears
@@ -42,49 +42,38 @@ else:
 class Design(Model, Shown):
     """A design file: what a person wrote, and nothing computed."""
 
-    name: str = Field(pattern=NAME_PATTERN, description="name of the design and of its output folder")
-    description: str = Field(default="", max_length=10_000, description="free text")
-    linkage: Linkage = Field(description="the mechanism that the driven gear turns; left out: gears by themselves")
-    operation: Operation = Field(description="how the machine is run")
+    name: str = required("name of the design and of its output folder", pattern=NAME_PATTERN)
+    description: str = optional("free text", "", max_length=10_000)
+    linkage: Linkage = required("the mechanism that the driven gear turns; left out: gears by themselves")
+    operation: Operation = required("how the machine is run")
     motion: Motion
-    gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
-    resistance: Resistance | None = Field(
-        default=None, description="the force or torque against the output; left out: none"
+    gears: Gears | None = optional("the pair of gears; a check does without, a build needs it")
+    resistance: Resistance | None = optional("the force or torque against the output; left out: none")
+    wishes: Wishes = optional(
+        "what the motion shall do: a check says whether it does, ncgear optimize looks for a law that does", Wishes
     )
-    wishes: Wishes = Field(
-        default_factory=Wishes,
-        description="what the motion shall do: a check says whether it does, ncgear optimize looks for a law that does",
+    masses: Masses | None = optional(
+        "what moves, as masses: all power counts them, ncgear simulate needs them; left out: none"
     )
-    masses: Masses | None = Field(
-        default=None,
-        description="what moves, as masses: all power counts them, ncgear simulate needs them; left out: none",
+    simulation: Simulation = optional(
+        "how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation", Simulation
     )
-    simulation: Simulation = Field(
-        default_factory=Simulation,
-        description="how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation",
+    fit: Fit | None = optional(
+        "what stands and moves beside the gears: a build tells whether rods pass it; left out: not known"
     )
-    fit: Fit | None = Field(
-        default=None,
-        description="what stands and moves beside the gears: a build tells whether rods pass it; left out: not known",
+    strength: StrengthKeys = optional(
+        "what the teeth run under and how safe they shall be; left out: 20 000 h in oil", StrengthKeys
     )
-    strength: StrengthKeys = Field(
-        default_factory=StrengthKeys,
-        description="what the teeth run under and how safe they shall be; left out: 20 000 h in oil",
+    tolerances: AssemblyTolerances | None = optional(
+        "what gears and assembly may deviate by, for ncgear tolerance; left out: grade 8 and more, which its answer "
+        "tells"
     )
-    tolerances: AssemblyTolerances | None = Field(
-        default=None,
-        description="what gears and assembly may deviate by, for ncgear tolerance; left out: grade 8 and more, which "
-        "its answer tells",
+    drivetrain: Drivetrain | None = optional(
+        "bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none"
     )
-    drivetrain: Drivetrain | None = Field(
-        default=None,
-        description="bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none",
-    )
-    comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
-    optimize: Optimize | None = Field(
-        default=None, description="what ncgear optimize looks for; check and build take no notice"
-    )
-    output: Output = Field(default_factory=Output, description="how finely the results are written")
+    comparison: Comparison | None = optional("published mechanisms to compare with")
+    optimize: Optimize | None = optional("what ncgear optimize looks for; check and build take no notice")
+    output: Output = optional("how finely the results are written", Output)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         """Pickle a model that was made for a mechanism by its data, because it cannot be found by its name."""

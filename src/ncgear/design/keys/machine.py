@@ -20,7 +20,9 @@ from ncgear.design.keys.base import (
     fault,
     given,
     listed,
+    optional,
     require_one,
+    required,
 )
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_above, shown_below
@@ -33,15 +35,12 @@ FIGURES = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1
 class Linkage(Model):
     """The crank-slider that the driven gear turns."""
 
-    crank_mm: Length | None = Field(
-        default=None, description="length of the crank in mm; may be left out only when motion.solve_for is stroke"
+    crank_mm: Length | None = optional(
+        "length of the crank in mm; may be left out only when motion.solve_for is stroke"
     )
-    rod_mm: Length = Field(description="length of the connecting rod in mm")
-    offset_mm: float = Field(
-        default=0.0,
-        ge=-LONGEST_MM,
-        le=LONGEST_MM,
-        description="distance of the slider's line from the crank axis in mm",
+    rod_mm: Length = required("length of the connecting rod in mm")
+    offset_mm: float = optional(
+        "distance of the slider's line from the crank axis in mm", 0.0, ge=-LONGEST_MM, le=LONGEST_MM
     )
 
 
@@ -52,24 +51,22 @@ class NoLinkage(Model):
 class Operation(Model):
     """How the machine is run."""
 
-    speed_rpm: Speed = Field(description="speed of the driving gear in r/min")
+    speed_rpm: Speed = required("speed of the driving gear in r/min")
 
 
 class Published(Model):
     """A published mechanism and its figures, at the speed they belong to."""
 
-    name: str = Field(min_length=1, max_length=200, description="name of the mechanism or its publication")
-    speed_rpm: Speed = Field(description="driving speed in r/min that the figures belong to")
-    peak_power_w: Positive | None = Field(default=None, description="greatest driving power in W")
-    peak_acceleration_mm_s2: Positive | None = Field(default=None, description="greatest slider acceleration in mm/s2")
-    peak_speed_mm_s: Positive | None = Field(default=None, description="greatest slider speed in mm/s")
-    compression_speed_mm_s: Positive | None = Field(default=None, description="slider speed during compression in mm/s")
-    quoted_power_w: Positive | None = Field(
-        default=None, description="power in W that the publication set against its own; needs quoted_speed_rpm"
+    name: str = required("name of the mechanism or its publication", min_length=1, max_length=200)
+    speed_rpm: Speed = required("driving speed in r/min that the figures belong to")
+    peak_power_w: Positive | None = optional("greatest driving power in W")
+    peak_acceleration_mm_s2: Positive | None = optional("greatest slider acceleration in mm/s2")
+    peak_speed_mm_s: Positive | None = optional("greatest slider speed in mm/s")
+    compression_speed_mm_s: Positive | None = optional("slider speed during compression in mm/s")
+    quoted_power_w: Positive | None = optional(
+        "power in W that the publication set against its own; needs quoted_speed_rpm"
     )
-    quoted_speed_rpm: Speed | None = Field(
-        default=None, description="driving speed in r/min that quoted_power_w belongs to"
-    )
+    quoted_speed_rpm: Speed | None = optional("driving speed in r/min that quoted_power_w belongs to")
 
     def at_speed(self, speed_rpm: float) -> Published:
         """The same mechanism at another speed: power and velocities follow the speed, acceleration its square."""
@@ -90,8 +87,8 @@ class Published(Model):
 class Comparison(Model):
     """Mechanisms to compare with at equal speed."""
 
-    published: Annotated[tuple[Published, ...], Strict(False), Field(min_length=1, max_length=100)] = Field(
-        description="published mechanisms, a list"
+    published: Annotated[tuple[Published, ...], Strict(False), Field(min_length=1, max_length=100)] = required(
+        "published mechanisms, a list"
     )
 
 
@@ -147,14 +144,10 @@ class ResistanceTable(LoadTable):
 
     COLUMNS: ClassVar[tuple[str, str]] = ("displacement_mm", "force_n")
 
-    displacement_mm: Displacements | None = Field(
-        default=None, description="displacements in mm from the retracted end, strictly rising"
-    )
-    force_n: Forces | None = Field(default=None, description="forces in N, one for each displacement")
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="CSV file with both columns instead, its header naming them; its path counts from the design file",
+    displacement_mm: Displacements | None = optional("displacements in mm from the retracted end, strictly rising")
+    force_n: Forces | None = optional("forces in N, one for each displacement")
+    file: str | None = optional(
+        "CSV file with both columns instead, its header naming them; its path counts from the design file", min_length=1
     )
 
 
@@ -163,14 +156,12 @@ class TorqueTable(LoadTable):
 
     COLUMNS: ClassVar[tuple[str, str]] = ("angle_deg", "torque_n_m")
 
-    angle_deg: Displacements | None = Field(
-        default=None, description="angles of the output in deg from its start or its retracted end, strictly rising"
+    angle_deg: Displacements | None = optional(
+        "angles of the output in deg from its start or its retracted end, strictly rising"
     )
-    torque_n_m: Forces | None = Field(default=None, description="torques in N m, one for each angle")
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="CSV file with both columns instead, its header naming them; its path counts from the design file",
+    torque_n_m: Forces | None = optional("torques in N m, one for each angle")
+    file: str | None = optional(
+        "CSV file with both columns instead, its header naming them; its path counts from the design file", min_length=1
     )
 
 
@@ -191,22 +182,19 @@ class TurningLoad(Load):
 
     FORMS: ClassVar[tuple[str, str, str]] = ("polynomial_n_m", "table", "expression_n_m")
 
-    polynomial_n_m: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = Field(
-        default=None, description="coefficients of the torque in N m, in rising powers of the output's angle in rad"
+    polynomial_n_m: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = optional(
+        "coefficients of the torque in N m, in rising powers of the output's angle in rad"
     )
-    table: TorqueTable | None = Field(
-        default=None,
-        description="the torque point by point, joined by monotone cubics (PCHIP), which never overshoot the points; "
-        "it keeps its end values beyond the table's ends",
+    table: TorqueTable | None = optional(
+        "the torque point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it keeps its "
+        "end values beyond the table's ends"
     )
-    expression_n_m: Expression | None = Field(
-        default=None,
-        description='torque in N m as a formula of x (= angle of the output in rad): "12 + 3*sin(2*x)", '
-        f"{FORMULA}; it may have corners, but no jumps",
+    expression_n_m: Expression | None = optional(
+        'torque in N m as a formula of x (= angle of the output in rad): "12 + 3*sin(2*x)", '
+        f"{FORMULA}; it may have corners, but no jumps"
     )
-    where_negative: Literal["zero", "keep"] = Field(
-        default="keep",
-        description="where the torque is negative: keep, it drives the output there, or zero",
+    where_negative: Literal["zero", "keep"] = optional(
+        "where the torque is negative: keep, it drives the output there, or zero", "keep"
     )
 
 
@@ -219,38 +207,33 @@ class StrokeForce(Load):
 
     FORMS: ClassVar[tuple[str, str, str]] = ("polynomial_n", "table", "expression_n")
 
-    polynomial_n: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = Field(
-        default=None, description="coefficients of the force in N, in rising powers of the displacement in mm"
+    polynomial_n: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = optional(
+        "coefficients of the force in N, in rising powers of the displacement in mm"
     )
-    table: ResistanceTable | None = Field(
-        default=None,
-        description="the force point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it "
-        "keeps its end values beyond the table's ends",
+    table: ResistanceTable | None = optional(
+        "the force point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it keeps its "
+        "end values beyond the table's ends"
     )
-    expression_n: Expression | None = Field(
-        default=None,
-        description='force in N as a formula of x (= displacement in mm): "200 + 3*exp(x/90)", '
-        f"{FORMULA}; it may have corners, as max(0, x - 30) has, but no jumps",
+    expression_n: Expression | None = optional(
+        'force in N as a formula of x (= displacement in mm): "200 + 3*exp(x/90)", '
+        f"{FORMULA}; it may have corners, as max(0, x - 30) has, but no jumps"
     )
-    where_negative: Literal["zero", "keep"] = Field(
-        default="zero", description="where the force is negative: zero (a fit says nothing there) or keep"
+    where_negative: Literal["zero", "keep"] = optional(
+        "where the force is negative: zero (a fit says nothing there) or keep", "zero"
     )
 
 
 class Resistance(StrokeForce):
     """The force against the slider: over its working stroke, over its way back, and a friction on both."""
 
-    returning: StrokeForce | None = Field(
-        default=None,
-        description="force against the slider on its way back, over the displacement like the other; left out: none",
+    returning: StrokeForce | None = optional(
+        "force against the slider on its way back, over the displacement like the other; left out: none"
     )
-    friction_n: float = Field(
-        default=0.0, ge=0.0, description="constant force in N against the slider's motion, on both strokes"
-    )
-    shown_as: Literal["load", "straw", "carton", "sheet"] = Field(
-        default="load",
-        description="what pictures show where the force acts: load, a plain block in a chamber; straw, as in a baler; "
-        "carton or sheet, pushed along a table",
+    friction_n: float = optional("constant force in N against the slider's motion, on both strokes", 0.0, ge=0.0)
+    shown_as: Literal["load", "straw", "carton", "sheet"] = optional(
+        "what pictures show where the force acts: load, a plain block in a chamber; straw, as in a baler; carton or "
+        "sheet, pushed along a table",
+        "load",
     )
 
     @model_validator(mode="after")
@@ -264,13 +247,10 @@ class Resistance(StrokeForce):
 class RockerTorque(TurningLoad):
     """The torque against an output that swings: over its working stroke, over its way back, and a friction on both."""
 
-    returning: TurningLoad | None = Field(
-        default=None,
-        description="torque against the output on its way back, over the angle like the other; left out: none",
+    returning: TurningLoad | None = optional(
+        "torque against the output on its way back, over the angle like the other; left out: none"
     )
-    friction_n_m: float = Field(
-        default=0.0, ge=0.0, description="constant torque in N m against the output's motion, on both strokes"
-    )
+    friction_n_m: float = optional("constant torque in N m against the output's motion, on both strokes", 0.0, ge=0.0)
 
     @model_validator(mode="after")
     def _one_form(self) -> Self:
@@ -303,12 +283,11 @@ Where no tolerance is given it is half of this, so that pins stay in the middle 
 class Output(Model):
     """How finely the results are written."""
 
-    chord_tolerance_mm: Length | None = Field(
-        default=None,
-        description="greatest distance in mm of a written outline's chords from the exact curve, "
+    chord_tolerance_mm: Length | None = optional(
+        "greatest distance in mm of a written outline's chords from the exact curve, "
         f"{FINEST_IN_MODULES:g} to {COARSEST_IN_MODULES:g} modules and up to {COARSEST_IN_BAND:g} of the width of the "
         f"band that gears.tolerances gives the tooth thickness; left out: the least of {CHORD_MM:g} mm, "
-        f"{CHORD_IN_MODULES:g} modules and {COARSEST_IN_BAND / 2.0:g} of that width",
+        f"{CHORD_IN_MODULES:g} modules and {COARSEST_IN_BAND / 2.0:g} of that width"
     )
 
     def chord_mm(self, module_mm: float, band_mm: float | None = None) -> float:

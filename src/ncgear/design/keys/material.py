@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from ncgear.design.keys.base import Model, fault, listed
+from ncgear.design.keys.base import Model, fault, listed, optional, required
 from ncgear.strength.materials import TABLE, Ferrous
 
 STRONGEST_MPA = 10_000.0
@@ -27,52 +27,34 @@ def _known(name: str) -> str:
 class GearMaterial(Model):
     """The material of one gear: a row of the table, and what a person knows better."""
 
-    name: Annotated[str, AfterValidator(_known)] = Field(
+    name: Annotated[str, AfterValidator(_known)] = required(
+        "material of the table in docs/materials.md, whose figures hold for all that is not given here",
         json_schema_extra={"enum": [*TABLE]},
-        description="material of the table in docs/materials.md, whose figures hold for all that is not given here",
     )
-    quality: Literal["ML", "MQ", "ME"] = Field(
-        default="MQ",
-        description="grade of steel and iron by ISO 6336-5: ML modest, MQ normal for experienced makers, ME high "
-        "demands; others have none",
+    quality: Literal["ML", "MQ", "ME"] = optional(
+        "grade of steel and iron by ISO 6336-5: ML modest, MQ normal for experienced makers, ME high demands; others "
+        "have none",
+        "MQ",
     )
-    hardness: float | None = Field(
-        default=None,
-        ge=50.0,
-        le=1000.0,
-        description="hardness of the flanks of steel and iron, Brinell or Vickers as the table says; left out: the "
-        "table's",
+    hardness: Annotated[float, Field(ge=50.0, le=1000.0)] | None = optional(
+        "hardness of the flanks of steel and iron, Brinell or Vickers as the table says; left out: the table's"
     )
-    contact_limit_mpa: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=STRONGEST_MPA,
-        description="own stress in MPa that flanks endure for long (sigma_Hlim); left out: the table's",
+    contact_limit_mpa: float | None = optional(
+        "own stress in MPa that flanks endure for long (sigma_Hlim); left out: the table's", gt=0.0, le=STRONGEST_MPA
     )
-    bending_limit_mpa: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=STRONGEST_MPA,
-        description="own stress in MPa that roots endure for long, as the local stress with its notch (sigma_FE, twice "
-        "sigma_Flim); left out: the table's",
+    bending_limit_mpa: Annotated[float, Field(gt=0.0, le=STRONGEST_MPA)] | None = optional(
+        "own stress in MPa that roots endure for long, as the local stress with its notch (sigma_FE, twice "
+        "sigma_Flim); left out: the table's"
     )
-    youngs_modulus_gpa: float | None = Field(
-        default=None, gt=0.0, le=STIFFEST_GPA, description="own Young's modulus in GPa; left out: the table's"
+    youngs_modulus_gpa: float | None = optional(
+        "own Young's modulus in GPa; left out: the table's", gt=0.0, le=STIFFEST_GPA
     )
-    poisson: float | None = Field(
-        default=None,
-        ge=0.0,
-        le=0.49,
-        description="own Poisson's ratio; left out: the table's. At 0.5, as of rubber, wide teeth would be rigid",
+    poisson: float | None = optional(
+        "own Poisson's ratio; left out: the table's. At 0.5, as of rubber, wide teeth would be rigid", ge=0.0, le=0.49
     )
-    density_kg_m3: float | None = Field(
-        default=None, gt=0.0, le=30000.0, description="own density in kg/m3; left out: the table's"
-    )
-    expansion_um_m_k: float | None = Field(
-        default=None,
-        ge=0.0,
-        le=500.0,
-        description="own linear thermal expansion in um per m and K, for ncgear tolerance; left out: the table's",
+    density_kg_m3: float | None = optional("own density in kg/m3; left out: the table's", gt=0.0, le=30000.0)
+    expansion_um_m_k: float | None = optional(
+        "own linear thermal expansion in um per m and K, for ncgear tolerance; left out: the table's", ge=0.0, le=500.0
     )
 
     @model_validator(mode="after")
@@ -110,10 +92,9 @@ else:
 class PairMaterial(Model):
     """The materials of both gears."""
 
-    driving: WrittenMaterial = Field(description="material of the driving gear: a name, or a group of keys")
-    driven: WrittenMaterial | None = Field(
-        default=None,
-        description="material of the driven gear: a name, or a group of keys; left out: that of the driving gear",
+    driving: WrittenMaterial = required("material of the driving gear: a name, or a group of keys")
+    driven: WrittenMaterial | None = optional(
+        "material of the driven gear: a name, or a group of keys; left out: that of the driving gear"
     )
 
     @property

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, Strict
 
-from ncgear.design.keys.base import Model
+from ncgear.design.keys.base import Model, optional, required
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 
 if TYPE_CHECKING:
@@ -29,26 +29,22 @@ Coefficients = Annotated[tuple[Coefficient, ...], Strict(False), Field(max_lengt
 class SecondStage(Model):
     """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
 
-    cosine: Coefficients = Field(
-        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio"
-    )
-    sine: Coefficients = Field(
-        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio"
-    )
+    cosine: Coefficients = optional("coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio", ())
+    sine: Coefficients = optional("coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio", ())
 
 
 class HarmonicRatio(LawKeys):
     """The logarithm of the ratio by harmonics of the driven angle; what closes the cycle is added."""
 
-    law: Literal["harmonic_ratio"] = Field(description="the name of this law: harmonic_ratio")
-    cosine: Coefficients = Field(
-        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln i12, phi2 being the driven angle"
+    law: Literal["harmonic_ratio"] = required("the name of this law: harmonic_ratio")
+    cosine: Coefficients = optional(
+        "coefficients of cos(phi2), cos(2 phi2), ... in ln i12, phi2 being the driven angle", ()
     )
-    sine: Coefficients = Field(
-        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln i12, phi2 being the driven angle"
+    sine: Coefficients = optional(
+        "coefficients of sin(phi2), sin(2 phi2), ... in ln i12, phi2 being the driven angle", ()
     )
-    second_stage: SecondStage | None = Field(
-        default=None, description="given: two pairs in series make i12, both as `gears` describes; left out: one pair"
+    second_stage: SecondStage | None = optional(
+        "given: two pairs in series make i12, both as `gears` describes; left out: one pair"
     )
 
     @property

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, fault, require_one
+from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, fault, optional, require_one, required
 from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys, LawNumber
 from ncgear.design.laws.formula_numbers import numbers_of
 
@@ -19,27 +19,22 @@ if TYPE_CHECKING:
 class RatioExpression(LawKeys):
     """A law written as a formula of phi1: the transmission ratio, or the driven angle."""
 
-    law: Literal["ratio_expression"] = Field(description="the name of this law: ratio_expression")
-    ratio: Expression | None = Field(
-        default=None,
-        description='transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)", '
-        f"{FORMULA}; {SMOOTH_LAW}",
+    law: Literal["ratio_expression"] = required("the name of this law: ratio_expression")
+    ratio: Expression | None = optional(
+        'transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)", '
+        f"{FORMULA}; {SMOOTH_LAW}"
     )
-    driven_angle: Expression | None = Field(
-        default=None,
-        description='driven angle phi2 in rad as a formula of phi (= phi1 in rad): "phi - 0.08*sin(2*phi)", '
-        f"{FORMULA}; of its dphi2/dphi1, {SMOOTH_LAW}",
+    driven_angle: Expression | None = optional(
+        'driven angle phi2 in rad as a formula of phi (= phi1 in rad): "phi - 0.08*sin(2*phi)", '
+        f"{FORMULA}; of its dphi2/dphi1, {SMOOTH_LAW}"
     )
-    scale_to_close: bool = Field(
-        default=False, description="true: multiply the ratio by the constant that makes the driven gear come round"
+    scale_to_close: bool = optional(
+        "true: multiply the ratio by the constant that makes the driven gear come round", False
     )
 
-    range_deg: float | None = Field(
-        default=None,
-        ge=SHORTEST_RANGE_DEG,
-        le=LONGEST_RANGE_DEG,
-        description="for gears that turn to and fro, less than once: what the driving gear turns from end to end, in "
-        "degrees; left out: gears that turn on and on",
+    range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] | None = optional(
+        "for gears that turn to and fro, less than once: what the driving gear turns from end to end, in degrees; left "
+        "out: gears that turn on and on"
     )
 
     @model_validator(mode="after")

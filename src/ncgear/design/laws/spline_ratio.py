@@ -12,12 +12,12 @@ from ncgear.design.keys.base import (
     Model,
     Numbers,
     Positive,
-    allow_one,
+    angle,
     fault,
-    given,
-    in_rad,
+    key_of,
+    optional,
     require_rising,
-    spellings,
+    required,
 )
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.numerics.bounds import shown_below
@@ -33,8 +33,6 @@ which for the ten digits of a file and 2000 points is 1e-5."""
 NEAREST_TURNS = 1e-7
 """Least distance of driven angles, in turns.  Nearer ones leave the slope of the spline fewer than nine digits."""
 
-ANGLES = spellings("driven_angle")
-
 Ratios = Annotated[tuple[Positive, ...], Strict(False), Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 Angles = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 
@@ -42,41 +40,33 @@ Angles = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POIN
 class SecondStageRatios(Model):
     """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
 
-    ratio: Ratios = Field(
-        description="ratios of the second pair at the same driven angles, up to a common factor that closes the cycle"
+    ratio: Ratios = required(
+        "ratios of the second pair at the same driven angles, up to a common factor that closes the cycle"
     )
 
 
 class SplineRatio(LawKeys):
     """The logarithm of the ratio as a smooth curve over the driven angle; the cycle is closed by a common factor."""
 
-    law: Literal["spline_ratio"] = Field(description="the name of this law: spline_ratio")
-    ratio: Ratios = Field(
-        description="transmission ratios i12 = dphi1/dphi2 at the driven angles, up to a common factor that closes the "
-        "cycle"
+    law: Literal["spline_ratio"] = required("the name of this law: spline_ratio")
+    ratio: Ratios = required(
+        "transmission ratios i12 = dphi1/dphi2 at the driven angles, up to a common factor that closes the cycle"
     )
-    driven_angle_rad: Angles | None = Field(
-        default=None, description="driven angles in rad, strictly rising from 0 to under 2 pi; left out: even steps"
+    driven_angles: tuple[float, ...] = angle(
+        "driven angles {unit}, strictly rising from 0 to under {turn}; left out: even steps",
+        "driven_angle",
+        of=Angles,
+        absent=(),
     )
-    driven_angle_deg: Angles | None = Field(
-        default=None, description="driven angles in degrees, strictly rising from 0 to under 360; left out: even steps"
-    )
-    driven_angle_pi: Angles | None = Field(
-        default=None,
-        description="driven angles in multiples of pi, strictly rising from 0 to under 2; left out: even steps",
-    )
-    second_stage: SecondStageRatios | None = Field(
-        default=None, description="given: two pairs in series make i12, both as `gears` describes; left out: one pair"
+    second_stage: SecondStageRatios | None = optional(
+        "given: two pairs in series make i12, both as `gears` describes; left out: one pair"
     )
 
     @model_validator(mode="after")
     def _as_many_of_each(self) -> Self:
-        allow_one(self, ANGLES)
         count = len(self.ratio)
-        for key in given(self, ANGLES):
-            angles = len(getattr(self, key))
-            if angles != count:
-                raise fault(key, f"{angles} angles for {count} ratios; give as many as ratio has")
+        if (key := key_of(self, "driven_angle")) and (angles := len(self.driven_angles)) != count:
+            raise fault(key, f"{angles} angles for {count} ratios; give as many as ratio has")
         if self.second_stage is not None and len(self.second_stage.ratio) != count:
             found = len(self.second_stage.ratio)
             raise fault("second_stage.ratio", f"{found} values for {count} driven angles; give as many as ratio has")
@@ -84,9 +74,8 @@ class SplineRatio(LawKeys):
 
     @model_validator(mode="after")
     def _angles_rise_within_a_turn(self) -> Self:
-        for key in given(self, ANGLES):
-            angles: tuple[float, ...] = getattr(self, key)
-            turn = FULL_TURN[key.removeprefix("driven_angle_")]
+        if key := key_of(self, "driven_angle"):
+            angles, turn = getattr(self, key), FULL_TURN[key.removeprefix("driven_angle_")]
             if angles[0] != 0.0:
                 raise fault(f"{key}.0", f"{angles[0]:g} is the first angle; 0 is right")
             require_rising(key, angles, NEAREST_TURNS * turn)
@@ -99,10 +88,8 @@ class SplineRatio(LawKeys):
     @property
     def driven_angle(self) -> tuple[float, ...]:
         """Driven angles in rad."""
-        for key in given(self, ANGLES):
-            return tuple(in_rad(value, key.removeprefix("driven_angle_")) for value in getattr(self, key))
         # The same numbers, bit for bit, as even_steps of ratio/laws/spline.py, which the search for laws has
-        return tuple(step * (2.0 * pi / len(self.ratio)) for step in range(len(self.ratio)))
+        return self.driven_angles or tuple(step * (2.0 * pi / len(self.ratio)) for step in range(len(self.ratio)))
 
     @property
     def pairs_in_series(self) -> int:
