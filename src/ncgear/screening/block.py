@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.numbers import accepted
-from ncgear.design.varied import checked_design
+from ncgear.design.varied import accepted, checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask

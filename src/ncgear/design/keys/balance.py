@@ -4,30 +4,30 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import (
     LONGEST_MM,
     Length,
     Model,
+    Several,
+    Share,
     Speed,
     fault,
     given,
     listed,
     optional,
-    require_one,
     required,
 )
 from ncgear.design.keys.machine import Linkage
-from ncgear.design.keys.masses import HEAVIEST_KG, Coordinate, Mass, Masses
-from ncgear.design.naming import NAME_PATTERN
+from ncgear.design.keys.masses import HEAVIEST_KG, Mass, Masses, Place
+from ncgear.design.words import NAME_PATTERN
 
 MOST_COUNT = 10_000
 MOST_ITEMS = 200
 
 Angle = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 Amplitude = Annotated[float, Field(ge=0.0, le=1e9)]
-Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 HIGHEST_ORDER, HIGHEST_HZ = 1e4, 1e9
 """Far above whatever a machine has: products of them stay far from overflow."""
@@ -59,7 +59,7 @@ class Partial(Model):
     """Partial balance by a counterweight on the crank, beside those already there."""
 
     arm_mm: Length = required("arm of the counterweight in mm")
-    shares: Annotated[tuple[Share, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = optional(
+    shares: Annotated[Several[Share], Field(min_length=1, max_length=MOST_ITEMS)] = optional(
         "shares k of the reciprocating mass that are balanced, 0 to 1", (1.0 / 3.0, 0.5)
     )
     rotating_kg: Mass | None = optional("mass at the crank pin in kg; left out: that of the parts")
@@ -77,13 +77,13 @@ class Sweep(Model):
 
     arm_mm: Length = required("arm of the counterweight in mm")
     angle_deg: Angle = optional("its direction in degrees as above; left out: opposite the pin", 180.0)
-    masses_kg: Annotated[tuple[Mass, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = required(
-        "masses in kg"
-    )
+    masses_kg: Annotated[Several[Mass], Field(min_length=1, max_length=MOST_ITEMS)] = required("masses in kg")
 
 
 class Mechanism(Model):
     """A crank-slider in the frame."""
+
+    RULES = ("one of linkage design",)
 
     name: str = required("what it is called", min_length=1, max_length=100)
     linkage: Linkage | None = optional("its linkage, with a crank that turns evenly")
@@ -91,14 +91,14 @@ class Mechanism(Model):
         "a design file instead, whose linkage and law are taken; its path counts from this file", min_length=1
     )
     masses: Masses | None = optional("its masses; left out: those of the design file")
-    counterweights: Annotated[tuple[Fixed, ...], Strict(False), Field(max_length=MOST_ITEMS)] = optional(
+    counterweights: Annotated[Several[Fixed], Field(max_length=MOST_ITEMS)] = optional(
         "counterweights that the mechanism already has, a list; complete, partial, best and sweep add to them", ()
     )
     direction_deg: Angle = optional("direction of the slider's way out in the frame in degrees", 0.0)
     phase_deg: Angle = optional("driving angle in degrees by which it is ahead of the shaft", 0.0)
     mirrored: bool = optional("true: its crank turns counter-clockwise", False)
-    x_mm: Coordinate = optional("place of its crank axis in the frame in mm", 0.0)
-    y_mm: Coordinate = optional("place of its crank axis in the frame in mm", 0.0)
+    x_mm: Place = optional("place of its crank axis in the frame in mm", 0.0)
+    y_mm: Place = optional("place of its crank axis in the frame in mm", 0.0)
     complete: Complete | None = optional(
         "what would balance its forces completely, beside the counterweights that it has"
     )
@@ -108,7 +108,6 @@ class Mechanism(Model):
 
     @model_validator(mode="after")
     def _driven_and_massive(self) -> Self:
-        require_one(self, ("linkage", "design"))
         if self.linkage is not None and self.linkage.crank_mm is None:
             raise fault("linkage.crank_mm", "missing; give the length of the crank in mm")
         if self.linkage is not None and self.masses is None:
@@ -156,14 +155,10 @@ class Engine(Model):
 class Excitations(Model):
     """Frequencies that shake the machine, compared with its natural frequencies."""
 
-    natural_hz: Annotated[tuple[Frequency, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = required(
-        "natural frequencies in Hz"
-    )
+    natural_hz: Several[Frequency] = required("natural frequencies in Hz", min_length=1, max_length=MOST_ITEMS)
     band: float = optional("share of a natural frequency within which an excitation is near it", 0.2, gt=0.0, lt=1.0)
-    shafts: Annotated[tuple[Shaft, ...], Strict(False), Field(max_length=MOST_ITEMS)] = optional("shafts, a list", ())
-    engines: Annotated[tuple[Engine, ...], Strict(False), Field(max_length=MOST_ITEMS)] = optional(
-        "engines, a list", ()
-    )
+    shafts: Annotated[Several[Shaft], Field(max_length=MOST_ITEMS)] = optional("shafts, a list", ())
+    engines: Annotated[Several[Engine], Field(max_length=MOST_ITEMS)] = optional("engines, a list", ())
     harmonics: int = optional("harmonics of the slider's acceleration of each mechanism", 0, ge=0, le=1000)
 
     @model_validator(mode="after")
@@ -176,16 +171,11 @@ class Excitations(Model):
 class Holes(Model):
     """Through holes that may be drilled."""
 
+    RULES = ("smallest_mm <= largest_mm",)
+
     largest_mm: Length = required("diameter of the largest in mm")
     smallest_mm: Length = required("diameter of the smallest in mm")
     wall_mm: Length = required("least wall between holes and to every edge in mm")
-
-    @model_validator(mode="after")
-    def _smallest_is_smaller(self) -> Self:
-        if self.smallest_mm > self.largest_mm:
-            problem = f"{self.smallest_mm:g} mm is over largest_mm; {self.largest_mm:g} or less is right"
-            raise fault("smallest_mm", problem)
-        return self
 
 
 class Boss(Model):
@@ -219,7 +209,7 @@ class Reading(Model):
     phase_deg: Angle = required("phase in degrees, as the instrument counts it")
 
 
-Readings = Annotated[tuple[Reading, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)]
+Readings = Annotated[Several[Reading], Field(min_length=1, max_length=MOST_ITEMS)]
 
 
 class Trial(Model):
@@ -233,15 +223,14 @@ class Trial(Model):
 class Rotor(Model):
     """Field balancing from trial weights."""
 
+    RULES = ("mass_kg with radius_mm",)
+
     speed_rpm: Speed = required("speed of the runs in r/min")
     first: Readings | None = optional("readings of every sensor without trial weights, a list")
-    trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] | None = optional(
-        "one run for each plane, a list"
-    )
-    file: str | None = optional(
+    trials: Several[Trial] | None = optional("one run for each plane, a list", min_length=1, max_length=20)
+    file: Annotated[str, Field(min_length=1)] | None = optional(
         "CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), mass_g, "
-        "angle_deg, sensor, amplitude, phase_deg; its path counts from this file",
-        min_length=1,
+        "angle_deg, sensor, amplitude, phase_deg; its path counts from this file"
     )
     mass_kg: float | None = optional(
         "mass of the rotor in kg; left out: the permissible unbalance is not told", gt=0.0, le=HEAVIEST_KG
@@ -254,8 +243,6 @@ class Rotor(Model):
         for key in ("first", "trials"):
             if getattr(self, key) is None:
                 raise fault(key, "missing; give first and trials, or a file of them")
-        if (self.mass_kg is None) != (self.radius_mm is None):
-            raise fault("mass_kg" if self.radius_mm is None else "radius_mm", "needs mass_kg and radius_mm both")
         return self
 
 
@@ -273,14 +260,11 @@ class ChainDrive(Model):
     wrap_deg: Angle = required("phase of the middle of the chain's wrap in degrees")
     tight_deg: Angle = required("phase of the tight side's equivalent unbalance in degrees")
     slack_deg: Angle = required("phase of the slack side's equivalent unbalance in degrees")
-    runs: Annotated[tuple[ChainRun, ...], Strict(False), Field(min_length=3, max_length=1000)] | None = optional(
-        "runs, a list"
+    runs: Annotated[Several[ChainRun], Field(min_length=3, max_length=1000)] | None = optional("runs, a list")
+    file: Annotated[str, Field(min_length=1)] | None = optional(
+        "CSV file of runs instead, with columns weight_deg, amplitude, phase_deg; its path counts from this file"
     )
-    file: str | None = optional(
-        "CSV file of runs instead, with columns weight_deg, amplitude, phase_deg; its path counts from this file",
-        min_length=1,
-    )
-    predict_deg: Annotated[tuple[Angle, ...], Strict(False), Field(max_length=MOST_ITEMS)] = optional(
+    predict_deg: Annotated[Several[Angle], Field(max_length=MOST_ITEMS)] = optional(
         "phases of the weight in degrees for which readings are predicted", ()
     )
     effect_per_g: Effect | None = optional("amplitude per g of a weight, for corrections; left out: none")
@@ -301,9 +285,7 @@ class Balance(Model):
     name: str = required("name of the file's subject and of its output folder", pattern=NAME_PATTERN)
     description: str = optional("free text", "", max_length=10_000)
     speed_rpm: Speed | None = optional("speed in r/min of the shaft that drives the mechanisms and the gears")
-    mechanisms: Annotated[tuple[Mechanism, ...], Strict(False), Field(max_length=50)] = optional(
-        "crank-sliders on one frame, a list", ()
-    )
+    mechanisms: Annotated[Several[Mechanism], Field(max_length=50)] = optional("crank-sliders on one frame, a list", ())
     move_phase_of: str | None = optional("name of the mechanism whose best phase is looked for; left out: none")
     chassis: Chassis | None = optional("counterweight at the tail of a chassis")
     excitations: Excitations | None = optional(

@@ -63,6 +63,8 @@ Several = Annotated[tuple[Item, ...], Strict(False)]
 Numbers = Several[float]
 FileName = Annotated[str, Field(min_length=1)]
 
+CSV_FILE = "CSV file with {} columns instead, its header naming them; its path counts from the design file"
+
 
 def required(meaning: str, **limits: Any) -> Any:
     """A field that a file must give."""
@@ -80,7 +82,7 @@ class _Angle(NamedTuple):
     meaning: str
     quantity: str
     type: Any
-    rule: Callable[..., None]
+    rule: str
     absent: Any
 
 
@@ -90,7 +92,7 @@ def angle(meaning: str, quantity: str = "", *, needed: bool = False, of: Any = f
     ``quantity`` is the name of the field where nothing is said, ``of`` the type of the value in any unit, ``absent``
     the angle that is left out.  ``{unit}`` in the meaning stands for the unit in words, ``{turn}`` for a turn in it.
     """
-    return _Angle(meaning, quantity, of, require_one if needed else allow_one, absent)
+    return _Angle(meaning, quantity, of, "one of" if needed else "at most one of", absent)
 
 
 FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
@@ -99,9 +101,6 @@ _WORDS = {"rad": ("in rad", "2 pi"), "deg": ("in degrees", "360"), "pi": ("in mu
 
 _TO_RAD: dict[str, Callable[[float], float]] = {"rad": float, "deg": radians, "pi": lambda value: value * pi}
 
-Rule = Callable[[Any], None]
-"""What holds between keys of a model; raises a fault where it does not."""
-
 
 class Model(BaseModel):
     """Base of every model: what a person wrote, checked and unchangeable."""
@@ -109,8 +108,8 @@ class Model(BaseModel):
     # The schema of a model is made when a file is checked by it: most models are only parts of others.
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
-    RULES: ClassVar[tuple[Rule, ...]] = ()
-    """The rules of the class, besides those of its bases."""
+    RULES: ClassVar[tuple[str, ...]] = ()
+    """What must hold between keys, besides the rules of the bases, in the words of ``require``."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Put the keys of all units in the place of each angle, before pydantic looks for fields."""
@@ -127,18 +126,25 @@ class Model(BaseModel):
                 setattr(cls, key, optional(mark.meaning.format(unit=unit, turn=turn)))
             found[name] = ClassVar[Any]
             setattr(cls, name, property(partial(_in_rad, quantity=quantity, absent=mark.absent)))
-            cls.RULES = (partial(mark.rule, names=spellings(quantity)), *vars(cls).get("RULES", ()))
+            cls.RULES = (" ".join((mark.rule, *spellings(quantity))), *vars(cls).get("RULES", ()))
         cls.__annotations__ = found
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, first: bool = False, **kwargs: Any) -> None:
+        """Put the keys of a class behind those of its base, or with ``first=True`` before them, as a file has them."""
+        own, base, fields = vars(cls)["__annotations__"], cls.__bases__[0].model_fields, cls.__pydantic_fields__
+        order = (*own, *base) if first else (*base, *own)
+        cls.__pydantic_fields__ = {name: fields[name] for name in order if name in fields}
 
     @model_validator(mode="after")
     def _rules_hold(self) -> Self:
         for rule in _rules_of(type(self)):
-            rule(self)
+            require(self, rule)
         return self
 
 
 @cache
-def _rules_of(model: type[Model]) -> list[Rule]:
+def _rules_of(model: type[Model]) -> list[str]:
     return [rule for base in reversed(model.__mro__) for rule in vars(base).get("RULES", ())]
 
 
@@ -172,53 +178,6 @@ def given(model: BaseModel, names: Iterable[str]) -> list[str]:
     return [name for name in names if getattr(model, name) is not None]
 
 
-def require_one(model: BaseModel, names: Iterable[str]) -> None:
-    """Refuse a model that has none or more than one of ``names``."""
-    names = list(names)
-    if not given(model, names):
-        raise fault("", f"one of {listed(names)} is missing; give exactly one of them")
-    allow_one(model, names)
-
-
-def allow_one(model: BaseModel, names: Iterable[str]) -> None:
-    """Refuse a model that has more than one of ``names``."""
-    found = given(model, names)
-    if len(found) > 1:
-        raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
-
-
-def one_of(*names: str) -> Rule:
-    """Exactly one of these keys is given."""
-    return partial(require_one, names=names)
-
-
-def one_at_most(*names: str) -> Rule:
-    """No two of these keys are given."""
-    return partial(allow_one, names=names)
-
-
-def together(*names: str) -> Rule:
-    """All of these keys are given, or none."""
-
-    def check(model: BaseModel) -> None:
-        found = given(model, names)
-        if found and len(found) < len(names):
-            absent = next(name for name in names if name not in found)
-            raise fault(absent, f"missing; {found[0]} is given, and needs it")
-
-    return check
-
-
-def needs(key: str, *others: str) -> Rule:
-    """A key is given only with one of the others."""
-
-    def check(model: BaseModel) -> None:
-        if _at(model, key) is not None and all(_at(model, other) is None for other in others):
-            raise fault(key, f"given without {listed(others)}; give that as well, or leave {key} out")
-
-    return check
-
-
 _RELATIONS: dict[str, tuple[Callable[[float, float], bool], str]] = {
     "<": (operator.lt, "under {}"),
     "<=": (operator.le, "{} or less"),
@@ -227,19 +186,34 @@ _RELATIONS: dict[str, tuple[Callable[[float, float], bool], str]] = {
 }
 
 
-def compared(key: str, relation: str, other: str) -> Rule:
-    """The number at a dotted key is in a relation (<, <=, >, >=) to that at another, where both are given."""
-    holds, words = _RELATIONS[relation]
+def require(model: BaseModel, rule: str) -> None:
+    """Refuse a model in which a rule between dotted keys does not hold.
 
-    def check(model: BaseModel) -> None:
-        value, bound = _at(model, key), _at(model, other)
-        if value is not None and bound is not None and not holds(value, bound):
-            told, right = (
-                f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in ((key, value), (other, bound))
-            )
-            raise fault(key, f"{told} given, but {other} is {right}; {words.format(right)} is right")
-
-    return check
+    The rules are ``one of A B``, exactly one is given; ``at most one of A B``; ``A with B``, both are given or neither;
+    ``A needs B C``, A is given only with B or C; ``A < B``, also <=, > and >=, where both are given.
+    """
+    match rule.split():
+        case ["one", "of", *names]:
+            if all(_at(model, name) is None for name in names):
+                raise fault("", f"one of {listed(names)} is missing; give exactly one of them")
+            require(model, f"at most {rule}")
+        case ["at", "most", "one", "of", *names]:
+            found = [name for name in names if _at(model, name) is not None]
+            if len(found) > 1:
+                raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
+        case [one, "with", other]:
+            for there, absent in ((one, other), (other, one)):
+                if _at(model, there) is not None and _at(model, absent) is None:
+                    raise fault(absent, f"missing; {there} is given, and needs it")
+        case [key, "needs", *others]:
+            if _at(model, key) is not None and all(_at(model, other) is None for other in others):
+                raise fault(key, f"given without {listed(others)}; give that as well, or leave {key} out")
+        case [key, relation, other]:
+            (holds, words), value, bound = _RELATIONS[relation], _at(model, key), _at(model, other)
+            if value is not None and bound is not None and not holds(value, bound):
+                named = (key, value), (other, bound)
+                told, right = (f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in named)
+                raise fault(key, f"{told} given, but {other} is {right}; {words.format(right)} is right")
 
 
 def _at(model: BaseModel, key: str) -> Any:

@@ -31,6 +31,8 @@ class SetScrew(Model):
 class Hub(Model):
     """A cylinder about the axis on the upper face."""
 
+    RULES = ("set_screw.diameter_mm < height_mm",)
+
     diameter_mm: Length = required("diameter of the hub in mm, over the bore and under the tooth roots")
     height_mm: Length = required("height of the hub over the face in mm")
     set_screw: SetScrew | None = optional("hole for a set screw in the hub; left out: none")
@@ -40,9 +42,6 @@ class Hub(Model):
         screw, height = self.set_screw, self.height_mm
         if screw is None:
             return self
-        if screw.diameter_mm >= height:
-            problem = f"{screw.diameter_mm:g} mm is not less than the hub's height; under {height:g} mm is right"
-            raise fault("set_screw.diameter_mm", problem)
         low, high = screw.diameter_mm / 2.0, height - screw.diameter_mm / 2.0
         if screw.height_mm is not None and not low < screw.height_mm < high:
             problem = f"at {screw.height_mm:g} mm the hole leaves the hub; between {low:g} and {high:g} mm is right"
@@ -92,6 +91,15 @@ class CrankPin(Model):
 class GearBody(Model):
     """What is cut into one gear around its axis, and what stands on it."""
 
+    RULES = (
+        "keyway needs bore_mm",
+        "keyway.width_mm < bore_mm",
+        "hub.set_screw needs bore_mm",
+        "hub.set_screw.diameter_mm < bore_mm",
+        "web needs web.hub_mm hub",
+        "web.hub_mm >= hub.diameter_mm",
+    )
+
     bore_mm: Length | None = optional("diameter of the bore in mm; left out: no bore")
     keyway: Keyway | None = optional("keyway in the bore; left out: none")
     hub: Hub | None = optional("hub on the upper face; left out: none")
@@ -99,41 +107,6 @@ class GearBody(Model):
     lightening_holes: LighteningHoles | None = optional("round holes that save weight; left out: none")
 
     end_stop: EndStop | None = optional("arc slot for a pin that stops gears which turn less than once; left out: none")
-
-    @model_validator(mode="after")
-    def _keyway_fits(self) -> Self:
-        if self.keyway is None:
-            return self
-        if self.bore_mm is None:
-            raise fault("keyway", "a keyway without a bore; give bore_mm, or leave the keyway out")
-        if self.keyway.width_mm >= self.bore_mm:
-            width, bore = self.keyway.width_mm, self.bore_mm
-            raise fault("keyway.width_mm", f"{width:g} mm is no narrower than the bore; under {bore:g} mm is right")
-        return self
-
-    @model_validator(mode="after")
-    def _screw_meets_the_bore(self) -> Self:
-        screw = self.hub.set_screw if self.hub else None
-        if screw is None:
-            return self
-        if self.bore_mm is None:
-            raise fault("hub.set_screw", "a set screw without a bore; give bore_mm, or leave the set screw out")
-        if screw.diameter_mm >= self.bore_mm:
-            problem = f"{screw.diameter_mm:g} mm is no narrower than the bore; under {self.bore_mm:g} mm is right"
-            raise fault("hub.set_screw.diameter_mm", problem)
-        return self
-
-    @model_validator(mode="after")
-    def _web_around_hub(self) -> Self:
-        if self.web is None:
-            return self
-        left, hub = self.web.hub_mm, self.hub
-        if left is None and hub is None:
-            raise fault("web", "neither hub_mm nor a hub is given; hub_mm says what is left about the axis")
-        if left is not None and hub is not None and left < hub.diameter_mm:
-            problem = f"{left:g} mm is less than the hub that stands on it; {hub.diameter_mm:g} mm or over is right"
-            raise fault("web.hub_mm", problem)
-        return self
 
 
 class DrivenBody(GearBody):

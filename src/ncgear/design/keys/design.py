@@ -11,8 +11,8 @@ from pydantic import Field, TypeAdapter, create_model, model_validator
 
 from ncgear.design.keys.base import Model, fault, given, listed, optional, required
 from ncgear.design.keys.drivetrain import Drivetrain
-from ncgear.design.keys.fit import Fit
 from ncgear.design.keys.gears import SIZES, Gears
+from ncgear.design.keys.linkages import Fit
 from ncgear.design.keys.machine import Comparison, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
@@ -22,7 +22,7 @@ from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
-from ncgear.design.naming import NAME_PATTERN
+from ncgear.design.words import NAME_PATTERN
 from ncgear.shown import Shown
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -41,6 +41,12 @@ else:
 
 class Design(Model, Shown):
     """A design file: what a person wrote, and nothing computed."""
+
+    RULES = (
+        "drivetrain.driving_shaft.diameter_mm <= gears.driving.bore_mm",
+        "drivetrain.driven_shaft.diameter_mm <= gears.driven.bore_mm",
+        "fit needs gears",
+    )
 
     name: str = required("name of the design and of its output folder", pattern=NAME_PATTERN)
     description: str = optional("free text", "", max_length=10_000)
@@ -116,8 +122,6 @@ class Design(Model, Shown):
                 raise fault(
                     key, "given, but the driven shaft turns no crank here; leave it out, or give a linkage with a crank"
                 )
-        if self.fit is not None and self.gears is None:
-            raise fault("fit", "given, but without gears nothing stands beside them; leave it out, or give gears")
         return self
 
     @model_validator(mode="after")
@@ -170,21 +174,6 @@ class Design(Model, Shown):
         motor = self.drivetrain.motor
         if motor is not None and motor.no_load_speed_rpm is not None and self.simulation.motor is not None:
             raise fault("drivetrain.motor.no_load_speed_rpm", "given, but simulation.motor has a line too; keep one")
-        return self
-
-    @model_validator(mode="after")
-    def _shafts_go_through_their_gears(self) -> Self:
-        if self.drivetrain is None or self.gears is None:
-            return self
-        for name in ("driving", "driven"):
-            shaft, bore = getattr(self.drivetrain, f"{name}_shaft"), getattr(self.gears, name).bore_mm
-            diameter = shaft and shaft.diameter_mm
-            if diameter and bore and diameter > bore:
-                raise fault(
-                    f"drivetrain.{name}_shaft.diameter_mm",
-                    f"{diameter:.10g} mm does not go into gears.{name}.bore_mm, {bore:.10g} mm; as much or less is "
-                    "right",
-                )
         return self
 
     @model_validator(mode="after")

@@ -9,9 +9,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import LONGEST_MM, Length, Model, Positive, Speed, fault, given, optional, required
+from ncgear.design.keys.base import Length, Model, Place, Positive, Speed, fault, optional, required
 
-Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]
 
@@ -44,6 +43,12 @@ class ShaftKey(Model):
 class DrivingShaft(Model):
     """The shaft of the driving gear, which is turned through a coupling that does not press on it."""
 
+    RULES = (
+        "bearing_a with bearing_b",
+        "tensile_mpa with yield_mpa",
+        "yield_mpa <= tensile_mpa",
+    )
+
     bearing_a: Bearing | None = optional("one bearing; left out: none are looked at")
     bearing_b: Bearing | None = optional("the other bearing")
     diameter_mm: Length | None = optional("diameter at the gear in mm; left out: that of the gear's bore")
@@ -60,13 +65,9 @@ class DrivingShaft(Model):
 
     @model_validator(mode="after")
     def _parts_belong_together(self) -> Self:
-        pair = given(self, ("bearing_a", "bearing_b"))
-        if len(pair) == 1:
-            absent = "bearing_b" if pair == ["bearing_a"] else "bearing_a"
-            raise fault(absent, f"missing; {pair[0]} is given, and a shaft has two")
         if self.bearing_a and self.bearing_b and self.bearing_a.at_mm == self.bearing_b.at_mm:
             raise fault("bearing_b.at_mm", f"{self.bearing_b.at_mm:g} mm given, as of bearing_a; another one is right")
-        if self.has_strength and not pair:
+        if self.has_strength and self.bearing_a is None:
             raise fault("bearing_a", "missing; the bending of a shaft of given steel follows from its bearings")
         if self.key is not None and not self.has_strength:
             raise fault("steel", "missing; the pressure on the key is held against the steel of the shaft")
@@ -74,15 +75,8 @@ class DrivingShaft(Model):
 
     @model_validator(mode="after")
     def _one_strength(self) -> Self:
-        own = given(self, ("tensile_mpa", "yield_mpa"))
-        if self.steel is not None and own:
-            raise fault(own[0], "given, but so is steel; keep one of the two")
-        if len(own) == 1:
-            raise fault("yield_mpa" if own == ["tensile_mpa"] else "tensile_mpa", f"missing; {own[0]} is given")
-        if self.tensile_mpa is not None and self.yield_mpa is not None and self.yield_mpa > self.tensile_mpa:
-            raise fault(
-                "yield_mpa", f"{self.yield_mpa:g} MPa is over tensile_mpa; {self.tensile_mpa:g} or less is right"
-            )
+        if self.steel is not None and self.tensile_mpa is not None:
+            raise fault("tensile_mpa", "given, but so is steel; keep one of the two")
         return self
 
     @property
@@ -109,6 +103,11 @@ class Gearbox(Model):
 class DrivetrainMotor(Model):
     """The motor, at its own shaft: what it bears, and how its torque falls with its speed."""
 
+    RULES = (
+        "no_load_speed_rpm > rated_speed_rpm",
+        "peak_torque_n_m >= rated_torque_n_m",
+    )
+
     rated_torque_n_m: Positive = required("torque in N m that it gives for ever")
     rated_speed_rpm: Speed = required("speed in r/min at which it gives it")
     peak_torque_n_m: Positive | None = optional("torque in N m that it gives for moments; left out: not looked at")
@@ -121,20 +120,6 @@ class DrivetrainMotor(Model):
     overrunning_clutch: bool = optional(
         "true: a clutch that lets the machine run ahead, so that the motor never brakes it", False
     )
-
-    @model_validator(mode="after")
-    def _line_falls(self) -> Self:
-        if self.no_load_speed_rpm is not None and self.no_load_speed_rpm <= self.rated_speed_rpm:
-            raise fault(
-                "no_load_speed_rpm",
-                f"{self.no_load_speed_rpm:g} r/min is not over rated_speed_rpm; over {self.rated_speed_rpm:g} is right",
-            )
-        if self.peak_torque_n_m is not None and self.peak_torque_n_m < self.rated_torque_n_m:
-            raise fault(
-                "peak_torque_n_m",
-                f"{self.peak_torque_n_m:g} N m is under the rated torque; {self.rated_torque_n_m:g} or over is right",
-            )
-        return self
 
 
 class PowerTakeOff(Model):
@@ -151,6 +136,8 @@ class PowerTakeOff(Model):
 class Drivetrain(Model):
     """What stands around the gears; every part may be left out."""
 
+    RULES = ("at most one of motor pto",)
+
     life_h: Positive = optional("hours that the bearings shall last", 10_000.0)
     reliability_percent: float = optional(
         "share in percent of the bearings that shall last so long", 90.0, ge=50.0, le=99.95
@@ -166,9 +153,3 @@ class Drivetrain(Model):
     pto: PowerTakeOff | None = optional(
         "shaft of constant speed with its coupling, in place of a motor; left out: none"
     )
-
-    @model_validator(mode="after")
-    def _one_drive(self) -> Self:
-        if self.motor is not None and self.pto is not None:
-            raise fault("pto", "motor is given, and one of them drives the machine; keep one")
-        return self

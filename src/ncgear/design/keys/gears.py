@@ -5,11 +5,11 @@ from __future__ import annotations
 from math import pi, radians
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, fault, listed, optional, required
+from ncgear.design.keys.base import Length, Model, Several, fault, listed, optional, required
 from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height
-from ncgear.design.keys.material import WrittenMaterials
+from ncgear.design.keys.strength import WrittenMaterials
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
 MOST_TEETH = 10_000
@@ -62,12 +62,10 @@ class ProfileShift(Model):
     driving: float | None = optional("of the driving gear, in modules", ge=-MOST_SHIFT, le=MOST_SHIFT)
     driven: float | None = optional("of the driven gear, in modules", ge=-MOST_SHIFT, le=MOST_SHIFT)
     against_undercut: bool = optional("true: chosen, equal and opposite, so that least is undercut", False)
-    per_tooth: Annotated[tuple[ToothShift, ...], Strict(False), Field(min_length=1, max_length=MOST_TEETH)] | None = (
-        optional(
-            "of each tooth of the driving gear, in modules, from tooth 1 on, which stands on the line of centres at phi1 = "
-            "0, and on along growing arc length (clockwise); fewer are repeated round the gear. The driven gear's spaces "
-            "are as much deeper and wider"
-        )
+    per_tooth: Annotated[Several[ToothShift], Field(min_length=1, max_length=MOST_TEETH)] | None = optional(
+        "of each tooth of the driving gear, in modules, from tooth 1 on, which stands on the line of centres at phi1 = "
+        "0, and on along growing arc length (clockwise); fewer are repeated round the gear. The driven gear's spaces "
+        "are as much deeper and wider"
     )
 
     @model_validator(mode="after")
@@ -99,6 +97,8 @@ class Cutter(Model):
 class Rack(Model):
     """The basic rack: a profile of ISO 53, any of whose coefficients can be given by itself."""
 
+    RULES = ("tip_relief.start < addendum",)
+
     profile: Literal["A", "B", "C", "D"] = optional("basic rack profile of ISO 53: A, B, C or D", "A")
     pressure_angle_deg: Annotated[float, Field(gt=5.0, lt=40.0)] = optional(
         "pressure angle of the rack's flanks in degrees; of those that push, where idle_pressure_angle_deg is given "
@@ -121,15 +121,6 @@ class Rack(Model):
         """Pressure angles of the pushing and of the idle flanks."""
         pushing, idle = self.pressure_angle_deg, self.idle_pressure_angle_deg
         return pushing, pushing if idle is None else idle
-
-    @model_validator(mode="after")
-    def _relief_below_tip(self) -> Self:
-        if self.tip_relief is not None and self.tip_relief.start >= self.addendum:
-            raise fault(
-                "tip_relief.start",
-                f"{self.tip_relief.start:g} modules is not below the tip; under {self.addendum:g} is right",
-            )
-        return self
 
 
 class Housing(Model):
@@ -162,6 +153,11 @@ Fit = Literal["H6", "H7", "H8", "H9", "H11"]
 class Tolerances(Model):
     """What drawings and the data sheet say of accuracy; teeth are made in the middle of their thickness's limits."""
 
+    RULES = (
+        "tooth_thickness_upper_mm with tooth_thickness_lower_mm",
+        "tooth_thickness_lower_mm <= tooth_thickness_upper_mm",
+    )
+
     standard: str = optional("standard that the grade belongs to, as text", "", max_length=200)
     grade: str = optional("accuracy grade, as text", "", max_length=200)
     tooth_thickness_upper_mm: Annotated[float, Field(ge=-10.0, le=10.0)] | None = optional(
@@ -185,16 +181,6 @@ class Tolerances(Model):
     flank_ra_um: float = optional("roughness Ra of the flanks in um", 1.6, gt=0.0, le=100.0)
     ra_um: float = optional("roughness Ra of all other surfaces in um", 6.3, gt=0.0, le=100.0)
     note: str = optional("more for the data sheet, as text: runout, hardness", "", max_length=2000)
-
-    @model_validator(mode="after")
-    def _two_limits(self) -> Self:
-        upper, lower = self.tooth_thickness_upper_mm, self.tooth_thickness_lower_mm
-        if (upper is None) != (lower is None):
-            absent = "tooth_thickness_upper_mm" if upper is None else "tooth_thickness_lower_mm"
-            raise fault(absent, "missing; the deviation of the tooth thickness has two limits")
-        if upper is not None and lower is not None and lower > upper:
-            raise fault("tooth_thickness_lower_mm", f"{lower:g} mm is over the upper limit; {upper:g} or less is right")
-        return self
 
 
 MOST_LOBES = 100

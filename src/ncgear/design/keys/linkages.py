@@ -1,4 +1,4 @@
-"""The keys under ``linkage`` of the mechanisms besides the crank-slider.
+"""The keys under ``linkage`` of the mechanisms besides the crank-slider, and of what moves beside the gears.
 
 Keys of the same name mean the same in all of them.
 """
@@ -47,3 +47,17 @@ class RackKeys(Model):
     """The pinion on the shaft of the driven gear, and the rack that it moves."""
 
     radius_mm: Length | None = optional("pitch radius of a rack_pinion's pinion in mm; needed")
+
+
+class Fit(Model):
+    """What a build needs to know to tell whether rod and crank pin pass the shafts."""
+
+    rod_width_mm: Length | None = optional(
+        "width of the rod in mm, or of coupler, rocker, lever, and bar and slot of yoke or ram, across its length and "
+        "the axes; left out: none is assumed, and a build tells the widest that passes"
+    )
+    driving_shaft: Literal["through", "ends"] = optional(
+        "through: shaft and hub of the driving gear stand in the plane in which rod and crank pin move; ends: they "
+        "end below it, or are on the other side of the gears",
+        "through",
+    )

@@ -5,23 +5,26 @@ from __future__ import annotations
 from math import inf
 from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import (
+    CSV_FILE,
     FORMULA,
     LONGEST_MM,
     Expression,
+    FileName,
     Length,
     Model,
     Numbers,
+    Place,
     Positive,
+    Several,
     Speed,
-    allow_one,
     fault,
     given,
     listed,
     optional,
-    require_one,
+    require,
     required,
 )
 from ncgear.errors import WrongInput
@@ -57,6 +60,8 @@ class Operation(Model):
 class Published(Model):
     """A published mechanism and its figures, at the speed they belong to."""
 
+    RULES = ("quoted_power_w with quoted_speed_rpm",)
+
     name: str = required("name of the mechanism or its publication", min_length=1, max_length=200)
     speed_rpm: Speed = required("driving speed in r/min that the figures belong to")
     peak_power_w: Positive | None = optional("greatest driving power in W")
@@ -78,18 +83,13 @@ class Published(Model):
     def _figures(self) -> Self:
         if not given(self, FIGURES):
             raise fault("", f"no figure to compare; give at least one of {listed(FIGURES)}")
-        quoted = given(self, ("quoted_power_w", "quoted_speed_rpm"))
-        if len(quoted) == 1:
-            raise fault(quoted[0], "given alone; quoted_power_w and quoted_speed_rpm need each other")
         return self
 
 
 class Comparison(Model):
     """Mechanisms to compare with at equal speed."""
 
-    published: Annotated[tuple[Published, ...], Strict(False), Field(min_length=1, max_length=100)] = required(
-        "published mechanisms, a list"
-    )
+    published: Several[Published] = required("published mechanisms, a list", min_length=1, max_length=100)
 
 
 MOST_RESISTANCE_POINTS = 1000
@@ -102,9 +102,8 @@ NEAREST_MM = 1e-9
 """Far below what can be measured, and far above where the slope from one point to the next overflows."""
 
 Points = Field(min_length=FEWEST_POINTS, max_length=MOST_RESISTANCE_POINTS)
-Displacement = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
-Displacements = Annotated[tuple[Displacement, ...], Strict(False), Points]
-Forces = Annotated[tuple[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)], ...], Strict(False), Points]
+Displacements = Annotated[Several[Place], Points]
+Forces = Annotated[Several[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)]], Points]
 
 
 class LoadTable(Model):
@@ -146,9 +145,7 @@ class ResistanceTable(LoadTable):
 
     displacement_mm: Displacements | None = optional("displacements in mm from the retracted end, strictly rising")
     force_n: Forces | None = optional("forces in N, one for each displacement")
-    file: str | None = optional(
-        "CSV file with both columns instead, its header naming them; its path counts from the design file", min_length=1
-    )
+    file: FileName | None = optional(CSV_FILE.format("both"))
 
 
 class TorqueTable(LoadTable):
@@ -160,9 +157,7 @@ class TorqueTable(LoadTable):
         "angles of the output in deg from its start or its retracted end, strictly rising"
     )
     torque_n_m: Forces | None = optional("torques in N m, one for each angle")
-    file: str | None = optional(
-        "CSV file with both columns instead, its header naming them; its path counts from the design file", min_length=1
-    )
+    file: FileName | None = optional(CSV_FILE.format("both"))
 
 
 class Load(Model):
@@ -171,9 +166,13 @@ class Load(Model):
     FORMS: ClassVar[tuple[str, str, str]]
     """The keys of a polynomial, a table and an expression."""
 
+    FRICTION: ClassVar[str] = ""
+    """The key of a load against either sense of motion; with it, or with a load on the way back, no form is needed."""
+
     @model_validator(mode="after")
     def _one_form(self) -> Self:
-        require_one(self, self.FORMS)
+        beside = getattr(self, "returning", None) is not None or self.FRICTION in self.model_fields_set
+        require(self, f"{'at most one' if beside else 'one'} of {' '.join(self.FORMS)}")
         return self
 
 
@@ -226,6 +225,8 @@ class StrokeForce(Load):
 class Resistance(StrokeForce):
     """The force against the slider: over its working stroke, over its way back, and a friction on both."""
 
+    FRICTION: ClassVar[str] = "friction_n"
+
     returning: StrokeForce | None = optional(
         "force against the slider on its way back, over the displacement like the other; left out: none"
     )
@@ -236,28 +237,16 @@ class Resistance(StrokeForce):
         "load",
     )
 
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
-        if self.returning is None and "friction_n" not in self.model_fields_set:
-            require_one(self, self.FORMS)
-        allow_one(self, self.FORMS)
-        return self
-
 
 class RockerTorque(TurningLoad):
     """The torque against an output that swings: over its working stroke, over its way back, and a friction on both."""
+
+    FRICTION: ClassVar[str] = "friction_n_m"
 
     returning: TurningLoad | None = optional(
         "torque against the output on its way back, over the angle like the other; left out: none"
     )
     friction_n_m: float = optional("constant torque in N m against the output's motion, on both strokes", 0.0, ge=0.0)
-
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
-        if self.returning is None and "friction_n_m" not in self.model_fields_set:
-            require_one(self, self.FORMS)
-        allow_one(self, self.FORMS)
-        return self
 
 
 CHORD_MM = 0.005

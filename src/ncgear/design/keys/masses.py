@@ -13,7 +13,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import LONGEST_MM, Model, Positive, Speed, fault, optional, required
+from ncgear.design.keys.base import Model, Place, Positive, Speed, fault, optional, required
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
@@ -24,14 +24,13 @@ LARGEST_INERTIA_KG_MM2 = 1e16
 
 Mass = Annotated[float, Field(ge=0.0, le=HEAVIEST_KG)]
 Inertia = Annotated[float, Field(ge=0.0, le=LARGEST_INERTIA_KG_MM2)]
-Coordinate = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 
 
 class Rod(Model):
     """The connecting rod as a rigid body."""
 
     mass_kg: Mass = required("mass of the rod in kg")
-    center_mm: Coordinate = required("distance of its centre of mass from the crank pin towards the slider in mm")
+    center_mm: Place = required("distance of its centre of mass from the crank pin towards the slider in mm")
     inertia_kg_mm2: Inertia = required("moment of inertia about its centre of mass in kg mm2")
 
     @model_validator(mode="after")
@@ -45,7 +44,7 @@ class Crank(Model):
     """The crank with all that turns with it, the driven gear apart."""
 
     mass_kg: Mass = required("mass of the crank in kg")
-    center_mm: Coordinate = required(
+    center_mm: Place = required(
         "distance of its centre of mass from its axis towards the crank pin in mm; negative beyond the axis"
     )
     inertia_kg_mm2: Inertia = required("moment of inertia about its axis in kg mm2")
@@ -66,7 +65,7 @@ class Swinging(Crank):
     """A rocker or a lever with all that turns with it, as a rigid body on an axis of its own."""
 
     mass_kg: Mass = required("its mass in kg")
-    center_mm: Coordinate = required(
+    center_mm: Place = required(
         "distance of its centre of mass from its axis towards its pin in mm; negative beyond the axis"
     )
     inertia_kg_mm2: Inertia = required("moment of inertia about its axis in kg mm2")
@@ -92,22 +91,7 @@ class Gravity(Model):
     )
 
 
-class SliderMass(Model):
-    """The mass of the slider."""
-
-    slider_kg: Mass = required("mass of the slider in kg, with all that moves with it")
-
-
-class RodMass(Model):
-    """The connecting rod of a mechanism that has one."""
-
-    rod: Rod = required("the connecting rod")
-
-
-class CrankMass(Model):
-    """The crank of a mechanism."""
-
-    crank: Crank = required("the crank with all that turns with it, the driven gear apart")
+SLIDER = "mass of the slider in kg, with all that moves with it"
 
 
 class GearMasses(Model):
@@ -130,27 +114,12 @@ class GearMasses(Model):
     flywheel: Flywheel = optional("flywheel on the driving shaft; left out: none", Flywheel)
 
 
-class Weights(Model):
-    """Which way is down."""
-
-    gravity: Gravity | None = optional("gravity; left out: none")
-
-
-# Keys come from the last base to the first: so the crank is before the gears.
-class ShaftMasses(Weights, GearMasses, CrankMass):
-    """What turns with the crank and with the driving shaft, and gravity."""
-
-
-class DrivenShaftMass(Model):
-    """What turns with the driven shaft where it is the output."""
+class DrivenShaftMasses(GearMasses, first=True):
+    """What turns with both shafts of gears without a linkage, as moments of inertia."""
 
     shaft_kg_mm2: Inertia = required(
         "moment of inertia in kg mm2 of the driven shaft and all it drives, the driven gear apart"
     )
-
-
-class DrivenShaftMasses(GearMasses, DrivenShaftMass):
-    """What turns with both shafts of gears without a linkage, as moments of inertia."""
 
     @property
     def crank(self) -> Crank:
@@ -163,35 +132,44 @@ class DrivenShaftMasses(GearMasses, DrivenShaftMass):
         return
 
 
-# Keys come from the last base to the first: so the rod is between the slider and the crank.
-class SlidingMasses(ShaftMasses, SliderMass):
+class CrankMasses(GearMasses, first=True):
+    """What turns with the crank and with the driving shaft."""
+
+    crank: Crank = required("the crank with all that turns with it, the driven gear apart")
+
+
+class ShaftMasses(CrankMasses):
+    """The same, and gravity."""
+
+    gravity: Gravity | None = optional("gravity; left out: none")
+
+
+class SlidingMasses(ShaftMasses, first=True):
     """What moves where the crank moves the slider without a link between them, as masses and moments of inertia."""
 
+    slider_kg: Mass = required(SLIDER)
 
-class Masses(SlidingMasses, RodMass, SliderMass):
+
+class Masses(ShaftMasses, first=True):
     """What moves, as masses and moments of inertia."""
 
+    slider_kg: Mass = required(SLIDER)
+    rod: Rod = required("the connecting rod")
 
-class SwingingMasses(Model):
-    """Rocker and coupler."""
+
+class RockerMasses(ShaftMasses, first=True):
+    """What moves of a crank-rocker, as masses and moments of inertia."""
 
     rocker: Swinging = required("the rocker of a crank_rocker with all that turns with it")
     coupler: Rod = required("the coupler of a crank_rocker; its centre from the crank pin to the rocker's")
 
 
-class RockerMasses(ShaftMasses, SwingingMasses):
-    """What moves of a crank-rocker, as masses and moments of inertia."""
+class LeverMasses(ShaftMasses, first=True):
+    """What moves of a slotted lever, as masses and moments of inertia; the slider is the ram."""
 
-
-class BlockAndLever(Model):
-    """Lever and block."""
-
+    slider_kg: Mass = required(SLIDER)
     lever: Swinging = required("the lever of a slotted_lever")
     block_kg: Mass = optional("mass of a slotted_lever's block in kg", 0.0)
-
-
-class LeverMasses(ShaftMasses, BlockAndLever, SliderMass):
-    """What moves of a slotted lever, as masses and moments of inertia; the slider is the ram."""
 
 
 STEEPEST = 10.0
@@ -203,24 +181,15 @@ MOST_TURNS = 100.0
 class Friction(Model):
     """Coulomb's friction, whose coefficient depends on the speed of sliding."""
 
+    RULES = (
+        "static >= dynamic",
+        "dynamic_speed_mm_s > static_speed_mm_s",
+    )
+
     static: float = optional("coefficient at rest", 0.08, ge=0.0, le=2.0)
     dynamic: float = optional("coefficient in motion", 0.05, ge=0.0, le=2.0)
     static_speed_mm_s: Positive = optional("speed of sliding at which the one at rest is reached", 1.0)
     dynamic_speed_mm_s: Positive = optional("speed of sliding from which on the one in motion holds", 10.0)
-
-    @model_validator(mode="after")
-    def _rest_comes_first(self) -> Self:
-        if self.static < self.dynamic:
-            raise fault(
-                "static", f"{self.static:g} is less than the dynamic {self.dynamic:g}; as much or more is right"
-            )
-        if not self.static_speed_mm_s < self.dynamic_speed_mm_s:
-            raise fault(
-                "dynamic_speed_mm_s",
-                f"{self.dynamic_speed_mm_s:g} mm/s is not beyond static_speed_mm_s; over {self.static_speed_mm_s:g} "
-                "is right",
-            )
-        return self
 
 
 class Motor(Model):

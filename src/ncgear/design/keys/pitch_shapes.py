@@ -6,17 +6,20 @@ from collections.abc import Mapping
 from math import cos, hypot, inf, pi, sqrt, tan
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import (
+    CSV_FILE,
     LONGEST_MM,
+    FileName,
     Length,
     Model,
     Numbers,
+    Place,
+    Several,
     angle,
     fault,
     given,
-    one_of,
     optional,
     required,
     spellings,
@@ -47,7 +50,6 @@ RADIUS_OR_Y = ("radius_mm", "y_mm")
 
 PointColumn = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 ControlColumn = Annotated[Numbers, Field(min_length=3, max_length=MOST_CONTROL_POINTS)]
-Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 
 UNIT_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}
 
@@ -82,7 +84,7 @@ class Drawn(Shape):
 class CurvePoints(Drawn):
     """Points of the curve, in polar form or in the plane, in the order in which they follow each other."""
 
-    RULES = (one_of(*ANGLE_OR_X),)
+    RULES = (f"one of {' '.join(ANGLE_OR_X)}",)
 
     angles_rad: tuple[float, ...] = angle(
         "angles {unit} by which the gear has turned when its point faces the mate", "phi", of=PointColumn, absent=()
@@ -90,9 +92,7 @@ class CurvePoints(Drawn):
     radius_mm: PointColumn | None = optional("radii in mm, one for each angle")
     x_mm: PointColumn | None = optional("x of points of the drawn curve in mm, with y_mm")
     y_mm: PointColumn | None = optional("y of points of the drawn curve in mm")
-    file: str | None = optional(
-        "CSV file with the columns instead, its header naming them; its path counts from the design file", min_length=1
-    )
+    file: FileName | None = optional(CSV_FILE.format("the"))
     tolerance_mm: float = required(
         "how far the smooth curve may be from a point in mm, along its radius", gt=0.0, le=100.0
     )
@@ -175,15 +175,14 @@ class RationalCurve(Model):
 class DxfContour(Drawn):
     """A contour of a DXF file: lines, arcs and splines that make one closed curve."""
 
-    file: str | None = optional(
+    file: Annotated[str, Field(min_length=1)] | None = optional(
         "DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; its path "
-        "counts from the design file",
-        min_length=1,
+        "counts from the design file"
     )
     unit: Literal["mm", "cm", "m", "inch"] = required("unit of the drawing")
     layer: str | None = optional("layer of the contour; left out: all layers", min_length=1, max_length=255)
-    curves: Annotated[tuple[RationalCurve, ...], Strict(False), Field(min_length=1, max_length=MOST_CURVES)] | None = (
-        optional("the contour's parts, read from the file; given in place of it by programs only")
+    curves: Annotated[Several[RationalCurve], Field(min_length=1, max_length=MOST_CURVES)] | None = optional(
+        "the contour's parts, read from the file; given in place of it by programs only"
     )
 
     @model_validator(mode="after")

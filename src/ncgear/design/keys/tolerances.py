@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.base import Model, optional, required
 
 GRADE = "flank tolerance class of ISO 1328-1:2013, 1 (finest) to 11"
 
@@ -43,15 +43,11 @@ class GearTolerances(Model):
 class Temperatures(Model):
     """How cold and how warm the gears run."""
 
+    RULES = ("largest_c >= least_c",)
+
     least_c: float = required("least temperature of gears and housing in \u00b0C", ge=-100.0, le=300.0)
     largest_c: float = required("largest temperature of gears and housing in \u00b0C", ge=-100.0, le=300.0)
     warmer_k: float = optional("how much warmer than their housing the gears run, in K", 0.0, ge=0.0, le=200.0)
-
-    @model_validator(mode="after")
-    def _rising(self) -> Self:
-        if self.largest_c < self.least_c:
-            raise fault("largest_c", f"{self.largest_c:g} is below least_c; {self.least_c:g} or more is right")
-        return self
 
 
 class AssemblyTolerances(Model):

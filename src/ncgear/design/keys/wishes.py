@@ -22,12 +22,11 @@ from ncgear.design.keys.base import (
     Positive,
     Several,
     angle,
-    compared,
     fault,
     given,
     key_of,
     optional,
-    require_one,
+    require,
     required,
     spellings,
 )
@@ -82,6 +81,7 @@ class Wish(Model):
     @classmethod
     def __pydantic_init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
         """Turn the fields before pydantic makes a schema of them, which it does when the model is first used."""
+        super().__pydantic_init_subclass__(**kwargs)
         if turns:
             cls.PLACE, cls.SPEED = "deg", "rad_s"
             types = vars(cls.__mro__[1])["__annotations__"]
@@ -115,18 +115,15 @@ class ConstantSpeed(Wish):
 
     from_mm: Length = required("displacement in mm where the even speed begins, the smaller of both")
     to_mm: Length = required("displacement in mm where the even speed ends, the larger of both")
-    tolerance: float = optional(
-        "how far the speed may be from one value, as a share of it: 0.005 is half a percent",
-        0.005,
-        ge=LEAST_TOLERANCE,
-        le=0.5,
+    tolerance: Annotated[float, Field(ge=LEAST_TOLERANCE, le=0.5)] = optional(
+        "how far the speed may be from one value, as a share of it: 0.005 is half a percent", 0.005
     )
     stroke: StrokeName = optional("on the way out (working) or on the way back (return)", "working")
     speed_mm_s: Positive | None = optional("that one value in mm/s; left out: whatever the law makes of it")
 
     @model_validator(mode="after")
     def _has_length(self) -> Self:
-        compared(f"to_{self.PLACE}", ">", f"from_{self.PLACE}")(self)
+        require(self, f"to_{self.PLACE} > from_{self.PLACE}")
         return self
 
     def agrees(self, next_one: ConstantSpeed) -> bool:
@@ -183,7 +180,7 @@ class SpeedAt(Wish):
             raise fault(bounds[0], f"given with make: {self.make}, which is in its place; keep one")
         if self.make is not None and self.hard:
             raise fault("make", f"{self.make} has no bound that could be kept; hard: false is right with it")
-        compared(high, ">=", low)(self)
+        require(self, f"{high} >= {low}")
         return self
 
 
@@ -234,8 +231,8 @@ class GentleStop(Wish):
 
     @model_validator(mode="after")
     def _one_bound_and_a_length(self) -> Self:
-        require_one(self, (self.bound_key("deceleration"), self.bound_key("speed")))
-        compared(f"to_{self.PLACE}", ">", f"from_{self.PLACE}")(self)
+        require(self, f"one of {self.bound_key('deceleration')} {self.bound_key('speed')}")
+        require(self, f"to_{self.PLACE} > from_{self.PLACE}")
         start, end = self.place("from"), self.place("to")
         if self.stroke == "both" and start and end is not None:
             raise fault(
@@ -251,7 +248,7 @@ class GentleStop(Wish):
         if not any(given(self, names) for names in ends):
             return self
         for names in ends:
-            require_one(self, names)
+            require(self, f"one of {' '.join(names)}")
         if beside := given(self, (f"from_{self.PLACE}", f"to_{self.PLACE}")):
             raise fault(beside[0], "given with driving angles, which are in its place; keep one")
         if "stroke" in self.model_fields_set:

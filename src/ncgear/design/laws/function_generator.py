@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import FORMULA, Expression, fault, required
+from ncgear.design.keys.base import FORMULA, Expression, required
 from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 class FunctionGenerator(LawKeys):
     """Both angles are linear scales: the driving one of x, the driven one of y."""
+
+    RULES = ("x_to > x_from",)
 
     law: Literal["function_generator"] = required("the name of this law: function_generator")
     function: Expression = required(
@@ -30,12 +32,6 @@ class FunctionGenerator(LawKeys):
     driven_range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] = required(
         "what the driven gear turns meanwhile, in degrees; where y falls, its scale runs backwards"
     )
-
-    @model_validator(mode="after")
-    def _x_rises(self) -> Self:
-        if not self.x_to > self.x_from:
-            raise fault("x_to", f"{self.x_to:g} is not over x_from, {self.x_from:g}; a greater one is right")
-        return self
 
     @property
     def is_open(self) -> bool:

@@ -7,18 +7,7 @@ from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import model_validator
 
-from ncgear.design.keys.base import (
-    FORMULA,
-    Expression,
-    Length,
-    angle,
-    fault,
-    given,
-    listed,
-    optional,
-    require_one,
-    required,
-)
+from ncgear.design.keys.base import FORMULA, Expression, Length, angle, fault, given, listed, optional, required
 from ncgear.design.keys.pitch_shapes import (
     KEY,
     BSpline,
@@ -42,6 +31,8 @@ SHAPES = ("expression_mm", "points", "b_spline", "dxf", "ellipse", "modified_ell
 
 class PitchCurve(LawKeys):
     """The pitch curve of one gear, by a formula, points, a drawing or a named shape; the mate rolls on it."""
+
+    RULES = (f"one of {' '.join(SHAPES)}",)
 
     law: Literal["pitch_curve"] = required("the name of this law: pitch_curve")
     gear: Literal["driving", "driven"] = optional("the gear whose pitch curve is given", "driving")
@@ -89,11 +80,6 @@ class PitchCurve(LawKeys):
     def _found_key(self) -> str:
         """The key of the shape whose value is found; empty for the centre distance and the scale."""
         return self._shape.solvable.get(self.solve_for, "") if self._shape else ""
-
-    @model_validator(mode="after")
-    def _one_shape(self) -> Self:
-        require_one(self, SHAPES)
-        return self
 
     @model_validator(mode="after")
     def _one_unknown(self) -> Self:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import (
     FULL_TURN,
     Model,
     Numbers,
     Positive,
+    Several,
     angle,
     fault,
     key_of,
@@ -24,7 +25,8 @@ from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
-    from ncgear.ratio.transmission import Law, Lobes, Transmission
+    from ncgear.ratio.laws.over_driven_angle import StagedLaw
+    from ncgear.ratio.transmission import Lobes, Transmission
 
 FEWEST_POINTS, MOST_POINTS = 4, 2000
 """A spline through points h apart magnifies the rounding of their digits by 1/h^2 in the curvature of the pitch curves,
@@ -33,7 +35,7 @@ which for the ten digits of a file and 2000 points is 1e-5."""
 NEAREST_TURNS = 1e-7
 """Least distance of driven angles, in turns.  Nearer ones leave the slope of the spline fewer than nine digits."""
 
-Ratios = Annotated[tuple[Positive, ...], Strict(False), Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
+Ratios = Annotated[Several[Positive], Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 Angles = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 
 
@@ -92,11 +94,6 @@ class SplineRatio(LawKeys):
         return self.driven_angles or tuple(step * (2.0 * pi / len(self.ratio)) for step in range(len(self.ratio)))
 
     @property
-    def pairs_in_series(self) -> int:
-        """Two where a second stage is given."""
-        return 1 if self.second_stage is None else 2
-
-    @property
     def law_points(self) -> tuple[LawPoint, ...]:
         """Every point of the ratio; none of two pairs in series, whose first one has what the second one leaves."""
         if self.second_stage is not None:
@@ -114,17 +111,15 @@ class SplineRatio(LawKeys):
 
         return spline_ratio_law(np.array(self.driven_angle), np.array(self.ratio), lobes)
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
-        """The law of one pair, or of both pairs in series."""
-        if self.second_stage is None:
-            return super().law_on(linkage, lobes)
+    def staged(self) -> StagedLaw:
+        """The law of both pairs in series."""
+        assert self.second_stage is not None
         import numpy as np
 
         from ncgear.ratio.laws.spline import spline_ratio_staged
-        from ncgear.ratio.transmission import Law
 
         lists = self.driven_angle, self.ratio, self.second_stage.ratio
-        return Law(linkage, spline_ratio_staged(*(np.array(values) for values in lists)).train)
+        return spline_ratio_staged(*(np.array(values) for values in lists))
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
         """A share of ln i12; empty for two pairs in series."""

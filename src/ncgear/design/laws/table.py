@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import (
+    CSV_FILE,
     FULL_TURN,
+    FileName,
     Numbers,
     angle,
     fault,
     given,
     key_of,
-    one_of,
     optional,
     require_rising,
     required,
@@ -42,7 +43,7 @@ Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POIN
 class TableLaw(LawKeys):
     """Points of the law. Points from a CSV file stand in the same columns once the file is loaded."""
 
-    RULES = (one_of(*VALUE_COLUMNS),)
+    RULES = (f"one of {' '.join(VALUE_COLUMNS)}",)
 
     law: Literal["table"] = required("the name of this law: table")
     phi1: tuple[float, ...] = angle(
@@ -53,9 +54,7 @@ class TableLaw(LawKeys):
         "displacements in deg of an output that turns, from its retracted end, one for each angle"
     )
     ratio: Column | None = optional("transmission ratios i12 = dphi1/dphi2, one for each angle")
-    file: str | None = optional(
-        "CSV file with the columns instead, its header naming them; its path counts from the design file", min_length=1
-    )
+    file: FileName | None = optional(CSV_FILE.format("the"))
     scale_to_close: bool = optional(
         "true: multiply the ratio by the constant that makes the driven gear come round", False
     )
@@ -75,9 +74,9 @@ class TableLaw(LawKeys):
         key = key_of(self, "phi1")
         angles: tuple[float, ...] = getattr(self, key)
         turn = FULL_TURN[key.removeprefix("phi1_")]
-        for i, angle in enumerate(angles):
-            if not 0.0 <= angle <= turn:
-                raise fault(f"{key}.{i}", f"{angle:g} is outside the cycle; 0 to {shown_below(turn)} is right")
+        for i, one in enumerate(angles):
+            if not 0.0 <= one <= turn:
+                raise fault(f"{key}.{i}", f"{one:g} is outside the cycle; 0 to {shown_below(turn)} is right")
         require_rising(key, angles, NEAREST_TURNS * turn)
         return self
 

@@ -159,12 +159,12 @@ class ThreeSegmentStroke(LawKeys):
         """theta1 to theta4 with v1 and v2, and a1; what is solved for is moved by none."""
         found = []
         speeds = {"theta1": "v1", "theta2": "v2", "theta3": "v2", "theta4": ""}
-        for angle, speed in speeds.items():
+        for theta, speed in speeds.items():
             key = SOLVED_KEYS[speed][self.turns] if speed else ""
             value = getattr(self, key) if key else None
-            name, at = f"{angle}, {speed}" if speed else angle, key_of(self, angle)
+            name, at = f"{theta}, {speed}" if speed else theta, key_of(self, theta)
             value_key = key if value is not None else ""
-            found.append(LawPoint(name, "velocity", getattr(self, angle), None, at, value_key, value or 0.0))
+            found.append(LawPoint(name, "velocity", getattr(self, theta), None, at, value_key, value or 0.0))
         key = SOLVED_KEYS["a1"][self.turns]
         if (value := getattr(self, key)) is not None:
             # Just before the return, which may begin with another acceleration.
