@@ -132,7 +132,8 @@ class Model(BaseModel):
     @classmethod
     def __pydantic_init_subclass__(cls, first: bool = False, **kwargs: Any) -> None:
         """Put the keys of a class behind those of its base, or with ``first=True`` before them, as a file has them."""
-        own, base, fields = vars(cls)["__annotations__"], cls.__bases__[0].model_fields, cls.__pydantic_fields__
+        own, base = vars(cls)["__annotations__"], getattr(cls.__bases__[0], "model_fields", {})
+        fields = cls.__pydantic_fields__
         order = (*own, *base) if first else (*base, *own)
         cls.__pydantic_fields__ = {name: fields[name] for name in order if name in fields}
 
@@ -182,7 +183,7 @@ _RELATIONS: dict[str, tuple[Callable[[float, float], bool], str]] = {
     "<": (operator.lt, "under {}"),
     "<=": (operator.le, "{} or less"),
     ">": (operator.gt, "over {}"),
-    ">=": (operator.ge, "{} or more"),
+    ">=": (operator.ge, "{} or over"),
 }
 
 
@@ -190,7 +191,8 @@ def require(model: BaseModel, rule: str) -> None:
     """Refuse a model in which a rule between dotted keys does not hold.
 
     The rules are ``one of A B``, exactly one is given; ``at most one of A B``; ``A with B``, both are given or neither;
-    ``A needs B C``, A is given only with B or C; ``A < B``, also <=, > and >=, where both are given.
+    ``A needs B C``, A is given only with B or C; where both are given, ``A as many as B`` of lists and ``A < B``, also
+    <=, > and >=, of numbers.
     """
     match rule.split():
         case ["one", "of", *names]:
@@ -208,6 +210,10 @@ def require(model: BaseModel, rule: str) -> None:
         case [key, "needs", *others]:
             if _at(model, key) is not None and all(_at(model, other) is None for other in others):
                 raise fault(key, f"given without {listed(others)}; give that as well, or leave {key} out")
+        case [key, "as", "many", "as", other]:
+            counts = [len(values) for name in (key, other) if (values := _at(model, name)) is not None]
+            if len(counts) == 2 and counts[0] != counts[1]:
+                raise fault(key, f"{counts[0]} values, but {other} has {counts[1]}; as many are right")
         case [key, relation, other]:
             (holds, words), value, bound = _RELATIONS[relation], _at(model, key), _at(model, other)
             if value is not None and bound is not None and not holds(value, bound):

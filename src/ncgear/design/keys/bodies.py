@@ -130,14 +130,6 @@ class DrivenBody(GearBody):
         ]
 
 
-def require_height(name: str, body: GearBody, face_width: float) -> None:
-    """Raise a fault if the web is as thick as the gear."""
-    web = body.web
-    if web is not None and web.thickness_mm >= face_width:
-        problem = f"{web.thickness_mm:g} mm is no thinner than the gear; under {face_width:g} mm is right"
-        raise fault(f"{name}.web.thickness_mm", problem)
-
-
 def chamfer_fault(name: str, body: GearBody, face_width: float, chamfer: float) -> tuple[str, str] | None:
     """Where the chamfer of the lower edges is as high as the web or the gear: its key and its fault."""
     web = body.web

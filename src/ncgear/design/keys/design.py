@@ -46,6 +46,9 @@ class Design(Model, Shown):
         "drivetrain.driving_shaft.diameter_mm <= gears.driving.bore_mm",
         "drivetrain.driven_shaft.diameter_mm <= gears.driven.bore_mm",
         "fit needs gears",
+        "drivetrain needs gears",
+        "drivetrain needs masses",
+        "at most one of simulation.motor drivetrain.motor.no_load_speed_rpm",
     )
 
     name: str = required("name of the design and of its output folder", pattern=NAME_PATTERN)
@@ -163,17 +166,9 @@ class Design(Model, Shown):
         return self
 
     @model_validator(mode="after")
-    def _drivetrain_has_gears_and_masses(self) -> Self:
-        if self.drivetrain is None:
-            return self
-        for name in ("gears", "masses"):
-            if getattr(self, name) is None:
-                raise fault(name, "missing; the section drivetrain needs it, since its loads follow from the forces")
-        if self.stages > 1:
+    def _drivetrain_has_one_pair(self) -> Self:
+        if self.drivetrain is not None and self.stages > 1:
             raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
-        motor = self.drivetrain.motor
-        if motor is not None and motor.no_load_speed_rpm is not None and self.simulation.motor is not None:
-            raise fault("drivetrain.motor.no_load_speed_rpm", "given, but simulation.motor has a line too; keep one")
         return self
 
     @model_validator(mode="after")

@@ -45,6 +45,10 @@ class DrivingShaft(Model):
 
     RULES = (
         "bearing_a with bearing_b",
+        "steel needs bearing_a",
+        "tensile_mpa needs bearing_a",
+        "key needs steel tensile_mpa",
+        "at most one of steel tensile_mpa",
         "tensile_mpa with yield_mpa",
         "yield_mpa <= tensile_mpa",
     )
@@ -64,19 +68,9 @@ class DrivingShaft(Model):
     key: ShaftKey | None = optional("key in the gear's keyway; left out: not looked at. Needs the steel")
 
     @model_validator(mode="after")
-    def _parts_belong_together(self) -> Self:
+    def _bearings_are_apart(self) -> Self:
         if self.bearing_a and self.bearing_b and self.bearing_a.at_mm == self.bearing_b.at_mm:
             raise fault("bearing_b.at_mm", f"{self.bearing_b.at_mm:g} mm given, as of bearing_a; another one is right")
-        if self.has_strength and self.bearing_a is None:
-            raise fault("bearing_a", "missing; the bending of a shaft of given steel follows from its bearings")
-        if self.key is not None and not self.has_strength:
-            raise fault("steel", "missing; the pressure on the key is held against the steel of the shaft")
-        return self
-
-    @model_validator(mode="after")
-    def _one_strength(self) -> Self:
-        if self.steel is not None and self.tensile_mpa is not None:
-            raise fault("tensile_mpa", "given, but so is steel; keep one of the two")
         return self
 
     @property

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Length, Model, Several, fault, listed, optional, required
-from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height
+from ncgear.design.keys.bodies import DrivenBody, GearBody
 from ncgear.design.keys.strength import WrittenMaterials
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
@@ -200,6 +200,8 @@ class Lobes(Model):
 class Gears(Model):
     """The pair of gears: lobes, size, rack, backlash, bodies."""
 
+    RULES = ("driving.web.thickness_mm < face_width_mm", "driven.web.thickness_mm < face_width_mm")
+
     mesh: Literal["external", "internal"] = optional(
         "external: gears side by side; internal: the driven gear is a ring around the driving one, which needs a "
         "ratio over 1 everywhere",
@@ -347,10 +349,4 @@ class Gears(Model):
     def _one_backlash(self) -> Self:
         if self.backlash_deg is not None and self.backlash_mm > 0.0:
             raise fault("backlash_deg", f"backlash_mm: {self.backlash_mm:g} is given; leave out one of the two")
-        return self
-
-    @model_validator(mode="after")
-    def _webs_are_thinner_than_gears(self) -> Self:
-        for name, body in (("driving", self.driving), ("driven", self.driven)):
-            require_height(name, body, self.face_width_mm)
         return self

@@ -118,10 +118,7 @@ class LoadTable(Model):
             if getattr(self, key) is None:
                 needed = listed(self.COLUMNS, "and")
                 raise fault(key, f"missing; a table needs {needed}, or a file that has both")
-        places, loads = (len(getattr(self, key) or ()) for key in self.COLUMNS)
-        if places != loads:
-            name = label_and_unit(self.COLUMNS[0])[0]
-            raise fault(self.COLUMNS[1], f"{loads} values for {places} {name}s; give as many")
+        require(self, f"{self.COLUMNS[1]} as many as {self.COLUMNS[0]}")
         return self
 
     @model_validator(mode="after")

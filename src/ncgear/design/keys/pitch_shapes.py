@@ -21,6 +21,7 @@ from ncgear.design.keys.base import (
     fault,
     given,
     optional,
+    require,
     required,
     spellings,
 )
@@ -105,9 +106,7 @@ class CurvePoints(Drawn):
             raise fault(other, f"given, but {first} goes with {second}")
         if getattr(self, second) is None:
             raise fault("", f"{second} is missing; {first} needs it")
-        counts = len(getattr(self, first)), len(getattr(self, second))
-        if counts[0] != counts[1]:
-            raise fault(second, f"{counts[1]} values, but {first} has {counts[0]}; as many are right")
+        require(self, f"{second} as many as {first}")
         if first != "x_mm" and self.axis_mm != (0.0, 0.0):
             raise fault("axis_x_mm", "given, but points in polar form have their axis at the pole; leave it out")
         for i, radius in enumerate(self.radius_mm or ()):
@@ -135,14 +134,14 @@ class CurvePoints(Drawn):
 class BSpline(Drawn):
     """A closed uniform B-spline."""
 
+    RULES = ("y_mm as many as x_mm",)
+
     x_mm: ControlColumn = required("x of the control points in mm, around the curve")
     y_mm: ControlColumn = required("y of the control points in mm")
     degree: int = optional("degree; with 2 the curvature jumps, from 3 on it does not", 3, ge=2, le=HIGHEST_DEGREE)
 
     @model_validator(mode="after")
     def _enough_points(self) -> Self:
-        if len(self.x_mm) != len(self.y_mm):
-            raise fault("y_mm", f"{len(self.y_mm)} values, but x_mm has {len(self.x_mm)}; as many are right")
         if len(self.x_mm) <= self.degree:
             problem = f"{len(self.x_mm)} control points for degree {self.degree}; {self.degree + 1} or more are right"
             raise fault("x_mm", problem)

@@ -79,9 +79,9 @@ class Wish(Model):
     )
 
     @classmethod
-    def __pydantic_init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
+    def __pydantic_init_subclass__(cls, first: bool = False, turns: bool = False, **kwargs: Any) -> None:
         """Turn the fields before pydantic makes a schema of them, which it does when the model is first used."""
-        super().__pydantic_init_subclass__(**kwargs)
+        super().__pydantic_init_subclass__(first, **kwargs)
         if turns:
             cls.PLACE, cls.SPEED = "deg", "rad_s"
             types = vars(cls.__mro__[1])["__annotations__"]

@@ -17,6 +17,7 @@ from ncgear.design.keys.base import (
     fault,
     key_of,
     optional,
+    require,
     require_rising,
     required,
 )
@@ -50,6 +51,8 @@ class SecondStageRatios(Model):
 class SplineRatio(LawKeys):
     """The logarithm of the ratio as a smooth curve over the driven angle; the cycle is closed by a common factor."""
 
+    RULES = ("second_stage.ratio as many as ratio",)
+
     law: Literal["spline_ratio"] = required("the name of this law: spline_ratio")
     ratio: Ratios = required(
         "transmission ratios i12 = dphi1/dphi2 at the driven angles, up to a common factor that closes the cycle"
@@ -65,18 +68,9 @@ class SplineRatio(LawKeys):
     )
 
     @model_validator(mode="after")
-    def _as_many_of_each(self) -> Self:
-        count = len(self.ratio)
-        if (key := key_of(self, "driven_angle")) and (angles := len(self.driven_angles)) != count:
-            raise fault(key, f"{angles} angles for {count} ratios; give as many as ratio has")
-        if self.second_stage is not None and len(self.second_stage.ratio) != count:
-            found = len(self.second_stage.ratio)
-            raise fault("second_stage.ratio", f"{found} values for {count} driven angles; give as many as ratio has")
-        return self
-
-    @model_validator(mode="after")
     def _angles_rise_within_a_turn(self) -> Self:
         if key := key_of(self, "driven_angle"):
+            require(self, f"{key} as many as ratio")
             angles, turn = getattr(self, key), FULL_TURN[key.removeprefix("driven_angle_")]
             if angles[0] != 0.0:
                 raise fault(f"{key}.0", f"{angles[0]:g} is the first angle; 0 is right")

@@ -16,6 +16,7 @@ from ncgear.design.keys.base import (
     given,
     key_of,
     optional,
+    require,
     require_rising,
     required,
     spellings,
@@ -63,10 +64,7 @@ class TableLaw(LawKeys):
     def _columns(self) -> Self:
         if self.scale_to_close and self.ratio is None:
             raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
-        value_key = given(self, VALUE_COLUMNS)[0]
-        angles, values = len(self.phi1), len(getattr(self, value_key))
-        if angles != values:
-            raise fault(value_key, f"{values} values for {angles} angles; give as many as {key_of(self, 'phi1')} has")
+        require(self, f"{given(self, VALUE_COLUMNS)[0]} as many as {key_of(self, 'phi1')}")
         return self
 
     @model_validator(mode="after")
