@@ -10,7 +10,6 @@ from typing import Any, get_origin
 
 from pydantic import ValidationError
 
-from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
@@ -21,6 +20,7 @@ from ncgear.design.reading.text import quoted, whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import MachineName, machine_template, template
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
 Beginning = LawName | MachineName

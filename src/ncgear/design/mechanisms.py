@@ -13,8 +13,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import Model
-from ncgear.design.keys.linkages import LeverKeys, RackKeys, RockerKeys, YokeKeys
-from ncgear.design.keys.machine import Linkage, Load, NoLinkage, Resistance, RockerTorque, ShaftTorque, TurningLoad
+from ncgear.design.keys.linkages import LeverKeys, Linkage, NoLinkage, RackKeys, RockerKeys, YokeKeys
+from ncgear.design.keys.machine import Load, Resistance, RockerTorque, ShaftTorque, TurningLoad
 from ncgear.design.keys.masses import (
     DrivenShaftMasses,
     GearMasses,

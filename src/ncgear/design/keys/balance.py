@@ -6,22 +6,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import (
-    LONGEST_MM,
-    Length,
-    Model,
-    Several,
-    Share,
-    Speed,
-    fault,
-    given,
-    listed,
-    optional,
-    required,
-)
-from ncgear.design.keys.machine import Linkage
-from ncgear.design.keys.masses import HEAVIEST_KG, Mass, Masses, Place
-from ncgear.design.words import NAME_PATTERN
+from ncgear.design.keys.base import Model, fault, given, optional, required
+from ncgear.design.keys.linkages import Linkage
+from ncgear.design.keys.masses import HEAVIEST_KG, Mass, Masses
+from ncgear.design.keys.types import LONGEST_MM, Length, Place, Several, Share, Speed
+from ncgear.design.words import NAME_PATTERN, listed
 
 MOST_COUNT = 10_000
 MOST_ITEMS = 200

@@ -6,7 +6,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, fault, optional, required
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.types import Length
 
 MOST_HOLES = 100
 

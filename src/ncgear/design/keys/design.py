@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, TypeAdapter, create_model, model_validator
 
-from ncgear.design.keys.base import Model, fault, given, listed, optional, required
+from ncgear.design.keys.base import Model, fault, given, optional, required
 from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.gears import SIZES, Gears
-from ncgear.design.keys.linkages import Fit
-from ncgear.design.keys.machine import Comparison, Linkage, NoLinkage, Operation, Output, Resistance
+from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
+from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.keys.strength import StrengthKeys
@@ -22,7 +22,7 @@ from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
-from ncgear.design.words import NAME_PATTERN
+from ncgear.design.words import NAME_PATTERN, listed
 from ncgear.shown import Shown
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"

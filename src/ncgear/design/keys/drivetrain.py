@@ -9,7 +9,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, Place, Positive, Speed, fault, optional, required
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.types import Length, Place, Positive, Speed
 
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]

@@ -7,9 +7,11 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, Several, fault, listed, optional, required
+from ncgear.design.keys.base import Model, fault, optional, required
 from ncgear.design.keys.bodies import DrivenBody, GearBody
 from ncgear.design.keys.strength import WrittenMaterials
+from ncgear.design.keys.types import Length, Several
+from ncgear.design.words import listed
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
 MOST_TEETH = 10_000

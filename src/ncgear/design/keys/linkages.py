@@ -1,4 +1,4 @@
-"""The keys under ``linkage`` of the mechanisms besides the crank-slider, and of what moves beside the gears.
+"""The keys under ``linkage`` of all mechanisms, and of what moves beside the gears.
 
 Keys of the same name mean the same in all of them.
 """
@@ -7,22 +7,36 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ncgear.design.keys.base import Length, Model, optional, required
-from ncgear.design.keys.machine import Linkage
-
-CRANK = Linkage.model_fields["crank_mm"].description
+from ncgear.design.keys.base import Model, optional, required
+from ncgear.design.keys.types import Length, Place
 
 
-class YokeKeys(Model):
+class CrankKeys(Model):
+    """A mechanism with a crank."""
+
+    crank_mm: Length | None = optional(
+        "length of the crank in mm; may be left out only when motion.solve_for is stroke"
+    )
+
+
+class Linkage(CrankKeys):
+    """The crank-slider that the driven gear turns."""
+
+    rod_mm: Length = required("length of the connecting rod in mm")
+    offset_mm: Place = optional("distance of the slider's line from the crank axis in mm", 0.0)
+
+
+class NoLinkage(Model):
+    """Gears by themselves: the driven shaft is the output."""
+
+
+class YokeKeys(CrankKeys):
     """The Scotch yoke that the driven gear turns."""
 
-    crank_mm: Length | None = optional(CRANK)
 
-
-class RockerKeys(Model):
+class RockerKeys(CrankKeys):
     """The crank-rocker (four-bar linkage) that the driven gear turns."""
 
-    crank_mm: Length | None = optional(CRANK)
     coupler_mm: Length = required("length of the coupler of a crank_rocker, from crank pin to rocker pin, in mm")
     rocker_mm: Length = required("length of the rocker of a crank_rocker, from its axis to its pin, in mm")
     ground_mm: Length = required("distance of a crank_rocker's axes, crank to rocker, in mm")
@@ -33,10 +47,9 @@ class RockerKeys(Model):
     )
 
 
-class LeverKeys(Model):
+class LeverKeys(CrankKeys):
     """The slotted lever with its ram that the driven gear turns."""
 
-    crank_mm: Length | None = optional(CRANK)
     pivot_mm: Length = required("distance of a slotted_lever's axis from the crank's in mm, over crank_mm")
     lever_mm: Length = required(
         "length of a slotted_lever from its axis to the pin of the ram in mm, over pivot_mm + crank_mm"

@@ -7,48 +7,26 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import (
+from ncgear.design.keys.base import Model, fault, given, optional, require, required
+from ncgear.design.keys.types import (
     CSV_FILE,
     FORMULA,
-    LONGEST_MM,
     Expression,
     FileName,
     Length,
-    Model,
     Numbers,
     Place,
     Positive,
     Several,
     Speed,
-    fault,
-    given,
-    listed,
-    optional,
-    require,
-    required,
 )
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import label_and_unit
 
 FIGURES = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
 """Figures of a published mechanism, each with the power of the driving speed that it is proportional to."""
-
-
-class Linkage(Model):
-    """The crank-slider that the driven gear turns."""
-
-    crank_mm: Length | None = optional(
-        "length of the crank in mm; may be left out only when motion.solve_for is stroke"
-    )
-    rod_mm: Length = required("length of the connecting rod in mm")
-    offset_mm: float = optional(
-        "distance of the slider's line from the crank axis in mm", 0.0, ge=-LONGEST_MM, le=LONGEST_MM
-    )
-
-
-class NoLinkage(Model):
-    """Gears by themselves: the driven shaft is the output."""
 
 
 class Operation(Model):

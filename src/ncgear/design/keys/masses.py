@@ -13,7 +13,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Model, Place, Positive, Speed, fault, optional, required
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.types import Place, Positive, Speed
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 

@@ -6,7 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, Positive, Speed, fault, given, listed, optional
+from ncgear.design.keys.base import Model, fault, given, optional
+from ncgear.design.keys.types import Length, Positive, Speed
+from ncgear.design.words import listed
 
 FEWEST_KNOTS, MOST_KNOTS = 12, 720
 

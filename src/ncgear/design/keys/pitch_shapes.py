@@ -8,23 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import (
-    CSV_FILE,
-    LONGEST_MM,
-    FileName,
-    Length,
-    Model,
-    Numbers,
-    Place,
-    Several,
-    angle,
-    fault,
-    given,
-    optional,
-    require,
-    required,
-    spellings,
-)
+from ncgear.design.keys.base import Model, angle, fault, given, optional, require, required
+from ncgear.design.keys.types import CSV_FILE, LONGEST_MM, FileName, Length, Numbers, Place, Several
+from ncgear.design.words import spellings
 from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from ncgear.design.keys.base import Model, fault, listed, optional, required
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.words import listed
 from ncgear.strength.materials import TABLE, Ferrous
 
 STRONGEST_MPA = 10_000.0

@@ -14,22 +14,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from ncgear.design.keys.base import (
-    LONGEST_MM,
-    Item,
-    Length,
-    Model,
-    Positive,
-    Several,
-    angle,
-    fault,
-    given,
-    key_of,
-    optional,
-    require,
-    required,
-    spellings,
-)
+from ncgear.design.keys.base import Model, angle, fault, given, key_of, optional, require, required
+from ncgear.design.keys.types import LONGEST_MM, Item, Length, Positive, Several
+from ncgear.design.words import spellings
 
 MOST_WISHES = 50
 """Wishes of a kind: more than a person writes."""

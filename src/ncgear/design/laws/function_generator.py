@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import FORMULA, Expression, required
+from ncgear.design.keys.base import required
+from ncgear.design.keys.types import FORMULA, Expression
 from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Model, Several, optional, required
+from ncgear.design.keys.base import Model, optional, required
+from ncgear.design.keys.types import Several
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 
 if TYPE_CHECKING:

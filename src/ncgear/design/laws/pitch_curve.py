@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import model_validator
 
-from ncgear.design.keys.base import FORMULA, Expression, Length, angle, fault, given, listed, optional, required
+from ncgear.design.keys.base import angle, fault, given, optional, required
 from ncgear.design.keys.pitch_shapes import (
     KEY,
     BSpline,
@@ -18,7 +18,9 @@ from ncgear.design.keys.pitch_shapes import (
     RoundedPolygon,
     Solvable,
 )
+from ncgear.design.keys.types import FORMULA, Expression, Length
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
+from ncgear.design.words import listed
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism

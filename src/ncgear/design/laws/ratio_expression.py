@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, fault, optional, required
+from ncgear.design.keys.base import fault, optional, required
+from ncgear.design.keys.types import FORMULA, SMOOTH_LAW, Expression
 from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys, LawNumber
 
 if TYPE_CHECKING:

@@ -7,20 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import (
-    FULL_TURN,
-    Model,
-    Numbers,
-    Positive,
-    Several,
-    angle,
-    fault,
-    key_of,
-    optional,
-    require,
-    require_rising,
-    required,
-)
+from ncgear.design.keys.base import FULL_TURN, Model, angle, fault, key_of, optional, require, require_rising, required
+from ncgear.design.keys.types import Numbers, Positive, Several
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.numerics.bounds import shown_below
 

@@ -6,22 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import (
-    CSV_FILE,
-    FULL_TURN,
-    FileName,
-    Numbers,
-    angle,
-    fault,
-    given,
-    key_of,
-    optional,
-    require,
-    require_rising,
-    required,
-    spellings,
-)
+from ncgear.design.keys.base import FULL_TURN, angle, fault, given, key_of, optional, require, require_rising, required
+from ncgear.design.keys.types import CSV_FILE, FileName, Numbers
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.words import spellings
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_below
 

@@ -12,21 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from ncgear.design.keys.base import (
-    Length,
-    Model,
-    Positive,
-    Speed,
-    angle,
-    fault,
-    given,
-    key_of,
-    listed,
-    optional,
-    required,
-)
+from ncgear.design.keys.base import Model, angle, fault, given, key_of, optional, required
+from ncgear.design.keys.types import Length, Positive, Speed
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.design.reading.text import quoted
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import FromFile
 from ncgear.design.reading.text import quoted, read_text
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
