@@ -15,8 +15,8 @@ from drives import DESIGNS, design_of, loaded
 from ncgear.design.beginning import begun, usual_answers
 from ncgear.design.keys.design import json_schema
 from ncgear.design.laws.registry import LawName
-from ncgear.design.machines import MachineName
 from ncgear.design.reading.design_file import parsed
+from ncgear.design.template import MachineName
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, stretches_in_words
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where

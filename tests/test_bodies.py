@@ -517,14 +517,14 @@ SCREW = "hub: {{diameter_mm: 20, height_mm: 6, set_screw: {{{}}}}}"
 
 WRONG = [
     ("driving: {hub: {diameter_mm: 0, height_mm: 3}}", "driving.hub.diameter_mm", "0"),
-    ("driving: {bore_mm: 8, web: {thickness_mm: 3, rim_mm: 3}}", "driving.web", "neither hub_mm nor a hub is given"),
+    ("driving: {bore_mm: 8, web: {thickness_mm: 3, rim_mm: 3}}", "driving.web", "given without web.hub_mm or hub"),
     (
         "driving: {hub: {diameter_mm: 20, height_mm: 3}, web: {thickness_mm: 3, rim_mm: 3, hub_mm: 19}}",
         "driving.web.hub_mm",
         "20 mm or over is right",
     ),
     ("driving: {web: {thickness_mm: 10, rim_mm: 3, hub_mm: 9}}", "driving.web.thickness_mm", "under 10 mm is right"),
-    ("driving: {" + SCREW.format("diameter_mm: 3") + "}", "driving.hub.set_screw", "a set screw without a bore"),
+    ("driving: {" + SCREW.format("diameter_mm: 3") + "}", "driving.hub.set_screw", "given without bore_mm"),
     (
         "driving: {bore_mm: 2, " + SCREW.format("diameter_mm: 3") + "}",
         "driving.hub.set_screw.diameter_mm",

@@ -722,17 +722,17 @@ def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
 @pytest.mark.parametrize(
     ("section", "message"),
     [
-        ("motor: {rated_torque_n_m: 1, rated_speed_rpm: 100, no_load_speed_rpm: 90}", "over 100 is right"),
-        ("motor: {rated_torque_n_m: 2, rated_speed_rpm: 100, peak_torque_n_m: 1}", "2 or over is right"),
+        ("motor: {rated_torque_n_m: 1, rated_speed_rpm: 100, no_load_speed_rpm: 90}", "over 100 r/min is right"),
+        ("motor: {rated_torque_n_m: 2, rated_speed_rpm: 100, peak_torque_n_m: 1}", "2 N m or over is right"),
         ("pto: {}, motor: {rated_torque_n_m: 1, rated_speed_rpm: 100}", "keep one"),
         ("driving_shaft: {bearing_a: {at_mm: 0}}", "bearing_b: missing"),
         ("driving_shaft: {bearing_a: {at_mm: 5}, bearing_b: {at_mm: 5}}", "another one is right"),
-        ("driving_shaft: {steel: C45}", "bearing_a: missing"),
-        ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, key: {}}", "steel: missing"),
+        ("driving_shaft: {steel: C45}", "steel: given without bearing_a"),
+        ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, key: {}}", "key: given without steel"),
         ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, tensile_mpa: 400}", "yield_mpa: missing"),
         (
             "driving_shaft: {bearing_a: {at_mm: -9}, bearing_b: {at_mm: 9}, diameter_mm: 8.01}",
-            r"driving_shaft\.diameter_mm: 8\.01 mm does not go into gears\.driving\.bore_mm, 8 mm",
+            r"driving_shaft\.diameter_mm: 8\.01 mm given, but gears\.driving\.bore_mm is 8 mm",
         ),
         (
             "driven_shaft: {bearing_a: {at_mm: -9}, bearing_b: {at_mm: 4.99}}",
@@ -754,7 +754,7 @@ def test_a_shaft_that_fits_its_gear_is_taken() -> None:
 
 def test_what_the_section_needs_of_the_design() -> None:
     head = PRESS[: PRESS.index("masses:")]
-    with pytest.raises(WrongInput, match="masses: missing; the section drivetrain needs it"):
+    with pytest.raises(WrongInput, match="drivetrain: given without masses"):
         drive_of_text(f"{head}drivetrain: {{}}\n")
 
 

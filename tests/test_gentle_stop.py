@@ -313,7 +313,7 @@ WRONG = {
     ),
     "no length": (
         "{from_mm: 700, to_mm: 700, speed_at_most_mm_s: 9}",
-        "wishes.gentle_stop.0.to_mm: 700 given after from_mm: 700; a larger displacement is right",
+        "wishes.gentle_stop.0.to_mm: 700 mm given, but from_mm is 700 mm; over 700 mm is right",
     ),
     "apart": (
         "{from_mm: 100, to_mm: 700, stroke: both, speed_at_most_mm_s: 9}",

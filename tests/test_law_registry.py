@@ -10,11 +10,10 @@ import pytest
 from commands import ROOT
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, design_law
-from ncgear.design.laws.templates import TEMPLATES
 from ncgear.design.laws.uniform_crank import UniformCrank
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import law_of
-from ncgear.design.template import template
+from ncgear.design.template import motion_of, template
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.project.drive import Drive
@@ -33,7 +32,7 @@ def test_every_law_has_a_reference_of_its_own() -> None:
 def test_the_module_of_a_law_describes_the_law_of_its_name(law: LawName) -> None:
     found = design_law(law)
     assert law_of(found.keys) == law
-    assert TEMPLATES[law].startswith("motion: ")
+    assert motion_of(law).startswith("motion: ")
     assert found.choice
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from commands import Run
 from ncgear.design.keys.design import Design
-from ncgear.design.machines import MachineName, machine_template
+from ncgear.design.template import MachineName, machine_template
 from ncgear.project.drive import Drive
 from ncgear.project.opened import load, loads
 from tiers import long_but

@@ -19,9 +19,8 @@ from commands import Run, fresh
 from ncgear.design.beginning import ANSWERS, begun, fault_of, proportioned, usual_answers
 from ncgear.design.keys.wishes import Dwell, TimeRatio, Wishes
 from ncgear.design.laws.registry import LawName
-from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.rewritten import rewritten
-from ncgear.design.template import template
+from ncgear.design.template import MachineName, machine_template, template
 from ncgear.project.opened import load, loads
 from tiers import long_but
 

@@ -13,8 +13,8 @@ import pytest
 from commands import Run, on_text
 from drives import drive_of_text
 from heavy_gears import heavy, laws_beside
-from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.reading.design_file import load
+from ncgear.design.template import MachineName, machine_template
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance

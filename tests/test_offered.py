@@ -11,9 +11,9 @@ import pytest
 
 from ncgear.design.beginning import begun
 from ncgear.design.keys.design import Design
-from ncgear.design.machines import MachineName
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
+from ncgear.design.template import MachineName
 from ncgear.optimum.certified.refusals import turning_point
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.project.best_law import BestLaw

@@ -18,8 +18,8 @@ import pytest
 
 from drives import DESIGNS, loaded
 from ncgear.design.keys.design import Design
-from ncgear.design.machines import MachineName, machine_template
 from ncgear.design.space import Listed, Space
+from ncgear.design.template import MachineName, machine_template
 from ncgear.errors import DesignError
 from ncgear.figures.csv_text import law_csv
 from ncgear.figures.simulated import rigid_figures

@@ -21,7 +21,7 @@ from scipy.interpolate import PchipInterpolator
 
 from commands import new_folder
 from drives import drive_of_text
-from ncgear.design.machines import MachineName, machine_template
+from ncgear.design.template import MachineName, machine_template
 from ncgear.files.build import build
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

@@ -195,7 +195,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
     "no depth of damping": ("{full_damping_depth_mm: 0}", "full_damping_depth_mm", "over 0"),
     "exponent of no stiffness": ("{exponent: 1.5}", "exponent", "given without stiffness_n_mm"),
     "damping beyond critical": ("{damping_ratio: 1.5}", "damping_ratio", "1 or under"),
-    "less friction at rest": ("{friction: {static: 0.01}}", "friction.static", "less than the dynamic 0.05"),
+    "less friction at rest": ("{friction: {static: 0.01}}", "friction.static", "0.01 given, but dynamic is 0.05"),
     "speeds of friction": ("{friction: {dynamic_speed_mm_s: 1}}", "friction.dynamic_speed_mm_s", "over 1 is right"),
     "motor without torque": (
         "{motor: {no_load_speed_rpm: 60, stall_torque_n_m: 0}}",

@@ -387,7 +387,7 @@ ROUND = [1.0, 1.1, 1.2, 1.1]
         ({"driven_angle_rad": [0.1, 1, 2, 3]}, "motion.driven_angle_rad.0", "0 is right"),
         ({"driven_angle_rad": [0, 1, 1.0000001, 3]}, "motion.driven_angle_rad.2", "at least 6.3e-07 apart"),
         ({"driven_angle_deg": [0, 90, 180]}, "motion.driven_angle_deg", "4"),
-        ({"driven_angle_deg": [0, 9, 18, 27, 36]}, "motion.driven_angle_deg", "5 angles for 4 ratios"),
+        ({"driven_angle_deg": [0, 9, 18, 27, 36]}, "motion.driven_angle_deg", "5 values, but ratio has 4"),
         (
             {"driven_angle_deg": [0, 1, 2, 3], "driven_angle_pi": [0, 0.1, 1, 1.1]},
             "motion.driven_angle_pi",

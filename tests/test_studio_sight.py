@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drives import DESIGNS, drive, drive_of_text, loaded
-from ncgear.design.laws.formula_numbers import numbers_of
+from ncgear.design.laws.ratio_expression import numbers_of
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.drawings.page.chart_svg import TEXT_SIZE, drawn

@@ -326,7 +326,7 @@ HEAD = "name: d\nlinkage: {crank_mm: 380, rod_mm: 960}\noperation: {speed_rpm: 6
 WRONG = {
     "places the wrong way round": (
         "constant_speed: [{from_mm: 500, to_mm: 300}]",
-        "d.yaml:5:42: wishes.constant_speed.0.to_mm: 300 given after from_mm: 500; a larger displacement is right",
+        "d.yaml:5:42: wishes.constant_speed.0.to_mm: 300 mm given, but from_mm is 500 mm; over 500 mm is right",
     ),
     "overlapping even speeds": (
         "constant_speed: [{from_mm: 300, to_mm: 500}, {from_mm: 100, to_mm: 301}]",
@@ -347,7 +347,7 @@ WRONG = {
     "no speed": ("speed_at: [{at_mm: 300}]", "wishes.speed_at.0: says nothing of the speed"),
     "bounds the wrong way round": (
         "speed_at: [{at_mm: 300, at_least_mm_s: 900, at_most_mm_s: 800}]",
-        "wishes.speed_at.0.at_most_mm_s: 800 given, under at_least_mm_s: 900; 900 or over is right",
+        "wishes.speed_at.0.at_most_mm_s: 800 mm/s given, but at_least_mm_s is 900 mm/s; 900 mm/s or over is right",
     ),
     "hard and slowest": ("speed_at: [{at_mm: 300, make: slowest}]", "wishes.speed_at.0.make: slowest has no bound"),
     "slowest and bounded": (

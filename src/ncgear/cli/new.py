@@ -11,9 +11,9 @@ import typer
 
 from ncgear.cli.progress import steps_shown
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
-from ncgear.design.machines import CHOICES, MachineName, machine_template
-from ncgear.design.naming import NAME_RULE, is_name
 from ncgear.design.reading.text import plain_value, whole
+from ncgear.design.template import CHOICES, MachineName, machine_template
+from ncgear.design.words import NAME_RULE, is_name
 from ncgear.errors import DesignError, WrongInput
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def new(
 def _require_wishes(wishes: Sequence[str]) -> None:
     """Raise WrongInput for a wish that no design can have."""
     if wishes:
-        from ncgear.design.told import wishes_told
+        from ncgear.design.beginning import wishes_told
 
         wishes_told(wishes)
 
@@ -152,8 +152,7 @@ def _buildable(name: str, beginning: Beginning, sizes: dict[str, float], wishes:
         from ncgear.design.template import template
 
         return template(name, beginning) if isinstance(beginning, LawName) else machine_template(name, beginning)
-    from ncgear.design.beginning import begun
-    from ncgear.design.told import wishes_told
+    from ncgear.design.beginning import begun, wishes_told
 
     text = begun(name, beginning, sizes, wishes_told(wishes))
     from ncgear.design.reading.design_file import parsed
@@ -231,7 +230,7 @@ def _asked_number(answer: str, likely: float, found: Mapping[str, float], beginn
 
 def _asked_wishes() -> list[str]:
     """Wishes of the motion, one after the other, until there are no more."""
-    from ncgear.design.told import EXAMPLE, wishes_told
+    from ncgear.design.beginning import EXAMPLE, wishes_told
 
     found: list[str] = []
 

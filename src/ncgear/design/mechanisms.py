@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, fields
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import Model
-from ncgear.design.keys.linkages import LeverKeys, RackKeys, RockerKeys, YokeKeys
-from ncgear.design.keys.machine import Linkage, Load, NoLinkage, Resistance, RockerTorque, ShaftTorque, TurningLoad
+from ncgear.design.keys.linkages import LeverKeys, Linkage, NoLinkage, RackKeys, RockerKeys, YokeKeys
+from ncgear.design.keys.machine import Load, Resistance, RockerTorque, ShaftTorque, TurningLoad
 from ncgear.design.keys.masses import (
     DrivenShaftMasses,
     GearMasses,
@@ -22,7 +23,7 @@ from ncgear.design.keys.masses import (
     RockerMasses,
     SlidingMasses,
 )
-from ncgear.design.keys.wishes import Timing, TurningWishes, Wishes
+from ncgear.design.keys.wishes import TurningWishes, Wishes
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
@@ -33,20 +34,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Entry:
-    """A mechanism of design files: a function that imports its class, and its keys under the groups of the file.
+    """A mechanism of design files: its class, and its keys under the groups of the file.
 
     One key under ``linkage`` may have the default None: its length follows if the law gives the stroke.
     """
 
-    load: Callable[[], type[Mechanism]]
+    module: str
+    """The module of its class, which has the same name, in ``ncgear.mechanisms``."""
+
     linkage: type[Model]
     masses: type[GearMasses] = SlidingMasses
     resistance: type[Load] = Resistance
-    wishes: type[Timing] = Wishes
+    wishes: type[Wishes] = Wishes
     proportions: Mapping[str, float] = field(default_factory=dict)
     """Lengths of a machine that works, as multiples of its crank or pinion, for whoever begins with this mechanism."""
 
     has_crank_pin: bool = True
+
+    def load(self) -> type[Mechanism]:
+        """Its class."""
+        module = import_module(f"ncgear.mechanisms.{self.module}")
+        made: type[Mechanism] = getattr(module, self.module.title().replace("_", ""))
+        return made
 
     @property
     def stroke_key(self) -> str | None:
@@ -64,50 +73,14 @@ class Entry:
         return [name for name, field in self.masses.model_fields.items() if field.is_required()]
 
 
-def _crank_slider() -> type[Mechanism]:
-    from ncgear.mechanisms.crank_slider import CrankSlider
-
-    return CrankSlider
-
-
-def _scotch_yoke() -> type[Mechanism]:
-    from ncgear.mechanisms.scotch_yoke import ScotchYoke
-
-    return ScotchYoke
-
-
-def _crank_rocker() -> type[Mechanism]:
-    from ncgear.mechanisms.crank_rocker import CrankRocker
-
-    return CrankRocker
-
-
-def _slotted_lever() -> type[Mechanism]:
-    from ncgear.mechanisms.slotted_lever import SlottedLever
-
-    return SlottedLever
-
-
-def _rack_pinion() -> type[Mechanism]:
-    from ncgear.mechanisms.rack_pinion import RackPinion
-
-    return RackPinion
-
-
-def _driven_shaft() -> type[Mechanism]:
-    from ncgear.mechanisms.driven_shaft import DrivenShaft
-
-    return DrivenShaft
-
-
 NO_LINKAGE = "none"
 """The name of gears by themselves."""
 
 MECHANISMS: dict[str, Entry] = {
-    "crank_slider": Entry(_crank_slider, Linkage, Masses, proportions={"crank_mm": 1.0, "rod_mm": 3.0}),
-    "scotch_yoke": Entry(_scotch_yoke, YokeKeys, proportions={"crank_mm": 1.0}),
+    "crank_slider": Entry("crank_slider", Linkage, Masses, proportions={"crank_mm": 1.0, "rod_mm": 3.0}),
+    "scotch_yoke": Entry("scotch_yoke", YokeKeys, proportions={"crank_mm": 1.0}),
     "crank_rocker": Entry(
-        _crank_rocker,
+        "crank_rocker",
         RockerKeys,
         RockerMasses,
         RockerTorque,
@@ -115,10 +88,10 @@ MECHANISMS: dict[str, Entry] = {
         {"crank_mm": 1.0, "coupler_mm": 3.25, "rocker_mm": 2.25, "ground_mm": 3.5},
     ),
     "slotted_lever": Entry(
-        _slotted_lever, LeverKeys, LeverMasses, proportions={"crank_mm": 1.0, "pivot_mm": 2.5, "lever_mm": 5.0}
+        "slotted_lever", LeverKeys, LeverMasses, proportions={"crank_mm": 1.0, "pivot_mm": 2.5, "lever_mm": 5.0}
     ),
-    "rack_pinion": Entry(_rack_pinion, RackKeys, proportions={"radius_mm": 1.0}, has_crank_pin=False),
-    NO_LINKAGE: Entry(_driven_shaft, NoLinkage, DrivenShaftMasses, ShaftTorque, has_crank_pin=False),
+    "rack_pinion": Entry("rack_pinion", RackKeys, proportions={"radius_mm": 1.0}, has_crank_pin=False),
+    NO_LINKAGE: Entry("driven_shaft", NoLinkage, DrivenShaftMasses, ShaftTorque, has_crank_pin=False),
 }
 """All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""
 

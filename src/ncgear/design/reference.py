@@ -17,13 +17,12 @@ from pydantic.fields import FieldInfo
 
 from ncgear.design.keys.design import Design, design_models
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
-from ncgear.design.naming import NAME_PATTERN, NAME_RULE
 from ncgear.design.reading.messages import fields_of, models_in
 from ncgear.design.reading.places import Document
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.design.told_keys import ToldKey
-from ncgear.design.words import listed
+from ncgear.design.words import NAME_PATTERN, NAME_RULE, listed
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import label_and_unit
 

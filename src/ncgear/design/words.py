@@ -1,10 +1,11 @@
-"""Names of keys in words: angles, which may be given in several units, and lists of names.
+"""Names in words: of designs, of angles, which may be given in several units, and lists of names.
 
 It loads no library, so that a key can be explained at once.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 UNITS = ("rad", "deg", "pi")
@@ -33,3 +34,14 @@ def listed(names: Iterable[str], word: str = "or") -> str:
     """``a, b or c``."""
     *most, last = list(names) or [""]
     return f"{', '.join(most)} {word} {last}" if most else last
+
+
+LONGEST_NAME = 64
+NAME_PATTERN = rf"^[A-Za-z0-9_-]{{1,{LONGEST_NAME}}}$"
+NAME_RULE = f"letters, digits, - and _, at most {LONGEST_NAME} of them"
+
+
+def is_name(text: str) -> bool:
+    """Whether ``text`` can name a design."""
+    # fullmatch, because Python's $ also matches before a final line break.
+    return re.fullmatch(NAME_PATTERN.strip("^$"), text) is not None

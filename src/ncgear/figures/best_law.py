@@ -16,10 +16,10 @@ from ncgear import __version__
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
-from ncgear.design.laws.made import found_values
-from ncgear.design.naming import LONGEST_NAME
+from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.rewritten import design_copy
+from ncgear.design.words import LONGEST_NAME
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import finite, fixed, shown
 from ncgear.figures.quantities import figure, name_of, told

@@ -7,9 +7,9 @@ from itertools import groupby
 from textwrap import wrap
 
 from ncgear.design.keys.base import listed
-from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.rewritten import design_copy
+from ncgear.design.words import LONGEST_NAME
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import to_digits

@@ -7,10 +7,10 @@ from textwrap import wrap
 from typing import Any
 
 from ncgear.design.keys.base import listed
-from ncgear.design.naming import LONGEST_NAME
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
+from ncgear.design.words import LONGEST_NAME
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import name_of

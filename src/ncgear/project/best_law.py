@@ -12,7 +12,7 @@ import numpy as np
 
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.base import LawKeys
-from ncgear.design.laws.made import found_motion
+from ncgear.design.laws.registry import found_motion
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.extras import installed, require

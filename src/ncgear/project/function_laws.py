@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ncgear.design.reading.mapping import parsed_mapping, plain
+from ncgear.design.reading.design_file import parsed_mapping, plain
 from ncgear.design.reading.places import with_value
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass

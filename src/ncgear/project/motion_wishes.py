@@ -9,7 +9,7 @@ from math import degrees, inf, pi
 from ncgear.design.keys.base import given, spellings
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
-from ncgear.design.keys.wishes import Dwelling, Gentle, Passing, Timing, strokes_of
+from ncgear.design.keys.wishes import Dwell, GentleStop, Position, Wishes, strokes_of
 from ncgear.design.keys.wishes import WorkingStroke as WorkingStrokeKeys
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics import wishes as values
@@ -45,7 +45,7 @@ def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tu
     )
 
 
-def _constant_speeds(asked: Timing, output: Output) -> Iterator[values.Wish]:
+def _constant_speeds(asked: Wishes, output: Output) -> Iterator[values.Wish]:
     for number, wish in enumerate(asked.constant_speed):
         yield values.ConstantSpeed(
             key=f"wishes.constant_speed.{number}",
@@ -59,7 +59,7 @@ def _constant_speeds(asked: Timing, output: Output) -> Iterator[values.Wish]:
         )
 
 
-def _times(asked: Timing) -> Iterator[values.Wish]:
+def _times(asked: Wishes) -> Iterator[values.Wish]:
     if (ratio := asked.time_ratio) is not None:
         yield values.TimeRatio(key="wishes.time_ratio", weight=ratio.soft_weight, at_least=ratio.at_least)
     if (stroke := asked.working_stroke) is not None:
@@ -71,7 +71,7 @@ def _times(asked: Timing) -> Iterator[values.Wish]:
         )
 
 
-def _dwells(asked: Timing, output: Output) -> Iterator[values.Wish]:
+def _dwells(asked: Wishes, output: Output) -> Iterator[values.Wish]:
     for number, wish in enumerate(asked.dwell):
         yield values.Dwell(
             key=f"wishes.dwell.{number}",
@@ -83,7 +83,7 @@ def _dwells(asked: Timing, output: Output) -> Iterator[values.Wish]:
         )
 
 
-def _speeds(asked: Timing, output: Output) -> Iterator[values.Wish]:
+def _speeds(asked: Wishes, output: Output) -> Iterator[values.Wish]:
     for number, wish in enumerate(asked.speed_at):
         key, stroke = f"wishes.speed_at.{number}", Stroke(wish.stroke)
         if wish.make is not None:
@@ -104,7 +104,7 @@ def _speeds(asked: Timing, output: Output) -> Iterator[values.Wish]:
             )
 
 
-def _gentle(asked: Timing, linkage: Mechanism, cycle_rad: float) -> Iterator[values.Wish]:
+def _gentle(asked: Wishes, linkage: Mechanism, cycle_rad: float) -> Iterator[values.Wish]:
     """Driving ranges are held over the crank angles of an even crank, until a law is known."""
     output, even = linkage.OUTPUT, 2.0 * pi / cycle_rad
     for number, wish in enumerate(asked.gentle_stop):
@@ -130,7 +130,7 @@ def _gentle(asked: Timing, linkage: Mechanism, cycle_rad: float) -> Iterator[val
         )
 
 
-def _positions(asked: Timing, output: Output) -> Iterator[values.Wish]:
+def _positions(asked: Wishes, output: Output) -> Iterator[values.Wish]:
     for number, (wish, stroke) in enumerate(zip(asked.positions, strokes_of(asked.positions), strict=True)):
         yield values.Position(
             key=f"wishes.positions.{number}",
@@ -143,7 +143,7 @@ def _positions(asked: Timing, output: Output) -> Iterator[values.Wish]:
         )
 
 
-def _refuse_places(asked: Timing, linkage: Mechanism) -> None:
+def _refuse_places(asked: Wishes, linkage: Mechanism) -> None:
     """Refuse places beyond the stroke, and speeds at its very end, where the output stands still."""
     unit = linkage.OUTPUT.place
     stroke, end = unit.factor * linkage.stroke_mm, unit.ending
@@ -172,9 +172,9 @@ def _refuse_places(asked: Timing, linkage: Mechanism) -> None:
             )
 
 
-def _refuse_angles(asked: Timing, cycle_rad: float) -> None:
+def _refuse_angles(asked: Wishes, cycle_rad: float) -> None:
     """Refuse angles beyond the cycle, and angles that cannot be had together."""
-    angles: list[tuple[str, Dwelling | Passing | WorkingStrokeKeys, str, float]] = [
+    angles: list[tuple[str, Dwell | Position | WorkingStrokeKeys, str, float]] = [
         *((f"dwell.{number}", wish, "for", wish.for_angle_rad) for number, wish in enumerate(asked.dwell)),
         *((f"positions.{number}", wish, "phi1", wish.driving_rad) for number, wish in enumerate(asked.positions)),
     ]
@@ -194,7 +194,7 @@ def _refuse_angles(asked: Timing, cycle_rad: float) -> None:
     _refuse_two_dwells(asked, cycle_rad)
 
 
-def _refuse_driving_range(key: str, wish: Gentle, cycle_rad: float) -> None:
+def _refuse_driving_range(key: str, wish: GentleStop, cycle_rad: float) -> None:
     """Refuse driving angles beyond the cycle to either side, and a stretch that leaves nothing of it."""
     if (ends := wish.driving_rad) is None:
         return
@@ -209,7 +209,7 @@ def _refuse_driving_range(key: str, wish: Gentle, cycle_rad: float) -> None:
             )
 
 
-def _refuse_ratio_and_angle(asked: Timing, cycle_rad: float) -> None:
+def _refuse_ratio_and_angle(asked: Wishes, cycle_rad: float) -> None:
     """Refuse a time ratio that the wished working stroke is too short for."""
     ratio, stroke = asked.time_ratio, asked.working_stroke
     if ratio is None or stroke is None or not (ratio.hard and stroke.hard):
@@ -224,7 +224,7 @@ def _refuse_ratio_and_angle(asked: Timing, cycle_rad: float) -> None:
         )
 
 
-def _refuse_two_dwells(asked: Timing, cycle_rad: float) -> None:
+def _refuse_two_dwells(asked: Wishes, cycle_rad: float) -> None:
     """Refuse dwells at both ends that leave no driving angle to the ways between them."""
     longest = {
         end: max((wish.for_angle_rad for wish in asked.dwell if wish.hard and wish.at == end), default=0.0)
@@ -239,7 +239,7 @@ def _refuse_two_dwells(asked: Timing, cycle_rad: float) -> None:
         )
 
 
-def _exact_dwell(key: str, dwell: Dwelling, linkage: Mechanism, ratio_max: float) -> NoSuchMechanism:
+def _exact_dwell(key: str, dwell: Dwell, linkage: Mechanism, ratio_max: float) -> NoSuchMechanism:
     """The refusal of an exact dwell, with the nearest one that can be made."""
     output = linkage.OUTPUT
     nearest = output.place.factor * nearest_dwell_mm(linkage, End(dwell.at), dwell.for_angle_rad, ratio_max)

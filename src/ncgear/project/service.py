@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ncgear.design.keys.gears import Gears
-from ncgear.design.keys.material import GearMaterial
-from ncgear.design.keys.strength import USUAL_LIFE_H, StrengthKeys
+from ncgear.design.keys.strength import USUAL_LIFE_H, GearMaterial, StrengthKeys
 from ncgear.strength.classes import Quality
 from ncgear.strength.conditions import Conditions, hours_of_strokes
 from ncgear.strength.materials import TABLE, Choice, Ferrous, assumed_choice

@@ -11,7 +11,7 @@ from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.masses import Flywheel
 from ncgear.design.keys.optimize import Limits, Optimize
 from ncgear.design.laws.base import LawKeys
-from ncgear.design.laws.made import even_motion
+from ncgear.design.laws.registry import even_motion
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.mechanisms.masses import Masses

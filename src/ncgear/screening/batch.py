@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.keys.base import UNITS, Model, angle_rad, given, spellings
+from ncgear.design.keys.base import UNITS, Model, key_of, spellings
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.three_segment_stroke import (
@@ -139,7 +139,7 @@ class Batch:
         for unit in UNITS:
             if (key := f"motion.{name}_{unit}") in self.columns:
                 return self.columns[key] * factors[unit]
-        found: Array = np.array([angle_rad(design.motion, name) for design in self.written])[self.follows]
+        found: Array = np.array([getattr(design.motion, name) for design in self.written])[self.follows]
         return found
 
     def series(self, name: str) -> Array:
@@ -195,7 +195,7 @@ class Batch:
         for row in np.nonzero(~(rising & (angles[3] < 2.0 * np.pi)))[0].tolist():
             if (wrong := out_of_order(angles[:, row].tolist())) is not None:
                 name, problem = wrong
-                key = given(self.written[0].motion, spellings(name))[0]
+                key = key_of(self.written[0].motion, name)
                 refused[row] = WrongInput(problem, key=f"motion.{key}")
         return refused
 

@@ -13,10 +13,10 @@ import ncgear
 from ncgear.design.beginning import begun
 from ncgear.design.laws.base import Begins
 from ncgear.design.laws.registry import SOUGHT_LAW, LawName, design_law
-from ncgear.design.machines import CHOICES, MachineName
 from ncgear.design.mechanisms import NO_LINKAGE
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import design_copy
+from ncgear.design.template import CHOICES, MachineName
 from ncgear.errors import WrongInput
 from ncgear.files.one_file import put_at_free_place
 from ncgear.frozen import dataclass

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ncgear.design.keys.base import FULL_TURN, given, spellings
-from ncgear.design.keys.wishes import Gentle
+from ncgear.design.keys.wishes import GentleStop
 from ncgear.design.laws.base import LawPoint
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.kinematics.motion import sample_angles
@@ -208,7 +208,7 @@ def _wished(drive: Drive) -> Iterator[Wished]:
         yield from _gentle(drive, f"gentle_stop.{number}", gentle)
 
 
-def _gentle(drive: Drive, group: str, wish: Gentle) -> Iterator[Wished]:
+def _gentle(drive: Drive, group: str, wish: GentleStop) -> Iterator[Wished]:
     """The ends of a gentle stretch as far as they are given, and its bound in the middle."""
     output, (bounded, value) = drive.linkage.OUTPUT, wish.bound
     key, place = f"{group}.{wish.bound_key(bounded)}", output.place.ending

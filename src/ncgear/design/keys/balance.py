@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import LONGEST_MM, Length, Model, Speed, fault, given, listed, require_one
-from ncgear.design.keys.machine import Linkage
-from ncgear.design.keys.masses import HEAVIEST_KG, Coordinate, Mass, Masses
-from ncgear.design.naming import NAME_PATTERN
+from ncgear.design.keys.base import Model, fault, given, optional, required
+from ncgear.design.keys.linkages import Linkage
+from ncgear.design.keys.masses import HEAVIEST_KG, Mass, Masses
+from ncgear.design.keys.types import LONGEST_MM, Length, Place, Several, Share, Speed
+from ncgear.design.words import NAME_PATTERN, listed
 
 MOST_COUNT = 10_000
 MOST_ITEMS = 200
 
 Angle = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 Amplitude = Annotated[float, Field(ge=0.0, le=1e9)]
-Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 HIGHEST_ORDER, HIGHEST_HZ = 1e4, 1e9
 """Far above whatever a machine has: products of them stay far from overflow."""
@@ -28,87 +28,75 @@ Effect = Annotated[float, Field(ge=1e-9, le=1e9)]
 class Fixed(Model):
     """A counterweight that the mechanism already has."""
 
-    on: Literal["crank", "rod"] = Field(description="crank or rod")
-    mass_kg: Mass = Field(description="its mass in kg")
-    arm_mm: Length = Field(description="distance from the crank axis, or on the rod from the crank pin, in mm")
-    angle_deg: Angle = Field(
-        default=180.0,
-        description="direction in degrees counter-clockwise from that to the pin, or on the rod to the slider; left "
-        "out: opposite",
+    on: Literal["crank", "rod"] = required("crank or rod")
+    mass_kg: Mass = required("its mass in kg")
+    arm_mm: Length = required("distance from the crank axis, or on the rod from the crank pin, in mm")
+    angle_deg: Angle = optional(
+        "direction in degrees counter-clockwise from that to the pin, or on the rod to the slider; left out: opposite",
+        180.0,
     )
 
 
 class Complete(Model):
     """Complete balance by two counterweights, beside those already there."""
 
-    rod_arm_mm: Length = Field(description="arm of the rod's counterweight beyond the crank pin in mm")
-    crank_arm_mm: Length = Field(description="arm of the crank's counterweight beyond the axis in mm")
+    rod_arm_mm: Length = required("arm of the rod's counterweight beyond the crank pin in mm")
+    crank_arm_mm: Length = required("arm of the crank's counterweight beyond the axis in mm")
 
 
 class Partial(Model):
     """Partial balance by a counterweight on the crank, beside those already there."""
 
-    arm_mm: Length = Field(description="arm of the counterweight in mm")
-    shares: Annotated[tuple[Share, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
-        default=(1.0 / 3.0, 0.5), description="shares k of the reciprocating mass that are balanced, 0 to 1"
+    arm_mm: Length = required("arm of the counterweight in mm")
+    shares: Annotated[Several[Share], Field(min_length=1, max_length=MOST_ITEMS)] = optional(
+        "shares k of the reciprocating mass that are balanced, 0 to 1", (1.0 / 3.0, 0.5)
     )
-    rotating_kg: Mass | None = Field(
-        default=None, description="mass at the crank pin in kg; left out: that of the parts"
-    )
-    reciprocating_kg: Mass | None = Field(
-        default=None, description="mass at the slider in kg; left out: that of the parts"
-    )
+    rotating_kg: Mass | None = optional("mass at the crank pin in kg; left out: that of the parts")
+    reciprocating_kg: Mass | None = optional("mass at the slider in kg; left out: that of the parts")
 
 
 class Best(Model):
     """The best counterweight on the crank for the actual motion, beside those already there."""
 
-    arm_mm: Length = Field(description="arm of the counterweight in mm")
+    arm_mm: Length = required("arm of the counterweight in mm")
 
 
 class Sweep(Model):
     """Counterweights tried one after the other, beside those already there."""
 
-    arm_mm: Length = Field(description="arm of the counterweight in mm")
-    angle_deg: Angle = Field(default=180.0, description="its direction in degrees as above; left out: opposite the pin")
-    masses_kg: Annotated[tuple[Mass, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
-        description="masses in kg"
-    )
+    arm_mm: Length = required("arm of the counterweight in mm")
+    angle_deg: Angle = optional("its direction in degrees as above; left out: opposite the pin", 180.0)
+    masses_kg: Annotated[Several[Mass], Field(min_length=1, max_length=MOST_ITEMS)] = required("masses in kg")
 
 
 class Mechanism(Model):
     """A crank-slider in the frame."""
 
-    name: str = Field(min_length=1, max_length=100, description="what it is called")
-    linkage: Linkage | None = Field(default=None, description="its linkage, with a crank that turns evenly")
-    design: str | None = Field(
-        default=None,
-        min_length=1,
-        description="a design file instead, whose linkage and law are taken; its path counts from this file",
+    RULES = ("one of linkage design",)
+
+    name: str = required("what it is called", min_length=1, max_length=100)
+    linkage: Linkage | None = optional("its linkage, with a crank that turns evenly")
+    design: str | None = optional(
+        "a design file instead, whose linkage and law are taken; its path counts from this file", min_length=1
     )
-    masses: Masses | None = Field(default=None, description="its masses; left out: those of the design file")
-    counterweights: Annotated[tuple[Fixed, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
-        default=(),
-        description="counterweights that the mechanism already has, a list; complete, partial, best and sweep "
-        "add to them",
+    masses: Masses | None = optional("its masses; left out: those of the design file")
+    counterweights: Annotated[Several[Fixed], Field(max_length=MOST_ITEMS)] = optional(
+        "counterweights that the mechanism already has, a list; complete, partial, best and sweep add to them", ()
     )
-    direction_deg: Angle = Field(default=0.0, description="direction of the slider's way out in the frame in degrees")
-    phase_deg: Angle = Field(default=0.0, description="driving angle in degrees by which it is ahead of the shaft")
-    mirrored: bool = Field(default=False, description="true: its crank turns counter-clockwise")
-    x_mm: Coordinate = Field(default=0.0, description="place of its crank axis in the frame in mm")
-    y_mm: Coordinate = Field(default=0.0, description="place of its crank axis in the frame in mm")
-    complete: Complete | None = Field(
-        default=None, description="what would balance its forces completely, beside the counterweights that it has"
+    direction_deg: Angle = optional("direction of the slider's way out in the frame in degrees", 0.0)
+    phase_deg: Angle = optional("driving angle in degrees by which it is ahead of the shaft", 0.0)
+    mirrored: bool = optional("true: its crank turns counter-clockwise", False)
+    x_mm: Place = optional("place of its crank axis in the frame in mm", 0.0)
+    y_mm: Place = optional("place of its crank axis in the frame in mm", 0.0)
+    complete: Complete | None = optional(
+        "what would balance its forces completely, beside the counterweights that it has"
     )
-    partial: Partial | None = Field(
-        default=None, description="what would balance them in part, beside the counterweights that it has"
-    )
-    best: Best | None = Field(default=None, description="the counterweight that leaves least, beside those that it has")
-    sweep: Sweep | None = Field(default=None, description="counterweights to try, beside those that it has")
+    partial: Partial | None = optional("what would balance them in part, beside the counterweights that it has")
+    best: Best | None = optional("the counterweight that leaves least, beside those that it has")
+    sweep: Sweep | None = optional("counterweights to try, beside those that it has")
 
     @model_validator(mode="after")
     def _driven_and_massive(self) -> Self:
-        require_one(self, ("linkage", "design"))
         if self.linkage is not None and self.linkage.crank_mm is None:
             raise fault("linkage.crank_mm", "missing; give the length of the crank in mm")
         if self.linkage is not None and self.masses is None:
@@ -121,61 +109,46 @@ class Mechanism(Model):
 class Chassis(Model):
     """Counterweight at the tail of a chassis on two supports."""
 
-    mechanism: str = Field(description="name of the mechanism whose inertia force it is to hold")
-    support_mm: Length = Field(description="distance of either support from the centre of gravity in mm")
-    counterweight_mm: Length = Field(description="distance of the counterweight from the centre of gravity in mm")
-    tilt_deg: float = Field(gt=0.0, le=90.0, description="slope of the slider's line against the ground in degrees")
-    slider_kg: Mass = Field(default=0.0, description="weight of the slider on the support in kg")
-    weight_kg: Mass = Field(default=0.0, description="dead weight in front of the supports in kg")
-    weight_lever_mm: float = Field(default=0.0, ge=0.0, le=LONGEST_MM, description="its lever in mm")
+    mechanism: str = required("name of the mechanism whose inertia force it is to hold")
+    support_mm: Length = required("distance of either support from the centre of gravity in mm")
+    counterweight_mm: Length = required("distance of the counterweight from the centre of gravity in mm")
+    tilt_deg: float = required("slope of the slider's line against the ground in degrees", gt=0.0, le=90.0)
+    slider_kg: Mass = optional("weight of the slider on the support in kg", 0.0)
+    weight_kg: Mass = optional("dead weight in front of the supports in kg", 0.0)
+    weight_lever_mm: float = optional("its lever in mm", 0.0, ge=0.0, le=LONGEST_MM)
 
 
 class Shaft(Model):
     """A shaft that may shake the machine."""
 
-    name: str = Field(min_length=1, max_length=100, description="what it is called")
-    speed_rpm: Speed = Field(description="its speed in r/min")
-    rollers: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="rolling elements of its bearing")
-    roller_ratio: float | None = Field(
-        default=None,
-        gt=0.0,
-        lt=1.0,
-        description="diameter of a rolling element by that of the pitch circle, times the cosine of the contact angle; "
-        "left out: as many passes as rolling elements in each turn",
+    name: str = required("what it is called", min_length=1, max_length=100)
+    speed_rpm: Speed = required("its speed in r/min")
+    rollers: int | None = optional("rolling elements of its bearing", ge=1, le=MOST_COUNT)
+    roller_ratio: Annotated[float, Field(gt=0.0, lt=1.0)] | None = optional(
+        "diameter of a rolling element by that of the pitch circle, times the cosine of the contact angle; left out: "
+        "as many passes as rolling elements in each turn"
     )
-    teeth: int | None = Field(default=None, ge=1, le=MOST_COUNT, description="teeth of its sprocket or gear")
+    teeth: int | None = optional("teeth of its sprocket or gear", ge=1, le=MOST_COUNT)
 
 
 class Engine(Model):
     """A reciprocating engine."""
 
-    name: str = Field(default="engine", min_length=1, max_length=100, description="what it is called")
-    speed_rpm: Speed = Field(description="its speed in r/min")
-    cylinders: int = Field(ge=1, le=100, description="number of cylinders")
-    strokes: int = Field(default=4, ge=2, le=4, description="strokes of a cycle, 2 or 4")
-    inertia_order: float = Field(
-        default=2.0, ge=0.001, le=HIGHEST_ORDER, description="order of its strongest free inertia force"
-    )
+    name: str = optional("what it is called", "engine", min_length=1, max_length=100)
+    speed_rpm: Speed = required("its speed in r/min")
+    cylinders: int = required("number of cylinders", ge=1, le=100)
+    strokes: int = optional("strokes of a cycle, 2 or 4", 4, ge=2, le=4)
+    inertia_order: float = optional("order of its strongest free inertia force", 2.0, ge=0.001, le=HIGHEST_ORDER)
 
 
 class Excitations(Model):
     """Frequencies that shake the machine, compared with its natural frequencies."""
 
-    natural_hz: Annotated[tuple[Frequency, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)] = Field(
-        description="natural frequencies in Hz"
-    )
-    band: float = Field(
-        default=0.2, gt=0.0, lt=1.0, description="share of a natural frequency within which an excitation is near it"
-    )
-    shafts: Annotated[tuple[Shaft, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
-        default=(), description="shafts, a list"
-    )
-    engines: Annotated[tuple[Engine, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
-        default=(), description="engines, a list"
-    )
-    harmonics: int = Field(
-        default=0, ge=0, le=1000, description="harmonics of the slider's acceleration of each mechanism"
-    )
+    natural_hz: Several[Frequency] = required("natural frequencies in Hz", min_length=1, max_length=MOST_ITEMS)
+    band: float = optional("share of a natural frequency within which an excitation is near it", 0.2, gt=0.0, lt=1.0)
+    shafts: Annotated[Several[Shaft], Field(max_length=MOST_ITEMS)] = optional("shafts, a list", ())
+    engines: Annotated[Several[Engine], Field(max_length=MOST_ITEMS)] = optional("engines, a list", ())
+    harmonics: int = optional("harmonics of the slider's acceleration of each mechanism", 0, ge=0, le=1000)
 
     @model_validator(mode="after")
     def _something_shakes(self) -> Self:
@@ -187,126 +160,103 @@ class Excitations(Model):
 class Holes(Model):
     """Through holes that may be drilled."""
 
-    largest_mm: Length = Field(description="diameter of the largest in mm")
-    smallest_mm: Length = Field(description="diameter of the smallest in mm")
-    wall_mm: Length = Field(description="least wall between holes and to every edge in mm")
+    RULES = ("smallest_mm <= largest_mm",)
 
-    @model_validator(mode="after")
-    def _smallest_is_smaller(self) -> Self:
-        if self.smallest_mm > self.largest_mm:
-            problem = f"{self.smallest_mm:g} mm is over largest_mm; {self.largest_mm:g} or less is right"
-            raise fault("smallest_mm", problem)
-        return self
+    largest_mm: Length = required("diameter of the largest in mm")
+    smallest_mm: Length = required("diameter of the smallest in mm")
+    wall_mm: Length = required("least wall between holes and to every edge in mm")
 
 
 class Boss(Model):
     """A boss on the upper face."""
 
-    height_mm: Length = Field(description="its height over the face in mm")
-    wall_mm: Length = Field(description="its distance from every edge in mm")
+    height_mm: Length = required("its height over the face in mm")
+    wall_mm: Length = required("its distance from every edge in mm")
 
 
 class Correction(Model):
     """What may be done to a gear: holes first, a boss for what they leave."""
 
-    holes: Holes | None = Field(default=None, description="through holes; left out: none")
-    boss: Boss | None = Field(default=None, description="a boss; left out: none")
+    holes: Holes | None = optional("through holes; left out: none")
+    boss: Boss | None = optional("a boss; left out: none")
 
 
 class GearBalance(Model):
     """Balance of the gears of a design."""
 
-    design: str = Field(min_length=1, description="the design file; its path counts from this file")
-    density_kg_m3: float = Field(default=7850.0, gt=0.0, le=30000.0, description="density of both gears in kg/m3")
-    grade: float = Field(
-        default=6.3, gt=0.0, le=4000.0, description="grade of balance quality of ISO 21940-11 in mm/s: 6.3 for G 6.3"
-    )
-    driving: Correction | None = Field(default=None, description="correction of the driving gear; left out: none")
-    driven: Correction | None = Field(default=None, description="correction of the driven gear; left out: none")
+    design: str = required("the design file; its path counts from this file", min_length=1)
+    density_kg_m3: float = optional("density of both gears in kg/m3", 7850.0, gt=0.0, le=30000.0)
+    grade: float = optional("grade of balance quality of ISO 21940-11 in mm/s: 6.3 for G 6.3", 6.3, gt=0.0, le=4000.0)
+    driving: Correction | None = optional("correction of the driving gear; left out: none")
+    driven: Correction | None = optional("correction of the driven gear; left out: none")
 
 
 class Reading(Model):
     """What an instrument shows."""
 
-    amplitude: Amplitude = Field(description="amplitude, in the same unit for all")
-    phase_deg: Angle = Field(description="phase in degrees, as the instrument counts it")
+    amplitude: Amplitude = required("amplitude, in the same unit for all")
+    phase_deg: Angle = required("phase in degrees, as the instrument counts it")
 
 
-Readings = Annotated[tuple[Reading, ...], Strict(False), Field(min_length=1, max_length=MOST_ITEMS)]
+Readings = Annotated[Several[Reading], Field(min_length=1, max_length=MOST_ITEMS)]
 
 
 class Trial(Model):
     """A run with a trial weight in one plane, taken off again after it."""
 
-    mass_g: float = Field(ge=0.0, le=1e9, description="mass of the trial weight in g")
-    angle_deg: Angle = Field(description="its angle in degrees, counted as the instrument counts phases")
-    readings: Readings = Field(description="what every sensor shows, a list")
+    mass_g: float = required("mass of the trial weight in g", ge=0.0, le=1e9)
+    angle_deg: Angle = required("its angle in degrees, counted as the instrument counts phases")
+    readings: Readings = required("what every sensor shows, a list")
 
 
 class Rotor(Model):
     """Field balancing from trial weights."""
 
-    speed_rpm: Speed = Field(description="speed of the runs in r/min")
-    first: Readings | None = Field(default=None, description="readings of every sensor without trial weights, a list")
-    trials: Annotated[tuple[Trial, ...], Strict(False), Field(min_length=1, max_length=20)] | None = Field(
-        default=None, description="one run for each plane, a list"
+    RULES = ("mass_kg with radius_mm",)
+
+    speed_rpm: Speed = required("speed of the runs in r/min")
+    first: Readings | None = optional("readings of every sensor without trial weights, a list")
+    trials: Several[Trial] | None = optional("one run for each plane, a list", min_length=1, max_length=20)
+    file: Annotated[str, Field(min_length=1)] | None = optional(
+        "CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), mass_g, "
+        "angle_deg, sensor, amplitude, phase_deg; its path counts from this file"
     )
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), "
-        "mass_g, angle_deg, sensor, amplitude, phase_deg; its path counts from this file",
+    mass_kg: float | None = optional(
+        "mass of the rotor in kg; left out: the permissible unbalance is not told", gt=0.0, le=HEAVIEST_KG
     )
-    mass_kg: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=HEAVIEST_KG,
-        description="mass of the rotor in kg; left out: the permissible unbalance is not told",
-    )
-    radius_mm: Length | None = Field(default=None, description="radius of the weights in mm, with mass_kg")
-    grade: float = Field(
-        default=16.0, gt=0.0, le=4000.0, description="grade of balance quality of ISO 21940-11 in mm/s: 16 for G 16"
-    )
+    radius_mm: Length | None = optional("radius of the weights in mm, with mass_kg")
+    grade: float = optional("grade of balance quality of ISO 21940-11 in mm/s: 16 for G 16", 16.0, gt=0.0, le=4000.0)
 
     @model_validator(mode="after")
     def _has_readings(self) -> Self:
         for key in ("first", "trials"):
             if getattr(self, key) is None:
                 raise fault(key, "missing; give first and trials, or a file of them")
-        if (self.mass_kg is None) != (self.radius_mm is None):
-            raise fault("mass_kg" if self.radius_mm is None else "radius_mm", "needs mass_kg and radius_mm both")
         return self
 
 
 class ChainRun(Model):
     """A run with the weight at one phase."""
 
-    weight_deg: Angle = Field(description="phase of the weight in degrees")
-    amplitude: Amplitude = Field(description="amplitude of the reading")
-    phase_deg: Angle = Field(description="phase of the reading in degrees")
+    weight_deg: Angle = required("phase of the weight in degrees")
+    amplitude: Amplitude = required("amplitude of the reading")
+    phase_deg: Angle = required("phase of the reading in degrees")
 
 
 class ChainDrive(Model):
     """Equivalent unbalance of a chain drive from runs with one weight at several phases."""
 
-    wrap_deg: Angle = Field(description="phase of the middle of the chain's wrap in degrees")
-    tight_deg: Angle = Field(description="phase of the tight side's equivalent unbalance in degrees")
-    slack_deg: Angle = Field(description="phase of the slack side's equivalent unbalance in degrees")
-    runs: Annotated[tuple[ChainRun, ...], Strict(False), Field(min_length=3, max_length=1000)] | None = Field(
-        default=None, description="runs, a list"
+    wrap_deg: Angle = required("phase of the middle of the chain's wrap in degrees")
+    tight_deg: Angle = required("phase of the tight side's equivalent unbalance in degrees")
+    slack_deg: Angle = required("phase of the slack side's equivalent unbalance in degrees")
+    runs: Annotated[Several[ChainRun], Field(min_length=3, max_length=1000)] | None = optional("runs, a list")
+    file: Annotated[str, Field(min_length=1)] | None = optional(
+        "CSV file of runs instead, with columns weight_deg, amplitude, phase_deg; its path counts from this file"
     )
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="CSV file of runs instead, with columns weight_deg, amplitude, phase_deg; its path counts from "
-        "this file",
+    predict_deg: Annotated[Several[Angle], Field(max_length=MOST_ITEMS)] = optional(
+        "phases of the weight in degrees for which readings are predicted", ()
     )
-    predict_deg: Annotated[tuple[Angle, ...], Strict(False), Field(max_length=MOST_ITEMS)] = Field(
-        default=(), description="phases of the weight in degrees for which readings are predicted"
-    )
-    effect_per_g: Effect | None = Field(
-        default=None, description="amplitude per g of a weight, for corrections; left out: none"
-    )
+    effect_per_g: Effect | None = optional("amplitude per g of a weight, for corrections; left out: none")
 
     @model_validator(mode="after")
     def _has_runs(self) -> Self:
@@ -321,24 +271,18 @@ QUESTIONS = ("excitations", "gears", "rotor", "chain_drive")
 class Balance(Model):
     """A balance file: what a person wrote, and nothing computed."""
 
-    name: str = Field(pattern=NAME_PATTERN, description="name of the file's subject and of its output folder")
-    description: str = Field(default="", max_length=10_000, description="free text")
-    speed_rpm: Speed | None = Field(
-        default=None, description="speed in r/min of the shaft that drives the mechanisms and the gears"
+    name: str = required("name of the file's subject and of its output folder", pattern=NAME_PATTERN)
+    description: str = optional("free text", "", max_length=10_000)
+    speed_rpm: Speed | None = optional("speed in r/min of the shaft that drives the mechanisms and the gears")
+    mechanisms: Annotated[Several[Mechanism], Field(max_length=50)] = optional("crank-sliders on one frame, a list", ())
+    move_phase_of: str | None = optional("name of the mechanism whose best phase is looked for; left out: none")
+    chassis: Chassis | None = optional("counterweight at the tail of a chassis")
+    excitations: Excitations | None = optional(
+        "frequencies that shake the machine, compared with its natural frequencies"
     )
-    mechanisms: Annotated[tuple[Mechanism, ...], Strict(False), Field(max_length=50)] = Field(
-        default=(), description="crank-sliders on one frame, a list"
-    )
-    move_phase_of: str | None = Field(
-        default=None, description="name of the mechanism whose best phase is looked for; left out: none"
-    )
-    chassis: Chassis | None = Field(default=None, description="counterweight at the tail of a chassis")
-    excitations: Excitations | None = Field(
-        default=None, description="frequencies that shake the machine, compared with its natural frequencies"
-    )
-    gears: GearBalance | None = Field(default=None, description="balance of a design's gears")
-    rotor: Rotor | None = Field(default=None, description="field balancing from trial weights")
-    chain_drive: ChainDrive | None = Field(default=None, description="equivalent unbalance of a chain drive")
+    gears: GearBalance | None = optional("balance of a design's gears")
+    rotor: Rotor | None = optional("field balancing from trial weights")
+    chain_drive: ChainDrive | None = optional("equivalent unbalance of a chain drive")
 
     @model_validator(mode="after")
     def _asks_something(self) -> Self:

@@ -1,17 +1,20 @@
-"""The base of all models of keys: strict types, no unknown keys, no changes, no nan or infinity; faults; angles.
+"""The base of all models of keys: strict types, no unknown keys, no changes, no nan or infinity; faults; rules; angles.
 
-A fault that a model finds between its own fields has the key to which it belongs.  An angle may be given in radians, in
-degrees or in multiples of pi; its key ends in the unit.
+A fault that a model finds between its own fields has the key to which it belongs.  Fields are ``required`` or
+``optional``.  An angle may be given in radians, in degrees or in multiples of pi, by keys that end in the unit: one
+field marked ``angle`` makes all of them.  What holds between keys of a model stands in its ``RULES``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import operator
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache, partial, reduce
 from itertools import pairwise
 from math import pi, radians
-from typing import Annotated
+from typing import Any, ClassVar, NamedTuple, Self
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from ncgear.design.words import UNITS as UNITS
@@ -20,36 +23,43 @@ from ncgear.design.words import listed as listed
 from ncgear.design.words import quantity as quantity
 from ncgear.design.words import spellings as spellings
 from ncgear.numerics.bounds import shown_above
+from ncgear.numerics.units import label_and_unit
 
-LONGEST_MM = 1e7
-"""Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
 
-SLOWEST_RPM, FASTEST_RPM = 1e-6, 1e7
-"""One turn in two years, and far above whatever a machine has: squares of speeds stay far from overflow and zero."""
+def required(meaning: str, **limits: Any) -> Any:
+    """A field that a file must give."""
+    return Field(description=meaning, **limits)
 
-Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM)]
-Speed = Annotated[float, Field(ge=SLOWEST_RPM, le=FASTEST_RPM)]
-Positive = Annotated[float, Field(gt=0.0)]
 
-LONGEST_EXPRESSION = 1000
+def optional(meaning: str, default: Any = None, **limits: Any) -> Any:
+    """A field that a file may leave out; ``default`` is its value then, or a function that makes it."""
+    return Field(**{"default_factory" if callable(default) else "default": default}, description=meaning, **limits)
 
-Expression = Annotated[str, Field(min_length=1, max_length=LONGEST_EXPRESSION)]
-"""A formula."""
 
-FORMULA = (
-    "made of numbers, pi, + - * / **, sin, cos, tan, exp, log, sqrt, atan, sinh, cosh, tanh, abs, sign, min, max "
-    "and a if u < v else b"
-)
-"""What ``ncgear.numerics.formula`` reads."""
+class _Angle(NamedTuple):
+    """The mark of an angle: what stands in the place of its field until the class is made."""
 
-SMOOTH_LAW = (
-    "it may not jump where such pieces meet or where the cycle begins again; where its slope jumps there, gears cannot "
-    "be made"
-)
-"""What the pitch curves ask of a ratio and of dphi2/dphi1."""
+    meaning: str
+    quantity: str
+    type: Any
+    rule: str
+    absent: Any
 
-# YAML has only lists, and strict models accept only tuples: so the container is not strict, but its numbers are.
-Numbers = Annotated[tuple[float, ...], Strict(False)]
+
+def angle(meaning: str, quantity: str = "", *, needed: bool = False, of: Any = float, absent: Any = 0.0) -> Any:
+    """An angle in rad, or a list of them, that a file gives by one of the keys ``quantity``_rad, _deg and _pi.
+
+    ``quantity`` is the name of the field where nothing is said, ``of`` the type of the value in any unit, ``absent``
+    the angle that is left out.  ``{unit}`` in the meaning stands for the unit in words, ``{turn}`` for a turn in it.
+    """
+    return _Angle(meaning, quantity, of, "one of" if needed else "at most one of", absent)
+
+
+FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
+
+_WORDS = {"rad": ("in rad", "2 pi"), "deg": ("in degrees", "360"), "pi": ("in multiples of pi", "2")}
+
+_TO_RAD: dict[str, Callable[[float], float]] = {"rad": float, "deg": radians, "pi": lambda value: value * pi}
 
 
 class Model(BaseModel):
@@ -57,6 +67,59 @@ class Model(BaseModel):
 
     # The schema of a model is made when a file is checked by it: most models are only parts of others.
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
+
+    RULES: ClassVar[tuple[str, ...]] = ()
+    """What must hold between keys, besides the rules of the bases, in the words of ``require``."""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Put the keys of all units in the place of each angle, before pydantic looks for fields."""
+        super().__init_subclass__()
+        found: dict[str, Any] = {}
+        for name, annotation in vars(cls).get("__annotations__", {}).items():
+            mark = vars(cls).get(name)
+            if not isinstance(mark, _Angle):
+                found[name] = annotation
+                continue
+            quantity = mark.quantity or name
+            for key, (unit, turn) in zip(spellings(quantity), _WORDS.values(), strict=True):
+                found[key] = mark.type | None
+                setattr(cls, key, optional(mark.meaning.format(unit=unit, turn=turn)))
+            found[name] = ClassVar[Any]
+            setattr(cls, name, property(partial(_in_rad, quantity=quantity, absent=mark.absent)))
+            cls.RULES = (" ".join((mark.rule, *spellings(quantity))), *vars(cls).get("RULES", ()))
+        cls.__annotations__ = found
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, first: bool = False, **kwargs: Any) -> None:
+        """Put the keys of a class behind those of its base, or with ``first=True`` before them, as a file has them."""
+        own, base = vars(cls)["__annotations__"], getattr(cls.__bases__[0], "model_fields", {})
+        fields = cls.__pydantic_fields__
+        order = (*own, *base) if first else (*base, *own)
+        cls.__pydantic_fields__ = {name: fields[name] for name in order if name in fields}
+
+    @model_validator(mode="after")
+    def _rules_hold(self) -> Self:
+        for rule in _rules_of(type(self)):
+            require(self, rule)
+        return self
+
+
+@cache
+def _rules_of(model: type[Model]) -> list[str]:
+    return [rule for base in reversed(model.__mro__) for rule in vars(base).get("RULES", ())]
+
+
+def key_of(model: BaseModel, quantity: str) -> str:
+    """The key by which an angle is given; empty where it is left out."""
+    return next(iter(given(model, spellings(quantity))), "")
+
+
+def _in_rad(model: BaseModel, quantity: str, absent: Any) -> Any:
+    key = key_of(model, quantity)
+    if not key:
+        return absent
+    value, to_rad = getattr(model, key), _TO_RAD[key.rpartition("_")[2]]
+    return tuple(map(to_rad, value)) if isinstance(value, tuple) else to_rad(value)
 
 
 FAULT_TYPE = "ncgear"
@@ -71,27 +134,57 @@ def fault(key: str, problem: str) -> PydanticCustomError:
     return PydanticCustomError(FAULT_TYPE, "{problem}", {"problem": problem, "key": key})
 
 
-FULL_TURN = {"rad": 2.0 * pi, "deg": 360.0, "pi": 2.0}
-
-
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:
     """The ``names`` that have a value; a key without a value counts as left out."""
     return [name for name in names if getattr(model, name) is not None]
 
 
-def require_one(model: BaseModel, names: Iterable[str]) -> None:
-    """Refuse a model that has none or more than one of ``names``."""
-    names = list(names)
-    if not given(model, names):
-        raise fault("", f"one of {listed(names)} is missing; give exactly one of them")
-    allow_one(model, names)
+_RELATIONS: dict[str, tuple[Callable[[float, float], bool], str]] = {
+    "<": (operator.lt, "under {}"),
+    "<=": (operator.le, "{} or less"),
+    ">": (operator.gt, "over {}"),
+    ">=": (operator.ge, "{} or over"),
+}
 
 
-def allow_one(model: BaseModel, names: Iterable[str]) -> None:
-    """Refuse a model that has more than one of ``names``."""
-    found = given(model, names)
-    if len(found) > 1:
-        raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
+def require(model: BaseModel, rule: str) -> None:
+    """Refuse a model in which a rule between dotted keys does not hold.
+
+    The rules are ``one of A B``, exactly one is given; ``at most one of A B``; ``A with B``, both are given or neither;
+    ``A needs B C``, A is given only with B or C; where both are given, ``A as many as B`` of lists and ``A < B``, also
+    <=, > and >=, of numbers.
+    """
+    match rule.split():
+        case ["one", "of", *names]:
+            if all(_at(model, name) is None for name in names):
+                raise fault("", f"one of {listed(names)} is missing; give exactly one of them")
+            require(model, f"at most {rule}")
+        case ["at", "most", "one", "of", *names]:
+            found = [name for name in names if _at(model, name) is not None]
+            if len(found) > 1:
+                raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
+        case [one, "with", other]:
+            for there, absent in ((one, other), (other, one)):
+                if _at(model, there) is not None and _at(model, absent) is None:
+                    raise fault(absent, f"missing; {there} is given, and needs it")
+        case [key, "needs", *others]:
+            if _at(model, key) is not None and all(_at(model, other) is None for other in others):
+                raise fault(key, f"given without {listed(others)}; give that as well, or leave {key} out")
+        case [key, "as", "many", "as", other]:
+            counts = [len(values) for name in (key, other) if (values := _at(model, name)) is not None]
+            if len(counts) == 2 and counts[0] != counts[1]:
+                raise fault(key, f"{counts[0]} values, but {other} has {counts[1]}; as many are right")
+        case [key, relation, other]:
+            (holds, words), value, bound = _RELATIONS[relation], _at(model, key), _at(model, other)
+            if value is not None and bound is not None and not holds(value, bound):
+                named = (key, value), (other, bound)
+                told, right = (f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in named)
+                raise fault(key, f"{told} given, but {other} is {right}; {words.format(right)} is right")
+
+
+def _at(model: BaseModel, key: str) -> Any:
+    """The value at a dotted key; None where it, or a group on the way, is left out."""
+    return reduce(lambda group, name: None if group is None else getattr(group, name), key.split("."), model)
 
 
 def require_rising(key: str, values: Sequence[float], least: float) -> None:
@@ -101,19 +194,3 @@ def require_rising(key: str, values: Sequence[float], least: float) -> None:
             raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the angles must rise strictly")
         if after - before < least:
             raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {shown_above(least, 2)} apart is right")
-
-
-def in_rad(value: float, unit: str) -> float:
-    """``value`` in radians; ``unit`` is rad, deg or pi."""
-    if unit == "deg":
-        return radians(value)
-    return value * pi if unit == "pi" else value
-
-
-def angle_rad(model: BaseModel, quantity: str) -> float:
-    """The angle ``quantity`` of ``model`` in radians, from the key by which it was given; 0 where it was not given."""
-    for unit in UNITS:
-        value = getattr(model, f"{quantity}_{unit}")
-        if value is not None:
-            return in_rad(float(value), unit)
-    return 0.0

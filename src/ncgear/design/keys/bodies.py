@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, fault
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.types import Length
 
 MOST_HOLES = 100
 
@@ -14,40 +15,34 @@ MOST_HOLES = 100
 class Keyway(Model):
     """A keyway in the bore."""
 
-    width_mm: Length = Field(description="width of the keyway in mm, under the bore")
-    depth_mm: Length = Field(description="depth of the keyway in mm, from the bore outwards")
+    width_mm: Length = required("width of the keyway in mm, under the bore")
+    depth_mm: Length = required("depth of the keyway in mm, from the bore outwards")
 
 
 class SetScrew(Model):
     """A radial hole through one side of the hub, down to the bore."""
 
-    diameter_mm: Length = Field(description="diameter of the hole in mm: the tap drill's, or with clearance")
-    height_mm: Length | None = Field(
-        default=None, description="height of its axis over the face in mm; left out: half the hub's height"
-    )
-    direction_deg: float = Field(
-        default=0.0,
-        ge=-360.0,
-        le=360.0,
-        description="direction in degrees, counter-clockwise from the keyway's side; left out: through to the keyway",
+    diameter_mm: Length = required("diameter of the hole in mm: the tap drill's, or with clearance")
+    height_mm: Length | None = optional("height of its axis over the face in mm; left out: half the hub's height")
+    direction_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = optional(
+        "direction in degrees, counter-clockwise from the keyway's side; left out: through to the keyway", 0.0
     )
 
 
 class Hub(Model):
     """A cylinder about the axis on the upper face."""
 
-    diameter_mm: Length = Field(description="diameter of the hub in mm, over the bore and under the tooth roots")
-    height_mm: Length = Field(description="height of the hub over the face in mm")
-    set_screw: SetScrew | None = Field(default=None, description="hole for a set screw in the hub; left out: none")
+    RULES = ("set_screw.diameter_mm < height_mm",)
+
+    diameter_mm: Length = required("diameter of the hub in mm, over the bore and under the tooth roots")
+    height_mm: Length = required("height of the hub over the face in mm")
+    set_screw: SetScrew | None = optional("hole for a set screw in the hub; left out: none")
 
     @model_validator(mode="after")
     def _screw_in_hub(self) -> Self:
         screw, height = self.set_screw, self.height_mm
         if screw is None:
             return self
-        if screw.diameter_mm >= height:
-            problem = f"{screw.diameter_mm:g} mm is not less than the hub's height; under {height:g} mm is right"
-            raise fault("set_screw.diameter_mm", problem)
         low, high = screw.diameter_mm / 2.0, height - screw.diameter_mm / 2.0
         if screw.height_mm is not None and not low < screw.height_mm < high:
             problem = f"at {screw.height_mm:g} mm the hole leaves the hub; between {low:g} and {high:g} mm is right"
@@ -58,111 +53,72 @@ class Hub(Model):
 class Web(Model):
     """Pockets in the upper face between rim and hub, down to a web."""
 
-    thickness_mm: Length = Field(description="thickness of the web in mm, from z = 0 up; under the face width")
-    rim_mm: Length = Field(description="least wall in mm between the pockets and the tooth roots")
-    hub_mm: Length | None = Field(
-        default=None, description="diameter in mm that is left about the axis; left out: that of the hub"
-    )
+    thickness_mm: Length = required("thickness of the web in mm, from z = 0 up; under the face width")
+    rim_mm: Length = required("least wall in mm between the pockets and the tooth roots")
+    hub_mm: Length | None = optional("diameter in mm that is left about the axis; left out: that of the hub")
 
 
 class LighteningHoles(Model):
     """Round through holes about the axis: in the pockets of a web, or in the full gear."""
 
-    count: int = Field(ge=1, le=MOST_HOLES, description="number of holes, in evenly spread directions, a whole number")
-    least_wall_mm: Length = Field(
-        description="least wall in mm to tooth outline, bore, hub, pocket sides, index hole and between the holes"
+    count: int = required("number of holes, in evenly spread directions, a whole number", ge=1, le=MOST_HOLES)
+    least_wall_mm: Length = required(
+        "least wall in mm to tooth outline, bore, hub, pocket sides, index hole and between the holes"
     )
-    diameter_mm: Length | None = Field(
-        default=None,
-        description="diameter of the holes in mm; left out: the largest that keeps the walls, 2 mm or more",
+    diameter_mm: Length | None = optional(
+        "diameter of the holes in mm; left out: the largest that keeps the walls, 2 mm or more"
     )
 
 
 class EndStop(Model):
     """An arc slot about the axis, in which a pin of the frame stops a gear that turns less than once."""
 
-    pin_mm: Length = Field(description="diameter of the pin in mm; it stands in the frame, away from the other gear")
-    radius_mm: Length = Field(description="distance in mm of the pin, and of the slot's middle, from the gear's axis")
-    clearance_mm: float = Field(
-        default=0.2,
-        ge=0.0,
-        le=10.0,
-        description="by how much the slot is wider than the pin in mm; its ends meet the pin where the range ends",
+    pin_mm: Length = required("diameter of the pin in mm; it stands in the frame, away from the other gear")
+    radius_mm: Length = required("distance in mm of the pin, and of the slot's middle, from the gear's axis")
+    clearance_mm: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
+        "by how much the slot is wider than the pin in mm; its ends meet the pin where the range ends", 0.2
     )
 
 
 class CrankPin(Model):
     """A hole for the crank pin in the gear itself, which then is the crank."""
 
-    diameter_mm: Length = Field(
-        description="diameter of the hole in mm; its centre is the crank's length from the axis, in the direction of "
-        "the crank at phi1 = 0"
+    diameter_mm: Length = required(
+        "diameter of the hole in mm; its centre is the crank's length from the axis, in the direction of the crank at "
+        "phi1 = 0"
     )
 
 
 class GearBody(Model):
     """What is cut into one gear around its axis, and what stands on it."""
 
-    bore_mm: Length | None = Field(default=None, description="diameter of the bore in mm; left out: no bore")
-    keyway: Keyway | None = Field(default=None, description="keyway in the bore; left out: none")
-    hub: Hub | None = Field(default=None, description="hub on the upper face; left out: none")
-    web: Web | None = Field(default=None, description="web under pockets in the upper face; left out: none")
-    lightening_holes: LighteningHoles | None = Field(
-        default=None, description="round holes that save weight; left out: none"
+    RULES = (
+        "keyway needs bore_mm",
+        "keyway.width_mm < bore_mm",
+        "hub.set_screw needs bore_mm",
+        "hub.set_screw.diameter_mm < bore_mm",
+        "web needs web.hub_mm hub",
+        "web.hub_mm >= hub.diameter_mm",
     )
 
-    end_stop: EndStop | None = Field(
-        default=None,
-        description="arc slot for a pin that stops gears which turn less than once; left out: none",
-    )
+    bore_mm: Length | None = optional("diameter of the bore in mm; left out: no bore")
+    keyway: Keyway | None = optional("keyway in the bore; left out: none")
+    hub: Hub | None = optional("hub on the upper face; left out: none")
+    web: Web | None = optional("web under pockets in the upper face; left out: none")
+    lightening_holes: LighteningHoles | None = optional("round holes that save weight; left out: none")
 
-    @model_validator(mode="after")
-    def _keyway_fits(self) -> Self:
-        if self.keyway is None:
-            return self
-        if self.bore_mm is None:
-            raise fault("keyway", "a keyway without a bore; give bore_mm, or leave the keyway out")
-        if self.keyway.width_mm >= self.bore_mm:
-            width, bore = self.keyway.width_mm, self.bore_mm
-            raise fault("keyway.width_mm", f"{width:g} mm is no narrower than the bore; under {bore:g} mm is right")
-        return self
-
-    @model_validator(mode="after")
-    def _screw_meets_the_bore(self) -> Self:
-        screw = self.hub.set_screw if self.hub else None
-        if screw is None:
-            return self
-        if self.bore_mm is None:
-            raise fault("hub.set_screw", "a set screw without a bore; give bore_mm, or leave the set screw out")
-        if screw.diameter_mm >= self.bore_mm:
-            problem = f"{screw.diameter_mm:g} mm is no narrower than the bore; under {self.bore_mm:g} mm is right"
-            raise fault("hub.set_screw.diameter_mm", problem)
-        return self
-
-    @model_validator(mode="after")
-    def _web_around_hub(self) -> Self:
-        if self.web is None:
-            return self
-        left, hub = self.web.hub_mm, self.hub
-        if left is None and hub is None:
-            raise fault("web", "neither hub_mm nor a hub is given; hub_mm says what is left about the axis")
-        if left is not None and hub is not None and left < hub.diameter_mm:
-            problem = f"{left:g} mm is less than the hub that stands on it; {hub.diameter_mm:g} mm or over is right"
-            raise fault("web.hub_mm", problem)
-        return self
+    end_stop: EndStop | None = optional("arc slot for a pin that stops gears which turn less than once; left out: none")
 
 
 class DrivenBody(GearBody):
     """What is cut into the driven gear around its axis or, of a ring, stands around its teeth."""
 
-    rim_mm: Length | None = Field(
-        default=None,
-        description="of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules",
+    rim_mm: Length | None = optional(
+        "of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules"
     )
-    crank_pin: CrankPin | None = Field(
-        default=None,
-        description="hole for the crank pin in the gear, which then is the crank itself; of two pairs in series it is "
-        "in the last gear; left out: none",
+    crank_pin: CrankPin | None = optional(
+        "hole for the crank pin in the gear, which then is the crank itself; of two pairs in series it is in the last "
+        "gear; left out: none"
     )
 
     @property
@@ -173,14 +129,6 @@ class DrivenBody(GearBody):
             for name in ("bore_mm", "hub", "web", "lightening_holes", "end_stop", "crank_pin")
             if getattr(self, name) is not None
         ]
-
-
-def require_height(name: str, body: GearBody, face_width: float) -> None:
-    """Raise a fault if the web is as thick as the gear."""
-    web = body.web
-    if web is not None and web.thickness_mm >= face_width:
-        problem = f"{web.thickness_mm:g} mm is no thinner than the gear; under {face_width:g} mm is right"
-        raise fault(f"{name}.web.thickness_mm", problem)
 
 
 def chamfer_fault(name: str, body: GearBody, face_width: float, chamfer: float) -> tuple[str, str] | None:

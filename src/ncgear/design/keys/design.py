@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, TypeAdapter, create_model, model_validator
 
-from ncgear.design.keys.base import Model, fault, given, listed
+from ncgear.design.keys.base import Model, fault, given, optional, required
 from ncgear.design.keys.drivetrain import Drivetrain
-from ncgear.design.keys.fit import Fit
 from ncgear.design.keys.gears import SIZES, Gears
-from ncgear.design.keys.machine import Comparison, Linkage, NoLinkage, Operation, Output, Resistance
+from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
+from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.keys.strength import StrengthKeys
@@ -22,7 +22,7 @@ from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
-from ncgear.design.naming import NAME_PATTERN
+from ncgear.design.words import NAME_PATTERN, listed
 from ncgear.shown import Shown
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -42,49 +42,47 @@ else:
 class Design(Model, Shown):
     """A design file: what a person wrote, and nothing computed."""
 
-    name: str = Field(pattern=NAME_PATTERN, description="name of the design and of its output folder")
-    description: str = Field(default="", max_length=10_000, description="free text")
-    linkage: Linkage = Field(description="the mechanism that the driven gear turns; left out: gears by themselves")
-    operation: Operation = Field(description="how the machine is run")
+    RULES = (
+        "drivetrain.driving_shaft.diameter_mm <= gears.driving.bore_mm",
+        "drivetrain.driven_shaft.diameter_mm <= gears.driven.bore_mm",
+        "fit needs gears",
+        "drivetrain needs gears",
+        "drivetrain needs masses",
+        "at most one of simulation.motor drivetrain.motor.no_load_speed_rpm",
+    )
+
+    name: str = required("name of the design and of its output folder", pattern=NAME_PATTERN)
+    description: str = optional("free text", "", max_length=10_000)
+    linkage: Linkage = required("the mechanism that the driven gear turns; left out: gears by themselves")
+    operation: Operation = required("how the machine is run")
     motion: Motion
-    gears: Gears | None = Field(default=None, description="the pair of gears; a check does without, a build needs it")
-    resistance: Resistance | None = Field(
-        default=None, description="the force or torque against the output; left out: none"
+    gears: Gears | None = optional("the pair of gears; a check does without, a build needs it")
+    resistance: Resistance | None = optional("the force or torque against the output; left out: none")
+    wishes: Wishes = optional(
+        "what the motion shall do: a check says whether it does, ncgear optimize looks for a law that does", Wishes
     )
-    wishes: Wishes = Field(
-        default_factory=Wishes,
-        description="what the motion shall do: a check says whether it does, ncgear optimize looks for a law that does",
+    masses: Masses | None = optional(
+        "what moves, as masses: all power counts them, ncgear simulate needs them; left out: none"
     )
-    masses: Masses | None = Field(
-        default=None,
-        description="what moves, as masses: all power counts them, ncgear simulate needs them; left out: none",
+    simulation: Simulation = optional(
+        "how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation", Simulation
     )
-    simulation: Simulation = Field(
-        default_factory=Simulation,
-        description="how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation",
+    fit: Fit | None = optional(
+        "what stands and moves beside the gears: a build tells whether rods pass it; left out: not known"
     )
-    fit: Fit | None = Field(
-        default=None,
-        description="what stands and moves beside the gears: a build tells whether rods pass it; left out: not known",
+    strength: StrengthKeys = optional(
+        "what the teeth run under and how safe they shall be; left out: 20 000 h in oil", StrengthKeys
     )
-    strength: StrengthKeys = Field(
-        default_factory=StrengthKeys,
-        description="what the teeth run under and how safe they shall be; left out: 20 000 h in oil",
+    tolerances: AssemblyTolerances | None = optional(
+        "what gears and assembly may deviate by, for ncgear tolerance; left out: grade 8 and more, which its answer "
+        "tells"
     )
-    tolerances: AssemblyTolerances | None = Field(
-        default=None,
-        description="what gears and assembly may deviate by, for ncgear tolerance; left out: grade 8 and more, which "
-        "its answer tells",
+    drivetrain: Drivetrain | None = optional(
+        "bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none"
     )
-    drivetrain: Drivetrain | None = Field(
-        default=None,
-        description="bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none",
-    )
-    comparison: Comparison | None = Field(default=None, description="published mechanisms to compare with")
-    optimize: Optimize | None = Field(
-        default=None, description="what ncgear optimize looks for; check and build take no notice"
-    )
-    output: Output = Field(default_factory=Output, description="how finely the results are written")
+    comparison: Comparison | None = optional("published mechanisms to compare with")
+    optimize: Optimize | None = optional("what ncgear optimize looks for; check and build take no notice")
+    output: Output = optional("how finely the results are written", Output)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         """Pickle a model that was made for a mechanism by its data, because it cannot be found by its name."""
@@ -127,8 +125,6 @@ class Design(Model, Shown):
                 raise fault(
                     key, "given, but the driven shaft turns no crank here; leave it out, or give a linkage with a crank"
                 )
-        if self.fit is not None and self.gears is None:
-            raise fault("fit", "given, but without gears nothing stands beside them; leave it out, or give gears")
         return self
 
     @model_validator(mode="after")
@@ -170,32 +166,9 @@ class Design(Model, Shown):
         return self
 
     @model_validator(mode="after")
-    def _drivetrain_has_gears_and_masses(self) -> Self:
-        if self.drivetrain is None:
-            return self
-        for name in ("gears", "masses"):
-            if getattr(self, name) is None:
-                raise fault(name, "missing; the section drivetrain needs it, since its loads follow from the forces")
-        if self.stages > 1:
+    def _drivetrain_has_one_pair(self) -> Self:
+        if self.drivetrain is not None and self.stages > 1:
             raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
-        motor = self.drivetrain.motor
-        if motor is not None and motor.no_load_speed_rpm is not None and self.simulation.motor is not None:
-            raise fault("drivetrain.motor.no_load_speed_rpm", "given, but simulation.motor has a line too; keep one")
-        return self
-
-    @model_validator(mode="after")
-    def _shafts_go_through_their_gears(self) -> Self:
-        if self.drivetrain is None or self.gears is None:
-            return self
-        for name in ("driving", "driven"):
-            shaft, bore = getattr(self.drivetrain, f"{name}_shaft"), getattr(self.gears, name).bore_mm
-            diameter = shaft and shaft.diameter_mm
-            if diameter and bore and diameter > bore:
-                raise fault(
-                    f"drivetrain.{name}_shaft.diameter_mm",
-                    f"{diameter:.10g} mm does not go into gears.{name}.bore_mm, {bore:.10g} mm; as much or less is "
-                    "right",
-                )
         return self
 
     @model_validator(mode="after")

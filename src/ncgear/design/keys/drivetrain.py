@@ -9,9 +9,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import LONGEST_MM, Length, Model, Positive, Speed, fault, given
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.types import Length, Place, Positive, Speed
 
-Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]
 
@@ -19,88 +19,59 @@ Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]
 class Bearing(Model):
     """One of the two bearings of a shaft."""
 
-    at_mm: Place = Field(
-        description="place of its middle along the shaft in mm, counted from the middle of the gear, over 0 on the "
-        "side of its hub"
+    at_mm: Place = required(
+        "place of its middle along the shaft in mm, counted from the middle of the gear, over 0 on the side of its hub"
     )
-    kind: Literal["ball", "roller"] = Field(
-        default="ball", description="ball or roller: the life falls with the load to the power 3 or 10/3"
+    kind: Literal["ball", "roller"] = optional(
+        "ball or roller: the life falls with the load to the power 3 or 10/3", "ball"
     )
-    dynamic_rating_n: Positive | None = Field(
-        default=None, description="basic dynamic load rating C in N; left out: only the one that is needed is told"
+    dynamic_rating_n: Positive | None = optional(
+        "basic dynamic load rating C in N; left out: only the one that is needed is told"
     )
-    static_rating_n: Positive | None = Field(
-        default=None, description="basic static load rating C0 in N; left out: no static safety"
-    )
+    static_rating_n: Positive | None = optional("basic static load rating C0 in N; left out: no static safety")
 
 
 class ShaftKey(Model):
     """The key between shaft and gear, in the keyway that the gear's body has."""
 
-    length_mm: Length | None = Field(
-        default=None, description="length of the key's straight sides in the hub in mm; left out: the face width"
+    length_mm: Length | None = optional("length of the key's straight sides in the hub in mm; left out: the face width")
+    height_mm: Length | None = optional(
+        "height in mm over which key and hub touch; left out: the depth of the gear's keyway less 0.4 mm"
     )
-    height_mm: Length | None = Field(
-        default=None,
-        description="height in mm over which key and hub touch; left out: the depth of the gear's keyway less 0.4 mm",
-    )
-    yield_mpa: Positive | None = Field(
-        default=None, description="least yield strength of key and hub in MPa; left out: that of the shaft"
-    )
+    yield_mpa: Positive | None = optional("least yield strength of key and hub in MPa; left out: that of the shaft")
 
 
 class DrivingShaft(Model):
     """The shaft of the driving gear, which is turned through a coupling that does not press on it."""
 
-    bearing_a: Bearing | None = Field(default=None, description="one bearing; left out: none are looked at")
-    bearing_b: Bearing | None = Field(default=None, description="the other bearing")
-    diameter_mm: Length | None = Field(
-        default=None, description="diameter at the gear in mm; left out: that of the gear's bore"
-    )
-    steel: Literal["S355", "E335", "C45", "42CrMo4", "34CrNiMo6"] | None = Field(
-        default=None,
-        description="steel of the shaft: S355, E335, C45, 42CrMo4 or 34CrNiMo6; left out, and without tensile_mpa: the "
-        "shaft is not looked at",
-    )
-    tensile_mpa: Positive | None = Field(
-        default=None, description="tensile strength in MPa at this diameter, in place of a steel"
-    )
-    yield_mpa: Positive | None = Field(
-        default=None, description="yield strength in MPa at this diameter, in place of a steel"
-    )
-    blank_mm: Length | None = Field(
-        default=None,
-        description="diameter in mm at which the steel was heat treated, the blank's; left out: that of the shaft",
-    )
-    key: ShaftKey | None = Field(
-        default=None, description="key in the gear's keyway; left out: not looked at. Needs the steel"
+    RULES = (
+        "bearing_a with bearing_b",
+        "steel needs bearing_a",
+        "tensile_mpa needs bearing_a",
+        "key needs steel tensile_mpa",
+        "at most one of steel tensile_mpa",
+        "tensile_mpa with yield_mpa",
+        "yield_mpa <= tensile_mpa",
     )
 
+    bearing_a: Bearing | None = optional("one bearing; left out: none are looked at")
+    bearing_b: Bearing | None = optional("the other bearing")
+    diameter_mm: Length | None = optional("diameter at the gear in mm; left out: that of the gear's bore")
+    steel: Literal["S355", "E335", "C45", "42CrMo4", "34CrNiMo6"] | None = optional(
+        "steel of the shaft: S355, E335, C45, 42CrMo4 or 34CrNiMo6; left out, and without tensile_mpa: the shaft is "
+        "not looked at"
+    )
+    tensile_mpa: Positive | None = optional("tensile strength in MPa at this diameter, in place of a steel")
+    yield_mpa: Positive | None = optional("yield strength in MPa at this diameter, in place of a steel")
+    blank_mm: Length | None = optional(
+        "diameter in mm at which the steel was heat treated, the blank's; left out: that of the shaft"
+    )
+    key: ShaftKey | None = optional("key in the gear's keyway; left out: not looked at. Needs the steel")
+
     @model_validator(mode="after")
-    def _parts_belong_together(self) -> Self:
-        pair = given(self, ("bearing_a", "bearing_b"))
-        if len(pair) == 1:
-            absent = "bearing_b" if pair == ["bearing_a"] else "bearing_a"
-            raise fault(absent, f"missing; {pair[0]} is given, and a shaft has two")
+    def _bearings_are_apart(self) -> Self:
         if self.bearing_a and self.bearing_b and self.bearing_a.at_mm == self.bearing_b.at_mm:
             raise fault("bearing_b.at_mm", f"{self.bearing_b.at_mm:g} mm given, as of bearing_a; another one is right")
-        if self.has_strength and not pair:
-            raise fault("bearing_a", "missing; the bending of a shaft of given steel follows from its bearings")
-        if self.key is not None and not self.has_strength:
-            raise fault("steel", "missing; the pressure on the key is held against the steel of the shaft")
-        return self
-
-    @model_validator(mode="after")
-    def _one_strength(self) -> Self:
-        own = given(self, ("tensile_mpa", "yield_mpa"))
-        if self.steel is not None and own:
-            raise fault(own[0], "given, but so is steel; keep one of the two")
-        if len(own) == 1:
-            raise fault("yield_mpa" if own == ["tensile_mpa"] else "tensile_mpa", f"missing; {own[0]} is given")
-        if self.tensile_mpa is not None and self.yield_mpa is not None and self.yield_mpa > self.tensile_mpa:
-            raise fault(
-                "yield_mpa", f"{self.yield_mpa:g} MPa is over tensile_mpa; {self.tensile_mpa:g} or less is right"
-            )
         return self
 
     @property
@@ -112,92 +83,68 @@ class DrivingShaft(Model):
 class DrivenShaft(DrivingShaft):
     """The shaft of the driven gear, which the crank turns with."""
 
-    crank_at_mm: Place = Field(
-        default=0.0,
-        description="place of the crank pin's middle along the shaft in mm, counted from the middle of the gear",
+    crank_at_mm: Place = optional(
+        "place of the crank pin's middle along the shaft in mm, counted from the middle of the gear", 0.0
     )
 
 
 class Gearbox(Model):
     """What is between a motor and the driving shaft."""
 
-    ratio: float = Field(
-        default=1.0, gt=0.0, le=1e6, description="speed of the motor over that of the driving shaft; over 1 slows down"
-    )
-    efficiency: Share = Field(default=1.0, description="power that comes out over power that goes in")
+    ratio: float = optional("speed of the motor over that of the driving shaft; over 1 slows down", 1.0, gt=0.0, le=1e6)
+    efficiency: Share = optional("power that comes out over power that goes in", 1.0)
 
 
 class DrivetrainMotor(Model):
     """The motor, at its own shaft: what it bears, and how its torque falls with its speed."""
 
-    rated_torque_n_m: Positive = Field(description="torque in N m that it gives for ever")
-    rated_speed_rpm: Speed = Field(description="speed in r/min at which it gives it")
-    peak_torque_n_m: Positive | None = Field(
-        default=None, description="torque in N m that it gives for moments; left out: not looked at"
-    )
-    no_load_speed_rpm: Speed | None = Field(
-        default=None,
-        description="speed in r/min at which it has no torque left, of the straight line through the rated point; left "
-        "out: the line of simulation.motor, which is at the driving gear, or no line",
-    )
-    inertia_kg_mm2: float = Field(
-        default=0.0, ge=0.0, le=1e16, description="moment of inertia of its rotor in kg mm2, at its own shaft"
-    )
-    gearbox: Gearbox = Field(default_factory=Gearbox, description="gearbox or belt; left out: none")
-    overrunning_clutch: bool = Field(
-        default=False, description="true: a clutch that lets the machine run ahead, so that the motor never brakes it"
+    RULES = (
+        "no_load_speed_rpm > rated_speed_rpm",
+        "peak_torque_n_m >= rated_torque_n_m",
     )
 
-    @model_validator(mode="after")
-    def _line_falls(self) -> Self:
-        if self.no_load_speed_rpm is not None and self.no_load_speed_rpm <= self.rated_speed_rpm:
-            raise fault(
-                "no_load_speed_rpm",
-                f"{self.no_load_speed_rpm:g} r/min is not over rated_speed_rpm; over {self.rated_speed_rpm:g} is right",
-            )
-        if self.peak_torque_n_m is not None and self.peak_torque_n_m < self.rated_torque_n_m:
-            raise fault(
-                "peak_torque_n_m",
-                f"{self.peak_torque_n_m:g} N m is under the rated torque; {self.rated_torque_n_m:g} or over is right",
-            )
-        return self
+    rated_torque_n_m: Positive = required("torque in N m that it gives for ever")
+    rated_speed_rpm: Speed = required("speed in r/min at which it gives it")
+    peak_torque_n_m: Positive | None = optional("torque in N m that it gives for moments; left out: not looked at")
+    no_load_speed_rpm: Speed | None = optional(
+        "speed in r/min at which it has no torque left, of the straight line through the rated point; left out: the "
+        "line of simulation.motor, which is at the driving gear, or no line"
+    )
+    inertia_kg_mm2: float = optional("moment of inertia of its rotor in kg mm2, at its own shaft", 0.0, ge=0.0, le=1e16)
+    gearbox: Gearbox = optional("gearbox or belt; left out: none", Gearbox)
+    overrunning_clutch: bool = optional(
+        "true: a clutch that lets the machine run ahead, so that the motor never brakes it", False
+    )
 
 
 class PowerTakeOff(Model):
     """A shaft that turns at constant speed, as a tractor's, and the coupling behind it."""
 
-    torque_limiter_n_m: Positive | None = Field(
-        default=None, description="torque in N m at the driving shaft from which a limiter slips; left out: none"
+    torque_limiter_n_m: Positive | None = optional(
+        "torque in N m at the driving shaft from which a limiter slips; left out: none"
     )
-    overrunning_clutch: bool = Field(
-        default=False, description="true: a clutch that lets the machine run ahead, so that it is never braked"
+    overrunning_clutch: bool = optional(
+        "true: a clutch that lets the machine run ahead, so that it is never braked", False
     )
 
 
 class Drivetrain(Model):
     """What stands around the gears; every part may be left out."""
 
-    life_h: Positive = Field(default=10_000.0, description="hours that the bearings shall last")
-    reliability_percent: float = Field(
-        default=90.0, ge=50.0, le=99.95, description="share in percent of the bearings that shall last so long"
-    )
-    driving_shaft: DrivingShaft | None = Field(default=None, description="shaft of the driving gear; left out: none")
-    driven_shaft: DrivenShaft | None = Field(
-        default=None, description="shaft of the driven gear and the crank; left out: none"
-    )
-    guide_friction: Coefficient = Field(default=0.0, description="coefficient of friction of the slider in its guide")
-    flywheel_diameter_mm: Length | None = Field(
-        default=None,
-        description="diameter in mm of a steel disc that masses.flywheel.speed_fluctuation asks for; left out: only "
-        "its inertia is told",
-    )
-    motor: DrivetrainMotor | None = Field(default=None, description="motor with its gearbox; left out: none")
-    pto: PowerTakeOff | None = Field(
-        default=None, description="shaft of constant speed with its coupling, in place of a motor; left out: none"
-    )
+    RULES = ("at most one of motor pto",)
 
-    @model_validator(mode="after")
-    def _one_drive(self) -> Self:
-        if self.motor is not None and self.pto is not None:
-            raise fault("pto", "motor is given, and one of them drives the machine; keep one")
-        return self
+    life_h: Positive = optional("hours that the bearings shall last", 10_000.0)
+    reliability_percent: float = optional(
+        "share in percent of the bearings that shall last so long", 90.0, ge=50.0, le=99.95
+    )
+    driving_shaft: DrivingShaft | None = optional("shaft of the driving gear; left out: none")
+    driven_shaft: DrivenShaft | None = optional("shaft of the driven gear and the crank; left out: none")
+    guide_friction: Coefficient = optional("coefficient of friction of the slider in its guide", 0.0)
+    flywheel_diameter_mm: Length | None = optional(
+        "diameter in mm of a steel disc that masses.flywheel.speed_fluctuation asks for; left out: only its inertia is "
+        "told"
+    )
+    motor: DrivetrainMotor | None = optional("motor with its gearbox; left out: none")
+    pto: PowerTakeOff | None = optional(
+        "shaft of constant speed with its coupling, in place of a motor; left out: none"
+    )

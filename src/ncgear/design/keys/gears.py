@@ -5,11 +5,13 @@ from __future__ import annotations
 from math import pi, radians
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, fault, listed
-from ncgear.design.keys.bodies import DrivenBody, GearBody, require_height
-from ncgear.design.keys.material import WrittenMaterials
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.bodies import DrivenBody, GearBody
+from ncgear.design.keys.strength import WrittenMaterials
+from ncgear.design.keys.types import Length, Several
+from ncgear.design.words import listed
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
 
 MOST_TEETH = 10_000
@@ -46,10 +48,8 @@ def _fitting_root_radius(data: dict[str, Any]) -> float:
 class TipRelief(Model):
     """Material taken off the flanks near their tips, so that teeth that bend under load come together gently."""
 
-    amount: float = Field(gt=0.0, le=0.1, description="what is taken off at the tip, along the normal, in modules")
-    start: float = Field(
-        default=0.5, ge=0.0, le=10.0, description="height over the pitch line at which it begins, in modules"
-    )
+    amount: float = required("what is taken off at the tip, along the normal, in modules", gt=0.0, le=0.1)
+    start: float = optional("height over the pitch line at which it begins, in modules", 0.5, ge=0.0, le=10.0)
 
 
 MOST_SHIFT = 1.0
@@ -61,22 +61,13 @@ ToothShift = Annotated[float, Field(ge=-MOST_SHIFT, le=MOST_SHIFT)]
 class ProfileShift(Model):
     """Profile shift in modules, positive outwards; equal and opposite unless both are given."""
 
-    driving: float | None = Field(
-        default=None, ge=-MOST_SHIFT, le=MOST_SHIFT, description="of the driving gear, in modules"
-    )
-    driven: float | None = Field(
-        default=None, ge=-MOST_SHIFT, le=MOST_SHIFT, description="of the driven gear, in modules"
-    )
-    against_undercut: bool = Field(
-        default=False, description="true: chosen, equal and opposite, so that least is undercut"
-    )
-    per_tooth: Annotated[tuple[ToothShift, ...], Strict(False), Field(min_length=1, max_length=MOST_TEETH)] | None = (
-        Field(
-            default=None,
-            description="of each tooth of the driving gear, in modules, from tooth 1 on, which stands on the line of "
-            "centres at phi1 = 0, and on along growing arc length (clockwise); fewer are repeated round the gear. The "
-            "driven gear's spaces are as much deeper and wider",
-        )
+    driving: float | None = optional("of the driving gear, in modules", ge=-MOST_SHIFT, le=MOST_SHIFT)
+    driven: float | None = optional("of the driven gear, in modules", ge=-MOST_SHIFT, le=MOST_SHIFT)
+    against_undercut: bool = optional("true: chosen, equal and opposite, so that least is undercut", False)
+    per_tooth: Annotated[Several[ToothShift], Field(min_length=1, max_length=MOST_TEETH)] | None = optional(
+        "of each tooth of the driving gear, in modules, from tooth 1 on, which stands on the line of centres at phi1 = "
+        "0, and on along growing arc length (clockwise); fewer are repeated round the gear. The driven gear's spaces "
+        "are as much deeper and wider"
     )
 
     @model_validator(mode="after")
@@ -91,14 +82,12 @@ class ProfileShift(Model):
 class Cutter(Model):
     """The tool that leaves the fillets."""
 
-    kind: Literal["auto", "rack", "pinion", "mate"] = Field(
-        default="auto",
-        description="rack (hob), pinion (shaper), mate (wire, mill or print: each gear cleared for the other's tips), "
-        "or auto: rack where both pitch curves are convex, else mate",
+    kind: Literal["auto", "rack", "pinion", "mate"] = optional(
+        "rack (hob), pinion (shaper), mate (wire, mill or print: each gear cleared for the other's tips), or auto: "
+        "rack where both pitch curves are convex, else mate",
+        "auto",
     )
-    teeth: int | None = Field(
-        default=None, ge=3, le=1000, description="teeth of the pinion cutter; left out: the most that go in"
-    )
+    teeth: int | None = optional("teeth of the pinion cutter; left out: the most that go in", ge=3, le=1000)
 
     @model_validator(mode="after")
     def _teeth_of_a_pinion(self) -> Self:
@@ -110,34 +99,24 @@ class Cutter(Model):
 class Rack(Model):
     """The basic rack: a profile of ISO 53, any of whose coefficients can be given by itself."""
 
-    profile: Literal["A", "B", "C", "D"] = Field(default="A", description="basic rack profile of ISO 53: A, B, C or D")
-    pressure_angle_deg: float = Field(
-        default=20.0,
-        gt=5.0,
-        lt=40.0,
-        description="pressure angle of the rack's flanks in degrees; of those that push, where idle_pressure_angle_deg "
-        "is given as well",
+    RULES = ("tip_relief.start < addendum",)
+
+    profile: Literal["A", "B", "C", "D"] = optional("basic rack profile of ISO 53: A, B, C or D", "A")
+    pressure_angle_deg: Annotated[float, Field(gt=5.0, lt=40.0)] = optional(
+        "pressure angle of the rack's flanks in degrees; of those that push, where idle_pressure_angle_deg is given "
+        "as well",
+        20.0,
     )
-    idle_pressure_angle_deg: float | None = Field(
-        default=None,
-        gt=5.0,
-        lt=40.0,
-        description="pressure angle in degrees of the idle flanks, the back sides of the teeth while the driving gear "
-        "drives; left out: as the pushing ones",
+    idle_pressure_angle_deg: Annotated[float, Field(gt=5.0, lt=40.0)] | None = optional(
+        "pressure angle in degrees of the idle flanks, the back sides of the teeth while the driving gear drives; left "
+        "out: as the pushing ones"
     )
-    addendum: float = Field(
-        default_factory=lambda data: _of_profile(data).addendum, gt=0.0, le=10.0, description="addendum in modules"
+    addendum: float = optional("addendum in modules", lambda data: _of_profile(data).addendum, gt=0.0, le=10.0)
+    dedendum: float = optional("dedendum in modules", lambda data: _of_profile(data).dedendum, gt=0.0, le=10.0)
+    root_radius: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
+        "radius of the root fillet in modules; left out: the profile's, or the most that fits", _fitting_root_radius
     )
-    dedendum: float = Field(
-        default_factory=lambda data: _of_profile(data).dedendum, gt=0.0, le=10.0, description="dedendum in modules"
-    )
-    root_radius: float = Field(
-        default_factory=_fitting_root_radius,
-        ge=0.0,
-        le=10.0,
-        description="radius of the root fillet in modules; left out: the profile's, or the most that fits",
-    )
-    tip_relief: TipRelief | None = Field(default=None, description="tip relief; left out: none")
+    tip_relief: TipRelief | None = optional("tip relief; left out: none")
 
     @property
     def angles_deg(self) -> tuple[float, float]:
@@ -145,39 +124,28 @@ class Rack(Model):
         pushing, idle = self.pressure_angle_deg, self.idle_pressure_angle_deg
         return pushing, pushing if idle is None else idle
 
-    @model_validator(mode="after")
-    def _relief_below_tip(self) -> Self:
-        if self.tip_relief is not None and self.tip_relief.start >= self.addendum:
-            raise fault(
-                "tip_relief.start",
-                f"{self.tip_relief.start:g} modules is not below the tip; under {self.addendum:g} is right",
-            )
-        return self
-
 
 class Housing(Model):
     """A close housing, in which the gears are a flow meter or a pump."""
 
-    clearance_mm: float = Field(
-        gt=0.0, le=100.0, description="gap in mm between the greatest radius of each gear and the housing"
+    clearance_mm: float = required(
+        "gap in mm between the greatest radius of each gear and the housing", gt=0.0, le=100.0
     )
 
 
 class Helix(Model):
     """Teeth that advance along the pitch curves from section to section."""
 
-    angle_deg: float = Field(
-        gt=0.0,
-        le=45.0,
-        description="helix angle at the pitch curve in degrees: its tangent is the advance along the pitch curve per "
-        "unit of height. Module and pressure angle stay those of the sections (transverse)",
+    angle_deg: Annotated[float, Field(gt=0.0, le=45.0)] = required(
+        "helix angle at the pitch curve in degrees: its tangent is the advance along the pitch curve per unit of "
+        "height. Module and pressure angle stay those of the sections (transverse)"
     )
-    kind: Literal["helical", "herringbone"] = Field(
-        description="helical: one sense all the way up; herringbone: up to half the face width, and back from there"
+    kind: Literal["helical", "herringbone"] = required(
+        "helical: one sense all the way up; herringbone: up to half the face width, and back from there"
     )
-    hand: Literal["right", "left"] = Field(
-        description="hand of the driving gear (of herringbone teeth: of the half next to z = 0); the driven gear has "
-        "the other by itself"
+    hand: Literal["right", "left"] = required(
+        "hand of the driving gear (of herringbone teeth: of the half next to z = 0); the driven gear has the other by "
+        "itself"
     )
 
 
@@ -187,48 +155,34 @@ Fit = Literal["H6", "H7", "H8", "H9", "H11"]
 class Tolerances(Model):
     """What drawings and the data sheet say of accuracy; teeth are made in the middle of their thickness's limits."""
 
-    standard: str = Field(default="", max_length=200, description="standard that the grade belongs to, as text")
-    grade: str = Field(default="", max_length=200, description="accuracy grade, as text")
-    tooth_thickness_upper_mm: float | None = Field(
-        default=None,
-        ge=-10.0,
-        le=10.0,
-        description="greatest deviation of the tooth thickness along the pitch curve in mm, of both gears; thinner "
-        "teeth have a negative one. All outlines stand in the middle of both limits, by their idle flanks; "
-        "a narrow band makes the default of output.chord_tolerance_mm finer",
+    RULES = (
+        "tooth_thickness_upper_mm with tooth_thickness_lower_mm",
+        "tooth_thickness_lower_mm <= tooth_thickness_upper_mm",
     )
-    tooth_thickness_lower_mm: float | None = Field(
-        default=None,
-        ge=-10.0,
-        le=10.0,
-        description="least deviation of the tooth thickness along the pitch curve in mm, of both gears",
-    )
-    center_distance_mm: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=10.0,
-        description="largest deviation of the centre distance in mm on drawings, either way; assemblies are judged by "
-        "it too. Left out: that of the section tolerances or, where it has none, JS7 of ISO 286",
-    )
-    bore_fit: Fit = Field(default="H7", description="fit of both bores, of ISO 286")
-    index_hole_fit: Fit = Field(default="H7", description="fit of both index holes, of ISO 286")
-    crank_pin_fit: Fit = Field(default="H7", description="fit of the crank pin's hole in the driven gear, of ISO 286")
-    general: Literal["f", "m", "c", "v"] = Field(
-        default="m", description="class of ISO 2768-1 for sizes without a tolerance: f (fine), m, c or v (very coarse)"
-    )
-    flank_ra_um: float = Field(default=1.6, gt=0.0, le=100.0, description="roughness Ra of the flanks in um")
-    ra_um: float = Field(default=6.3, gt=0.0, le=100.0, description="roughness Ra of all other surfaces in um")
-    note: str = Field(default="", max_length=2000, description="more for the data sheet, as text: runout, hardness")
 
-    @model_validator(mode="after")
-    def _two_limits(self) -> Self:
-        upper, lower = self.tooth_thickness_upper_mm, self.tooth_thickness_lower_mm
-        if (upper is None) != (lower is None):
-            absent = "tooth_thickness_upper_mm" if upper is None else "tooth_thickness_lower_mm"
-            raise fault(absent, "missing; the deviation of the tooth thickness has two limits")
-        if upper is not None and lower is not None and lower > upper:
-            raise fault("tooth_thickness_lower_mm", f"{lower:g} mm is over the upper limit; {upper:g} or less is right")
-        return self
+    standard: str = optional("standard that the grade belongs to, as text", "", max_length=200)
+    grade: str = optional("accuracy grade, as text", "", max_length=200)
+    tooth_thickness_upper_mm: Annotated[float, Field(ge=-10.0, le=10.0)] | None = optional(
+        "greatest deviation of the tooth thickness along the pitch curve in mm, of both gears; thinner teeth have a "
+        "negative one. All outlines stand in the middle of both limits, by their idle flanks; a narrow band makes the "
+        "default of output.chord_tolerance_mm finer"
+    )
+    tooth_thickness_lower_mm: float | None = optional(
+        "least deviation of the tooth thickness along the pitch curve in mm, of both gears", ge=-10.0, le=10.0
+    )
+    center_distance_mm: Annotated[float, Field(gt=0.0, le=10.0)] | None = optional(
+        "largest deviation of the centre distance in mm on drawings, either way; assemblies are judged by it too. Left "
+        "out: that of the section tolerances or, where it has none, JS7 of ISO 286"
+    )
+    bore_fit: Fit = optional("fit of both bores, of ISO 286", "H7")
+    index_hole_fit: Fit = optional("fit of both index holes, of ISO 286", "H7")
+    crank_pin_fit: Fit = optional("fit of the crank pin's hole in the driven gear, of ISO 286", "H7")
+    general: Literal["f", "m", "c", "v"] = optional(
+        "class of ISO 2768-1 for sizes without a tolerance: f (fine), m, c or v (very coarse)", "m"
+    )
+    flank_ra_um: float = optional("roughness Ra of the flanks in um", 1.6, gt=0.0, le=100.0)
+    ra_um: float = optional("roughness Ra of all other surfaces in um", 6.3, gt=0.0, le=100.0)
+    note: str = optional("more for the data sheet, as text: runout, hardness", "", max_length=2000)
 
 
 MOST_LOBES = 100
@@ -241,126 +195,99 @@ SIZES = ("teeth", "module_mm", "center_distance_mm")
 class Lobes(Model):
     """How often the law repeats in one turn of each gear."""
 
-    driving: int = Field(default=1, ge=1, le=MOST_LOBES, description="lobes of the driving gear, a whole number")
-    driven: int = Field(default=1, ge=1, le=MOST_LOBES, description="lobes of the driven gear, a whole number")
+    driving: int = optional("lobes of the driving gear, a whole number", 1, ge=1, le=MOST_LOBES)
+    driven: int = optional("lobes of the driven gear, a whole number", 1, ge=1, le=MOST_LOBES)
 
 
 class Gears(Model):
     """The pair of gears: lobes, size, rack, backlash, bodies."""
 
-    mesh: Literal["external", "internal"] = Field(
-        default="external",
-        description="external: gears side by side; internal: the driven gear is a ring around the driving one, which "
-        "needs a ratio over 1 everywhere",
+    RULES = ("driving.web.thickness_mm < face_width_mm", "driven.web.thickness_mm < face_width_mm")
+
+    mesh: Literal["external", "internal"] = optional(
+        "external: gears side by side; internal: the driven gear is a ring around the driving one, which needs a "
+        "ratio over 1 everywhere",
+        "external",
     )
-    lobes: Lobes = Field(default_factory=Lobes, description="lobes of each gear; left out: one each")
-    teeth: int | None = Field(
-        default=None,
-        ge=3,
-        le=MOST_TEETH,
-        description="teeth of the driving gear, a whole number; of gears that turn less than once, "
-        "the pitches from end to end of the range (no more than one tooth is added at each end)",
+    lobes: Lobes = optional("lobes of each gear; left out: one each", Lobes)
+    teeth: Annotated[int, Field(ge=3, le=MOST_TEETH)] | None = optional(
+        "teeth of the driving gear, a whole number; of gears that turn less than once, the pitches from end to end of "
+        "the range (no more than one tooth is added at each end)"
     )
-    module_mm: Length | None = Field(default=None, description="module in mm")
-    center_distance_mm: Length | None = Field(default=None, description="distance of the two axes in mm")
-    face_width_mm: Length = Field(description="width of both gears along their axes in mm")
-    driving_axis_deg: float = Field(
-        default=180.0,
-        ge=-360.0,
-        le=360.0,
-        description="where the driving gear's axis lies from the crank's axis: direction in degrees counter-clockwise "
-        "from the slider's way out; left out: straight behind the crank",
+    module_mm: Length | None = optional("module in mm")
+    center_distance_mm: Length | None = optional("distance of the two axes in mm")
+    face_width_mm: Length = required("width of both gears along their axes in mm")
+    driving_axis_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = optional(
+        "where the driving gear's axis lies from the crank's axis: direction in degrees counter-clockwise from the "
+        "slider's way out; left out: straight behind the crank",
+        180.0,
     )
-    rack: Rack = Field(default_factory=Rack, description="basic rack; left out: ISO 53 profile A at 20 degrees")
-    helix: Helix | None = Field(
-        default=None, description="helical or herringbone teeth; left out: straight ones. Sections differ from z = 0 on"
+    rack: Rack = optional("basic rack; left out: ISO 53 profile A at 20 degrees", Rack)
+    helix: Helix | None = optional(
+        "helical or herringbone teeth; left out: straight ones. Sections differ from z = 0 on"
     )
-    backlash_mm: float = Field(
-        default=0.0,
-        ge=0.0,
-        le=1000.0,
-        description="backlash of the pair in mm, along the normal of the idle flanks where it is least. Idle flanks "
-        "stay exact, so that the driven gear's play is the same angle everywhere. Left out: none, and a build warns "
-        "where assemblies jam and says how much is enough; a 0 that is written down: the exact pair is wanted, and "
-        "that it jams is a remark",
+    backlash_mm: Annotated[float, Field(ge=0.0, le=1000.0)] = optional(
+        "backlash of the pair in mm, along the normal of the idle flanks where it is least. Idle flanks stay exact, "
+        "so that the driven gear's play is the same angle everywhere. Left out: none, and a build warns where "
+        "assemblies jam and says how much is enough; a 0 that is written down: the exact pair is wanted, and that it "
+        "jams is a remark",
+        0.0,
     )
-    backlash_deg: float | None = Field(
-        default=None,
-        ge=0.0,
-        le=90.0,
-        description="play of the driven gear in degrees, instead of backlash_mm; 0 as there",
+    backlash_deg: float | None = optional(
+        "play of the driven gear in degrees, instead of backlash_mm; 0 as there", ge=0.0, le=90.0
     )
-    backlash_share: float = Field(
-        default=0.5,
-        ge=0.0,
-        le=1.0,
-        description="share of the least backlash that is taken off the driving gear's teeth, the rest off the driven "
-        "gear's",
+    backlash_share: Annotated[float, Field(ge=0.0, le=1.0)] = optional(
+        "share of the least backlash that is taken off the driving gear's teeth, the rest off the driven gear's", 0.5
     )
-    drives: Literal["one_way", "both_ways"] = Field(
-        default="one_way",
-        description="one_way: the driving gear only pushes, so what idle flanks lack is a warning; both_ways: the "
-        "torque reverses, so idle flanks must hold as pushing ones do",
+    drives: Literal["one_way", "both_ways"] = optional(
+        "one_way: the driving gear only pushes, so what idle flanks lack is a warning; both_ways: the torque "
+        "reverses, so idle flanks must hold as pushing ones do",
+        "one_way",
     )
-    profile_shift: ProfileShift = Field(default_factory=ProfileShift, description="profile shift; left out: none")
-    cutter: Cutter = Field(default_factory=Cutter, description="tool that leaves the fillets; left out: kind auto")
-    undercut: Literal["avoid", "allow"] = Field(
-        default="avoid",
-        description="avoid: tips are shortened where they would undercut the mate; allow: full height, flanks cut away",
+    profile_shift: ProfileShift = optional("profile shift; left out: none", ProfileShift)
+    cutter: Cutter = optional("tool that leaves the fillets; left out: kind auto", Cutter)
+    undercut: Literal["avoid", "allow"] = optional(
+        "avoid: tips are shortened where they would undercut the mate; allow: full height, flanks cut away", "avoid"
     )
-    least_tip_land: float = Field(
-        default=0.2, ge=0.01, le=1.0, description="least width of tip lands in modules; sharper tips are shortened"
+    least_tip_land: float = optional(
+        "least width of tip lands in modules; sharper tips are shortened", 0.2, ge=0.01, le=1.0
     )
-    least_contact_ratio: float = Field(
-        default=1.0,
-        ge=0.0,
-        le=3.0,
-        description="1: flanks must touch all the time, which tip relief does not prevent; above 1: each pair of "
-        "flanks, on the pushing and on the back side of the teeth, over so many pitches, flanks that tip relief holds "
-        "apart left out, unless the load on given masses brings them into contact; below 1: gears that lose contact "
-        "are made all the same",
+    least_contact_ratio: Annotated[float, Field(ge=0.0, le=3.0)] = optional(
+        "1: flanks must touch all the time, which tip relief does not prevent; above 1: each pair of flanks, on the "
+        "pushing and on the back side of the teeth, over so many pitches, flanks that tip relief holds apart left "
+        "out, unless the load on given masses brings them into contact; below 1: gears that lose contact are made all "
+        "the same",
+        1.0,
     )
-    method: Literal["exact", "equivalent_gear"] = Field(
-        default="exact",
-        description="exact flanks, or for comparison those of the circular gear of the local radius of curvature",
+    method: Literal["exact", "equivalent_gear"] = optional(
+        "exact flanks, or for comparison those of the circular gear of the local radius of curvature", "exact"
     )
-    index_holes: bool = Field(
-        default=False,
-        description="true: a small hole in each gear, which face each other at phi1 = 0: half a module wide, and 2 mm "
-        "at least, or 1 mm where there is no room for more",
+    index_holes: bool = optional(
+        "true: a small hole in each gear, which face each other at phi1 = 0: half a module wide, and 2 mm at least, "
+        "or 1 mm where there is no room for more",
+        False,
     )
-    measuring_pin_mm: Length | None = Field(
-        default=None,
-        description="diameter in mm of the pins or balls in the data sheet; left out: one that is sold and fits",
+    measuring_pin_mm: Length | None = optional(
+        "diameter in mm of the pins or balls in the data sheet; left out: one that is sold and fits"
     )
-    tolerances: Tolerances = Field(
-        default_factory=Tolerances, description="what drawings and the data sheet say of accuracy"
+    tolerances: Tolerances = optional("what drawings and the data sheet say of accuracy", Tolerances)
+    first_layer_chamfer_mm: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
+        "bevel in mm of all edges at z = 0, at 45 degrees: as much as the first layers of a print spread", 0.0
     )
-    first_layer_chamfer_mm: float = Field(
-        default=0.0,
-        ge=0.0,
-        le=10.0,
-        description="bevel in mm of all edges at z = 0, at 45 degrees: as much as the first layers of a print spread",
+    process_clearance_mm: Annotated[float, Field(ge=-10.0, le=10.0)] = optional(
+        "distance in mm along the normal by which solids and drawings are moved into the material at teeth, bores and "
+        "keyways, since a print swells. Negative: half the kerf of a laser, wire or jet; what is cut through is then "
+        "moved out of the material, since the cutter takes half its kerf on either side of the line. Outline tables "
+        "and contact are those of the gears as they shall come out",
+        0.0,
     )
-    process_clearance_mm: float = Field(
-        default=0.0,
-        ge=-10.0,
-        le=10.0,
-        description="distance in mm along the normal by which solids and drawings are moved into the material at "
-        "teeth, bores and keyways, since a print swells. Negative: half the kerf of a laser, wire or jet; what is cut "
-        "through is then moved out of the material, since the cutter takes half its kerf on either side of the line. "
-        "Outline tables and contact are those of the gears as they shall come out",
+    housing: Housing | None = optional("a close housing: a build tells what the gears displace in it; left out: none")
+    material: WrittenMaterials | None = optional(
+        "material of both gears by its name in docs/materials.md, as 42CrMo4 or POM, of one by the keys below for "
+        "both, or driving and driven each; left out: 42CrMo4 is assumed where strength is computed"
     )
-    housing: Housing | None = Field(
-        default=None, description="a close housing: a build tells what the gears displace in it; left out: none"
-    )
-    material: WrittenMaterials | None = Field(
-        default=None,
-        description="material of both gears by its name in docs/materials.md, as 42CrMo4 or POM, of one by the keys "
-        "below for both, or driving and driven each; left out: 42CrMo4 is assumed where strength is computed",
-    )
-    driving: GearBody = Field(default_factory=GearBody, description="body of the driving gear")
-    driven: DrivenBody = Field(default_factory=DrivenBody, description="body of the driven gear; of a ring, its rim")
+    driving: GearBody = optional("body of the driving gear", GearBody)
+    driven: DrivenBody = optional("body of the driven gear; of a ring, its rim", DrivenBody)
 
     @model_validator(mode="after")
     def _body_is_that_of_the_mesh(self) -> Self:
@@ -424,10 +351,4 @@ class Gears(Model):
     def _one_backlash(self) -> Self:
         if self.backlash_deg is not None and self.backlash_mm > 0.0:
             raise fault("backlash_deg", f"backlash_mm: {self.backlash_mm:g} is given; leave out one of the two")
-        return self
-
-    @model_validator(mode="after")
-    def _webs_are_thinner_than_gears(self) -> Self:
-        for name, body in (("driving", self.driving), ("driven", self.driven)):
-            require_height(name, body, self.face_width_mm)
         return self

@@ -5,23 +5,22 @@ from __future__ import annotations
 from math import inf
 from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import (
+from ncgear.design.keys.base import Model, fault, given, optional, require, required
+from ncgear.design.keys.types import (
+    CSV_FILE,
     FORMULA,
-    LONGEST_MM,
     Expression,
+    FileName,
     Length,
-    Model,
     Numbers,
+    Place,
     Positive,
+    Several,
     Speed,
-    allow_one,
-    fault,
-    given,
-    listed,
-    require_one,
 )
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import label_and_unit
@@ -30,46 +29,27 @@ FIGURES = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1
 """Figures of a published mechanism, each with the power of the driving speed that it is proportional to."""
 
 
-class Linkage(Model):
-    """The crank-slider that the driven gear turns."""
-
-    crank_mm: Length | None = Field(
-        default=None, description="length of the crank in mm; may be left out only when motion.solve_for is stroke"
-    )
-    rod_mm: Length = Field(description="length of the connecting rod in mm")
-    offset_mm: float = Field(
-        default=0.0,
-        ge=-LONGEST_MM,
-        le=LONGEST_MM,
-        description="distance of the slider's line from the crank axis in mm",
-    )
-
-
-class NoLinkage(Model):
-    """Gears by themselves: the driven shaft is the output."""
-
-
 class Operation(Model):
     """How the machine is run."""
 
-    speed_rpm: Speed = Field(description="speed of the driving gear in r/min")
+    speed_rpm: Speed = required("speed of the driving gear in r/min")
 
 
 class Published(Model):
     """A published mechanism and its figures, at the speed they belong to."""
 
-    name: str = Field(min_length=1, max_length=200, description="name of the mechanism or its publication")
-    speed_rpm: Speed = Field(description="driving speed in r/min that the figures belong to")
-    peak_power_w: Positive | None = Field(default=None, description="greatest driving power in W")
-    peak_acceleration_mm_s2: Positive | None = Field(default=None, description="greatest slider acceleration in mm/s2")
-    peak_speed_mm_s: Positive | None = Field(default=None, description="greatest slider speed in mm/s")
-    compression_speed_mm_s: Positive | None = Field(default=None, description="slider speed during compression in mm/s")
-    quoted_power_w: Positive | None = Field(
-        default=None, description="power in W that the publication set against its own; needs quoted_speed_rpm"
+    RULES = ("quoted_power_w with quoted_speed_rpm",)
+
+    name: str = required("name of the mechanism or its publication", min_length=1, max_length=200)
+    speed_rpm: Speed = required("driving speed in r/min that the figures belong to")
+    peak_power_w: Positive | None = optional("greatest driving power in W")
+    peak_acceleration_mm_s2: Positive | None = optional("greatest slider acceleration in mm/s2")
+    peak_speed_mm_s: Positive | None = optional("greatest slider speed in mm/s")
+    compression_speed_mm_s: Positive | None = optional("slider speed during compression in mm/s")
+    quoted_power_w: Positive | None = optional(
+        "power in W that the publication set against its own; needs quoted_speed_rpm"
     )
-    quoted_speed_rpm: Speed | None = Field(
-        default=None, description="driving speed in r/min that quoted_power_w belongs to"
-    )
+    quoted_speed_rpm: Speed | None = optional("driving speed in r/min that quoted_power_w belongs to")
 
     def at_speed(self, speed_rpm: float) -> Published:
         """The same mechanism at another speed: power and velocities follow the speed, acceleration its square."""
@@ -81,18 +61,13 @@ class Published(Model):
     def _figures(self) -> Self:
         if not given(self, FIGURES):
             raise fault("", f"no figure to compare; give at least one of {listed(FIGURES)}")
-        quoted = given(self, ("quoted_power_w", "quoted_speed_rpm"))
-        if len(quoted) == 1:
-            raise fault(quoted[0], "given alone; quoted_power_w and quoted_speed_rpm need each other")
         return self
 
 
 class Comparison(Model):
     """Mechanisms to compare with at equal speed."""
 
-    published: Annotated[tuple[Published, ...], Strict(False), Field(min_length=1, max_length=100)] = Field(
-        description="published mechanisms, a list"
-    )
+    published: Several[Published] = required("published mechanisms, a list", min_length=1, max_length=100)
 
 
 MOST_RESISTANCE_POINTS = 1000
@@ -105,9 +80,8 @@ NEAREST_MM = 1e-9
 """Far below what can be measured, and far above where the slope from one point to the next overflows."""
 
 Points = Field(min_length=FEWEST_POINTS, max_length=MOST_RESISTANCE_POINTS)
-Displacement = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
-Displacements = Annotated[tuple[Displacement, ...], Strict(False), Points]
-Forces = Annotated[tuple[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)], ...], Strict(False), Points]
+Displacements = Annotated[Several[Place], Points]
+Forces = Annotated[Several[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_N)]], Points]
 
 
 class LoadTable(Model):
@@ -122,10 +96,7 @@ class LoadTable(Model):
             if getattr(self, key) is None:
                 needed = listed(self.COLUMNS, "and")
                 raise fault(key, f"missing; a table needs {needed}, or a file that has both")
-        places, loads = (len(getattr(self, key) or ()) for key in self.COLUMNS)
-        if places != loads:
-            name = label_and_unit(self.COLUMNS[0])[0]
-            raise fault(self.COLUMNS[1], f"{loads} values for {places} {name}s; give as many")
+        require(self, f"{self.COLUMNS[1]} as many as {self.COLUMNS[0]}")
         return self
 
     @model_validator(mode="after")
@@ -147,15 +118,9 @@ class ResistanceTable(LoadTable):
 
     COLUMNS: ClassVar[tuple[str, str]] = ("displacement_mm", "force_n")
 
-    displacement_mm: Displacements | None = Field(
-        default=None, description="displacements in mm from the retracted end, strictly rising"
-    )
-    force_n: Forces | None = Field(default=None, description="forces in N, one for each displacement")
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="CSV file with both columns instead, its header naming them; its path counts from the design file",
-    )
+    displacement_mm: Displacements | None = optional("displacements in mm from the retracted end, strictly rising")
+    force_n: Forces | None = optional("forces in N, one for each displacement")
+    file: FileName | None = optional(CSV_FILE.format("both"))
 
 
 class TorqueTable(LoadTable):
@@ -163,15 +128,11 @@ class TorqueTable(LoadTable):
 
     COLUMNS: ClassVar[tuple[str, str]] = ("angle_deg", "torque_n_m")
 
-    angle_deg: Displacements | None = Field(
-        default=None, description="angles of the output in deg from its start or its retracted end, strictly rising"
+    angle_deg: Displacements | None = optional(
+        "angles of the output in deg from its start or its retracted end, strictly rising"
     )
-    torque_n_m: Forces | None = Field(default=None, description="torques in N m, one for each angle")
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="CSV file with both columns instead, its header naming them; its path counts from the design file",
-    )
+    torque_n_m: Forces | None = optional("torques in N m, one for each angle")
+    file: FileName | None = optional(CSV_FILE.format("both"))
 
 
 class Load(Model):
@@ -180,9 +141,13 @@ class Load(Model):
     FORMS: ClassVar[tuple[str, str, str]]
     """The keys of a polynomial, a table and an expression."""
 
+    FRICTION: ClassVar[str] = ""
+    """The key of a load against either sense of motion; with it, or with a load on the way back, no form is needed."""
+
     @model_validator(mode="after")
     def _one_form(self) -> Self:
-        require_one(self, self.FORMS)
+        beside = getattr(self, "returning", None) is not None or self.FRICTION in self.model_fields_set
+        require(self, f"{'at most one' if beside else 'one'} of {' '.join(self.FORMS)}")
         return self
 
 
@@ -191,22 +156,19 @@ class TurningLoad(Load):
 
     FORMS: ClassVar[tuple[str, str, str]] = ("polynomial_n_m", "table", "expression_n_m")
 
-    polynomial_n_m: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = Field(
-        default=None, description="coefficients of the torque in N m, in rising powers of the output's angle in rad"
+    polynomial_n_m: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = optional(
+        "coefficients of the torque in N m, in rising powers of the output's angle in rad"
     )
-    table: TorqueTable | None = Field(
-        default=None,
-        description="the torque point by point, joined by monotone cubics (PCHIP), which never overshoot the points; "
-        "it keeps its end values beyond the table's ends",
+    table: TorqueTable | None = optional(
+        "the torque point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it keeps its "
+        "end values beyond the table's ends"
     )
-    expression_n_m: Expression | None = Field(
-        default=None,
-        description='torque in N m as a formula of x (= angle of the output in rad): "12 + 3*sin(2*x)", '
-        f"{FORMULA}; it may have corners, but no jumps",
+    expression_n_m: Expression | None = optional(
+        'torque in N m as a formula of x (= angle of the output in rad): "12 + 3*sin(2*x)", '
+        f"{FORMULA}; it may have corners, but no jumps"
     )
-    where_negative: Literal["zero", "keep"] = Field(
-        default="keep",
-        description="where the torque is negative: keep, it drives the output there, or zero",
+    where_negative: Literal["zero", "keep"] = optional(
+        "where the torque is negative: keep, it drives the output there, or zero", "keep"
     )
 
 
@@ -219,65 +181,47 @@ class StrokeForce(Load):
 
     FORMS: ClassVar[tuple[str, str, str]] = ("polynomial_n", "table", "expression_n")
 
-    polynomial_n: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = Field(
-        default=None, description="coefficients of the force in N, in rising powers of the displacement in mm"
+    polynomial_n: Annotated[Numbers, Field(min_length=1, max_length=50)] | None = optional(
+        "coefficients of the force in N, in rising powers of the displacement in mm"
     )
-    table: ResistanceTable | None = Field(
-        default=None,
-        description="the force point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it "
-        "keeps its end values beyond the table's ends",
+    table: ResistanceTable | None = optional(
+        "the force point by point, joined by monotone cubics (PCHIP), which never overshoot the points; it keeps its "
+        "end values beyond the table's ends"
     )
-    expression_n: Expression | None = Field(
-        default=None,
-        description='force in N as a formula of x (= displacement in mm): "200 + 3*exp(x/90)", '
-        f"{FORMULA}; it may have corners, as max(0, x - 30) has, but no jumps",
+    expression_n: Expression | None = optional(
+        'force in N as a formula of x (= displacement in mm): "200 + 3*exp(x/90)", '
+        f"{FORMULA}; it may have corners, as max(0, x - 30) has, but no jumps"
     )
-    where_negative: Literal["zero", "keep"] = Field(
-        default="zero", description="where the force is negative: zero (a fit says nothing there) or keep"
+    where_negative: Literal["zero", "keep"] = optional(
+        "where the force is negative: zero (a fit says nothing there) or keep", "zero"
     )
 
 
 class Resistance(StrokeForce):
     """The force against the slider: over its working stroke, over its way back, and a friction on both."""
 
-    returning: StrokeForce | None = Field(
-        default=None,
-        description="force against the slider on its way back, over the displacement like the other; left out: none",
-    )
-    friction_n: float = Field(
-        default=0.0, ge=0.0, description="constant force in N against the slider's motion, on both strokes"
-    )
-    shown_as: Literal["load", "straw", "carton", "sheet"] = Field(
-        default="load",
-        description="what pictures show where the force acts: load, a plain block in a chamber; straw, as in a baler; "
-        "carton or sheet, pushed along a table",
-    )
+    FRICTION: ClassVar[str] = "friction_n"
 
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
-        if self.returning is None and "friction_n" not in self.model_fields_set:
-            require_one(self, self.FORMS)
-        allow_one(self, self.FORMS)
-        return self
+    returning: StrokeForce | None = optional(
+        "force against the slider on its way back, over the displacement like the other; left out: none"
+    )
+    friction_n: float = optional("constant force in N against the slider's motion, on both strokes", 0.0, ge=0.0)
+    shown_as: Literal["load", "straw", "carton", "sheet"] = optional(
+        "what pictures show where the force acts: load, a plain block in a chamber; straw, as in a baler; carton or "
+        "sheet, pushed along a table",
+        "load",
+    )
 
 
 class RockerTorque(TurningLoad):
     """The torque against an output that swings: over its working stroke, over its way back, and a friction on both."""
 
-    returning: TurningLoad | None = Field(
-        default=None,
-        description="torque against the output on its way back, over the angle like the other; left out: none",
-    )
-    friction_n_m: float = Field(
-        default=0.0, ge=0.0, description="constant torque in N m against the output's motion, on both strokes"
-    )
+    FRICTION: ClassVar[str] = "friction_n_m"
 
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
-        if self.returning is None and "friction_n_m" not in self.model_fields_set:
-            require_one(self, self.FORMS)
-        allow_one(self, self.FORMS)
-        return self
+    returning: TurningLoad | None = optional(
+        "torque against the output on its way back, over the angle like the other; left out: none"
+    )
+    friction_n_m: float = optional("constant torque in N m against the output's motion, on both strokes", 0.0, ge=0.0)
 
 
 CHORD_MM = 0.005
@@ -303,12 +247,11 @@ Where no tolerance is given it is half of this, so that pins stay in the middle 
 class Output(Model):
     """How finely the results are written."""
 
-    chord_tolerance_mm: Length | None = Field(
-        default=None,
-        description="greatest distance in mm of a written outline's chords from the exact curve, "
+    chord_tolerance_mm: Length | None = optional(
+        "greatest distance in mm of a written outline's chords from the exact curve, "
         f"{FINEST_IN_MODULES:g} to {COARSEST_IN_MODULES:g} modules and up to {COARSEST_IN_BAND:g} of the width of the "
         f"band that gears.tolerances gives the tooth thickness; left out: the least of {CHORD_MM:g} mm, "
-        f"{CHORD_IN_MODULES:g} modules and {COARSEST_IN_BAND / 2.0:g} of that width",
+        f"{CHORD_IN_MODULES:g} modules and {COARSEST_IN_BAND / 2.0:g} of that width"
     )
 
     def chord_mm(self, module_mm: float, band_mm: float | None = None) -> float:

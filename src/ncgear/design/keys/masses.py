@@ -13,7 +13,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import LONGEST_MM, Model, Positive, Speed, fault
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.types import Place, Positive, Speed
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
@@ -24,17 +25,14 @@ LARGEST_INERTIA_KG_MM2 = 1e16
 
 Mass = Annotated[float, Field(ge=0.0, le=HEAVIEST_KG)]
 Inertia = Annotated[float, Field(ge=0.0, le=LARGEST_INERTIA_KG_MM2)]
-Coordinate = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 
 
 class Rod(Model):
     """The connecting rod as a rigid body."""
 
-    mass_kg: Mass = Field(description="mass of the rod in kg")
-    center_mm: Coordinate = Field(
-        description="distance of its centre of mass from the crank pin towards the slider in mm"
-    )
-    inertia_kg_mm2: Inertia = Field(description="moment of inertia about its centre of mass in kg mm2")
+    mass_kg: Mass = required("mass of the rod in kg")
+    center_mm: Place = required("distance of its centre of mass from the crank pin towards the slider in mm")
+    inertia_kg_mm2: Inertia = required("moment of inertia about its centre of mass in kg mm2")
 
     @model_validator(mode="after")
     def _inertia_has_mass(self) -> Self:
@@ -46,11 +44,11 @@ class Rod(Model):
 class Crank(Model):
     """The crank with all that turns with it, the driven gear apart."""
 
-    mass_kg: Mass = Field(description="mass of the crank in kg")
-    center_mm: Coordinate = Field(
-        description="distance of its centre of mass from its axis towards the crank pin in mm; negative beyond the axis"
+    mass_kg: Mass = required("mass of the crank in kg")
+    center_mm: Place = required(
+        "distance of its centre of mass from its axis towards the crank pin in mm; negative beyond the axis"
     )
-    inertia_kg_mm2: Inertia = Field(description="moment of inertia about its axis in kg mm2")
+    inertia_kg_mm2: Inertia = required("moment of inertia about its axis in kg mm2")
 
     @model_validator(mode="after")
     def _inertia_is_about_the_axis(self) -> Self:
@@ -67,106 +65,62 @@ class Crank(Model):
 class Swinging(Crank):
     """A rocker or a lever with all that turns with it, as a rigid body on an axis of its own."""
 
-    mass_kg: Mass = Field(description="its mass in kg")
-    center_mm: Coordinate = Field(
-        description="distance of its centre of mass from its axis towards its pin in mm; negative beyond the axis"
+    mass_kg: Mass = required("its mass in kg")
+    center_mm: Place = required(
+        "distance of its centre of mass from its axis towards its pin in mm; negative beyond the axis"
     )
-    inertia_kg_mm2: Inertia = Field(description="moment of inertia about its axis in kg mm2")
+    inertia_kg_mm2: Inertia = required("moment of inertia about its axis in kg mm2")
 
 
 class Flywheel(Model):
     """A flywheel on the driving shaft: its inertia, and how evenly the shaft shall turn."""
 
-    inertia_kg_mm2: Inertia = Field(default=0.0, description="moment of inertia in kg mm2; left out: no flywheel")
-    speed_fluctuation: float = Field(
-        default=0.05,
-        gt=0.0,
-        le=0.2,
-        description="coefficient of speed fluctuation, largest less smallest speed over the mean, for which the "
-        "inertia that is needed is told",
+    inertia_kg_mm2: Inertia = optional("moment of inertia in kg mm2; left out: no flywheel", 0.0)
+    speed_fluctuation: Annotated[float, Field(gt=0.0, le=0.2)] = optional(
+        "coefficient of speed fluctuation, largest less smallest speed over the mean, for which the inertia that is "
+        "needed is told",
+        0.05,
     )
 
 
 class Gravity(Model):
     """Which way is down."""
 
-    acceleration_m_s2: float = Field(
-        default=STANDARD_GRAVITY_M_S2, ge=0.0, le=1000.0, description="acceleration of gravity in m/s2"
-    )
-    direction_deg: float = Field(
-        default=-90.0,
-        ge=-360.0,
-        le=360.0,
-        description="direction of gravity in degrees from the slider's way out, counter-clockwise; left out: across it",
+    acceleration_m_s2: float = optional("acceleration of gravity in m/s2", STANDARD_GRAVITY_M_S2, ge=0.0, le=1000.0)
+    direction_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = optional(
+        "direction of gravity in degrees from the slider's way out, counter-clockwise; left out: across it", -90.0
     )
 
 
-class SliderMass(Model):
-    """The mass of the slider."""
-
-    slider_kg: Mass = Field(description="mass of the slider in kg, with all that moves with it")
-
-
-class RodMass(Model):
-    """The connecting rod of a mechanism that has one."""
-
-    rod: Rod = Field(description="the connecting rod")
-
-
-class CrankMass(Model):
-    """The crank of a mechanism."""
-
-    crank: Crank = Field(description="the crank with all that turns with it, the driven gear apart")
+SLIDER = "mass of the slider in kg, with all that moves with it"
 
 
 class GearMasses(Model):
     """What turns with both gears."""
 
-    driving_gear_kg_mm2: Inertia | None = Field(
-        default=None,
-        description="moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: "
-        "that of the gear's own body",
+    driving_gear_kg_mm2: Inertia | None = optional(
+        "moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: that of the "
+        "gear's own body"
     )
-    driven_gear_kg_mm2: Inertia | None = Field(
-        default=None,
-        description="moment of inertia of the driven gear in kg mm2, the last one of two pairs; left out: that of its "
-        "own body",
+    driven_gear_kg_mm2: Inertia | None = optional(
+        "moment of inertia of the driven gear in kg mm2, the last one of two pairs; left out: that of its own body"
     )
-    shaft_between_kg_mm2: Inertia | None = Field(
-        default=None,
-        description="moment of inertia in kg mm2 of the shaft between two pairs of gears in series, with both its "
-        "gears; left out: that of these gears' own bodies",
+    shaft_between_kg_mm2: Inertia | None = optional(
+        "moment of inertia in kg mm2 of the shaft between two pairs of gears in series, with both its gears; left out: "
+        "that of these gears' own bodies"
     )
-    density_kg_m3: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=30000.0,
-        description="density of all gears in kg/m3; left out: those of gears.material, 7850 where none is named",
+    density_kg_m3: float | None = optional(
+        "density of all gears in kg/m3; left out: those of gears.material, 7850 where none is named", gt=0.0, le=30000.0
     )
-    flywheel: Flywheel = Field(default_factory=Flywheel, description="flywheel on the driving shaft; left out: none")
+    flywheel: Flywheel = optional("flywheel on the driving shaft; left out: none", Flywheel)
 
 
-class Weights(Model):
-    """Which way is down."""
-
-    gravity: Gravity | None = Field(default=None, description="gravity; left out: none")
-
-
-# Keys come from the last base to the first: so the crank is before the gears.
-class ShaftMasses(Weights, GearMasses, CrankMass):
-    """What turns with the crank and with the driving shaft, and gravity."""
-
-
-class DrivenShaftMass(Model):
-    """What turns with the driven shaft where it is the output."""
-
-    shaft_kg_mm2: Inertia = Field(
-        description="moment of inertia in kg mm2 of the driven shaft and all it drives, the driven gear apart"
-    )
-
-
-class DrivenShaftMasses(GearMasses, DrivenShaftMass):
+class DrivenShaftMasses(GearMasses, first=True):
     """What turns with both shafts of gears without a linkage, as moments of inertia."""
+
+    shaft_kg_mm2: Inertia = required(
+        "moment of inertia in kg mm2 of the driven shaft and all it drives, the driven gear apart"
+    )
 
     @property
     def crank(self) -> Crank:
@@ -179,35 +133,44 @@ class DrivenShaftMasses(GearMasses, DrivenShaftMass):
         return
 
 
-# Keys come from the last base to the first: so the rod is between the slider and the crank.
-class SlidingMasses(ShaftMasses, SliderMass):
+class CrankMasses(GearMasses, first=True):
+    """What turns with the crank and with the driving shaft."""
+
+    crank: Crank = required("the crank with all that turns with it, the driven gear apart")
+
+
+class ShaftMasses(CrankMasses):
+    """The same, and gravity."""
+
+    gravity: Gravity | None = optional("gravity; left out: none")
+
+
+class SlidingMasses(ShaftMasses, first=True):
     """What moves where the crank moves the slider without a link between them, as masses and moments of inertia."""
 
+    slider_kg: Mass = required(SLIDER)
 
-class Masses(SlidingMasses, RodMass, SliderMass):
+
+class Masses(ShaftMasses, first=True):
     """What moves, as masses and moments of inertia."""
 
-
-class SwingingMasses(Model):
-    """Rocker and coupler."""
-
-    rocker: Swinging = Field(description="the rocker of a crank_rocker with all that turns with it")
-    coupler: Rod = Field(description="the coupler of a crank_rocker; its centre from the crank pin to the rocker's")
+    slider_kg: Mass = required(SLIDER)
+    rod: Rod = required("the connecting rod")
 
 
-class RockerMasses(ShaftMasses, SwingingMasses):
+class RockerMasses(ShaftMasses, first=True):
     """What moves of a crank-rocker, as masses and moments of inertia."""
 
-
-class BlockAndLever(Model):
-    """Lever and block."""
-
-    lever: Swinging = Field(description="the lever of a slotted_lever")
-    block_kg: Mass = Field(default=0.0, description="mass of a slotted_lever's block in kg")
+    rocker: Swinging = required("the rocker of a crank_rocker with all that turns with it")
+    coupler: Rod = required("the coupler of a crank_rocker; its centre from the crank pin to the rocker's")
 
 
-class LeverMasses(ShaftMasses, BlockAndLever, SliderMass):
+class LeverMasses(ShaftMasses, first=True):
     """What moves of a slotted lever, as masses and moments of inertia; the slider is the ram."""
+
+    slider_kg: Mass = required(SLIDER)
+    lever: Swinging = required("the lever of a slotted_lever")
+    block_kg: Mass = optional("mass of a slotted_lever's block in kg", 0.0)
 
 
 STEEPEST = 10.0
@@ -219,72 +182,51 @@ MOST_TURNS = 100.0
 class Friction(Model):
     """Coulomb's friction, whose coefficient depends on the speed of sliding."""
 
-    static: float = Field(default=0.08, ge=0.0, le=2.0, description="coefficient at rest")
-    dynamic: float = Field(default=0.05, ge=0.0, le=2.0, description="coefficient in motion")
-    static_speed_mm_s: Positive = Field(default=1.0, description="speed of sliding at which the one at rest is reached")
-    dynamic_speed_mm_s: Positive = Field(
-        default=10.0, description="speed of sliding from which on the one in motion holds"
+    RULES = (
+        "static >= dynamic",
+        "dynamic_speed_mm_s > static_speed_mm_s",
     )
 
-    @model_validator(mode="after")
-    def _rest_comes_first(self) -> Self:
-        if self.static < self.dynamic:
-            raise fault(
-                "static", f"{self.static:g} is less than the dynamic {self.dynamic:g}; as much or more is right"
-            )
-        if not self.static_speed_mm_s < self.dynamic_speed_mm_s:
-            raise fault(
-                "dynamic_speed_mm_s",
-                f"{self.dynamic_speed_mm_s:g} mm/s is not beyond static_speed_mm_s; over {self.static_speed_mm_s:g} "
-                "is right",
-            )
-        return self
+    static: float = optional("coefficient at rest", 0.08, ge=0.0, le=2.0)
+    dynamic: float = optional("coefficient in motion", 0.05, ge=0.0, le=2.0)
+    static_speed_mm_s: Positive = optional("speed of sliding at which the one at rest is reached", 1.0)
+    dynamic_speed_mm_s: Positive = optional("speed of sliding from which on the one in motion holds", 10.0)
 
 
 class Motor(Model):
     """A motor whose torque falls in a line with its speed; the flywheel is that of the masses."""
 
-    no_load_speed_rpm: Speed = Field(description="speed at which it has no torque left, in r/min at the driving gear")
-    stall_torque_n_m: Positive = Field(description="torque at rest in N m at the driving gear")
+    no_load_speed_rpm: Speed = required("speed at which it has no torque left, in r/min at the driving gear")
+    stall_torque_n_m: Positive = required("torque at rest in N m at the driving gear")
 
 
 class Simulation(Model):
     """How the levels quasi_static and dynamic are computed."""
 
-    stiffness_n_mm: Positive | None = Field(
-        default=None,
-        description="force in N of a pair of teeth 1 mm deep in each other, k of k d^exponent; left out: each pair's "
-        "own stiffness, from its teeth, their material and the face width",
+    stiffness_n_mm: Positive | None = optional(
+        "force in N of a pair of teeth 1 mm deep in each other, k of k d^exponent; left out: each pair's own "
+        "stiffness, from its teeth, their material and the face width"
     )
-    exponent: float = Field(
-        default=1.0,
-        ge=1.0,
-        le=STEEPEST,
-        description="exponent of the depth in the force; other than 1 only with stiffness_n_mm",
+    exponent: float = optional(
+        "exponent of the depth in the force; other than 1 only with stiffness_n_mm", 1.0, ge=1.0, le=STEEPEST
     )
-    damping_n_s_mm: float | None = Field(
-        default=None,
-        ge=0.0,
-        description="damping of a pair of teeth in N s/mm, where it is full; left out: by damping_ratio",
+    damping_n_s_mm: float | None = optional(
+        "damping of a pair of teeth in N s/mm, where it is full; left out: by damping_ratio", ge=0.0
     )
-    damping_ratio: float = Field(
-        default=0.07,
-        ge=0.0,
-        le=1.0,
-        description="damping as a share of the critical damping of one pair of teeth between both shafts",
+    damping_ratio: float = optional(
+        "damping as a share of the critical damping of one pair of teeth between both shafts", 0.07, ge=0.0, le=1.0
     )
-    full_damping_depth_mm: Positive = Field(default=0.002, description="depth in mm from which on damping is full")
-    friction: Friction = Field(default_factory=Friction, description="friction between the teeth")
-    motor: Motor | None = Field(
-        default=None,
-        description="what drives the level dynamic; left out: operation.speed_rpm, whatever torque it takes",
+    full_damping_depth_mm: Positive = optional("depth in mm from which on damping is full", 0.002)
+    friction: Friction = optional("friction between the teeth", Friction)
+    motor: Motor | None = optional(
+        "what drives the level dynamic; left out: operation.speed_rpm, whatever torque it takes"
     )
-    start: Literal["on_law", "rest"] = Field(
-        default="on_law",
-        description="on_law: both gears run as the law says, the driving one at operation.speed_rpm; rest: the driven "
-        "gear stands still, and so does a motor",
+    start: Literal["on_law", "rest"] = optional(
+        "on_law: both gears run as the law says, the driving one at operation.speed_rpm; rest: the driven gear stands "
+        "still, and so does a motor",
+        "on_law",
     )
-    turns: float = Field(default=1.0, gt=0.0, le=MOST_TURNS, description="turns of the driving gear in level dynamic")
+    turns: float = optional("turns of the driving gear in level dynamic", 1.0, gt=0.0, le=MOST_TURNS)
 
     @model_validator(mode="after")
     def _the_teeths_own_stiffness_is_linear(self) -> Self:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Length, Model, Positive, Speed, fault, given, listed
+from ncgear.design.keys.base import Model, fault, given, optional
+from ncgear.design.keys.types import Length, Positive, Speed
+from ncgear.design.words import listed
 
 FEWEST_KNOTS, MOST_KNOTS = 12, 720
 
@@ -14,78 +16,56 @@ FEWEST_KNOTS, MOST_KNOTS = 12, 720
 class Limits(Model):
     """What the law may nowhere exceed; left out: no limit."""
 
-    peak_power_w: Positive | None = Field(
-        default=None,
-        description="greatest power of the driving shaft in W, for the resistance and for all masses",
+    peak_power_w: Positive | None = optional(
+        "greatest power of the driving shaft in W, for the resistance and for all masses"
     )
-    braking_power_w: Positive | None = Field(
-        default=None, description="greatest power in W that masses give back to the driving shaft"
+    braking_power_w: Positive | None = optional("greatest power in W that masses give back to the driving shaft")
+    rms_torque_n_m: Positive | None = optional("greatest root of the mean square of the driving shaft's torque in N m")
+    flywheel_kg_mm2: Positive | None = optional(
+        "greatest inertia in kg mm2 that the driving shaft needs, its gear included, to keep the fluctuation "
+        "masses.flywheel.speed_fluctuation (left out: 0.05) while the motor's torque is even"
     )
-    rms_torque_n_m: Positive | None = Field(
-        default=None, description="greatest root of the mean square of the driving shaft's torque in N m"
+    bearing_force_n: Positive | None = optional(
+        "greatest force of the mechanism on the crank's bearings in N, the teeth's apart"
     )
-    flywheel_kg_mm2: Positive | None = Field(
-        default=None,
-        description="greatest inertia in kg mm2 that the driving shaft needs, its gear included, to keep the "
-        "fluctuation masses.flywheel.speed_fluctuation (left out: 0.05) while the motor's torque is even",
+    shaking_force_n: Positive | None = optional("greatest force of the moving masses on the frame in N")
+    tooth_force_n: Positive | None = optional(
+        "greatest force between the teeth along their normal in N; needs gears of a given size"
     )
-    bearing_force_n: Positive | None = Field(
-        default=None, description="greatest force of the mechanism on the crank's bearings in N, the teeth's apart"
+    peak_acceleration_mm_s2: Positive | None = optional("greatest slider acceleration in mm/s2, over the whole cycle")
+    peak_jerk_mm_s3: Positive | None = optional("greatest slider jerk in mm/s3")
+    peak_acceleration_rad_s2: Positive | None = optional(
+        "greatest acceleration in rad/s2 of an output that turns, over the whole cycle"
     )
-    shaking_force_n: Positive | None = Field(
-        default=None, description="greatest force of the moving masses on the frame in N"
+    peak_jerk_rad_s3: Positive | None = optional("greatest jerk in rad/s3 of an output that turns")
+    driven_speed_rpm: Speed | None = optional("greatest speed of the driven gear in r/min")
+    ratio_min: float = optional("least transmission ratio", 0.2, ge=0.01, le=1.0)
+    ratio_max: float = optional("greatest transmission ratio", 5.0, ge=1.0, le=100.0)
+    pressure_angle_deg: float | None = optional(
+        "greatest pressure angle in degrees, that of the rack included; of two stages, of each", gt=0.0, lt=90.0
     )
-    tooth_force_n: Positive | None = Field(
-        default=None,
-        description="greatest force between the teeth along their normal in N; needs gears of a given size",
+    stages: Annotated[int, Field(ge=1, le=2)] = optional(
+        "2: the ratio is shared over two pairs in series; ratio, curves and pressure angle count for each", 1
     )
-    peak_acceleration_mm_s2: Positive | None = Field(
-        default=None, description="greatest slider acceleration in mm/s2, over the whole cycle"
+    convex: bool = optional("true: both pitch curves are convex, so that a rack can cut them", True)
+    least_radius_mm: Length | None = optional(
+        "least radius of curvature of both pitch curves in mm; needs gears.teeth and gears.module_mm"
     )
-    peak_jerk_mm_s3: Positive | None = Field(default=None, description="greatest slider jerk in mm/s3")
-    peak_acceleration_rad_s2: Positive | None = Field(
-        default=None, description="greatest acceleration in rad/s2 of an output that turns, over the whole cycle"
-    )
-    peak_jerk_rad_s3: Positive | None = Field(
-        default=None, description="greatest jerk in rad/s3 of an output that turns"
-    )
-    driven_speed_rpm: Speed | None = Field(default=None, description="greatest speed of the driven gear in r/min")
-    ratio_min: float = Field(default=0.2, ge=0.01, le=1.0, description="least transmission ratio")
-    ratio_max: float = Field(default=5.0, ge=1.0, le=100.0, description="greatest transmission ratio")
-    pressure_angle_deg: float | None = Field(
-        default=None,
-        gt=0.0,
-        lt=90.0,
-        description="greatest pressure angle in degrees, that of the rack included; of two stages, of each",
-    )
-    stages: int = Field(
-        default=1,
-        ge=1,
-        le=2,
-        description="2: the ratio is shared over two pairs in series; ratio, curves and pressure angle count for each",
-    )
-    convex: bool = Field(default=True, description="true: both pitch curves are convex, so that a rack can cut them")
-    least_radius_mm: Length | None = Field(
-        default=None,
-        description="least radius of curvature of both pitch curves in mm; needs gears.teeth and gears.module_mm",
-    )
-    free_of_undercut: bool = Field(
-        default=False, description="true: gears.teeth teeth are free of undercut at their full height"
-    )
+    free_of_undercut: bool = optional("true: gears.teeth teeth are free of undercut at their full height", False)
 
 
 class Weights(Model):
     """The figures that count alike in a weighted goal; what is left out does not count."""
 
-    acceleration_mm_s2: Positive | None = Field(default=None, description="peak acceleration in mm/s2 that counts as 1")
-    acceleration_rad_s2: Positive | None = Field(
-        default=None, description="peak acceleration in rad/s2 of an output that turns that counts as 1"
+    acceleration_mm_s2: Positive | None = optional("peak acceleration in mm/s2 that counts as 1")
+    acceleration_rad_s2: Positive | None = optional(
+        "peak acceleration in rad/s2 of an output that turns that counts as 1"
     )
-    power_w: Positive | None = Field(default=None, description="peak power in W that counts as 1")
-    braking_power_w: Positive | None = Field(default=None, description="peak braking power in W that counts as 1")
-    flywheel_kg_mm2: Positive | None = Field(default=None, description="flywheel in kg mm2 that counts as 1")
-    bearing_force_n: Positive | None = Field(default=None, description="bearing force in N that counts as 1")
-    shaking_force_n: Positive | None = Field(default=None, description="shaking force in N that counts as 1")
+    power_w: Positive | None = optional("peak power in W that counts as 1")
+    braking_power_w: Positive | None = optional("peak braking power in W that counts as 1")
+    flywheel_kg_mm2: Positive | None = optional("flywheel in kg mm2 that counts as 1")
+    bearing_force_n: Positive | None = optional("bearing force in N that counts as 1")
+    shaking_force_n: Positive | None = optional("shaking force in N that counts as 1")
 
     @model_validator(mode="after")
     def _two_or_more(self) -> Self:
@@ -110,21 +90,16 @@ GOALS = Literal[
 class Optimize(Model):
     """What `ncgear optimize` looks for."""
 
-    goal: GOALS = Field(
-        default="least_acceleration",
-        description="what shall be least: the slider's peak acceleration; the driving shaft's peak power (and with it "
-        "its peak torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the "
-        "crank's bearings or on the frame; or a weighted sum",
+    goal: GOALS = optional(
+        "what shall be least: the slider's peak acceleration; the driving shaft's peak power (and with it its peak "
+        "torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the crank's "
+        "bearings or on the frame; or a weighted sum",
+        "least_acceleration",
     )
-    weights: Weights | None = Field(
-        default=None, description="the figures that count alike; only for goal weighted, two or more"
-    )
-    limits: Limits = Field(default_factory=Limits, description="what the law may nowhere exceed")
-    knots: int = Field(
-        default=180,
-        ge=FEWEST_KNOTS,
-        le=MOST_KNOTS,
-        description="knots of the spline of ln i12 around the turn: more come closer to the limit",
+    weights: Weights | None = optional("the figures that count alike; only for goal weighted, two or more")
+    limits: Limits = optional("what the law may nowhere exceed", Limits)
+    knots: Annotated[int, Field(ge=FEWEST_KNOTS, le=MOST_KNOTS)] = optional(
+        "knots of the spline of ln i12 around the turn: more come closer to the limit", 180
     )
 
     @model_validator(mode="after")

@@ -6,19 +6,11 @@ from collections.abc import Mapping
 from math import cos, hypot, inf, pi, sqrt, tan
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import (
-    LONGEST_MM,
-    Length,
-    Model,
-    Numbers,
-    fault,
-    given,
-    in_rad,
-    require_one,
-    spellings,
-)
+from ncgear.design.keys.base import Model, angle, fault, given, optional, require, required
+from ncgear.design.keys.types import CSV_FILE, LONGEST_MM, FileName, Length, Numbers, Place, Several
+from ncgear.design.words import spellings
 from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
@@ -45,7 +37,6 @@ RADIUS_OR_Y = ("radius_mm", "y_mm")
 
 PointColumn = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 ControlColumn = Annotated[Numbers, Field(min_length=3, max_length=MOST_CONTROL_POINTS)]
-Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 
 UNIT_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}
 
@@ -68,8 +59,8 @@ class Shape(Model):
 class Drawn(Shape):
     """A curve drawn in the plane, and the point about which it turns."""
 
-    axis_x_mm: Place = Field(default=0.0, description="x of the gear's axis in the drawing, in mm")
-    axis_y_mm: Place = Field(default=0.0, description="y of the gear's axis in the drawing, in mm")
+    axis_x_mm: Place = optional("x of the gear's axis in the drawing, in mm", 0.0)
+    axis_y_mm: Place = optional("y of the gear's axis in the drawing, in mm", 0.0)
 
     @property
     def axis_mm(self) -> tuple[float, float]:
@@ -80,40 +71,28 @@ class Drawn(Shape):
 class CurvePoints(Drawn):
     """Points of the curve, in polar form or in the plane, in the order in which they follow each other."""
 
-    phi_rad: PointColumn | None = Field(
-        default=None, description="angles in rad by which the gear has turned when its point faces the mate"
+    RULES = (f"one of {' '.join(ANGLE_OR_X)}",)
+
+    angles_rad: tuple[float, ...] = angle(
+        "angles {unit} by which the gear has turned when its point faces the mate", "phi", of=PointColumn, absent=()
     )
-    phi_deg: PointColumn | None = Field(
-        default=None, description="angles in degrees by which the gear has turned when its point faces the mate"
-    )
-    phi_pi: PointColumn | None = Field(
-        default=None,
-        description="angles in multiples of pi by which the gear has turned when its point faces the mate",
-    )
-    radius_mm: PointColumn | None = Field(default=None, description="radii in mm, one for each angle")
-    x_mm: PointColumn | None = Field(default=None, description="x of points of the drawn curve in mm, with y_mm")
-    y_mm: PointColumn | None = Field(default=None, description="y of points of the drawn curve in mm")
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="CSV file with the columns instead, its header naming them; its path counts from the design file",
-    )
-    tolerance_mm: float = Field(
-        gt=0.0, le=100.0, description="how far the smooth curve may be from a point in mm, along its radius"
+    radius_mm: PointColumn | None = optional("radii in mm, one for each angle")
+    x_mm: PointColumn | None = optional("x of points of the drawn curve in mm, with y_mm")
+    y_mm: PointColumn | None = optional("y of points of the drawn curve in mm")
+    file: FileName | None = optional(CSV_FILE.format("the"))
+    tolerance_mm: float = required(
+        "how far the smooth curve may be from a point in mm, along its radius", gt=0.0, le=100.0
     )
 
     @model_validator(mode="after")
     def _columns(self) -> Self:
-        require_one(self, ANGLE_OR_X)
         first = given(self, ANGLE_OR_X)[0]
         second, other = RADIUS_OR_Y if first != "x_mm" else RADIUS_OR_Y[::-1]
         if getattr(self, other) is not None:
             raise fault(other, f"given, but {first} goes with {second}")
         if getattr(self, second) is None:
             raise fault("", f"{second} is missing; {first} needs it")
-        counts = len(getattr(self, first)), len(getattr(self, second))
-        if counts[0] != counts[1]:
-            raise fault(second, f"{counts[1]} values, but {first} has {counts[0]}; as many are right")
+        require(self, f"{second} as many as {first}")
         if first != "x_mm" and self.axis_mm != (0.0, 0.0):
             raise fault("axis_x_mm", "given, but points in polar form have their axis at the pole; leave it out")
         for i, radius in enumerate(self.radius_mm or ()):
@@ -131,9 +110,7 @@ class CurvePoints(Drawn):
         import numpy as np
 
         if not self.in_plane:
-            name = given(self, POLAR_COLUMNS)[0]
-            angles = [in_rad(value, name.removeprefix("phi_")) for value in getattr(self, name)]
-            return np.array(angles), np.array(self.radius_mm)
+            return np.array(self.angles_rad), np.array(self.radius_mm)
         from ncgear.ratio.laws.curve_shapes import polar_points
 
         points = np.column_stack([np.array(self.x_mm), np.array(self.y_mm)])
@@ -143,16 +120,14 @@ class CurvePoints(Drawn):
 class BSpline(Drawn):
     """A closed uniform B-spline."""
 
-    x_mm: ControlColumn = Field(description="x of the control points in mm, around the curve")
-    y_mm: ControlColumn = Field(description="y of the control points in mm")
-    degree: int = Field(
-        default=3, ge=2, le=HIGHEST_DEGREE, description="degree; with 2 the curvature jumps, from 3 on it does not"
-    )
+    RULES = ("y_mm as many as x_mm",)
+
+    x_mm: ControlColumn = required("x of the control points in mm, around the curve")
+    y_mm: ControlColumn = required("y of the control points in mm")
+    degree: int = optional("degree; with 2 the curvature jumps, from 3 on it does not", 3, ge=2, le=HIGHEST_DEGREE)
 
     @model_validator(mode="after")
     def _enough_points(self) -> Self:
-        if len(self.x_mm) != len(self.y_mm):
-            raise fault("y_mm", f"{len(self.y_mm)} values, but x_mm has {len(self.x_mm)}; as many are right")
         if len(self.x_mm) <= self.degree:
             problem = f"{len(self.x_mm)} control points for degree {self.degree}; {self.degree + 1} or more are right"
             raise fault("x_mm", problem)
@@ -162,11 +137,11 @@ class BSpline(Drawn):
 class RationalCurve(Model):
     """A line, an arc or a spline of a contour, as a rational B-spline in the unit of the drawing."""
 
-    degree: int = Field(ge=1, le=HIGHEST_DXF_DEGREE, description="degree")
-    knots: Numbers = Field(description="knots, rising")
-    x: Numbers = Field(description="x of the control points")
-    y: Numbers = Field(description="y of the control points")
-    weights: Numbers = Field(description="weights of the control points")
+    degree: int = required("degree", ge=1, le=HIGHEST_DXF_DEGREE)
+    knots: Numbers = required("knots, rising")
+    x: Numbers = required("x of the control points")
+    y: Numbers = required("y of the control points")
+    weights: Numbers = required("weights of the control points")
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -185,20 +160,14 @@ class RationalCurve(Model):
 class DxfContour(Drawn):
     """A contour of a DXF file: lines, arcs and splines that make one closed curve."""
 
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; "
-        "its path counts from the design file",
+    file: Annotated[str, Field(min_length=1)] | None = optional(
+        "DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; its path "
+        "counts from the design file"
     )
-    unit: Literal["mm", "cm", "m", "inch"] = Field(description="unit of the drawing")
-    layer: str | None = Field(
-        default=None, min_length=1, max_length=255, description="layer of the contour; left out: all layers"
-    )
-    curves: Annotated[tuple[RationalCurve, ...], Strict(False), Field(min_length=1, max_length=MOST_CURVES)] | None = (
-        Field(
-            default=None, description="the contour's parts, read from the file; given in place of it by programs only"
-        )
+    unit: Literal["mm", "cm", "m", "inch"] = required("unit of the drawing")
+    layer: str | None = optional("layer of the contour; left out: all layers", min_length=1, max_length=255)
+    curves: Annotated[Several[RationalCurve], Field(min_length=1, max_length=MOST_CURVES)] | None = optional(
+        "the contour's parts, read from the file; given in place of it by programs only"
     )
 
     @model_validator(mode="after")
@@ -230,8 +199,8 @@ class DxfContour(Drawn):
 class OffsetEllipse(Drawn):
     """An ellipse about its centre, with the axis at any point inside."""
 
-    semi_major_mm: Length | None = Field(default=None, description="semi axis along x in mm; left out to be found")
-    semi_minor_mm: Length | None = Field(default=None, description="semi axis along y in mm; left out to be found")
+    semi_major_mm: Length | None = optional("semi axis along x in mm; left out to be found")
+    semi_minor_mm: Length | None = optional("semi axis along y in mm; left out to be found")
 
     @property
     def solvable(self) -> Mapping[str, str]:
@@ -260,17 +229,15 @@ class OffsetEllipse(Drawn):
 class ModifiedEllipse(Shape):
     """Lobes of r = p / (1 + e cos(n m phi)), the least radius at phi = 0."""
 
-    semi_latus_rectum_mm: Length = Field(
-        description="p in mm, of r = p/(1 + e cos(n m phi)): the radius where the cosine is zero"
+    semi_latus_rectum_mm: Length = required(
+        "p in mm, of r = p/(1 + e cos(n m phi)): the radius where the cosine is zero"
     )
-    eccentricity: float | None = Field(default=None, ge=0.0, lt=1.0, description="e, from 0 (a circle) to under 1")
-    lobes: int = Field(default=1, ge=1, le=100, description="n, how often the curve repeats in a turn")
-    modification: float = Field(
-        default=1.0,
-        gt=0.5,
-        le=100.0,
-        description="m up to a lobe's greatest radius, over 0.5; after it m/(2 m - 1), so that the lobe is filled. 1: "
-        "both alike, an ellipse about its focus where n is 1",
+    eccentricity: float | None = optional("e, from 0 (a circle) to under 1", ge=0.0, lt=1.0)
+    lobes: int = optional("n, how often the curve repeats in a turn", 1, ge=1, le=100)
+    modification: Annotated[float, Field(gt=0.5, le=100.0)] = optional(
+        "m up to a lobe's greatest radius, over 0.5; after it m/(2 m - 1), so that the lobe is filled. 1: both alike, "
+        "an ellipse about its focus where n is 1",
+        1.0,
     )
 
     @property
@@ -294,12 +261,10 @@ class ModifiedEllipse(Shape):
 class RoundedPolygon(Drawn):
     """A regular polygon about its centre, a side at +x, its corners rounded."""
 
-    sides: int = Field(ge=3, le=MOST_SIDES, description="number of sides")
-    side_mm: Length | None = Field(
-        default=None, description="side of the sharp polygon in mm, before rounding; left out to be found"
-    )
-    corner_radius_mm: float | None = Field(
-        default=None, ge=0.0, le=LONGEST_MM, description="radius of the rounded corners in mm; left out to be found"
+    sides: int = required("number of sides", ge=3, le=MOST_SIDES)
+    side_mm: Length | None = optional("side of the sharp polygon in mm, before rounding; left out to be found")
+    corner_radius_mm: float | None = optional(
+        "radius of the rounded corners in mm; left out to be found", ge=0.0, le=LONGEST_MM
     )
 
     @property

@@ -1,12 +1,122 @@
-"""The keys of the section ``strength``: what the gears run under, and how safe they shall be."""
+"""The keys of what gears are made of and run under, and how safe they shall be."""
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from ncgear.design.keys.base import Model, allow_one
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.words import listed
+from ncgear.strength.materials import TABLE, Ferrous
+
+STRONGEST_MPA = 10_000.0
+STIFFEST_GPA = 1000.0
+
+
+def _known(name: str) -> str:
+    """The name itself; a fault where the table has no such material."""
+    if name not in TABLE:
+        close = get_close_matches(name, TABLE, n=1, cutoff=0.5)
+        hint = f"did you mean {close[0]}?" if close else f"known are {listed(TABLE, 'and')}"
+        raise fault("", f"{name} is no material of the table; {hint}")
+    return name
+
+
+class GearMaterial(Model):
+    """The material of one gear: a row of the table, and what a person knows better."""
+
+    name: Annotated[str, AfterValidator(_known)] = required(
+        "material of the table in docs/materials.md, whose figures hold for all that is not given here",
+        json_schema_extra={"enum": [*TABLE]},
+    )
+    quality: Literal["ML", "MQ", "ME"] = optional(
+        "grade of steel and iron by ISO 6336-5: ML modest, MQ normal for experienced makers, ME high demands; others "
+        "have none",
+        "MQ",
+    )
+    hardness: Annotated[float, Field(ge=50.0, le=1000.0)] | None = optional(
+        "hardness of the flanks of steel and iron, Brinell or Vickers as the table says; left out: the table's"
+    )
+    contact_limit_mpa: float | None = optional(
+        "own stress in MPa that flanks endure for long (sigma_Hlim); left out: the table's", gt=0.0, le=STRONGEST_MPA
+    )
+    bending_limit_mpa: Annotated[float, Field(gt=0.0, le=STRONGEST_MPA)] | None = optional(
+        "own stress in MPa that roots endure for long, as the local stress with its notch (sigma_FE, twice "
+        "sigma_Flim); left out: the table's"
+    )
+    youngs_modulus_gpa: float | None = optional(
+        "own Young's modulus in GPa; left out: the table's", gt=0.0, le=STIFFEST_GPA
+    )
+    poisson: float | None = optional(
+        "own Poisson's ratio; left out: the table's. At 0.5, as of rubber, wide teeth would be rigid", ge=0.0, le=0.49
+    )
+    density_kg_m3: float | None = optional("own density in kg/m3; left out: the table's", gt=0.0, le=30000.0)
+    expansion_um_m_k: float | None = optional(
+        "own linear thermal expansion in um per m and K, for ncgear tolerance; left out: the table's", ge=0.0, le=500.0
+    )
+
+    @model_validator(mode="after")
+    def _hardness_is_of_the_class(self) -> Self:
+        entry = TABLE[self.name]
+        if "quality" in self.model_fields_set and not isinstance(entry, Ferrous):
+            raise fault("quality", f"given, but {self.name} has no grades; leave it out")
+        if self.hardness is None:
+            return self
+        if not isinstance(entry, Ferrous):
+            raise fault("hardness", f"given, but the strength of {self.name} does not follow from it; leave it out")
+        softest, hardest = entry.group.hardnesses
+        if not softest <= self.hardness <= hardest:
+            raise fault(
+                "hardness",
+                f"{self.hardness:g} given, but {self.name} ({entry.meaning}) has {softest:g} to {hardest:g} "
+                f"{entry.group.scale}",
+            )
+        return self
+
+
+def _by_name(value: Any) -> Any:
+    """The group of keys for which a name alone stands."""
+    return {"name": _known(value)} if isinstance(value, str) else value
+
+
+if TYPE_CHECKING:
+    WrittenMaterial = GearMaterial
+else:
+    # The type of names is made at run time, where type checkers cannot follow it, so that only the table lists them.
+    Name = Literal[tuple(TABLE)]
+    WrittenMaterial = Annotated[GearMaterial, BeforeValidator(_by_name, json_schema_input_type=Name | GearMaterial)]
+
+
+class PairMaterial(Model):
+    """The materials of both gears."""
+
+    driving: WrittenMaterial = required("material of the driving gear: a name, or a group of keys")
+    driven: WrittenMaterial | None = optional(
+        "material of the driven gear: a name, or a group of keys; left out: that of the driving gear"
+    )
+
+    @property
+    def each(self) -> tuple[GearMaterial, GearMaterial]:
+        """The materials of the driving and the driven gear."""
+        return self.driving, self.driven or self.driving
+
+
+def _of_both(value: Any) -> Any:
+    """The group of both gears, for which a name or the keys of one material stand."""
+    of_one = isinstance(value, Mapping) and not value.keys() & PairMaterial.model_fields.keys()
+    return {"driving": _by_name(value)} if isinstance(value, str) or of_one else value
+
+
+if TYPE_CHECKING:
+    WrittenMaterials = PairMaterial
+else:
+    WrittenMaterials = Annotated[
+        PairMaterial, BeforeValidator(_of_both, json_schema_input_type=Name | GearMaterial | PairMaterial)
+    ]
+
 
 USUAL_LIFE_H = 20_000.0
 """Ten years of 2000 hours; makers of bearings count 10 000 to 25 000 h for machines that run eight hours a day."""
@@ -15,88 +125,54 @@ USUAL_LIFE_H = 20_000.0
 class StrengthKeys(Model):
     """How the strength of the teeth is computed."""
 
-    method: Literal["estimate", "elements"] = Field(
-        default="estimate",
-        description="estimate: local replacement gears and ISO 6336, in milliseconds; elements: plane finite elements "
-        "of every tooth, in seconds",
-    )
-    life_h: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=1e7,
-        description="life wanted in hours at operation.speed_rpm; left out, with life_strokes: 20 000 h, ten years of "
-        "2000 hours",
-    )
-    life_strokes: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=1e13,
-        description="life wanted in strokes of the slider out and back, instead of life_h",
-    )
-    application_factor: float = Field(
-        default=1.0,
-        ge=1.0,
-        le=5.0,
-        description="application factor K_A: what jolts add to the load that is computed. 1.0 where the computed "
-        "course of the load is all; 1.25 to 1.75 for a motor or a machine with jolts beyond it",
-    )
-    dynamic_factor: float | None = Field(
-        default=None,
-        ge=1.0,
-        le=5.0,
-        description="dynamic factor K_V: what the teeth's own vibration adds; left out: estimated by ISO 6336-1, "
-        "method C, for accuracy grade 8, near 1 at the speeds of cranks; gears too fast for that need it",
-    )
-    face_load_factor: float = Field(
-        default=1.3,
-        ge=1.0,
-        le=5.0,
-        description="face load factor K_Hbeta: the greatest load along the width over the mean one. 1.3 for gears not "
-        "wider than their shafts are stiff, as usual without a calculation of the shafts; 1.0 for the ideal pair",
-    )
-    reliability: float = Field(
-        default=0.99,
-        ge=0.5,
-        le=0.9999,
-        description="share of gears that shall live so long: 0.99 is that of the figures of ISO 6336",
-    )
-    lubrication: Literal["oil", "grease", "dry"] = Field(
-        default="oil", description="oil, grease or dry; dry steel wears, of which no life is told"
-    )
-    oil_viscosity_mm2_s: float = Field(
-        default=220.0, ge=1.0, le=2000.0, description="viscosity of the oil at 40 \u00b0C in mm2/s; greases: 220"
-    )
-    flank_roughness_um: float = Field(
-        default=6.0,
-        gt=0.0,
-        le=100.0,
-        description="mean peak-to-valley roughness Rz of the flanks in um: about 3 ground, 6 hobbed, 12 milled",
-    )
-    root_roughness_um: float = Field(
-        default=16.0, gt=0.0, le=200.0, description="mean peak-to-valley roughness Rz of the roots in um"
-    )
-    temperature_c: float = Field(
-        default=20.0,
-        ge=-50.0,
-        le=200.0,
-        description="temperature in \u00b0C of the oil or, of dry or greased gears, of the air about them",
-    )
-    contact_safety: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=10.0,
-        description="least safety wanted against pitting, in stress; left out: 1.0 for metal, since single pits grow "
-        "slowly, and 1.4 for plastics",
-    )
-    bending_safety: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=10.0,
-        description="least safety wanted against breakage, in stress; left out: 1.4 for metal, since a broken tooth "
-        "ends the drive, and 2.0 for plastics",
-    )
+    RULES = ("at most one of life_h life_strokes",)
 
-    @model_validator(mode="after")
-    def _one_life(self) -> Self:
-        allow_one(self, ("life_h", "life_strokes"))
-        return self
+    method: Literal["estimate", "elements"] = optional(
+        "estimate: local replacement gears and ISO 6336, in milliseconds; elements: plane finite elements of every "
+        "tooth, in seconds",
+        "estimate",
+    )
+    life_h: Annotated[float, Field(gt=0.0, le=1e7)] | None = optional(
+        "life wanted in hours at operation.speed_rpm; left out, with life_strokes: 20 000 h, ten years of 2000 hours"
+    )
+    life_strokes: float | None = optional(
+        "life wanted in strokes of the slider out and back, instead of life_h", gt=0.0, le=1e13
+    )
+    application_factor: Annotated[float, Field(ge=1.0, le=5.0)] = optional(
+        "application factor K_A: what jolts add to the load that is computed. 1.0 where the computed course of the "
+        "load is all; 1.25 to 1.75 for a motor or a machine with jolts beyond it",
+        1.0,
+    )
+    dynamic_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
+        "dynamic factor K_V: what the teeth's own vibration adds; left out: estimated by ISO 6336-1, method C, for "
+        "accuracy grade 8, near 1 at the speeds of cranks; gears too fast for that need it"
+    )
+    face_load_factor: Annotated[float, Field(ge=1.0, le=5.0)] = optional(
+        "face load factor K_Hbeta: the greatest load along the width over the mean one. 1.3 for gears not wider than "
+        "their shafts are stiff, as usual without a calculation of the shafts; 1.0 for the ideal pair",
+        1.3,
+    )
+    reliability: float = optional(
+        "share of gears that shall live so long: 0.99 is that of the figures of ISO 6336", 0.99, ge=0.5, le=0.9999
+    )
+    lubrication: Literal["oil", "grease", "dry"] = optional(
+        "oil, grease or dry; dry steel wears, of which no life is told", "oil"
+    )
+    oil_viscosity_mm2_s: float = optional(
+        "viscosity of the oil at 40 \u00b0C in mm2/s; greases: 220", 220.0, ge=1.0, le=2000.0
+    )
+    flank_roughness_um: Annotated[float, Field(gt=0.0, le=100.0)] = optional(
+        "mean peak-to-valley roughness Rz of the flanks in um: about 3 ground, 6 hobbed, 12 milled", 6.0
+    )
+    root_roughness_um: float = optional("mean peak-to-valley roughness Rz of the roots in um", 16.0, gt=0.0, le=200.0)
+    temperature_c: float = optional(
+        "temperature in \u00b0C of the oil or, of dry or greased gears, of the air about them", 20.0, ge=-50.0, le=200.0
+    )
+    contact_safety: Annotated[float, Field(gt=0.0, le=10.0)] | None = optional(
+        "least safety wanted against pitting, in stress; left out: 1.0 for metal, since single pits grow slowly, and "
+        "1.4 for plastics"
+    )
+    bending_safety: Annotated[float, Field(gt=0.0, le=10.0)] | None = optional(
+        "least safety wanted against breakage, in stress; left out: 1.4 for metal, since a broken tooth ends the "
+        "drive, and 2.0 for plastics"
+    )

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault
+from ncgear.design.keys.base import Model, optional, required
 
 GRADE = "flank tolerance class of ISO 1328-1:2013, 1 (finest) to 11"
 
@@ -14,88 +14,58 @@ GRADE = "flank tolerance class of ISO 1328-1:2013, 1 (finest) to 11"
 class GearTolerances(Model):
     """What one gear may deviate by."""
 
-    grade: int | None = Field(default=None, ge=1, le=11, description=f"{GRADE}; left out: that of both gears")
-    single_pitch_mm: float | None = Field(
-        default=None,
-        ge=0.0,
-        le=10.0,
-        description="own largest deviation in mm of one pitch, either way, in place of the grade's: printed gears are "
-        "coarser than any grade",
+    grade: int | None = optional(f"{GRADE}; left out: that of both gears", ge=1, le=11)
+    single_pitch_mm: Annotated[float, Field(ge=0.0, le=10.0)] | None = optional(
+        "own largest deviation in mm of one pitch, either way, in place of the grade's: printed gears are coarser than "
+        "any grade"
     )
-    profile_mm: float | None = Field(
-        default=None,
-        ge=0.0,
-        le=10.0,
-        description="own largest total deviation in mm of a flank's profile in place of the grade's",
+    profile_mm: float | None = optional(
+        "own largest total deviation in mm of a flank's profile in place of the grade's", ge=0.0, le=10.0
     )
-    eccentricity_mm: float = Field(
-        default=0.0,
-        ge=0.0,
-        le=10.0,
-        description="largest distance in mm of the bore's centre from the teeth's, in any direction: half the runout "
-        "that a dial shows",
+    eccentricity_mm: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
+        "largest distance in mm of the bore's centre from the teeth's, in any direction: half the runout that a dial "
+        "shows",
+        0.0,
     )
-    tilt_deg: float = Field(
-        default=0.0,
-        ge=0.0,
-        le=5.0,
-        description="largest angle in degrees between the bore and the axis of the teeth, in any direction",
+    tilt_deg: float = optional(
+        "largest angle in degrees between the bore and the axis of the teeth, in any direction", 0.0, ge=0.0, le=5.0
     )
-    index_deg: float = Field(
-        default=0.0,
-        ge=0.0,
-        le=10.0,
-        description="largest angle in degrees, either way, by which the keyway sets the teeth off from the shaft",
+    index_deg: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
+        "largest angle in degrees, either way, by which the keyway sets the teeth off from the shaft", 0.0
     )
-    wear_mm: float = Field(
-        default=0.0,
-        ge=0.0,
-        le=10.0,
-        description="depth in mm to which flanks that push are worn at the end of life, all alike; both sides of the "
-        "teeth with gears.drives: both_ways",
+    wear_mm: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
+        "depth in mm to which flanks that push are worn at the end of life, all alike; both sides of the teeth with "
+        "gears.drives: both_ways",
+        0.0,
     )
 
 
 class Temperatures(Model):
     """How cold and how warm the gears run."""
 
-    least_c: float = Field(ge=-100.0, le=300.0, description="least temperature of gears and housing in \u00b0C")
-    largest_c: float = Field(ge=-100.0, le=300.0, description="largest temperature of gears and housing in \u00b0C")
-    warmer_k: float = Field(
-        default=0.0, ge=0.0, le=200.0, description="how much warmer than their housing the gears run, in K"
-    )
+    RULES = ("largest_c >= least_c",)
 
-    @model_validator(mode="after")
-    def _rising(self) -> Self:
-        if self.largest_c < self.least_c:
-            raise fault("largest_c", f"{self.largest_c:g} is below least_c; {self.least_c:g} or more is right")
-        return self
+    least_c: float = required("least temperature of gears and housing in \u00b0C", ge=-100.0, le=300.0)
+    largest_c: float = required("largest temperature of gears and housing in \u00b0C", ge=-100.0, le=300.0)
+    warmer_k: float = optional("how much warmer than their housing the gears run, in K", 0.0, ge=0.0, le=200.0)
 
 
 class AssemblyTolerances(Model):
     """What a pair of gears and its housing may deviate by."""
 
-    grade: int | None = Field(
-        default=None, ge=1, le=11, description=f"{GRADE}, of both gears; left out: teeth without deviations"
+    grade: int | None = optional(f"{GRADE}, of both gears; left out: teeth without deviations", ge=1, le=11)
+    center_distance_mm: float = optional(
+        "largest deviation in mm of the centre distance, either way", 0.0, ge=0.0, le=10.0
     )
-    center_distance_mm: float = Field(
-        default=0.0, ge=0.0, le=10.0, description="largest deviation in mm of the centre distance, either way"
+    driving: GearTolerances = optional("what the driving gear deviates by", GearTolerances)
+    driven: GearTolerances = optional("what the driven gear deviates by", GearTolerances)
+    temperature: Temperatures | None = optional(
+        "temperatures that gears and housing run at; left out: 20 \u00b0C, as they are made"
     )
-    driving: GearTolerances = Field(default_factory=GearTolerances, description="what the driving gear deviates by")
-    driven: GearTolerances = Field(default_factory=GearTolerances, description="what the driven gear deviates by")
-    temperature: Temperatures | None = Field(
-        default=None, description="temperatures that gears and housing run at; left out: 20 \u00b0C, as they are made"
+    housing_expansion_um_m_k: float = optional(
+        "linear thermal expansion of the housing in um per m and K: steel 11.5, aluminium 23.5", 11.5, ge=0.0, le=500.0
     )
-    housing_expansion_um_m_k: float = Field(
-        default=11.5,
-        ge=0.0,
-        le=500.0,
-        description="linear thermal expansion of the housing in um per m and K: steel 11.5, aluminium 23.5",
-    )
-    largest_play_mm: float | None = Field(
-        default=None,
-        gt=0.0,
-        le=100.0,
-        description="play in mm along the normal above which teeth knock where the torque turns round; left out: twice "
-        "the largest play as designed, and a twentieth of the module at least",
+    largest_play_mm: Annotated[float, Field(gt=0.0, le=100.0)] | None = optional(
+        "play in mm along the normal above which teeth knock where the torque turns round; left out: twice the largest "
+        "play as designed, and a twentieth of the module at least"
     )

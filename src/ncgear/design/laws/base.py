@@ -17,6 +17,7 @@ from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.ratio.laws.over_driven_angle import StagedLaw
     from ncgear.ratio.transmission import Law, Lobes, Transmission
 
 
@@ -106,8 +107,8 @@ class LawKeys(Model):
 
     @property
     def pairs_in_series(self) -> int:
-        """Pairs of gears that make the ratio: 1 or 2."""
-        return 1
+        """Pairs of gears that make the ratio: 2 of a law with a ``second_stage``, else 1."""
+        return 1 if getattr(self, "second_stage", None) is None else 2
 
     def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
         """The stroke in mm or rad of a law that ``gives_stroke``.
@@ -126,11 +127,17 @@ class LawKeys(Model):
     def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
         """The closed law on its mechanism; raises the errors of ``transmission``.
 
-        A law that prescribes a stroke, or that has two pairs of gears, overrides this method.
+        A law that prescribes a stroke overrides this method, one that can have two pairs of gears has ``staged``.
         """
         from ncgear.ratio.transmission import Law, single
 
+        if self.pairs_in_series == 2:
+            return Law(linkage, self.staged().train)
         return Law(linkage, single(self.transmission(linkage, lobes)))
+
+    def staged(self) -> StagedLaw:
+        """The law of both pairs in series; raises the errors of ``transmission``."""
+        raise NotImplementedError(self.law)
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:

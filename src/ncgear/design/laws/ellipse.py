@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import Field, model_validator
-
-from ncgear.design.keys.base import allow_one, angle_rad, spellings
+from ncgear.design.keys.base import angle, required
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawNumber
 
 if TYPE_CHECKING:
@@ -17,27 +15,9 @@ if TYPE_CHECKING:
 class Ellipse(LawKeys):
     """Elliptical gears; with lobes 1:1 two equal ellipses, each turning about a focus."""
 
-    law: Literal["ellipse"] = Field(description="the name of this law: ellipse")
-    eccentricity: float = Field(ge=0.0, lt=1.0, description="eccentricity of the ellipse, 0 (a circle) to under 1")
-    phase_rad: float | None = Field(
-        default=None, description="driving angle at which the driving radius is smallest, in rad"
-    )
-    phase_deg: float | None = Field(
-        default=None, description="driving angle at which the driving radius is smallest, in degrees"
-    )
-    phase_pi: float | None = Field(
-        default=None, description="driving angle at which the driving radius is smallest, in multiples of pi"
-    )
-
-    @property
-    def phase(self) -> float:
-        """Phase in rad, 0 where none is given."""
-        return angle_rad(self, "phase")
-
-    @model_validator(mode="after")
-    def _one_phase(self) -> Self:
-        allow_one(self, spellings("phase"))
-        return self
+    law: Literal["ellipse"] = required("the name of this law: ellipse")
+    eccentricity: float = required("eccentricity of the ellipse, 0 (a circle) to under 1", ge=0.0, lt=1.0)
+    phase: float = angle("driving angle {unit} at which the driving radius is smallest")
 
     @property
     def law_numbers(self) -> tuple[LawNumber, ...]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import FORMULA, Expression, fault
+from ncgear.design.keys.base import required
+from ncgear.design.keys.types import FORMULA, Expression
 from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
@@ -18,28 +19,20 @@ if TYPE_CHECKING:
 class FunctionGenerator(LawKeys):
     """Both angles are linear scales: the driving one of x, the driven one of y."""
 
-    law: Literal["function_generator"] = Field(description="the name of this law: function_generator")
-    function: Expression = Field(
-        description=f'y as a formula of x: "log(x)", {FORMULA}; it must rise, or fall, throughout, and be smooth'
-    )
-    x_from: float = Field(description="x at phi1 = 0")
-    x_to: float = Field(description="x at the other end of the range, greater than x_from")
-    driving_range_deg: float = Field(
-        ge=SHORTEST_RANGE_DEG,
-        le=LONGEST_RANGE_DEG,
-        description="what the driving gear turns while x goes from x_from to x_to, in degrees",
-    )
-    driven_range_deg: float = Field(
-        ge=SHORTEST_RANGE_DEG,
-        le=LONGEST_RANGE_DEG,
-        description="what the driven gear turns meanwhile, in degrees; where y falls, its scale runs backwards",
-    )
+    RULES = ("x_to > x_from",)
 
-    @model_validator(mode="after")
-    def _x_rises(self) -> Self:
-        if not self.x_to > self.x_from:
-            raise fault("x_to", f"{self.x_to:g} is not over x_from, {self.x_from:g}; a greater one is right")
-        return self
+    law: Literal["function_generator"] = required("the name of this law: function_generator")
+    function: Expression = required(
+        f'y as a formula of x: "log(x)", {FORMULA}; it must rise, or fall, throughout, and be smooth'
+    )
+    x_from: float = required("x at phi1 = 0")
+    x_to: float = required("x at the other end of the range, greater than x_from")
+    driving_range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] = required(
+        "what the driving gear turns while x goes from x_from to x_to, in degrees"
+    )
+    driven_range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] = required(
+        "what the driven gear turns meanwhile, in degrees; where y falls, its scale runs backwards"
+    )
 
     @property
     def is_open(self) -> bool:

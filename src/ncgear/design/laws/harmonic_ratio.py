@@ -5,14 +5,16 @@ from __future__ import annotations
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, Strict
+from pydantic import Field
 
-from ncgear.design.keys.base import Model
+from ncgear.design.keys.base import Model, optional, required
+from ncgear.design.keys.types import Several
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
-    from ncgear.ratio.transmission import Law, Lobes, Transmission
+    from ncgear.ratio.laws.over_driven_angle import StagedLaw
+    from ncgear.ratio.transmission import Lobes, Transmission
 
 MOST_HARMONICS = 200
 
@@ -23,38 +25,29 @@ MOST_POINTS = 31
 """Points by which the curve of a series is bent: those of 15 harmonics."""
 
 Coefficient = Annotated[float, Field(ge=-LARGEST_COEFFICIENT, le=LARGEST_COEFFICIENT)]
-Coefficients = Annotated[tuple[Coefficient, ...], Strict(False), Field(max_length=MOST_HARMONICS)]
+Coefficients = Annotated[Several[Coefficient], Field(max_length=MOST_HARMONICS)]
 
 
 class SecondStage(Model):
     """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
 
-    cosine: Coefficients = Field(
-        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio"
-    )
-    sine: Coefficients = Field(
-        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio"
-    )
+    cosine: Coefficients = optional("coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio", ())
+    sine: Coefficients = optional("coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio", ())
 
 
 class HarmonicRatio(LawKeys):
     """The logarithm of the ratio by harmonics of the driven angle; what closes the cycle is added."""
 
-    law: Literal["harmonic_ratio"] = Field(description="the name of this law: harmonic_ratio")
-    cosine: Coefficients = Field(
-        default=(), description="coefficients of cos(phi2), cos(2 phi2), ... in ln i12, phi2 being the driven angle"
+    law: Literal["harmonic_ratio"] = required("the name of this law: harmonic_ratio")
+    cosine: Coefficients = optional(
+        "coefficients of cos(phi2), cos(2 phi2), ... in ln i12, phi2 being the driven angle", ()
     )
-    sine: Coefficients = Field(
-        default=(), description="coefficients of sin(phi2), sin(2 phi2), ... in ln i12, phi2 being the driven angle"
+    sine: Coefficients = optional(
+        "coefficients of sin(phi2), sin(2 phi2), ... in ln i12, phi2 being the driven angle", ()
     )
-    second_stage: SecondStage | None = Field(
-        default=None, description="given: two pairs in series make i12, both as `gears` describes; left out: one pair"
+    second_stage: SecondStage | None = optional(
+        "given: two pairs in series make i12, both as `gears` describes; left out: one pair"
     )
-
-    @property
-    def pairs_in_series(self) -> int:
-        """Two where a second stage is given."""
-        return 1 if self.second_stage is None else 2
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
@@ -90,17 +83,15 @@ class HarmonicRatio(LawKeys):
 
         return harmonic_law(np.array(self.cosine), np.array(self.sine), lobes)
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
-        """The law of one pair, or of both pairs in series."""
-        if self.second_stage is None:
-            return super().law_on(linkage, lobes)
+    def staged(self) -> StagedLaw:
+        """The law of both pairs in series."""
+        assert self.second_stage is not None
         import numpy as np
 
         from ncgear.ratio.laws.harmonic import staged_law
-        from ncgear.ratio.transmission import Law
 
         coefficients = self.cosine, self.sine, self.second_stage.cosine, self.second_stage.sine
-        return Law(linkage, staged_law(*(np.array(values) for values in coefficients)).train)
+        return staged_law(*(np.array(values) for values in coefficients))
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
         """A share of ln i12; empty for two pairs in series."""

@@ -5,20 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from ncgear.design.keys.base import (
-    FORMULA,
-    Expression,
-    Length,
-    allow_one,
-    angle_rad,
-    fault,
-    given,
-    listed,
-    require_one,
-    spellings,
-)
+from ncgear.design.keys.base import angle, fault, given, optional, required
 from ncgear.design.keys.pitch_shapes import (
     KEY,
     BSpline,
@@ -29,7 +18,9 @@ from ncgear.design.keys.pitch_shapes import (
     RoundedPolygon,
     Solvable,
 )
+from ncgear.design.keys.types import FORMULA, Expression, Length
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
+from ncgear.design.words import listed
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -43,48 +34,35 @@ SHAPES = ("expression_mm", "points", "b_spline", "dxf", "ellipse", "modified_ell
 class PitchCurve(LawKeys):
     """The pitch curve of one gear, by a formula, points, a drawing or a named shape; the mate rolls on it."""
 
-    law: Literal["pitch_curve"] = Field(description="the name of this law: pitch_curve")
-    gear: Literal["driving", "driven"] = Field(default="driving", description="the gear whose pitch curve is given")
-    expression_mm: Expression | None = Field(
-        default=None,
-        description="radius in mm where the curve faces the mate, as a formula of phi (= the angle in rad, 0 to 2 pi, "
+    RULES = (f"one of {' '.join(SHAPES)}",)
+
+    law: Literal["pitch_curve"] = required("the name of this law: pitch_curve")
+    gear: Literal["driving", "driven"] = optional("the gear whose pitch curve is given", "driving")
+    expression_mm: Expression | None = optional(
+        "radius in mm where the curve faces the mate, as a formula of phi (= the angle in rad, 0 to 2 pi, "
         f'by which the gear has turned): "30 + 4*cos(phi)", {FORMULA}; it may not jump; where its slope does, gears '
-        "cannot be made",
+        "cannot be made"
     )
-    points: CurvePoints | None = Field(default=None, description="points of the curve, through which it is smoothed")
-    b_spline: BSpline | None = Field(default=None, description="a closed B-spline by its control points")
-    dxf: DxfContour | None = Field(default=None, description="a closed contour of a DXF file")
-    ellipse: OffsetEllipse | None = Field(default=None, description="an ellipse that turns about any point inside")
-    modified_ellipse: ModifiedEllipse | None = Field(
-        default=None, description="an ellipse about its focus, its relatives of several lobes, and modified ones"
+    points: CurvePoints | None = optional("points of the curve, through which it is smoothed")
+    b_spline: BSpline | None = optional("a closed B-spline by its control points")
+    dxf: DxfContour | None = optional("a closed contour of a DXF file")
+    ellipse: OffsetEllipse | None = optional("an ellipse that turns about any point inside")
+    modified_ellipse: ModifiedEllipse | None = optional(
+        "an ellipse about its focus, its relatives of several lobes, and modified ones"
     )
-    rounded_polygon: RoundedPolygon | None = Field(default=None, description="a regular polygon with rounded corners")
+    rounded_polygon: RoundedPolygon | None = optional("a regular polygon with rounded corners")
     solve_for: Literal[
         "center_distance", "scale", "semi_major", "semi_minor", "eccentricity", "side", "corner_radius"
-    ] = Field(
-        default="center_distance",
-        description="what makes the mate close, its own key left out: center_distance; scale (the whole curve grows or "
-        "shrinks to center_distance_mm or, where that is left out, to the size of gears); semi_major or "
-        "semi_minor of an ellipse; eccentricity of a modified_ellipse; side or corner_radius of a rounded_polygon",
+    ] = optional(
+        "what makes the mate close, its own key left out: center_distance; scale (the whole curve grows or shrinks to "
+        "center_distance_mm or, where that is left out, to the size of gears); semi_major or semi_minor of an "
+        "ellipse; eccentricity of a modified_ellipse; side or corner_radius of a rounded_polygon",
+        "center_distance",
     )
-    center_distance_mm: Length | None = Field(
-        default=None,
-        description="distance of the axes in mm; left out where solve_for is center_distance, or where the gears' size "
-        "gives it",
+    center_distance_mm: Length | None = optional(
+        "distance of the axes in mm; left out where solve_for is center_distance, or where the gears' size gives it"
     )
-    phase_rad: float | None = Field(
-        default=None,
-        description="angle in rad that the gear has turned when phi = 0, or +x of a drawn curve, faces the mate",
-    )
-    phase_deg: float | None = Field(
-        default=None,
-        description="angle in degrees that the gear has turned when phi = 0, or +x of a drawn curve, faces the mate",
-    )
-    phase_pi: float | None = Field(
-        default=None,
-        description="angle in multiples of pi that the gear has turned when phi = 0, or +x of a drawn curve, faces the "
-        "mate",
-    )
+    phase: float = angle("angle {unit} that the gear has turned when phi = 0, or +x of a drawn curve, faces the mate")
 
     @property
     def gives_pitch_curve(self) -> bool:
@@ -104,12 +82,6 @@ class PitchCurve(LawKeys):
     def _found_key(self) -> str:
         """The key of the shape whose value is found; empty for the centre distance and the scale."""
         return self._shape.solvable.get(self.solve_for, "") if self._shape else ""
-
-    @model_validator(mode="after")
-    def _one_shape(self) -> Self:
-        require_one(self, SHAPES)
-        allow_one(self, spellings("phase"))
-        return self
 
     @model_validator(mode="after")
     def _one_unknown(self) -> Self:
@@ -143,7 +115,7 @@ class PitchCurve(LawKeys):
             and self.modified_ellipse is None
             and not (self.points and not self.points.in_plane)
         )
-        asked = GivenCurve(curve_of, range_, drawn=drawn, driven=self.gear == "driven", phase_rad=self._phase, key=key)
+        asked = GivenCurve(curve_of, range_, drawn=drawn, driven=self.gear == "driven", phase_rad=self.phase, key=key)
         closed = closed_law(asked, lobes, self.center_distance_mm)
         if not self.gives_center_distance:
             return Law(linkage, single(closed.transmission), facts=facts)
@@ -154,10 +126,6 @@ class PitchCurve(LawKeys):
     @property
     def _found_name(self) -> str:
         return self._found_key or self.solve_for
-
-    @property
-    def _phase(self) -> float:
-        return angle_rad(self, "phase")
 
     def _curves(self, key: str, repeats: int) -> tuple[Callable[[float], ClosedCurve], Search | None, dict[str, float]]:
         """The curve by the value that is found, the range of that value, and facts; else a curve of every value."""

@@ -2,49 +2,80 @@
 
 from __future__ import annotations
 
+import ast
+from collections.abc import Iterator
 from math import radians
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, fault, require_one
+from ncgear.design.keys.base import fault, optional, required
+from ncgear.design.keys.types import FORMULA, SMOOTH_LAW, Expression
 from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys, LawNumber
-from ncgear.design.laws.formula_numbers import numbers_of
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.transmission import Lobes, Transmission
 
 
+def numbers_of(key: str, formula: str) -> tuple[LawNumber, ...]:
+    """The numbers of a formula under a key, in their order.
+
+    Exponents and whole multiples of the variable stay: with others the law would not close, or be another one.
+    """
+    text = formula.strip()
+    tree = ast.parse(text, mode="eval")
+    kept = set(_kept(tree))
+    found = [one for one in ast.walk(tree) if isinstance(one, ast.Constant) and one not in kept]
+    return tuple(
+        LawNumber(f"{text[one.col_offset : one.end_col_offset]} in the formula", key, float(one.value), before, after)
+        for one in sorted(found, key=lambda one: one.col_offset)
+        if isinstance(one.value, int | float) and one.lineno == one.end_lineno == 1
+        for before, after in [(text[: one.col_offset], text[one.end_col_offset :])]
+    )
+
+
+def _kept(tree: ast.AST) -> Iterator[ast.AST]:
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.BinOp):
+            continue
+        if isinstance(node.op, ast.Pow):
+            yield node.right
+        elif isinstance(node.op, ast.Mult | ast.Div) and any(
+            isinstance(one, ast.Name) for one in (node.left, node.right)
+        ):
+            yield from (one for one in (node.left, node.right) if _is_whole(one))
+
+
+def _is_whole(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and isinstance(node.value, int)
+
+
 class RatioExpression(LawKeys):
     """A law written as a formula of phi1: the transmission ratio, or the driven angle."""
 
-    law: Literal["ratio_expression"] = Field(description="the name of this law: ratio_expression")
-    ratio: Expression | None = Field(
-        default=None,
-        description='transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)", '
-        f"{FORMULA}; {SMOOTH_LAW}",
+    RULES = ("one of ratio driven_angle",)
+
+    law: Literal["ratio_expression"] = required("the name of this law: ratio_expression")
+    ratio: Expression | None = optional(
+        'transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)", '
+        f"{FORMULA}; {SMOOTH_LAW}"
     )
-    driven_angle: Expression | None = Field(
-        default=None,
-        description='driven angle phi2 in rad as a formula of phi (= phi1 in rad): "phi - 0.08*sin(2*phi)", '
-        f"{FORMULA}; of its dphi2/dphi1, {SMOOTH_LAW}",
+    driven_angle: Expression | None = optional(
+        'driven angle phi2 in rad as a formula of phi (= phi1 in rad): "phi - 0.08*sin(2*phi)", '
+        f"{FORMULA}; of its dphi2/dphi1, {SMOOTH_LAW}"
     )
-    scale_to_close: bool = Field(
-        default=False, description="true: multiply the ratio by the constant that makes the driven gear come round"
+    scale_to_close: bool = optional(
+        "true: multiply the ratio by the constant that makes the driven gear come round", False
     )
 
-    range_deg: float | None = Field(
-        default=None,
-        ge=SHORTEST_RANGE_DEG,
-        le=LONGEST_RANGE_DEG,
-        description="for gears that turn to and fro, less than once: what the driving gear turns from end to end, in "
-        "degrees; left out: gears that turn on and on",
+    range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] | None = optional(
+        "for gears that turn to and fro, less than once: what the driving gear turns from end to end, in degrees; left "
+        "out: gears that turn on and on"
     )
 
     @model_validator(mode="after")
     def _one_formula(self) -> Self:
-        require_one(self, ("ratio", "driven_angle"))
         if self.range_deg is not None and self.scale_to_close:
             raise fault("scale_to_close", "true, but the gears turn over range_deg and do not close; leave it out")
         if self.scale_to_close and self.ratio is None:

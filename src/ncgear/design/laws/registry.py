@@ -1,11 +1,11 @@
-"""The motion laws that a design file can name, one line each, in the order in which people are shown them.
+"""The motion laws that a design file can name, one line each, and the motions that ncgear itself gives a design.
 
 To add a law ``<name>``:
 
 1. its mathematics, a function that returns a ``Transmission``, in ``ratio/laws``;
 2. ``design/laws/<name>.py``: its keys, how the law is made from them, and a ``LAW`` that holds these keys and the words
-   of the menu (``design/laws/base.py`` says what each of them is); the law's part of a new design file in
-   ``design/laws/templates.py``;
+   of the menu (``design/laws/base.py`` says what each of them is); the law's part of a new design file,
+   ``design/templates/laws/<name>.yaml``;
 3. a line in ``LawName`` below;
 4. its closed form, or why it has none: a line in ``formulas/laws.py``;
 5. a line in ``REFERENCES`` of ``tests/oracles/laws.py``: the same law, computed independently of ncgear.
@@ -17,9 +17,10 @@ until a law is asked for, so that the command line can complete the names of law
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import StrEnum
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ncgear.design.laws.base import DesignLaw, LawKeys
@@ -56,3 +57,20 @@ def design_law(name: LawName) -> DesignLaw:
 def law_models() -> dict[str, type[LawKeys]]:
     """The model of the keys of each law, by the law's name."""
     return {str(name): design_law(name).keys for name in LawName}
+
+
+def even_motion(pairs: int) -> LawKeys:
+    """A crank that turns evenly, by one pair of round gears or two."""
+    law = LawName.HARMONIC_RATIO
+    return design_law(law).keys.model_validate({"law": str(law), "second_stage": {} if pairs > 1 else None})
+
+
+def found_values(ratio: Sequence[float], second: Sequence[float] | None) -> dict[str, Any]:
+    """The block ``motion`` of a design file with the ratios of a found law, and of its second pair where it has one."""
+    stage = {} if second is None else {"second_stage": {"ratio": list(second)}}
+    return {"law": str(LawName.SPLINE_RATIO), "ratio": list(ratio), **stage}
+
+
+def found_motion(ratio: Sequence[float], second: Sequence[float] | None) -> LawKeys:
+    """The same as keys of a design."""
+    return design_law(LawName.SPLINE_RATIO).keys.model_validate(found_values(ratio, second))

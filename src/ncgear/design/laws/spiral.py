@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from ncgear.design.keys.base import required
 from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
@@ -17,15 +18,13 @@ if TYPE_CHECKING:
 class Spiral(LawKeys):
     """Logarithmic spirals over a range of the driving angle; the pressure angle is the same everywhere."""
 
-    law: Literal["spiral"] = Field(description="the name of this law: spiral")
-    range_deg: float = Field(
-        ge=SHORTEST_RANGE_DEG,
-        le=LONGEST_RANGE_DEG,
-        description="what the driving gear turns from end to end, in degrees; the driven gear's angle follows",
+    law: Literal["spiral"] = required("the name of this law: spiral")
+    range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] = required(
+        "what the driving gear turns from end to end, in degrees; the driven gear's angle follows"
     )
-    ratio_start: float = Field(gt=0.0, description="transmission ratio i12 = dphi1/dphi2 at phi1 = 0")
-    ratio_end: float = Field(
-        gt=0.0, description="transmission ratio at the other end; between them the pitch radii are logarithmic spirals"
+    ratio_start: float = required("transmission ratio i12 = dphi1/dphi2 at phi1 = 0", gt=0.0)
+    ratio_end: float = required(
+        "transmission ratio at the other end; between them the pitch radii are logarithmic spirals", gt=0.0
     )
 
     @property

@@ -5,26 +5,17 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import (
-    FULL_TURN,
-    Model,
-    Numbers,
-    Positive,
-    allow_one,
-    fault,
-    given,
-    in_rad,
-    require_rising,
-    spellings,
-)
+from ncgear.design.keys.base import FULL_TURN, Model, angle, fault, key_of, optional, require, require_rising, required
+from ncgear.design.keys.types import Numbers, Positive, Several
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
-    from ncgear.ratio.transmission import Law, Lobes, Transmission
+    from ncgear.ratio.laws.over_driven_angle import StagedLaw
+    from ncgear.ratio.transmission import Lobes, Transmission
 
 FEWEST_POINTS, MOST_POINTS = 4, 2000
 """A spline through points h apart magnifies the rounding of their digits by 1/h^2 in the curvature of the pitch curves,
@@ -33,60 +24,42 @@ which for the ten digits of a file and 2000 points is 1e-5."""
 NEAREST_TURNS = 1e-7
 """Least distance of driven angles, in turns.  Nearer ones leave the slope of the spline fewer than nine digits."""
 
-ANGLES = spellings("driven_angle")
-
-Ratios = Annotated[tuple[Positive, ...], Strict(False), Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
+Ratios = Annotated[Several[Positive], Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 Angles = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 
 
 class SecondStageRatios(Model):
     """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
 
-    ratio: Ratios = Field(
-        description="ratios of the second pair at the same driven angles, up to a common factor that closes the cycle"
+    ratio: Ratios = required(
+        "ratios of the second pair at the same driven angles, up to a common factor that closes the cycle"
     )
 
 
 class SplineRatio(LawKeys):
     """The logarithm of the ratio as a smooth curve over the driven angle; the cycle is closed by a common factor."""
 
-    law: Literal["spline_ratio"] = Field(description="the name of this law: spline_ratio")
-    ratio: Ratios = Field(
-        description="transmission ratios i12 = dphi1/dphi2 at the driven angles, up to a common factor that closes the "
-        "cycle"
-    )
-    driven_angle_rad: Angles | None = Field(
-        default=None, description="driven angles in rad, strictly rising from 0 to under 2 pi; left out: even steps"
-    )
-    driven_angle_deg: Angles | None = Field(
-        default=None, description="driven angles in degrees, strictly rising from 0 to under 360; left out: even steps"
-    )
-    driven_angle_pi: Angles | None = Field(
-        default=None,
-        description="driven angles in multiples of pi, strictly rising from 0 to under 2; left out: even steps",
-    )
-    second_stage: SecondStageRatios | None = Field(
-        default=None, description="given: two pairs in series make i12, both as `gears` describes; left out: one pair"
-    )
+    RULES = ("second_stage.ratio as many as ratio",)
 
-    @model_validator(mode="after")
-    def _as_many_of_each(self) -> Self:
-        allow_one(self, ANGLES)
-        count = len(self.ratio)
-        for key in given(self, ANGLES):
-            angles = len(getattr(self, key))
-            if angles != count:
-                raise fault(key, f"{angles} angles for {count} ratios; give as many as ratio has")
-        if self.second_stage is not None and len(self.second_stage.ratio) != count:
-            found = len(self.second_stage.ratio)
-            raise fault("second_stage.ratio", f"{found} values for {count} driven angles; give as many as ratio has")
-        return self
+    law: Literal["spline_ratio"] = required("the name of this law: spline_ratio")
+    ratio: Ratios = required(
+        "transmission ratios i12 = dphi1/dphi2 at the driven angles, up to a common factor that closes the cycle"
+    )
+    driven_angles: tuple[float, ...] = angle(
+        "driven angles {unit}, strictly rising from 0 to under {turn}; left out: even steps",
+        "driven_angle",
+        of=Angles,
+        absent=(),
+    )
+    second_stage: SecondStageRatios | None = optional(
+        "given: two pairs in series make i12, both as `gears` describes; left out: one pair"
+    )
 
     @model_validator(mode="after")
     def _angles_rise_within_a_turn(self) -> Self:
-        for key in given(self, ANGLES):
-            angles: tuple[float, ...] = getattr(self, key)
-            turn = FULL_TURN[key.removeprefix("driven_angle_")]
+        if key := key_of(self, "driven_angle"):
+            require(self, f"{key} as many as ratio")
+            angles, turn = getattr(self, key), FULL_TURN[key.removeprefix("driven_angle_")]
             if angles[0] != 0.0:
                 raise fault(f"{key}.0", f"{angles[0]:g} is the first angle; 0 is right")
             require_rising(key, angles, NEAREST_TURNS * turn)
@@ -99,15 +72,8 @@ class SplineRatio(LawKeys):
     @property
     def driven_angle(self) -> tuple[float, ...]:
         """Driven angles in rad."""
-        for key in given(self, ANGLES):
-            return tuple(in_rad(value, key.removeprefix("driven_angle_")) for value in getattr(self, key))
         # The same numbers, bit for bit, as even_steps of ratio/laws/spline.py, which the search for laws has
-        return tuple(step * (2.0 * pi / len(self.ratio)) for step in range(len(self.ratio)))
-
-    @property
-    def pairs_in_series(self) -> int:
-        """Two where a second stage is given."""
-        return 1 if self.second_stage is None else 2
+        return self.driven_angles or tuple(step * (2.0 * pi / len(self.ratio)) for step in range(len(self.ratio)))
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
@@ -127,17 +93,15 @@ class SplineRatio(LawKeys):
 
         return spline_ratio_law(np.array(self.driven_angle), np.array(self.ratio), lobes)
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
-        """The law of one pair, or of both pairs in series."""
-        if self.second_stage is None:
-            return super().law_on(linkage, lobes)
+    def staged(self) -> StagedLaw:
+        """The law of both pairs in series."""
+        assert self.second_stage is not None
         import numpy as np
 
         from ncgear.ratio.laws.spline import spline_ratio_staged
-        from ncgear.ratio.transmission import Law
 
         lists = self.driven_angle, self.ratio, self.second_stage.ratio
-        return Law(linkage, spline_ratio_staged(*(np.array(values) for values in lists)).train)
+        return spline_ratio_staged(*(np.array(values) for values in lists))
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
         """A share of ln i12; empty for two pairs in series."""

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import FULL_TURN, Numbers, fault, given, in_rad, require_one, require_rising, spellings
+from ncgear.design.keys.base import FULL_TURN, angle, fault, given, key_of, optional, require, require_rising, required
+from ncgear.design.keys.types import CSV_FILE, FileName, Numbers
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.words import spellings
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_below
 
@@ -30,59 +32,37 @@ Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POIN
 class TableLaw(LawKeys):
     """Points of the law. Points from a CSV file stand in the same columns once the file is loaded."""
 
-    law: Literal["table"] = Field(description="the name of this law: table")
-    phi1_rad: Column | None = Field(default=None, description="driving angles in rad, strictly rising, 0 to 2 pi")
-    phi1_deg: Column | None = Field(default=None, description="driving angles in degrees, strictly rising, 0 to 360")
-    phi1_pi: Column | None = Field(
-        default=None, description="driving angles in multiples of pi, strictly rising, 0 to 2"
-    )
-    displacement_mm: Column | None = Field(
-        default=None, description="slider displacements in mm from the retracted end, one for each angle"
-    )
-    displacement_deg: Column | None = Field(
-        default=None,
-        description="displacements in deg of an output that turns, from its retracted end, one for each angle",
-    )
-    ratio: Column | None = Field(default=None, description="transmission ratios i12 = dphi1/dphi2, one for each angle")
-    file: str | None = Field(
-        default=None,
-        min_length=1,
-        description="CSV file with the columns instead, its header naming them; its path counts from the design file",
-    )
-    scale_to_close: bool = Field(
-        default=False, description="true: multiply the ratio by the constant that makes the driven gear come round"
-    )
+    RULES = (f"one of {' '.join(VALUE_COLUMNS)}",)
 
-    @property
-    def phi1(self) -> tuple[float, ...]:
-        """Driving angles in rad."""
-        unit = self._angle_key.removeprefix("phi1_")
-        return tuple(in_rad(value, unit) for value in getattr(self, self._angle_key))
-
-    @property
-    def _angle_key(self) -> str:
-        return given(self, ANGLE_COLUMNS)[0]
+    law: Literal["table"] = required("the name of this law: table")
+    phi1: tuple[float, ...] = angle(
+        "driving angles {unit}, strictly rising, 0 to {turn}", needed=True, of=Column, absent=()
+    )
+    displacement_mm: Column | None = optional("slider displacements in mm from the retracted end, one for each angle")
+    displacement_deg: Column | None = optional(
+        "displacements in deg of an output that turns, from its retracted end, one for each angle"
+    )
+    ratio: Column | None = optional("transmission ratios i12 = dphi1/dphi2, one for each angle")
+    file: FileName | None = optional(CSV_FILE.format("the"))
+    scale_to_close: bool = optional(
+        "true: multiply the ratio by the constant that makes the driven gear come round", False
+    )
 
     @model_validator(mode="after")
     def _columns(self) -> Self:
-        require_one(self, ANGLE_COLUMNS)
-        require_one(self, VALUE_COLUMNS)
         if self.scale_to_close and self.ratio is None:
             raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
-        value_key = given(self, VALUE_COLUMNS)[0]
-        angles, values = len(getattr(self, self._angle_key)), len(getattr(self, value_key))
-        if angles != values:
-            raise fault(value_key, f"{values} values for {angles} angles; give as many as {self._angle_key} has")
+        require(self, f"{given(self, VALUE_COLUMNS)[0]} as many as {key_of(self, 'phi1')}")
         return self
 
     @model_validator(mode="after")
     def _angles_rise_within_a_turn(self) -> Self:
-        key = self._angle_key
+        key = key_of(self, "phi1")
         angles: tuple[float, ...] = getattr(self, key)
         turn = FULL_TURN[key.removeprefix("phi1_")]
-        for i, angle in enumerate(angles):
-            if not 0.0 <= angle <= turn:
-                raise fault(f"{key}.{i}", f"{angle:g} is outside the cycle; 0 to {shown_below(turn)} is right")
+        for i, one in enumerate(angles):
+            if not 0.0 <= one <= turn:
+                raise fault(f"{key}.{i}", f"{one:g} is outside the cycle; 0 to {shown_below(turn)} is right")
         require_rising(key, angles, NEAREST_TURNS * turn)
         return self
 

@@ -10,22 +10,13 @@ from math import degrees, isclose, pi, radians
 from sys import float_info
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, model_validator
 
-from ncgear.design.keys.base import (
-    Length,
-    Model,
-    Positive,
-    Speed,
-    angle_rad,
-    fault,
-    given,
-    listed,
-    require_one,
-    spellings,
-)
+from ncgear.design.keys.base import Model, angle, fault, given, key_of, optional, required
+from ncgear.design.keys.types import Length, Positive, Speed
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.design.reading.text import quoted
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
@@ -60,90 +51,42 @@ def _number_or_word(value: Any) -> Any:
 class ReturnOptions(Model):
     """How the slider returns: the form of the ratio over the return stroke and its one free coefficient."""
 
-    basis: Literal["ratio", "inverse_ratio"] = Field(
-        default="ratio", description="what is a polynomial of phi1 over the return stroke: ratio or inverse_ratio"
+    basis: Literal["ratio", "inverse_ratio"] = optional(
+        "what is a polynomial of phi1 over the return stroke: ratio or inverse_ratio", "ratio"
     )
-    e: Annotated[float | Literal["least_acceleration"], BeforeValidator(_number_or_word)] = Field(
-        default="least_acceleration",
-        description="free coefficient of the return stroke, the value at phi1 = 0 of the polynomial that is its basis: "
-        "a number, or least_acceleration to have it found",
+    e: Annotated[float | Literal["least_acceleration"], BeforeValidator(_number_or_word)] = optional(
+        "free coefficient of the return stroke, the value at phi1 = 0 of the polynomial that is its basis: a number, "
+        "or least_acceleration to have it found",
+        "least_acceleration",
     )
 
 
 class ThreeSegmentStroke(LawKeys):
     """The working stroke in three segments: by way of v1 to v2, constant v2, down to rest; then the return."""
 
-    law: Literal["three_segment_stroke"] = Field(description="the name of this law: three_segment_stroke")
-    solve_for: SolveFor = Field(
-        description="the quantity found from the others, its own key left out: law_speed, v1, v2, a1 or stroke"
+    law: Literal["three_segment_stroke"] = required("the name of this law: three_segment_stroke")
+    solve_for: SolveFor = required(
+        "the quantity found from the others, its own key left out: law_speed, v1, v2, a1 or stroke"
     )
-    theta1_rad: float | None = Field(
-        default=None, description="driving angle in rad at which the slider's speed is v1 and its acceleration zero"
+    theta1: float = angle(
+        "driving angle {unit} at which the slider's speed is v1 and its acceleration zero", needed=True
     )
-    theta1_deg: float | None = Field(
-        default=None, description="driving angle in degrees at which the slider's speed is v1 and its acceleration zero"
+    theta2: float = angle("driving angle {unit} from which the slider's speed is v2; over theta1", needed=True)
+    theta3: float = angle("driving angle {unit} up to which the slider's speed is v2; theta2 or over", needed=True)
+    theta4: float = angle("driving angle {unit} of the extended dead centre; over theta3, under a cycle", needed=True)
+    v1_mm_s: Positive | None = optional("slider speed v1 at theta1 in mm/s, at the law speed")
+    v2_mm_s: Positive | None = optional("constant slider speed v2 from theta2 to theta3 in mm/s, at the law speed")
+    a1_mm_s2: float | None = optional("slider acceleration a1 at theta4 in mm/s2, negative, at a1_speed_rpm")
+    a1_speed_rpm: Speed | None = optional("driving speed in r/min at which a1_mm_s2 is stated; left out: the law speed")
+    law_speed_rpm: Speed | None = optional("driving speed in r/min at which v1 and v2 hold")
+    stroke_mm: Length | None = optional("stroke in mm; left out: the stroke of the linkage")
+    v1_rad_s: Positive | None = optional("speed v1 in rad/s of an output that turns, in the place of v1_mm_s")
+    v2_rad_s: Positive | None = optional("speed v2 in rad/s of an output that turns, in the place of v2_mm_s")
+    a1_rad_s2: float | None = optional("acceleration a1 in rad/s2 of an output that turns, in the place of a1_mm_s2")
+    stroke_deg: float | None = optional(
+        "stroke in deg of an output that turns; left out: the stroke of the linkage", gt=0.0, lt=360.0
     )
-    theta1_pi: float | None = Field(
-        default=None,
-        description="driving angle in multiples of pi at which the slider's speed is v1 and its acceleration zero",
-    )
-    theta2_rad: float | None = Field(
-        default=None, description="driving angle in rad from which the slider's speed is v2; over theta1"
-    )
-    theta2_deg: float | None = Field(
-        default=None, description="driving angle in degrees from which the slider's speed is v2; over theta1"
-    )
-    theta2_pi: float | None = Field(
-        default=None, description="driving angle in multiples of pi from which the slider's speed is v2; over theta1"
-    )
-    theta3_rad: float | None = Field(
-        default=None, description="driving angle in rad up to which the slider's speed is v2; theta2 or over"
-    )
-    theta3_deg: float | None = Field(
-        default=None, description="driving angle in degrees up to which the slider's speed is v2; theta2 or over"
-    )
-    theta3_pi: float | None = Field(
-        default=None,
-        description="driving angle in multiples of pi up to which the slider's speed is v2; theta2 or over",
-    )
-    theta4_rad: float | None = Field(
-        default=None, description="driving angle in rad of the extended dead centre; over theta3, under a cycle"
-    )
-    theta4_deg: float | None = Field(
-        default=None, description="driving angle in degrees of the extended dead centre; over theta3, under a cycle"
-    )
-    theta4_pi: float | None = Field(
-        default=None,
-        description="driving angle in multiples of pi of the extended dead centre; over theta3, under a cycle",
-    )
-    v1_mm_s: Positive | None = Field(default=None, description="slider speed v1 at theta1 in mm/s, at the law speed")
-    v2_mm_s: Positive | None = Field(
-        default=None, description="constant slider speed v2 from theta2 to theta3 in mm/s, at the law speed"
-    )
-    a1_mm_s2: float | None = Field(
-        default=None, description="slider acceleration a1 at theta4 in mm/s2, negative, at a1_speed_rpm"
-    )
-    a1_speed_rpm: Speed | None = Field(
-        default=None, description="driving speed in r/min at which a1_mm_s2 is stated; left out: the law speed"
-    )
-    law_speed_rpm: Speed | None = Field(default=None, description="driving speed in r/min at which v1 and v2 hold")
-    stroke_mm: Length | None = Field(default=None, description="stroke in mm; left out: the stroke of the linkage")
-    v1_rad_s: Positive | None = Field(
-        default=None, description="speed v1 in rad/s of an output that turns, in the place of v1_mm_s"
-    )
-    v2_rad_s: Positive | None = Field(
-        default=None, description="speed v2 in rad/s of an output that turns, in the place of v2_mm_s"
-    )
-    a1_rad_s2: float | None = Field(
-        default=None, description="acceleration a1 in rad/s2 of an output that turns, in the place of a1_mm_s2"
-    )
-    stroke_deg: float | None = Field(
-        default=None,
-        gt=0.0,
-        lt=360.0,
-        description="stroke in deg of an output that turns; left out: the stroke of the linkage",
-    )
-    return_: ReturnOptions = Field(default_factory=ReturnOptions, alias="return", description="the return stroke")
+    return_: ReturnOptions = optional("the return stroke", ReturnOptions, alias="return")
 
     @property
     def turns(self) -> bool:
@@ -155,33 +98,11 @@ class ThreeSegmentStroke(LawKeys):
         """The stroke in mm or rad; None where it is left out."""
         return radians(self.stroke_deg) if self.stroke_deg is not None else self.stroke_mm
 
-    @property
-    def theta1(self) -> float:
-        """theta1 in rad."""
-        return angle_rad(self, "theta1")
-
-    @property
-    def theta2(self) -> float:
-        """theta2 in rad."""
-        return angle_rad(self, "theta2")
-
-    @property
-    def theta3(self) -> float:
-        """theta3 in rad."""
-        return angle_rad(self, "theta3")
-
-    @property
-    def theta4(self) -> float:
-        """theta4 in rad."""
-        return angle_rad(self, "theta4")
-
     @model_validator(mode="after")
     def _angles_rise(self) -> Self:
-        for quantity in THETAS:
-            require_one(self, spellings(quantity))
-        if wrong := out_of_order([angle_rad(self, quantity) for quantity in THETAS]):
+        if wrong := out_of_order([getattr(self, quantity) for quantity in THETAS]):
             quantity, problem = wrong
-            raise fault(given(self, spellings(quantity))[0], problem)
+            raise fault(key_of(self, quantity), problem)
         return self
 
     @model_validator(mode="after")
@@ -228,12 +149,12 @@ class ThreeSegmentStroke(LawKeys):
         """theta1 to theta4 with v1 and v2, and a1; what is solved for is moved by none."""
         found = []
         speeds = {"theta1": "v1", "theta2": "v2", "theta3": "v2", "theta4": ""}
-        for angle, speed in speeds.items():
+        for theta, speed in speeds.items():
             key = SOLVED_KEYS[speed][self.turns] if speed else ""
             value = getattr(self, key) if key else None
-            name, at = f"{angle}, {speed}" if speed else angle, given(self, spellings(angle))[0]
+            name, at = f"{theta}, {speed}" if speed else theta, key_of(self, theta)
             value_key = key if value is not None else ""
-            found.append(LawPoint(name, "velocity", getattr(self, angle), None, at, value_key, value or 0.0))
+            found.append(LawPoint(name, "velocity", getattr(self, theta), None, at, value_key, value or 0.0))
         key = SOLVED_KEYS["a1"][self.turns]
         if (value := getattr(self, key)) is not None:
             # Just before the return, which may begin with another acceleration.

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from pydantic import Field
-
+from ncgear.design.keys.base import required
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
 
 if TYPE_CHECKING:
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 class UniformCrank(LawKeys):
     """Circular gears: the crank turns uniformly."""
 
-    law: Literal["uniform_crank"] = Field(description="the name of this law: uniform_crank")
+    law: Literal["uniform_crank"] = required("the name of this law: uniform_crank")
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """A constant ratio."""

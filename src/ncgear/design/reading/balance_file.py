@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from ncgear.design.keys.balance import Balance
 from ncgear.design.reading.design_file import LARGEST_MB, LoadedDesign, load
 from ncgear.design.reading.messages import checked
-from ncgear.design.reading.places import Document, Place, Source, named_by
-from ncgear.design.reading.points import Columns, CsvKind, PointsFile, values_from_files
+from ncgear.design.reading.places import Document, FromFile, Place, Source, named_by
+from ncgear.design.reading.points import Columns, FileKind, PointsFile, read_points, values_from_files
 from ncgear.design.reading.text import read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
@@ -57,31 +57,25 @@ def _designs(balance: Balance, document: Document, path: Path) -> Iterator[tuple
             yield key, load(path.parent / name)
 
 
-@dataclass(frozen=True)
-class Measured:
+def _measured(points: PointsFile, values: Mapping[str, Any], rows: Mapping[str, int]) -> FromFile:
     """The keys that a file of measurements replaces, with their values, and the row of each item below them."""
 
-    points: PointsFile
-    values: Mapping[str, Any]
-    rows: Mapping[str, int]
-
-    def place(self, key: str) -> Place | None:
-        """The line of a dotted key below the group, or of its nearest parent that has one; None for others."""
-        while key:
-            if key in self.rows:
-                return self.points.row(self.rows[key])
+    def place(key: str) -> Place | None:
+        while key and key not in rows:
             key = key.rpartition(".")[0]
-        return None
+        return points.row(rows[key]) if key else None
+
+    return FromFile(values, place)
 
 
-def chain_runs(points: PointsFile) -> Measured:
+def chain_runs(points: PointsFile) -> FromFile:
     """The runs of a chain drive, one in each row."""
     rows = zip(*points.values.values(), strict=True)
     items = [dict(zip(points.values, row, strict=True)) for row in rows]
-    return Measured(points, {"runs": items}, {f"runs.{row}": row for row in range(len(items))})
+    return _measured(points, {"runs": items}, {f"runs.{row}": row for row in range(len(items))})
 
 
-def rotor_runs(points: PointsFile) -> Measured:
+def rotor_runs(points: PointsFile) -> FromFile:
     """The runs of a rotor, one reading in each row; plane 0 has no trial weight, and every other plane has its own."""
     columns = points.values
     planes: dict[int, list[int]] = {}
@@ -99,7 +93,7 @@ def rotor_runs(points: PointsFile) -> Measured:
         for plane, rows in sorted(planes.items())
         if plane > 0
     ]
-    return Measured(points, {"first": readings[0], "trials": trials}, _rows_by_key(planes))
+    return _measured(points, {"first": readings[0], "trials": trials}, _rows_by_key(planes))
 
 
 def _plane(points: PointsFile, row: int) -> int:
@@ -119,14 +113,13 @@ def _rows_by_key(planes: Mapping[int, list[int]]) -> dict[str, int]:
     return dict([*first, *runs, *readings])
 
 
-def _all_of(*names: str) -> Columns:
-    return Columns(tuple((name,) for name in names), MOST_ROWS)
+def _kind(keys: tuple[str, ...], names: str, runs: Callable[[PointsFile], FromFile]) -> FileKind:
+    columns = Columns(tuple((name,) for name in names.split()), MOST_ROWS)
+    return FileKind(keys, lambda file, _: runs(read_points(file, columns)))
 
 
 FILES = {
-    "chain_drive": CsvKind(_all_of("weight_deg", "amplitude", "phase_deg"), ("runs",), chain_runs),
-    "rotor": CsvKind(
-        _all_of("plane", "mass_g", "angle_deg", "sensor", "amplitude", "phase_deg"), ("first", "trials"), rotor_runs
-    ),
+    "chain_drive": _kind(("runs",), "weight_deg amplitude phase_deg", chain_runs),
+    "rotor": _kind(("first", "trials"), "plane mass_g angle_deg sensor amplitude phase_deg", rotor_runs),
 }
 """Groups of a balance file that can name a file of measurements."""

@@ -11,11 +11,10 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ncgear.design.keys.base import listed
-from ncgear.design.reading.places import Place
+from ncgear.design.reading.places import FromFile
 from ncgear.design.reading.text import quoted, read_text
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput
-from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
     from ezdxf.entities import DXFEntity
@@ -24,46 +23,12 @@ if TYPE_CHECKING:
 LARGEST_MB = 20
 
 READ = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
-PASSED_OVER = (
-    "POINT",
-    "TEXT",
-    "MTEXT",
-    "DIMENSION",
-    "LEADER",
-    "MULTILEADER",
-    "HATCH",
-    "VIEWPORT",
-    "IMAGE",
-    "XLINE",
-    "RAY",
-)
+NOTES = ("POINT", "TEXT", "MTEXT", "DIMENSION", "LEADER", "MULTILEADER")
+PASSED_OVER = (*NOTES, "HATCH", "VIEWPORT", "IMAGE", "XLINE", "RAY")
 """What a drawing may hold beside the contour: it is no part of one."""
 
 
-@dataclass(frozen=True)
-class ContourFile:
-    """The parts of a contour by the key that they are given for; they have no lines of their own in the file."""
-
-    values: dict[str, Any]
-
-    def place(self, key: str) -> Place | None:
-        """None: a fault is one of the file's name."""
-        return None
-
-
-@dataclass(frozen=True)
-class ContourKind:
-    """A group that names a DXF file in place of the parts of its contour."""
-
-    keys: tuple[str, ...] = ("curves",)
-    law: str = ""
-
-    def from_file(self, file: Path, given: Mapping[str, Any]) -> ContourFile:
-        """The contour of a file, on the layer that is given."""
-        return contour_of(file, given)
-
-
-def contour_of(file: Path, given: Mapping[str, Any]) -> ContourFile:
+def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     """The parts of the layer that is ``given``, or of all; raises WrongInput for what holds none.
 
     Their order and sense are those of the file; whether they make one closed contour is for the law to say.
@@ -95,7 +60,7 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> ContourFile:
         )
         on_layer = "" if layer is None else f" on layer {quoted(layer)}"
         raise WrongInput(f"holds no {listed(READ)}{on_layer}; {held}", location=str(file))
-    return ContourFile({"curves": curves})
+    return FromFile({"curves": curves})
 
 
 def _curves(entity: DXFEntity) -> Iterator[BSpline]:

@@ -1,7 +1,12 @@
-"""Reading a design file: plain values, checked against the schema, every fault with its line and column."""
+"""Reading a design: a file, or a mapping of Python in its place, checked against the schema.
+
+Every fault has its line and column; of a mapping, whose arrays may stand for lists, it has its key.  Functions stay in
+``plain``, for ``ncgear.project.function_laws``.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,28 +15,25 @@ from ncgear.design.keys.machine import MOST_RESISTANCE_POINTS
 from ncgear.design.keys.pitch_shapes import ANGLE_OR_X, RADIUS_OR_Y
 from ncgear.design.keys.pitch_shapes import MOST_POINTS as CURVE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
-from ncgear.design.reading.contour_file import ContourKind
+from ncgear.design.reading.contour_file import contour_of
 from ncgear.design.reading.messages import checked
-from ncgear.design.reading.places import Document, Source
-from ncgear.design.reading.points import Columns, CsvKind, FileKind, values_from_files
+from ncgear.design.reading.places import Document, Place, Source
+from ncgear.design.reading.points import Columns, FileKind, columns_kind, values_from_files
 from ncgear.design.reading.text import quoted, read_text
-from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.reading.yaml import DEEPEST, read_yaml
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
 LARGEST_MB = 5
 
-FORCE_POINTS = CsvKind(
-    Columns((("displacement_mm", "angle_deg"), ("force_n", "torque_n_m")), MOST_RESISTANCE_POINTS),
-    ("displacement_mm", "force_n", "angle_deg", "torque_n_m"),
+FORCE_POINTS = columns_kind(
+    Columns((("displacement_mm", "angle_deg"), ("force_n", "torque_n_m")), MOST_RESISTANCE_POINTS)
 )
 
 FILES: dict[str, FileKind] = {
-    "motion": CsvKind(
-        Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), (*ANGLE_COLUMNS, *VALUE_COLUMNS), law="table"
-    ),
-    "motion.points": CsvKind(Columns((ANGLE_OR_X, RADIUS_OR_Y), CURVE_POINTS), (*ANGLE_OR_X, *RADIUS_OR_Y)),
-    "motion.dxf": ContourKind(),
+    "motion": columns_kind(Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), law="table"),
+    "motion.points": columns_kind(Columns((ANGLE_OR_X, RADIUS_OR_Y), CURVE_POINTS)),
+    "motion.dxf": FileKind(("curves",), contour_of),
     "resistance.table": FORCE_POINTS,
     "resistance.returning.table": FORCE_POINTS,
 }
@@ -69,5 +71,47 @@ def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
         given = "is empty" if document.data is None else f"holds {quoted(document.data)}"
         form = "a design file is lines of `key: value`, and begins with `name:` (`ncgear new NAME` writes one)"
         raise WrongInput(f"{given}; {form}", location=str(document.place("")))
+    return _design(document, text, path)
+
+
+def _design(document: Document, text: str, path: Path) -> LoadedDesign:
     source = Source(document, values_from_files(document, path, FILES))
     return LoadedDesign(checked(design_model(document.data), source), path, source, text)
+
+
+MAPPING = Path("mapping")
+"""What stands in the place of a file; files that a mapping names are beside the working folder."""
+
+
+def parsed_mapping(data: Mapping[str, Any]) -> LoadedDesign:
+    """A design from plain values (``plain``); raises WrongInput with the key of each fault, up to ten."""
+    nowhere = Place("", 0, 0)
+    return _design(Document(dict(data), {"": nowhere, **dict.fromkeys(_keys(data, ""), nowhere)}), "", MAPPING)
+
+
+def plain(value: Any, key: str = "") -> Any:
+    """A mapping with lists in place of arrays and tuples, and numbers of Python in place of those of numpy.
+
+    Raises WrongInput for keys that are no text.
+    """
+    if key.count(".") >= DEEPEST:
+        raise WrongInput(f"nested over {DEEPEST} levels deep; no key of ncgear needs over five", key=key.split(".")[0])
+    if isinstance(value, Mapping):
+        for name in value:
+            if not isinstance(name, str):
+                raise WrongInput(f"{name!r} is a key; keys are text", key=key)
+        return {name: plain(inner, f"{key}.{name}".lstrip(".")) for name, inner in value.items()}
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return (
+        [plain(one, f"{key}.{place}") for place, one in enumerate(value)] if isinstance(value, list | tuple) else value
+    )
+
+
+def _keys(value: Any, above: str) -> Iterator[str]:
+    """The dotted keys of all groups and list items."""
+    inner = value.items() if isinstance(value, Mapping) else enumerate(value) if isinstance(value, list) else ()
+    for name, one in inner:
+        key = f"{above}.{name}".lstrip(".")
+        yield key
+        yield from _keys(one, key)

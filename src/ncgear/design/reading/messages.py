@@ -12,9 +12,9 @@ from pydantic_core import ErrorDetails
 
 from ncgear.design.keys.base import FAULT_TYPE, Model, listed
 from ncgear.design.laws.registry import law_models
-from ncgear.design.naming import NAME_RULE
 from ncgear.design.reading.places import Source
 from ncgear.design.reading.text import quoted
+from ncgear.design.words import NAME_RULE
 from ncgear.errors import WrongInput
 
 MOST_PROBLEMS = 10

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from ncgear.design.keys.base import quantity, spellings
 from ncgear.errors import WrongInput
@@ -45,15 +45,15 @@ class Document:
         return data
 
 
-class FromFile(Protocol):
-    """The values of a CSV file, which replace some keys of a group."""
+@dataclass(frozen=True)
+class FromFile:
+    """The values of a file that a group names, by the keys that they replace.
 
-    @property
-    def values(self) -> Mapping[str, Any]:
-        """The values by the keys that they replace."""
+    ``place`` is the place in that file of a dotted key below the group, None where nothing there has it.
+    """
 
-    def place(self, key: str) -> Place | None:
-        """The place in the CSV file of a dotted key below the group; None where no row has it."""
+    values: Mapping[str, Any]
+    place: Callable[[str], Place | None] = lambda _: None
 
 
 @dataclass(frozen=True)

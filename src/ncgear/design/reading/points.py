@@ -9,7 +9,7 @@ import csv
 from collections.abc import Callable, Iterator, Mapping
 from math import isfinite
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import Document, FromFile, Place, named_by
@@ -53,35 +53,26 @@ class PointsFile:
 
 
 @dataclass(frozen=True)
-class CsvKind:
-    """The form of a group's file: its columns, the keys that it replaces, and the function that makes their values.
+class FileKind:
+    """What a group's file is read for: the keys that it replaces, and how.
 
-    If ``law`` is not empty, only a group with this law may name a file.
+    ``read`` has the file and the other keys of the group.  If ``law`` is not empty, only a group with this law may name
+    a file.
     """
 
-    columns: Columns
     keys: tuple[str, ...]
-    read: Callable[[PointsFile], FromFile] = lambda points: points
+    read: Callable[[Path, Mapping[str, Any]], FromFile]
     law: str = ""
 
-    def from_file(self, file: Path, given: Mapping[str, Any]) -> FromFile:
-        """The values of a file; ``given`` are the other keys of its group."""
-        return self.read(read_points(file, self.columns))
 
+def columns_kind(columns: Columns, law: str = "") -> FileKind:
+    """The columns of a CSV file in place of keys of the same names."""
 
-class FileKind(Protocol):
-    """What a group's file is read for: ``keys`` that it replaces, and the ``law`` of groups that may name it."""
+    def read(file: Path, _: Mapping[str, Any]) -> FromFile:
+        points = read_points(file, columns)
+        return FromFile(points.values, points.place)
 
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """The keys that the file replaces."""
-
-    @property
-    def law(self) -> str:
-        """If not empty, only a group with this law may name a file."""
-
-    def from_file(self, file: Path, given: Mapping[str, Any]) -> FromFile:
-        """The values of a file; ``given`` are the other keys of its group."""
+    return FileKind(columns.names, read, law)
 
 
 def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKind]) -> dict[str, FromFile]:
@@ -101,7 +92,7 @@ def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKi
             raise WrongInput("given beside file; keep one of them", key=key, location=str(document.place(key)))
         file = path.parent / given["file"]
         with named_by(document, f"{group}.file", file):
-            found[group] = kind.from_file(file, given)
+            found[group] = kind.read(file, given)
     return found
 
 
