@@ -148,6 +148,8 @@ def test_helical_gears_are_measured_with_balls_half_way_up() -> None:
     found = sheet("helical-ellipse")
     assert row(found, "section that is measured, z").pair == 5.0
     assert row(found, "diameter of measuring balls").driving == 2.75
+    for title in ("Balls of 2.75 mm in the driving", "Measurement over two balls of 2.75 mm, driving"):
+        assert not any("pin" in column.label for column in table(found, title).columns)
 
 
 @pytest.mark.slow

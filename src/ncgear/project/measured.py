@@ -26,11 +26,13 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 class MeasuredGear:
     """One gear in the section that is measured.
 
-    ``pins_mm`` are the diameters of pins to choose from; ``limits_mm`` are the lower and upper deviation of its tooth
-    thickness, None where they are not given.  The teeth stand in the middle of both.
+    ``tool`` is what lies in its spaces, a pin or, in helical ones, a ball, and ``pins_mm`` are the diameters to choose
+    from.  ``limits_mm`` are the lower and upper deviation of its tooth thickness, None where they are not given.  The
+    teeth stand in the middle of both.
     """
 
     gear: Gear
+    tool: str
     working: WorkingFlanks
     toothed: ToothedGear
     pins_mm: tuple[float, ...]
@@ -90,7 +92,9 @@ def measured_gears(drive: Geared) -> tuple[MeasuredGear, MeasuredGear]:
         return gears
     fitting = [size for size in SOLD_MM if all(gear.pins_of(size).space.size for gear in gears)]
     right = f"{fitting[0]:g} to {fitting[-1]:g} mm do" if fitting else "leave it out"
-    raise WrongInput(f"pins of {given:g} mm measure in no space of either gear; {right}", key="gears.measuring_pin_mm")
+    raise WrongInput(
+        f"{gears[0].tool}s of {given:g} mm measure in no space of either gear; {right}", key="gears.measuring_pin_mm"
+    )
 
 
 @dataclass(frozen=True)
@@ -132,7 +136,8 @@ def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
     tolerance = drive.chord_tolerance_mm
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
     limits = thickness_limits_mm(drive.gears)
-    return MeasuredGear(gear, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits)
+    tool = "ball" if drive.helix else "pin"
+    return MeasuredGear(gear, tool, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits)
 
 
 def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:

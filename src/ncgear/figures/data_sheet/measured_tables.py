@@ -12,11 +12,7 @@ from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
 from ncgear.metrology.span import Spans
 from ncgear.project.measured import MeasuredGear
 
-ONE_PIN = (
-    Column("space after tooth"),
-    Column("x of the pin's centre", "mm"),
-    Column("y of the pin's centre", "mm"),
-)
+SPACE = Column("space after tooth")
 
 LIMITS = (Column("least", "mm"), Column("greatest", "mm"))
 
@@ -36,24 +32,25 @@ def pin_tables(gear: MeasuredGear) -> tuple[Table, ...]:
 
 def one_pin_table(gear: MeasuredGear) -> Table:
     """The distances from the axis over pins, in a ring to their near sides: space, centre, distance, its limits."""
-    ring, pins, name = gear.working.is_ring, gear.pins, gear.gear.value
+    ring, pins, name, tool = gear.working.is_ring, gear.pins, gear.gear.value, gear.tool
     limits = [_over_one(pins_there) for _, pins_there in gear.at_limits]
     found = zip(pins.space.tolist(), pins.center_mm.tolist(), pins.over_mm.tolist(), strict=True)
     rows = [(space, *center, over, *_among(limits, (space,))) for space, center, over in found]
-    far = Column("axis to the pin's near side" if ring else "axis to the pin's far side", "mm")
-    columns = (*ONE_PIN, far, *(LIMITS if limits else ()))
-    title = f"Pins of {drawn(pins.diameter_mm, 'mm')} mm in the {name} gear"
-    return Table(title, columns, tuple(rows), _pin_notes(pins), long=True)
+    places = (Column(f"{axis} of the {tool}'s centre", "mm") for axis in "xy")
+    far = Column(f"axis to the {tool}'s {'near' if ring else 'far'} side", "mm")
+    columns = (SPACE, *places, far, *(LIMITS if limits else ()))
+    title = f"{tool.capitalize()}s of {drawn(pins.diameter_mm, 'mm')} mm in the {name} gear"
+    return Table(title, columns, tuple(rows), _pin_notes(pins, tool), long=True)
 
 
 def two_pin_table(gear: MeasuredGear) -> Table:
     """The distances over two nearly opposite pins, in a ring between them: both spaces, distance, its limits."""
     word = "between" if gear.working.is_ring else "over"
-    columns = (ONE_PIN[0], Column("and after tooth"), Column(f"{word} two pins", "mm"))
+    columns = (SPACE, Column("and after tooth"), Column(f"{word} two {gear.tool}s", "mm"))
     limits = [_over_two(over_two_pins(working, pins)) for working, pins in gear.at_limits]
     nominal = _over_two(over_two_pins(gear.working, gear.pins))
     rows = tuple((*pair, distance, *_among(limits, pair)) for pair, distance in nominal.items())
-    title = f"Measurement {word} two pins of {drawn(gear.pins.diameter_mm, 'mm')} mm, {gear.gear.value} gear"
+    title = f"Measurement {word} two {gear.tool}s of {drawn(gear.pins.diameter_mm, 'mm')} mm, {gear.gear.value} gear"
     return Table(title, (*columns, *(LIMITS if limits else ())), rows, long=True)
 
 
@@ -77,11 +74,11 @@ def _among(limits: list[Readings], spaces: Spaces) -> tuple[Value, ...]:
     return tuple(sorted(found)) if len(found) == len(limits) else (None,) * len(limits)
 
 
-def _pin_notes(pins: Pins) -> tuple[str, ...]:
+def _pin_notes(pins: Pins, tool: str) -> tuple[str, ...]:
     """The spaces in which pins measure nothing, by reason."""
     by_reason = {reason: [space for space, why in pins.misfits.items() if why is reason] for reason in Misfit}
     return tuple(
-        f"not defined in the spaces after teeth {shown(spaces)}: {reason.value}"
+        f"not defined in the spaces after teeth {shown(spaces)}: {reason.value.replace('pin', tool)}"
         for reason, spaces in by_reason.items()
         if spaces
     )

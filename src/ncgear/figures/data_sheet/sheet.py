@@ -357,14 +357,13 @@ def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: 
 def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tuple[Entry, ...]:
     """The means of measuring, and the number of places where they can be used."""
     driving, driven = gears
-    tool = "pins" if drive.helix is None else "balls"
 
     def of_both(label: str, value: Callable[[MeasuredGear], Value], unit: str = "") -> Entry:
         return Entry(label, unit, driving=_cell(partial(value, driving)), driven=_cell(partial(value, driven)))
 
     return (
         *([Entry("section that is measured, z", "mm", pair=drive.helix.rise_mm / 2.0)] if drive.helix else []),
-        of_both(f"diameter of measuring {tool}", lambda gear: gear.pins.diameter_mm, "mm"),
+        of_both(f"diameter of measuring {driving.tool}s", lambda gear: gear.pins.diameter_mm, "mm"),
         of_both("spaces in which they measure", _spaces),
         of_both("places of a span", _places),
     )

@@ -69,7 +69,7 @@ def gear_tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, pitch_radi
     items += pitch.drawn(left, box.high)
     left += pitch.columns.width_mm + GAP_MM
     low = box.low + (DETAIL_MM if plan.bore else 0.0)
-    for table in _measurements(measured, "balls" if drive.helix else "pins", box.right - left, box.high - low):
+    for table in _measurements(measured, box.right - left, box.high - low):
         items += table.drawn(left, box.high)
         box = Box(box.left, box.low, box.right, box.high - table.height_mm())
     if plan.bore:
@@ -157,17 +157,17 @@ def _even_step(count: int, most: int) -> int:
     return next((step for step in range(least, 2 * least + 1) if count % step == 0), least)
 
 
-def _measurements(measured: MeasuredGear, tool: str, width_mm: float, height_mm: float) -> list[PaperTable]:
+def _measurements(measured: MeasuredGear, width_mm: float, height_mm: float) -> list[PaperTable]:
     """Over two pins or balls, or over one where no two lie opposite each other, and the spans; some rows of each."""
     two, one = (rows_found(partial(_alone, of, measured)) for of in (two_pin_table, one_pin_table))
     spans = rows_found(partial(span_table, measured))
     found: list[tuple[str, str, list[tuple[str, ...]]]] = []
     if two or one:
         size = f"\u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
-        over_two = f"{'Between' if measured.working.is_ring else 'Over'} two {tool} {size}"
+        over_two = f"{'Between' if measured.working.is_ring else 'Over'} two {measured.tool}s {size}"
         two_rows = [(f"{row[0]}, {row[1]}", *allowed_texts(row[2:])) for row in two]
         one_rows = [(f"{row[0]}", *allowed_texts(row[3:])) for row in one]
-        of_one = f"Axis to {tool[:-1]} {size}", "space after tooth", one_rows
+        of_one = f"Axis to {measured.tool} {size}", "space after tooth", one_rows
         found.append((over_two, "spaces after teeth", two_rows) if two else of_one)
     if spans:
         rows = [(f"{row[0]} to {row[1]}", *allowed_texts((row[4], *row[6:]))) for row in spans]
