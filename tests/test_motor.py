@@ -81,6 +81,7 @@ def test_the_verdict_names_the_motor() -> None:
     assert motor_row(drive_of_text(with_motor(60.6, 200.0))) == (State.KEPT, "")
 
 
+@pytest.mark.slow
 def test_a_motor_that_cannot_go_on_is_told_though_its_flywheel_lasts_through_the_turn() -> None:
     drive = drive_of_text(heavy(with_motor(90, 2.0)))
     assert motor_stall(drive) is None
