@@ -1,4 +1,4 @@
-"""Loaded by the process from which studios that only save are forked, so that none of them builds the models of keys."""
+"""Loaded where studios that only save are forked, so that the models of keys are built once for all of them."""
 
 from drives import DESIGNS
 from ncgear.design.reading.yaml import read_yaml
