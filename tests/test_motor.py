@@ -45,6 +45,7 @@ def heavy(text: str) -> str:
     return text.replace("driving_gear_kg_mm2: 5000", "driving_gear_kg_mm2: 3e6")
 
 
+@pytest.mark.slow
 def test_a_constant_torque_stops_where_its_work_is_that_of_the_force() -> None:
     """From rest, next to no loss of torque by speed: S phi = F x(phi), whatever the masses are."""
     # The most that the force needs in the mean from the start on
