@@ -12,18 +12,13 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from drives import DESIGNS
-from ncgear.design.reading.yaml import read_yaml
 from ncgear.studio import chains
-from ncgear.studio.form import form
 from ncgear.studio.server import listening, serve
 from studios import Studio
 
 FORKS = get_context("forkserver")
-FORKS.set_forkserver_preload(["saving_only"])
-
 # The models of all keys are built when they are first used; here by the process from which all studios are forked.
-form(read_yaml((DESIGNS / "ellipse.yaml").read_text(encoding="utf-8"), "ellipse.yaml").data)
+FORKS.set_forkserver_preload(["saving_only", "saving_ready"])
 
 
 @contextmanager

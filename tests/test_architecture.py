@@ -203,7 +203,7 @@ def test_a_check_loads_neither_meshes_nor_plots_nor_solvers(name: str) -> None:
     assert loaded_by("check", f"designs/{name}.yaml") & LIBRARIES == set()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_only_formulas_load_algebra() -> None:
     """And these are loaded where they are asked for."""
     loading = {

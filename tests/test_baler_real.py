@@ -59,6 +59,7 @@ def table() -> dict[str, list[str]]:
     return {row[0]: row[1:4] for row in rows if row[0] in LAWS}
 
 
+@pytest.mark.tiers(slow=["designs/baler-66.yaml", "designs/baler-smooth.yaml", "designs/baler-half.yaml"], rest="quick")
 @pytest.mark.parametrize("name", LAWS)
 def test_the_table_of_the_page_is_todays(name: str) -> None:
     printed = [tuple(float(re.sub(r"\s", "", one)) for one in cell.split("/")) for cell in table()[name]]

@@ -87,7 +87,7 @@ def test_reading_costs_in_proportion_to_the_size(name: str) -> None:
     assert calls_of(lambda: read(text)) < CALLS_A_CHARACTER * len(text)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", GROWING)
 def test_reading_takes_memory_in_proportion_to_the_size(name: str) -> None:
     text = GROWING[name](4000)

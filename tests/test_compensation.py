@@ -70,7 +70,7 @@ KINDS = ["0", "1", "-2", "least", "least inverse", "1.5 inverse"]
 every_return = pytest.mark.parametrize(("name", "kind"), [(name, kind) for name in LINKAGES for kind in KINDS])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @every_return
 def test_value_and_slope_of_the_ratio_join_the_working_stroke(name: str, kind: str) -> None:
     ends = ends_of(name)

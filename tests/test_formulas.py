@@ -113,7 +113,7 @@ def test_derivatives_of_the_displacement_are_those_of_the_machine() -> None:
             assert own == pytest.approx(moved.derivative(order), rel=1e-11, abs=1e-11 * found.linkage.stroke_mm)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("formulas")
 @pytest.mark.parametrize("basis", ["ratio", "inverse_ratio"])
 def test_the_return_covers_what_is_left_of_the_turn(basis: str) -> None:

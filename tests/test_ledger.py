@@ -132,6 +132,7 @@ def test_no_figure_is_there_twice(paper: Paper) -> None:
     assert len(set(figures)) == len(figures)
 
 
+@pytest.mark.slow
 def test_the_other_verdict_is_refused() -> None:
     """Whatever the computation says, claiming the contrary fails."""
     computed = [entry for entry in ENTRIES if entry.compute]

@@ -144,6 +144,7 @@ LIMIT = np.sqrt(100.0**2 - 99.0**2) / 99.0
 """The pin is 60 + 39 mm from the slider's line where the rod of 100 mm leans most."""
 
 
+@pytest.mark.tiers(quick=["*-10.0-0.0-39.0", "*-0.0-10.0--39.0"], rest="slow")
 @pytest.mark.parametrize("offset", [39.0, -39.0])
 @pytest.mark.parametrize(("out", "back"), [(10.0, 0.0), (0.0, 10.0), (10.0, 5000.0), (-10.0, 10.0), (10.0, -10.0)])
 @pytest.mark.parametrize("friction", [0.999 * LIMIT, 1.001 * LIMIT])

@@ -222,10 +222,10 @@ def found_forces(case: Case) -> JointForces:
 @pytest.mark.judges("mechanisms")
 @every_case
 def test_torque_is_lagranges(case: Case) -> None:
-    found = found_forces(case).torque_n_mm[::2]
+    found = found_forces(case).torque_n_mm[::4]
     with mp.workdps(30):
         exact = case.oracle
-        wanted = [float(exact.torque(mp.mpf(q), SPEED, ACCELERATION, LOAD)) for q in ANGLES[::2].tolist()]
+        wanted = [float(exact.torque(mp.mpf(q), SPEED, ACCELERATION, LOAD)) for q in ANGLES[::4].tolist()]
     assert found == pytest.approx(wanted, abs=1e-12 * np.abs(wanted).max())
 
 
@@ -297,6 +297,7 @@ def acting(case: Case, forces: JointForces, row: int) -> tuple[Acting, dict[str,
     return bodies, {"crank": drive}
 
 
+@pytest.mark.tiers(quick=["4-*"], rest="slow")
 @every_case
 @pytest.mark.parametrize("row", [1, 4, 6])
 def test_forces_and_moments_on_every_body_are_in_balance(case: Case, row: int) -> None:

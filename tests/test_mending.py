@@ -403,6 +403,7 @@ def test_a_mended_file_has_its_points_in_itself(tmp_path: Path) -> None:
     assert Drive(again).transmission.ratio_range == Drive(loaded.design).transmission.ratio_range
 
 
+@pytest.mark.slow
 def test_names_and_descriptions_stay_within_bounds() -> None:
     assert mended_name("few-mended") == "few-mended"
     assert len(mended_name("a" * 64)) == 64

@@ -45,6 +45,7 @@ def heavy(text: str) -> str:
     return text.replace("driving_gear_kg_mm2: 5000", "driving_gear_kg_mm2: 3e6")
 
 
+@pytest.mark.slow
 def test_a_constant_torque_stops_where_its_work_is_that_of_the_force() -> None:
     """From rest, next to no loss of torque by speed: S phi = F x(phi), whatever the masses are."""
     # The most that the force needs in the mean from the start on
@@ -81,6 +82,7 @@ def test_the_verdict_names_the_motor() -> None:
     assert motor_row(drive_of_text(with_motor(60.6, 200.0))) == (State.KEPT, "")
 
 
+@pytest.mark.slow
 def test_a_motor_that_cannot_go_on_is_told_though_its_flywheel_lasts_through_the_turn() -> None:
     drive = drive_of_text(heavy(with_motor(90, 2.0)))
     assert motor_stall(drive) is None

@@ -299,6 +299,7 @@ def test_a_tooth_fewer_at_the_end_loses_contact() -> None:
     assert fewer.longest_gap_pitches > 0.05
 
 
+@pytest.mark.tiers(quick=["spiral", "rising spiral"], rest="slow")
 @every_law
 def test_contact_goes_from_end_to_end_without_a_gap(name: str) -> None:
     found, covered = contact(name), law(name).lobes.range

@@ -221,7 +221,7 @@ def test_outline_is_a_simple_counter_clockwise_polygon(name: str, teeth: int) ->
         assert turns(gear.outline_mm).sum() == pytest.approx(2.0 * pi, abs=1e-9)
 
 
-@pytest.mark.tiers(quick=["undercut-1*", "sine-25-*"], thorough=["*-0.005"], rest="slow")
+@pytest.mark.tiers(quick=["undercut-1*", "sine-25-*"], rest="slow")
 @pytest.mark.parametrize("tolerance", [TOLERANCE, TOLERANCE / 10.0])
 @pytest.mark.parametrize(
     ("name", "teeth"),

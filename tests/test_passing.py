@@ -214,6 +214,7 @@ def test_gears_without_a_linkage_have_nothing_to_pass() -> None:
     assert passed_summary(drive("desk-toy")) == {}
 
 
+@pytest.mark.tiers(quick=["-90-*"], rest="slow")
 @pytest.mark.parametrize(
     ("axis", "radius", "met"),
     [(-90, 111.9, []), (-90, 112.1, ["pinion"]), (0, 111.9, []), (90, 111.9, []), (90, 112.1, ["pinion", "rack"])],

@@ -286,7 +286,7 @@ def test_curvature_range_bounds_a_dense_sample(name: str, gear: Gear) -> None:
     assert high.value - sampled.max() <= 0.01 * reach + slack
 
 
-@pytest.mark.tiers(quick=["driven-*"], rest="thorough")
+@pytest.mark.tiers(quick=["driven-*"], rest="slow")
 @every_law
 @every_gear
 def test_curvature_between_arc_lengths_bounds_a_dense_sample(name: str, gear: Gear) -> None:

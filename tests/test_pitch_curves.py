@@ -450,6 +450,7 @@ def from_folder(folder: Path, unit: str = "mm", layer: str = "") -> Drive:
 
 
 @pytest.mark.judges("design")
+@pytest.mark.tiers(quick=["bulges"], rest="slow")
 @pytest.mark.parametrize("way", ["bulges", "loose", "inches"])
 def test_a_drawn_square_is_the_rounded_polygon(tmp_path: Path, way: str) -> None:
     ours = {

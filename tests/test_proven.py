@@ -183,7 +183,7 @@ def dented(at: float, width: float) -> str:
     return f"1 - 0.4*exp(-((phi - {at})/{width})**2)"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("at", "width"), DENTS)
 def test_a_ratio_with_a_dent_is_integrated(at: float, width: float) -> None:
     """The driven angle by quadrature with its break points at the dent."""

@@ -220,7 +220,7 @@ def test_another_stroke_than_the_yokes_is_refused_by_its_own_key() -> None:
 # --- forces
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @every_law
 def test_torque_is_lagranges(law: str) -> None:
     """(J + m x'^2) q.. + m x' x'' q.^2 + F x' less the weights' moment, all by the crank's angle."""
@@ -245,7 +245,7 @@ def test_torque_is_lagranges(law: str) -> None:
     assert found.guide.value == pytest.approx(-SLIDER_KG * across * np.ones_like(q))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @every_law
 def test_the_drives_work_of_a_cycle_is_that_of_the_resistance(law: str) -> None:
     made = drive(law, MASSES)

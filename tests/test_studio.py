@@ -130,7 +130,7 @@ def test_history_has_a_size(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- another law, another mechanism
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("law", list(LawName))
 def test_every_law_can_be_chosen(law: LawName) -> None:
     """What follows may be refused by the machine, as a law over a range is by a slider, but the law is chosen."""

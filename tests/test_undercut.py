@@ -45,7 +45,7 @@ def full_flank(angle_deg: float, radius: float = 0.2) -> BasicRack:
 # --- the textbook ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(quick=["True-basic2-*", "True-basic6-*"], rest="thorough")
+@pytest.mark.tiers(quick=["True-basic2-*", "True-basic6-*"], rest="slow")
 @pytest.mark.parametrize(
     ("basic", "least"),
     [

@@ -173,6 +173,7 @@ def test_the_report_has_the_verdict(run: Run) -> None:
 # --- gears that a build refuses --------------------------------------------------------------------------------------
 
 
+@pytest.mark.tiers(slow=["motion1-*"], rest="quick")
 @pytest.mark.parametrize(
     ("motion", "said"),
     [
