@@ -362,7 +362,12 @@ class Drive(Geared):
             load = crank_load(self.linkage, masses, self.machine.load)
             toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
-            return course(toothed, state, given.turns, accuracy)
+            said = "" if stiffness_factor == 1.0 else f" at {stiffness_factor:g} times the stiffness"
+
+            def on_turns(done: float) -> None:
+                self.stopwatch.within(f"{done:.2f} of {given.turns:g} turns{said}")
+
+            return course(toothed, state, given.turns, accuracy, on_turns=on_turns)
 
     @computed
     def measured(self) -> tuple[MeasuredGear, MeasuredGear]:
