@@ -186,12 +186,28 @@ class Meshing:
 
     def forces(self, shafts: TwoShafts) -> ToothForces:
         """Forces of all pairs near contact."""
-        near = self.gaps.at(shafts.phi1_rad)
         angle, ratio = self.law.at(shafts.phi1_rad)
-        behind, rate = _column(angle - shafts.phi2_rad) + near.error_rad, _column(ratio) + near.slopes[0]
-        tangential, (_, lever_slope, stiffening) = (near.driving_mm, near.driven_mm), near.slopes
+        near, speeds = self.gaps.at(shafts.phi1_rad), (shafts.speed1_rad_s, shafts.speed2_rad_s)
+        return self._near(near, _column(angle - shafts.phi2_rad) + near.error_rad, ratio, speeds)
+
+    def beyond(self, phi1_rad: Array, ahead_rad: Array, side: Array, speed_rad_s: float) -> ToothForces:
+        """Forces of the flanks of one side, +1 or -1, with the driven gear some angle beyond the law's; shape (n,).
+
+        The driving shaft turns at ``speed_rad_s``, the driven one as the law says.  Depths are known to rounding errors
+        of the angles beyond the law's, however far the gears have turned.
+        """
+        ratio, near = self.law.at(phi1_rad)[1], self.gaps.at(phi1_rad)
+        near = replace(near, urge=np.where(near.urge == _column(side), near.urge, 0.0))
+        return self._near(near, near.error_rad - _column(ahead_rad), ratio, (speed_rad_s, ratio * speed_rad_s))
+
+    def _near(
+        self, near: Near, behind: Array, ratio: Array, speeds_rad_s: tuple[Array | float, Array | float]
+    ) -> ToothForces:
+        """Forces of pairs that the driven gear is so far ``behind`` of."""
+        rate, (_, lever_slope, stiffening) = _column(ratio) + near.slopes[0], near.slopes
+        tangential = near.driving_mm, near.driven_mm
         pair = PairAt(near.urge, behind, rate, near.lever_mm, lever_slope, *tangential, near.stiffness, stiffening)
-        return ToothForces(near, *self.borne(pair, _column(shafts.speed1_rad_s), _column(shafts.speed2_rad_s)))
+        return ToothForces(near, *self.borne(pair, *map(_column, speeds_rad_s)))
 
     def borne(self, pair: PairAt[Number], speed1_rad_s: Number, speed2_rad_s: Number) -> tuple[Number, ...]:
         """The fields of ``ToothForces`` beyond the first: of pairs, or of one pair in plain numbers."""

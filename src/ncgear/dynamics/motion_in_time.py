@@ -214,7 +214,10 @@ class Course:
 
     def at(self, time_s: Array) -> Array:
         """States at times within the course, shape (m,), as (6, m)."""
-        return np.concatenate([self.between(time_s[rows]) for rows in row_blocks(time_s.size)]).T
+        states = np.empty((self.states.shape[0], time_s.size))
+        for rows in row_blocks(time_s.size):
+            states[:, rows] = self.between(time_s[rows]).T
+        return states
 
     @property
     def fine_s(self) -> Array:
@@ -263,7 +266,7 @@ def course(
     teeth are pressed too deep into each other, or energy does not balance, and Unanswered where the solver fails.
     """
     start_rad, target = float(state[0]), float(state[0]) + 2.0 * pi * turns
-    change = _getting_on(machine, lambda phi1_rad: on_turns((phi1_rad - start_rad) / (2.0 * pi)))
+    change = _getting_on(machine, lambda phi1_rad: on_turns(min(turns, (phi1_rad - start_rad) / (2.0 * pi))))
     limit_s = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s
     steps = [_Step(0.0, state, np.empty((0, *state.shape)))]
     while steps[-1].state[0] < target - CLEAR_RAD:

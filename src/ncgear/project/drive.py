@@ -330,13 +330,9 @@ class Drive(Geared):
 
     def _loaded_with(self, stiffness_factor: float) -> LoadedContact:
         """As ``loaded_contact``, the teeth stiffer by a factor."""
-        from ncgear.dynamics.quasi_static import require_no_wedge
-
         phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
         with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
-            found = self._loaded_at(phi1, stiffness_factor)
-            require_no_wedge(self.meshing, found, self.rigid.machine.at(phi1).driven_torque.value)
-            return found
+            return self._loaded_at(phi1, stiffness_factor)
 
     @computed
     def course(self) -> Course:
