@@ -45,10 +45,11 @@ def _stops(drive: Geared, demand: Demand, motor: LineDrive) -> Stall | None:
     return stall_of(demand, motor.torque_n_mm, start, 2.0 * pi * given.turns)
 
 
-TRIES = 4
-"""Speeds without load that are tried with a torque, each nearer by what the one before missed."""
+TRIES = 2
+"""Speeds without load that are tried with a torque: that at which the machine's mean torque leaves its own speed, and
+one nearer by what this missed."""
 
-STRONGER = (1.0, 2.0, 4.0)
+STRONGER = (1.0, 2.0)
 """Torques at rest that are tried if the given one does not do, over the most that the machine asks for."""
 
 
@@ -63,16 +64,18 @@ def fitting_motor(drive: Geared, share: float) -> tuple[float, float] | None:
         return None
     demand, least = asked[0], max(N_M_PER_N_MM * asked[0].torque_range_n_mm[1].value, given.stall_torque_n_m)
     stronger = (float(shown_above(times * least, 3)) for times in STRONGER)
+    mean, wanted = N_M_PER_N_MM * demand.fluctuation.mean_torque_n_mm, demand.speed_rad_s / RAD_S_PER_RPM
     for torque in (given.stall_torque_n_m, *stronger):
-        rpm = given.no_load_speed_rpm
-        for _ in range(TRIES):
+        rpm = wanted / (1.0 - mean / torque) if mean < torque else 0.0
+        for _ in range(TRIES if rpm else 0):
+            rpm = float(f"{rpm:.4g}")
             line = StraightLine(torque / N_M_PER_N_MM, rpm * RAD_S_PER_RPM)
             runs = _runs_rad_s(drive, demand, LineDrive(line, Gearbox()))
             if runs is None:
                 break
             if abs(runs / demand.speed_rad_s - 1.0) <= share:
                 return rpm, torque
-            rpm = float(f"{rpm * demand.speed_rad_s / runs:.4g}")
+            rpm *= demand.speed_rad_s / runs
     return None
 
 
