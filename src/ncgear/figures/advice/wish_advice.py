@@ -6,8 +6,8 @@ from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.wished import missed_by
 from ncgear.project.drive import Drive
 
-NAMED = 4
-"""Missed wishes that are named in brief; how many more there are is told."""
+NAMED = 3
+"""Missed wishes that are named in brief, the first with what it misses; how many more there are is told."""
 
 
 def missed_wishes(drive: Drive) -> Advice | None:
@@ -17,7 +17,8 @@ def missed_wishes(drive: Drive) -> Advice | None:
     if not missed:
         return None
     named = ", ".join(f"{outcome.wish.key} (by {missed_by(outcome)})" for outcome in missed)
-    shortly = [f"{outcome.wish.key} by {missed_by(outcome)}" for outcome in missed[:NAMED]]
+    shortly = [f"{missed[0].wish.key} by {missed_by(missed[0])}"]
+    shortly += [outcome.wish.key.removeprefix("wishes.") for outcome in missed[1:NAMED]]
     more = [f"{len(missed) - NAMED} more by --verbose"] if len(missed) > NAMED else []
     return Advice(
         Kind.MISSED_WISH,
