@@ -19,6 +19,7 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
+from ncgear.numerics.arrays import Number
 from ncgear.numerics.periodic_table import PeriodicTable
 
 Array = np.ndarray
@@ -47,8 +48,8 @@ SPEED = 2.0 * pi
 class Giving(Impact):
     """Damping of the wrong sign."""
 
-    def force_n(self, depth_mm: Array, rate_mm_s: Array, stiffness: Array | float) -> Array:
-        return super().force_n(depth_mm, -rate_mm_s, stiffness)
+    def force_n(self, elastic_n: Number, damped_n: Number) -> Number:
+        return super().force_n(elastic_n, -damped_n)
 
 
 def alike(places: PairPlaces) -> Array:

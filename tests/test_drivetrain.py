@@ -96,7 +96,11 @@ def test_two_bearings_by_moments() -> None:
     # Bending at the gear: the first bearing's force times 100 mm; at the second, the crank's times 200 mm
     assert abs(bending_moment_n_mm(loads, bearings, 500.0, 0.0)[0]) == pytest.approx(abs(on_first) * 100.0, rel=1e-13)
     assert abs(bending_moment_n_mm(loads, bearings, 500.0, 300.0)[0]) == pytest.approx(600.0 * 200.0, rel=1e-13)
-    assert abs(bending_moment_n_mm(loads, bearings, 500.0, -100.0)[0]) <= 1e-9
+    # Nothing presses beyond the outermost places, and rounding errors of what is within them are not told
+    assert bending_moment_n_mm(loads, bearings, 500.0, -100.0)[0] == bending_moment_n_mm(loads, bearings, 500.0, 500.0)
+    assert bending_moment_n_mm(loads, bearings, 500.0, 500.0)[0] == 0.0
+    beside = Bearing(20.0, "ball"), Bearing(22.0, "ball")
+    assert bending_moment_n_mm(loads, beside, 0.0, 0.0)[0] == 0.0
     bent = most_bent(loads, bearings, 500.0)
     assert (bent.moment_n_mm, bent.at_mm) == pytest.approx((600.0 * 200.0, 300.0), rel=1e-13)
 

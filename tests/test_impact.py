@@ -10,14 +10,15 @@ from loaded import FRICTION, IMPACT, STIFFNESS
 from ncgear.dynamics.meshing import Friction, Impact
 
 DEPTH = np.linspace(-0.05, 0.3, 351)
+ELASTIC = IMPACT.elastic_n(DEPTH, STIFFNESS)
 
 
 @pytest.mark.parametrize("rate", [-1e4, -10.0, 0.0, 10.0])
 def test_bodies_never_pull_and_damping_never_gives(rate: float) -> None:
-    rates = np.full_like(DEPTH, rate)
-    assert np.all(IMPACT.force_n(DEPTH, rates, STIFFNESS) >= 0.0)
-    assert np.all(IMPACT.force_n(DEPTH[DEPTH <= 0.0], rates[DEPTH <= 0.0], STIFFNESS) == 0.0)
-    assert np.all(IMPACT.loss_n_mm_s(DEPTH, rates, STIFFNESS) >= 0.0)
+    damped = IMPACT.damping(DEPTH) * rate
+    assert np.all(IMPACT.force_n(ELASTIC, damped) >= 0.0)
+    assert np.all(IMPACT.force_n(ELASTIC, damped)[DEPTH <= 0.0] == 0.0)
+    assert np.all(IMPACT.loss_n_mm_s(ELASTIC, damped, np.full_like(DEPTH, rate)) >= 0.0)
 
 
 def test_the_elastic_force_is_the_slope_of_its_energy() -> None:
@@ -28,9 +29,11 @@ def test_the_elastic_force_is_the_slope_of_its_energy() -> None:
 
 @pytest.mark.parametrize("rate", [-1e4, -10.0, 3.0])
 def test_what_the_force_takes_beyond_the_elastic_one_is_lost(rate: float) -> None:
-    rates = np.full_like(DEPTH, rate)
-    beyond = IMPACT.force_n(DEPTH, rates, STIFFNESS) - IMPACT.elastic_n(DEPTH, STIFFNESS)
-    np.testing.assert_allclose(IMPACT.loss_n_mm_s(DEPTH, rates, STIFFNESS), beyond * rate, rtol=1e-12)
+    damped = IMPACT.damping(DEPTH) * rate
+    beyond = IMPACT.force_n(ELASTIC, damped) - ELASTIC
+    np.testing.assert_allclose(
+        IMPACT.loss_n_mm_s(ELASTIC, damped, np.full_like(DEPTH, rate)), beyond * rate, rtol=1e-12
+    )
 
 
 def test_damping_rises_to_its_full_value_over_the_depth() -> None:
@@ -41,7 +44,7 @@ def test_a_ball_without_damping_bounces_back_as_fast() -> None:
     """One kilogram at 100 mm/s onto a wall: the depth of return from m v^2 / 2 = k d^(n + 1) / (n + 1)."""
     hard = Impact(2.2, 0.0, 0.1)
     out = solve_ivp(
-        lambda _, y: [y[1], -1e3 * float(hard.force_n(y[0], y[1], STIFFNESS))],
+        lambda _, y: [y[1], -1e3 * float(hard.force_n(hard.elastic_n(y[0], STIFFNESS), hard.damping(y[0]) * y[1]))],
         (0.0, 0.01),
         [0.0, 100.0],
         rtol=1e-10,

@@ -120,7 +120,7 @@ def test_a_force_that_ends_at_a_dead_centre_is_met_on_its_own_side() -> None:
     out = course(found, on_its_way(found, pi - 0.1, 1.0), 0.03)
     machine = rigid("uniform", resistance, 1.0)
     peak = motion_peaks(out, machine).forces_n["wrist"]
-    end_s = next(start for start, _ in out.legs if abs(float(out.at(np.array([start]))[2, 0]) - pi) < 1e-6)
+    end_s = out.time_s[np.argmin(np.abs(out.states[2] - pi))]
     before = history(out, machine, np.array([end_s * (1.0 - 1e-10)]))
     assert peak.value >= float(np.hypot(before.forces["wrist"].x, before.forces["wrist"].y)[0]) * (1.0 - 1e-9)
     assert peak.value == pytest.approx(40.0 * 120.0, rel=2e-3)

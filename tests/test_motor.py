@@ -83,6 +83,19 @@ def test_the_verdict_names_the_motor() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("no_load", "stall_n_m"), [(30, 200.0), (90, 1.0), (90, 8.0)])
+def test_the_motor_that_is_told_does(no_load: float, stall_n_m: float) -> None:
+    """The keys as told, put into the file, give a verdict without a word on the motor."""
+    told = motor_row(drive_of_text(with_motor(no_load, stall_n_m)))[1].partition("simulation.motor.")[2]
+    keys = dict(one.split(": ") for one in told.split(" and "))
+    given = {"no_load_speed_rpm": f"{no_load:g}", "stall_torque_n_m": f"{stall_n_m:g}"}
+    mended = {**given, **keys}
+    assert mended != given
+    text = with_motor(float(mended["no_load_speed_rpm"]), float(mended["stall_torque_n_m"]))
+    assert motor_row(drive_of_text(text)) == (State.KEPT, "")
+
+
+@pytest.mark.slow
 def test_a_motor_that_cannot_go_on_is_told_though_its_flywheel_lasts_through_the_turn() -> None:
     drive = drive_of_text(heavy(with_motor(90, 2.0)))
     assert motor_stall(drive) is None

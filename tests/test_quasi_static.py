@@ -10,7 +10,7 @@ import pytest
 
 from engaged import MODULE
 from loaded import SMOOTH, STIFFNESS, frictionless, meshing, uneven_meshing
-from ncgear.dynamics.meshing import Friction
+from ncgear.dynamics.meshing import Friction, Impact, TwoShafts
 from ncgear.dynamics.quasi_static import LoadedContact, loaded_contact, loaded_peaks
 from ncgear.errors import NoSuchMechanism
 
@@ -37,6 +37,23 @@ def test_circular_gears_give_way_by_the_closed_form() -> None:
     np.testing.assert_allclose(loaded.error_rad[alone], -depth[alone] / BASE, rtol=1e-7)
     assert set(np.unique(pairs[alone])) == {1, 2}
     np.testing.assert_array_equal(loaded.pairs[alone], pairs[alone])
+
+
+@pytest.mark.parametrize("share", [1e-3, 1e-6, 1e-9])
+def test_a_share_of_the_load_has_that_share_of_the_torque(share: float) -> None:
+    """Without backlash, where flanks of both sides touch; negative control: both bear, at driven angles from the law.
+
+    That is how a motion in time has it, and at a billionth of the load rounding errors of these angles show.
+    """
+    angles = np.linspace(0.0, 1.0, 61)
+    found, torque = replace(meshing("sine", 31), impact=Impact(1.0, 0.0, 0.01)), np.full_like(angles, 2e3)
+    whole, little = (loaded_contact(found, angles, load, 2.0) for load in (torque, share * torque))
+    np.testing.assert_allclose(little.driving_torque_n_mm, share * whole.driving_torque_n_mm, rtol=0.02)
+    np.testing.assert_allclose(little.forces.driven_n_mm.sum(axis=-1), share * torque, rtol=1e-5)
+    assert np.all(little.pairs >= 1)
+    angle, ratio = found.law.at(angles)
+    both = -found.forces(TwoShafts(angles, 2.0, angle + little.error_rad, 2.0 * ratio)).driving_n_mm.sum(axis=-1)
+    assert (np.abs(both / little.driving_torque_n_mm - 1.0).max() > 0.5) == (share < 1e-6)
 
 
 @pytest.mark.slow

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
 
 class Stopwatch:
-    """Adds up seconds by step; while an inner step runs, the time of the outer one stands still."""
+    """Adds up seconds by step; while an inner step runs, the time of the outer one stands still.
+
+    ``within`` is told how far a long step has come; whoever shows progress puts its own function there.
+    """
 
     def __init__(self) -> None:
+        self.within: Callable[[str], None] = lambda _said: None
         self.seconds: dict[str, float] = {}
         self._inner: list[float] = []
 

@@ -236,6 +236,7 @@ def simulate(
         drive = Drive(loaded.design)
         with naming_what_helps(drive, BUILD), steps_shown(1) as on_step:
             on_step(f"simulation, level {level}")
+            drive.stopwatch.within = on_step.within
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
         if as_json:

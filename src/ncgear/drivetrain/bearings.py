@@ -102,12 +102,14 @@ def bending_moment_n_mm(
 ) -> ComplexArray:
     """The bending moment at a place along the shaft, shape (n,): as x + i y, in the direction of the forces.
 
-    It is the moment of all that presses beyond the place, on the side where lengths grow.
+    It is the moment of all that presses beyond the place, on the side where lengths grow; on the other side it is the
+    same.  That with fewer forces is taken: beyond the outermost place is nothing, not the rounding errors of a sum.
     """
     on_first, on_second = bearing_forces(loads, bearings, crank_at_mm)
     places = 0.0, crank_at_mm, bearings[0].at_mm, bearings[1].at_mm
     forces = loads.gear_n, loads.crank_n, -on_first, -on_second
-    beyond = (force * max(place - at_mm, 0.0) for place, force in zip(places, forces, strict=True))
+    way = -1.0 if sum(place > at_mm for place in places) >= len(places) / 2 else 1.0
+    beyond = (force * max(way * (place - at_mm), 0.0) for place, force in zip(places, forces, strict=True))
     return np.asarray(sum(beyond, np.zeros_like(loads.gear_n)))
 
 

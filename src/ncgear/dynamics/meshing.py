@@ -24,6 +24,7 @@ is t.a.  The tangential speeds give the component of a across t in the same way.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Generic, NamedTuple
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from ncgear.dynamics.gaps import Gaps, Near
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.arrays import Array, ComplexArray, Number, at_least, at_most
 from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import in_words
@@ -48,35 +49,31 @@ class Impact:
     damping_n_s_mm: float
     full_damping_depth_mm: float
 
-    def elastic_n(self, depth_mm: Array, stiffness: Array | float) -> Array:
+    def elastic_n(self, depth_mm: Number, stiffness: Number | float) -> Number:
         """Force that the depth alone gives; 0 where bodies do not touch."""
-        pressed: Array = stiffness * np.maximum(depth_mm, 0.0) ** self.exponent
+        pressed: Number = stiffness * at_least(depth_mm, 0.0) ** self.exponent
         return pressed
 
-    def damping(self, depth_mm: Array) -> Array:
+    def damping(self, depth_mm: Number) -> Number:
         """c(d) in N s/mm."""
-        share = np.minimum(np.maximum(depth_mm / self.full_damping_depth_mm, 0.0), 1.0)
-        ramp: Array = self.damping_n_s_mm * share * share * (3.0 - 2.0 * share)
+        share = at_most(at_least(depth_mm / self.full_damping_depth_mm, 0.0), 1.0)
+        ramp: Number = self.damping_n_s_mm * share * share * (3.0 - 2.0 * share)
         return ramp
 
-    def force_n(self, depth_mm: Array, rate_mm_s: Array, stiffness: Array | float) -> Array:
-        """Force that presses the bodies apart; they never pull."""
-        elastic = self.elastic_n(depth_mm, stiffness)
-        force: Array = np.maximum(elastic + self.damping(depth_mm) * rate_mm_s, 0.0)
-        return force
+    def force_n(self, elastic_n: Number, damped_n: Number) -> Number:
+        """Force that presses the bodies apart, by that of the depth alone and by damping; they never pull."""
+        return at_least(elastic_n + damped_n, 0.0)
 
-    def energy_n_mm(self, depth_mm: Array, stiffness: Array | float) -> Array:
+    def energy_n_mm(self, depth_mm: Number, stiffness: Number | float) -> Number:
         """Work that the elastic force gives back; linear in the stiffness, so that its slope gives that of the work."""
-        return self.elastic_n(depth_mm, stiffness) * np.maximum(depth_mm, 0.0) / (self.exponent + 1.0)
+        return self.elastic_n(depth_mm, stiffness) * at_least(depth_mm, 0.0) / (self.exponent + 1.0)
 
-    def loss_n_mm_s(self, depth_mm: Array, rate_mm_s: Array, stiffness: Array | float) -> Array:
+    def loss_n_mm_s(self, elastic_n: Number, damped_n: Number, rate_mm_s: Number) -> Number:
         """Power that damping takes.
 
         Where bodies part so fast that they no longer press each other, it takes all that the elastic force gives back.
         """
-        elastic = self.elastic_n(depth_mm, stiffness)
-        loss: Array = np.maximum(self.damping(depth_mm) * rate_mm_s, -elastic) * rate_mm_s
-        return loss
+        return (at_least(elastic_n + damped_n, 0.0) - elastic_n) * rate_mm_s
 
 
 @dataclass(frozen=True)
@@ -92,14 +89,14 @@ class Friction:
     static_mm_s: float
     dynamic_mm_s: float
 
-    def coefficient(self, speed_mm_s: Array) -> Array:
+    def coefficient(self, speed_mm_s: Number) -> Number:
         """Coefficient with the sign of the speed of sliding."""
-        speed = np.abs(speed_mm_s)
-        rising = np.minimum(speed / self.static_mm_s, 1.0)
-        falling = np.minimum(np.maximum((speed - self.static_mm_s) / (self.dynamic_mm_s - self.static_mm_s), 0.0), 1.0)
+        speed = abs(speed_mm_s)
+        rising = at_most(speed / self.static_mm_s, 1.0)
+        falling = at_most(at_least((speed - self.static_mm_s) / (self.dynamic_mm_s - self.static_mm_s), 0.0), 1.0)
         drop = (self.static - self.dynamic) * falling * falling * (3.0 - 2.0 * falling)
-        coefficient: Array = np.sign(speed_mm_s) * (self.static * rising * rising * (3.0 - 2.0 * rising) - drop)
-        return coefficient
+        sign = 1.0 * (speed_mm_s > 0.0) - 1.0 * (speed_mm_s < 0.0)
+        return sign * (self.static * rising * rising * (3.0 - 2.0 * rising) - drop)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +107,24 @@ class TwoShafts:
     speed1_rad_s: Array | float
     phi2_rad: Array | float
     speed2_rad_s: Array | float
+
+
+class PairAt(NamedTuple, Generic[Number]):
+    """Pairs of teeth at a driving angle, or one of them in plain numbers; sides and quantities as in ``Near``.
+
+    ``behind_rad`` is how far the driven gear is behind the pair's contact; ``rate``, ``lever_slope`` and ``stiffening``
+    are the slopes of this, of the lever and of the stiffness by the driving angle.
+    """
+
+    urge: Number
+    behind_rad: Number
+    rate: Number
+    lever_mm: Number
+    lever_slope: Number
+    driving_mm: Number
+    driven_mm: Number
+    stiffness: Number
+    stiffening: Number
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,27 +186,47 @@ class Meshing:
 
     def forces(self, shafts: TwoShafts) -> ToothForces:
         """Forces of all pairs near contact."""
-        near = self.gaps.at(shafts.phi1_rad)
         angle, ratio = self.law.at(shafts.phi1_rad)
-        # How far the driven gear is behind each pair's contact, and the slope of this by phi1
-        behind, rate = _column(angle - shafts.phi2_rad) + near.error_rad, _column(ratio) + near.slopes[0]
-        lever, (_, lever_slope, stiffness_slope) = near.urge * near.lever_mm, near.slopes
-        depth = lever * behind
-        by_driving = near.urge * lever_slope * behind + lever * rate
-        speed1, speed2 = _column(shafts.speed1_rad_s), _column(shafts.speed2_rad_s)
-        closing = by_driving * speed1 - lever * speed2
-        sliding = near.driving_mm * speed1 - near.driven_mm * speed2
-        normal = self.impact.force_n(depth, closing, near.stiffness)
-        stiffening = self.impact.energy_n_mm(depth, stiffness_slope)
+        near, speeds = self.gaps.at(shafts.phi1_rad), (shafts.speed1_rad_s, shafts.speed2_rad_s)
+        return self._near(near, _column(angle - shafts.phi2_rad) + near.error_rad, ratio, speeds)
+
+    def beyond(self, phi1_rad: Array, ahead_rad: Array, side: Array, speed_rad_s: float) -> ToothForces:
+        """Forces of the flanks of one side, +1 or -1, with the driven gear some angle beyond the law's; shape (n,).
+
+        The driving shaft turns at ``speed_rad_s``, the driven one as the law says.  Depths are known to rounding errors
+        of the angles beyond the law's, however far the gears have turned.
+        """
+        ratio, near = self.law.at(phi1_rad)[1], self.gaps.at(phi1_rad)
+        near = replace(near, urge=np.where(near.urge == _column(side), near.urge, 0.0))
+        return self._near(near, near.error_rad - _column(ahead_rad), ratio, (speed_rad_s, ratio * speed_rad_s))
+
+    def _near(
+        self, near: Near, behind: Array, ratio: Array, speeds_rad_s: tuple[Array | float, Array | float]
+    ) -> ToothForces:
+        """Forces of pairs that the driven gear is so far ``behind`` of."""
+        rate, (_, lever_slope, stiffening) = _column(ratio) + near.slopes[0], near.slopes
+        tangential = near.driving_mm, near.driven_mm
+        pair = PairAt(near.urge, behind, rate, near.lever_mm, lever_slope, *tangential, near.stiffness, stiffening)
+        return ToothForces(near, *self.borne(pair, *map(_column, speeds_rad_s)))
+
+    def borne(self, pair: PairAt[Number], speed1_rad_s: Number, speed2_rad_s: Number) -> tuple[Number, ...]:
+        """The fields of ``ToothForces`` beyond the first: of pairs, or of one pair in plain numbers."""
+        urge, behind, rate, lever, lever_slope, driving, driven, stiffness, stiffening = pair
+        arm = urge * lever
+        depth = arm * behind
+        by_driving = urge * lever_slope * behind + arm * rate
+        closing = by_driving * speed1_rad_s - arm * speed2_rad_s
+        sliding = driving * speed1_rad_s - driven * speed2_rad_s
+        elastic, damped = self.impact.elastic_n(depth, stiffness), self.impact.damping(depth) * closing
+        normal = self.impact.force_n(elastic, damped)
         rubbing = self.friction.coefficient(sliding) * normal
-        return ToothForces(
-            near,
+        return (
             depth,
             normal,
             rubbing,
-            -normal * by_driving - stiffening - rubbing * near.driving_mm,
-            normal * lever + rubbing * near.driven_mm,
-            self.impact.loss_n_mm_s(depth, closing, near.stiffness) + np.abs(rubbing * sliding),
+            -normal * by_driving - self.impact.energy_n_mm(depth, stiffening) - rubbing * driving,
+            normal * arm + rubbing * driven,
+            self.impact.loss_n_mm_s(elastic, damped, closing) + abs(rubbing * sliding),
         )
 
 

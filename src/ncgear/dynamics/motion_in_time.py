@@ -12,18 +12,21 @@ from collections.abc import Callable
 from enum import StrEnum
 from functools import cached_property
 from math import ceil, inf, pi
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from ncgear.dynamics.crank_load import CrankLoad
+from ncgear.dynamics.crank_load import CLEAR_RAD, CrankLoad
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
+from ncgear.dynamics.place_by_place import StateByState
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, distinct
+from ncgear.numerics.arrays import Array, Number, distinct, row_blocks
+from ncgear.numerics.chebyshev import PiecewiseChebyshev, nodes, series
 from ncgear.numerics.periodic_table import PeriodicTable, quintics
 from ncgear.numerics.units import in_words
+from ncgear.numerics.zeros import zeros_between
 from ncgear.ratio.transmission import Piece, Transmission
 
 INTERVALS = 2048
@@ -65,7 +68,7 @@ class DriveLine(Protocol):
         """Speed that the drive has where it is started from rest."""
         ...
 
-    def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
+    def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
         """Acceleration of the driving shaft in rad/s^2, and torque of the drive in N mm."""
         ...
 
@@ -82,7 +85,7 @@ class EvenDrive:
         """Its one speed, from the first moment on."""
         return self.speed_rad_s
 
-    def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
+    def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
         """No acceleration; the torque against the teeth's moment."""
         return 0.0 * moment_n_mm, -moment_n_mm
 
@@ -103,7 +106,7 @@ class Motor:
         """0: a motor starts from rest."""
         return 0.0
 
-    def answer(self, speed_rad_s: Array, moment_n_mm: Array) -> tuple[Array, Array]:
+    def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
         """Acceleration by the motor's torque and the teeth's moment together; the motor's torque."""
         torque = self.stall_torque_n_mm * (1.0 - speed_rad_s / self.speed_rad_s)
         return (torque + moment_n_mm) / self.inertia_n_mm_s2, torque
@@ -126,12 +129,6 @@ class ToothedMachine:
     drive: DriveLine
     meshing: Meshing
     load: CrankLoad
-
-    def change(self, _time_s: float, state: Array) -> Array:
-        """Derivatives of a state by time, shape (6,)."""
-        answer = self.answer(state)
-        power, loss = answer.torque_n_mm * state[1], answer.teeth.loss_n_mm_s.sum(axis=-1)
-        return np.array([state[1], answer.acceleration1_rad_s2, state[3], answer.acceleration2_rad_s2, power, loss])
 
     def answer(self, states: Array) -> Answer:
         """What moves and holds the shafts in states of shape (6,) or (6, n)."""
@@ -179,16 +176,6 @@ def started(machine: ToothedMachine, transmission: Transmission, start: Start, s
     return np.array([0.0, speed_rad_s, float(ahead), ratio * speed_rad_s, 0.0, 0.0])
 
 
-def passing(row: int, angle_rad: float) -> Callable[[float, Array], float]:
-    """An event that ends a leg as the solver wants it: an angle of the state rises through a value."""
-
-    def beyond(_time_s: float, state: Array) -> float:
-        return float(state[row]) - angle_rad
-
-    beyond.terminal, beyond.direction = True, 1.0  # type: ignore[attr-defined]
-    return beyond
-
-
 METHOD = "LSODA"
 """The stiff solver of scipy that has the least error in the same time (docs/speed-against-error.md)."""
 
@@ -217,20 +204,19 @@ SLOWEST = 20.0
 class Course:
     """A motion from time 0 on: solver steps at ``time_s`` (shape (n,)) in ``states`` (shape (6, n)).
 
-    ``legs`` are the starts of the solver's runs from stop to stop of the load, with the states between their steps.
+    ``between`` are the polynomials that the solver follows the states by in its steps.
     """
 
     machine: ToothedMachine
     time_s: Array
     states: Array
-    legs: tuple[tuple[float, Callable[[Array], Array]], ...]
+    between: PiecewiseChebyshev
 
     def at(self, time_s: Array) -> Array:
         """States at times within the course, shape (m,), as (6, m)."""
-        number = np.searchsorted([start for start, _ in self.legs], time_s, side="right") - 1
         states = np.empty((self.states.shape[0], time_s.size))
-        for leg in np.unique(number):
-            states[:, number == leg] = self.legs[leg][1](time_s[number == leg])
+        for rows in row_blocks(time_s.size):
+            states[:, rows] = self.between(time_s[rows]).T
         return states
 
     @property
@@ -262,77 +248,121 @@ class Course:
         return float(missed[worst]) / most if most else 0.0, float(judged[0, worst])
 
 
+def unheard(_turns: float) -> None:
+    """Nobody is told how many turns are done."""
+
+
 def course(
-    machine: ToothedMachine, state: Array, turns: float, accuracy: float = ACCURACY, method: str = METHOD
+    machine: ToothedMachine,
+    state: Array,
+    turns: float,
+    accuracy: float = ACCURACY,
+    method: str = METHOD,
+    on_turns: Callable[[float], None] = unheard,
 ) -> Course:
     """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
 
-    Raises NoSuchMechanism where the drive does not get round or on, teeth are pressed too deep into each other, or
-    energy does not balance, and Unanswered where the solver fails.
+    ``on_turns`` is told how many turns are done.  Raises NoSuchMechanism where the drive does not get round or on,
+    teeth are pressed too deep into each other, or energy does not balance, and Unanswered where the solver fails.
     """
-    change = _getting_on(machine)
-    target = float(state[0]) + 2.0 * pi * turns
+    start_rad, target = float(state[0]), float(state[0]) + 2.0 * pi * turns
+    change = _getting_on(machine, lambda phi1_rad: on_turns(min(turns, (phi1_rad - start_rad) / (2.0 * pi))))
     limit_s = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s
-    legs: list[Any] = []
-    time_s = 0.0
-    while True:
-        leg = _leg(machine, change, (time_s, limit_s), state, target, (accuracy, method))
-        legs.append(leg)
-        time_s, state = float(leg.t[-1]), leg.y[:, -1]
-        if leg.status == 0:
-            raise _stalled(machine, time_s, state, f"{SLOWEST:g} times as long as it takes without load")
-        if leg.t_events[0].size:
-            return _checked(_joined(machine, legs))
+    steps = [_Step(0.0, state, np.empty((0, *state.shape)))]
+    while steps[-1].state[0] < target - CLEAR_RAD:
+        if steps[-1].time_s >= limit_s:
+            late = f"{SLOWEST:g} times as long as it takes without load"
+            raise _stalled(machine, limit_s, steps[-1].state, late)
+        steps += _leg(machine, change, steps[-1], (limit_s, target), (accuracy, method))
+    return _checked(_joined(machine, steps))
 
 
 Change = Callable[[float, Array], Array]
 """Derivatives of a state by time, at a time and a state."""
 
 
-def _getting_on(machine: ToothedMachine) -> Change:
-    """The change of a machine's states, which is no longer told once its driving gear does not get on."""
-    furthest, looked_at = -inf, 0
+def _getting_on(machine: ToothedMachine, on_way: Callable[[float], None]) -> Change:
+    """The change of a machine's states, which is no longer told once its driving gear does not get on.
+
+    ``on_way`` is told the driving angle as it gets on.
+    """
+    furthest, looked_at, own = -inf, 0, StateByState(machine.drive, machine.meshing, machine.load)
 
     def change(time_s: float, state: Array) -> Array:
         nonlocal furthest, looked_at
         looked_at += 1
         if state[0] > furthest + ON_RAD:
             furthest, looked_at = float(state[0]), 0
+            on_way(furthest)
         if looked_at > MOST_STATES:
             raise _stalled(machine, time_s, state, f"{MOST_STATES} states on one place")
-        return machine.change(time_s, state)
+        return own.change(state)
 
     return change
+
+
+DEGREE = 12
+"""Degree of the polynomials between the ends of steps: the highest order of LSODA, above those of scipy's others."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """The end of a step, its state (shape (6,)), and the states at the nodes of its polynomial, shape (13, 6)."""
+
+    time_s: float
+    state: Array
+    inner: Array
 
 
 def _leg(
     machine: ToothedMachine,
     change: Change,
-    span_s: tuple[float, float],
-    state: Array,
-    target_rad: float,
+    start: _Step,
+    ends: tuple[float, float],
     how: tuple[float, str],
-) -> Any:
-    """The solver's answer up to the next stop of the load, or to the end of the course."""
-    from scipy.integrate import solve_ivp
+) -> list[_Step]:
+    """The solver's steps up to the next stop of the load, or to the time or the driving angle at which all ends."""
+    from scipy import integrate
 
-    stop_rad, way_rad = machine.load.next_stop_rad(float(state[2]))
-    events = passing(0, target_rad), passing(2, stop_rad)
-    accuracy, method = how
+    (limit_s, target_rad), (accuracy, method) = ends, how
+    stop_rad, way_rad = machine.load.next_stop_rad(float(start.state[2]))
     limits = {
         "rtol": accuracy,
         "atol": accuracy * _scales(machine),
-        "max_step": way_rad / max(abs(float(state[3])), machine.drive.speed_rad_s),
+        "max_step": way_rad / max(abs(float(start.state[3])), machine.drive.speed_rad_s),
     }
-    leg = solve_ivp(change, span_s, state, method, dense_output=True, events=events, **limits)
-    if leg.status < 0 and machine.meshing.stiffness_key:
-        raise NoSuchMechanism(
-            "the motion of teeth so stiff cannot be followed in time; a smaller stiffness is right",
-            key=machine.meshing.stiffness_key,
-        )
-    if leg.status < 0:
-        raise Unanswered(f"the motion could not be integrated: {leg.message}")
-    return leg
+    solver = getattr(integrate, method)(change, start.time_s, start.state, limit_s, **limits)
+
+    def beyond(states: Array) -> Array:
+        passed: Array = np.maximum(states[0] - target_rad, states[2] - stop_rad)
+        return passed
+
+    steps, ended = [start], False
+    while solver.status == "running" and not ended:
+        said, before_s = solver.step(), steps[-1].time_s
+        if solver.status == "failed" and machine.meshing.stiffness_key:
+            raise NoSuchMechanism(
+                "the motion of teeth so stiff cannot be followed in time; a smaller stiffness is right",
+                key=machine.meshing.stiffness_key,
+            )
+        if solver.status == "failed":
+            raise Unanswered(f"the motion could not be integrated: {said}")
+        between, end_s, state, ended = solver.dense_output(), solver.t, solver.y, bool(beyond(solver.y) >= 0.0)
+        if ended:
+            end_s = _first_s(lambda at, here=between: beyond(here(at)), before_s, end_s)
+            state = between(end_s)
+        # The polynomials of steps join but for the solver's error: the end may be that of the step before
+        if end_s > before_s:
+            inner = between(nodes(np.array([before_s]), np.array([end_s]), DEGREE)[:, 0]).T
+            steps.append(_Step(end_s, state, inner))
+    return steps[1:]
+
+
+def _first_s(beyond: Callable[[Array], Array], before_s: float, after_s: float) -> float:
+    """When a step gets beyond its end: it is not yet there before, and is after, but for rounding errors."""
+    low, high = np.array([before_s]), np.array([after_s])
+    known = -np.abs(beyond(low)), np.abs(beyond(high))
+    return float(zeros_between(beyond, low, high, known)[0])
 
 
 def _scales(machine: ToothedMachine) -> Array:
@@ -343,11 +373,11 @@ def _scales(machine: ToothedMachine) -> Array:
     return 1e-2 * np.array([1.0, speed, 1.0, speed, work, work])
 
 
-def _joined(machine: ToothedMachine, legs: list[Any]) -> Course:
-    """Legs end to end; a leg's first state is the last one of the leg before."""
-    time_s = np.concatenate([legs[0].t[:1], *(leg.t[1:] for leg in legs)])
-    states = np.concatenate([legs[0].y[:, :1], *(leg.y[:, 1:] for leg in legs)], axis=1)
-    return Course(machine, time_s, states, tuple((float(leg.t[0]), leg.sol) for leg in legs))
+def _joined(machine: ToothedMachine, steps: list[_Step]) -> Course:
+    """A course of steps, the first of which is its start."""
+    time_s, states = np.array([step.time_s for step in steps]), np.stack([step.state for step in steps], axis=1)
+    inner = np.stack([step.inner for step in steps[1:]], axis=1)
+    return Course(machine, time_s, states, PiecewiseChebyshev(time_s, series(inner)))
 
 
 def _checked(found: Course) -> Course:

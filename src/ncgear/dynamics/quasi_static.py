@@ -2,6 +2,9 @@
 
 At each position the forces of all pairs, which grow with the depth by the law of impact at rest, balance the torque.
 Their moment grows as the driven gear gives way, so exactly one driven angle balances the torque.
+
+Only the flanks that the torque presses can bear: the others open as the driven gear gives way, and without load they
+touch at most.  Where there is no backlash, errors of the tables would press them by some 1e-6 mm.
 """
 
 from __future__ import annotations
@@ -12,13 +15,12 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.contact.designed.as_designed import ALIKE_RAD
-from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
+from ncgear.dynamics.meshing import Meshing, ToothForces
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.extrema import Extremum
-from ncgear.numerics.highest import largest_of_each
-from ncgear.numerics.units import N_M_PER_N_MM, in_words
+from ncgear.numerics.highest import largest_from
 from ncgear.numerics.zeros import zeros_between
 
 FIRST_STEP_RAD = 1e-7
@@ -36,9 +38,15 @@ ROUNDING_RAD = 1e-14
 where all torques are next to nothing."""
 
 
-TOUCHING_MM = 1e-10
+TOUCHING_MM, TOUCHING = 1e-10, 1e-3
 """Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears.  It is a
-length, since no teeth are so small: an atom is a thousand times as wide."""
+length, since no teeth are so small: an atom is a thousand times as wide.  Under next to no load it is this share of the
+deepest pair's depth."""
+
+
+def touching_mm(deepest_mm: Array) -> Array:
+    """Depth up to which pairs only touch beside a deepest one, of its shape."""
+    return np.minimum(TOUCHING_MM, TOUCHING * np.maximum(deepest_mm, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +81,8 @@ class LoadedContact:
     @property
     def pairs(self) -> IndexArray:
         """Number of pairs that bear load at each position, shape (n,)."""
-        counted: IndexArray = np.sum(self.forces.depth_mm > TOUCHING_MM, axis=-1)
+        depth = np.where(self.forces.near.urge == 0.0, NO_DEPTH_MM, self.forces.depth_mm)
+        counted: IndexArray = np.sum(depth > touching_mm(depth.max(axis=-1, keepdims=True)), axis=-1)
         return counted
 
 
@@ -89,30 +98,12 @@ def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_
     loaded = np.nonzero(torque_n_mm)[0]
     ahead[loaded] = _balanced(resting, phi1_rad[loaded], torque_n_mm[loaded], speed_rad_s)
     meshing.require_reach(phi1_rad, ahead)
-    return LoadedContact(phi1_rad, ahead, _forces(resting, phi1_rad, ahead, speed_rad_s))
+    return LoadedContact(phi1_rad, ahead, resting.beyond(phi1_rad, ahead, pressed_side(torque_n_mm), speed_rad_s))
 
 
-WEDGED = 0.1
-"""Share of the largest torque that teeth may bear against each other beyond what the torque asks for: exact teeth bear
-none so, but the tables of their contacts err by some 1e-6 mm, which very stiff ones feel."""
-
-
-def require_no_wedge(meshing: Meshing, loaded: LoadedContact, torque_n_mm: Array) -> None:
-    """Refuse a given stiffness that is so great that errors of the teeth's places decide what they bear.
-
-    ``torque_n_mm`` are the torques of the load, shape (n,).  Raises NoSuchMechanism with a stiffness that is not.
-    """
-    moments, most = loaded.forces.driven_n_mm, float(np.abs(torque_n_mm).max(initial=0.0))
-    wedged = np.abs(moments).sum(axis=-1) - np.abs(moments.sum(axis=-1))
-    worst = int(np.argmax(wedged))
-    if meshing.stiffness_key and wedged[worst] > WEDGED * most:
-        right = WEDGED * most / wedged[worst] * float(loaded.forces.near.stiffness[worst].max())
-        raise NoSuchMechanism(
-            f"the teeth are so stiff that at phi1 = {in_words(float(loaded.phi1_rad[worst]))} errors of a millionth of "
-            f"a millimetre bear {N_M_PER_N_MM * wedged[worst]:.3g} N m against each other, and the load brings "
-            f"{N_M_PER_N_MM * most:.3g} N m at most; {0.5 * right:.1g} or less is right",
-            key=meshing.stiffness_key,
-        )
+def pressed_side(torque_n_mm: Array) -> Array:
+    """+1 where a torque is borne by pushing flanks, -1 where by their backs, shape (n,)."""
+    return np.where(torque_n_mm >= 0.0, 1.0, -1.0)
 
 
 @dataclass(frozen=True)
@@ -140,15 +131,18 @@ def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, p
         further = _depth_of_next_mm(loaded.forces, pairs)
         return np.stack([loaded.tooth_force_n, depth, loaded.driving_torque_n_mm, error, -error, further])
 
-    near = loaded_at(phi1_rad[:1]).forces.near
+    values, near = sizes(phi1_rad), loaded_at(phi1_rad[:1]).forces.near
     lever, stiffness = float(near.lever_mm.max()), float(near.stiffness.max())
-    depth_mm = ALIKE_RAD * lever
+    depth_mm = min(ALIKE_RAD * lever, TOLD * float(values[1].max()))
     told = np.array([stiffness * depth_mm, depth_mm, lever * stiffness * depth_mm, ALIKE_RAD, ALIKE_RAD, depth_mm])
-    force, depth, torque, ahead, behind, further = largest_of_each(sizes, phi1_rad, told)
-    if further.value > TOUCHING_MM:
+    force, depth, torque, ahead, behind, further = largest_from(sizes, phi1_rad, values, told)
+    if further.value > touching_mm(np.array(depth.value)):
         return loaded_peaks(loaded_at, np.union1d(phi1_rad, further.at), pairs + 1)
     return LoadedPeaks(force, depth, torque, ahead.value + behind.value, pairs)
 
+
+TOLD = 1e-5
+"""Share of the largest depth to which peaks are told under so little load that angles tell no more."""
 
 NO_DEPTH_MM = -1e3
 """Depth of a pair that is not there: farther apart than teeth are followed."""
@@ -166,16 +160,12 @@ def _depth_of_next_mm(forces: ToothForces, pairs: int) -> Array:
     return depth
 
 
-def _forces(meshing: Meshing, phi1_rad: Array, ahead_rad: Array, speed_rad_s: float) -> ToothForces:
-    angle, ratio = meshing.law.at(phi1_rad)
-    return meshing.forces(TwoShafts(phi1_rad, speed_rad_s, angle + ahead_rad, ratio * speed_rad_s))
-
-
 def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> Array:
     """Driven angles beyond the law's at which the teeth bear torques other than 0."""
+    side = pressed_side(torque_n_mm)
 
     def missing(ahead: Array) -> Array:
-        moments: Array = _forces(meshing, phi1_rad, ahead, speed_rad_s).driven_n_mm.sum(axis=-1)
+        moments: Array = meshing.beyond(phi1_rad, ahead, side, speed_rad_s).driven_n_mm.sum(axis=-1)
         return moments - torque_n_mm
 
     ahead = zeros_between(missing, *_bracket(missing, meshing, phi1_rad, torque_n_mm))

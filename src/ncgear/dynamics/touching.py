@@ -38,7 +38,6 @@ def meetings_s(pressed: Callable[[Array], Array], time_s: Array) -> Array:
     """
     sign = np.sign(pressed(time_s))
     change = np.nonzero(sign[:-1] * sign[1:] < 0.0)[0]
-    # The interpolation takes no empty times
     return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
 
 

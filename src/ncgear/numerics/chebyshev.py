@@ -283,7 +283,12 @@ def panel_coefficients(function: Callable[[Array], Array], left: Array, right: A
     wrong = ~np.isfinite(values).reshape(points.size, -1).all(axis=1)
     if wrong.any():
         raise NotSmooth(float(points.ravel()[wrong].min()))
-    return np.tensordot(_transform(degree), values.reshape(points.shape + values.shape[1:]), axes=1)
+    return series(values.reshape(points.shape + values.shape[1:]))
+
+
+def series(values: Array) -> Array:
+    """Coefficients of the panels that have these values at their ``nodes``, shape (degree + 1, m, ...) both."""
+    return np.tensordot(_transform(len(values) - 1), values, axes=1)
 
 
 def _assembled(parts: list[tuple[Array, Array]], end: float) -> PiecewiseChebyshev:

@@ -7,6 +7,7 @@ that a table gives is the exact derivative of the value that it gives, as the ba
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,6 +45,43 @@ class PeriodicTable:
         turns, local = np.divmod(x, self.breaks[-1])
         index = np.minimum(self.breaks.searchsorted(local, side="right"), self.breaks.size - 1) - 1
         return turns, index, local - self.breaks[index]
+
+
+class PlaceByPlace:
+    """A table at one place after the other, in plain numbers: a tenth of the time of arrays of one place.
+
+    ``rows`` are the coefficients, highest power first, of each function of the interval that was asked for last, nested
+    as the table's trailing axes are; ``index`` is the number of that interval.
+    """
+
+    def __init__(self, table: PeriodicTable) -> None:
+        self._table, self._period = table, float(table.breaks[-1])
+        self._low = self._high = 0.0
+        self.index, self.rows = -1, list[Any]()
+
+    def at(self, x: float) -> tuple[float, float]:
+        """Whole periods before x, and the distance from the break below, for which ``rows`` are."""
+        turns, local = divmod(x, self._period)
+        if not self._low <= local < self._high:
+            self.index = int(self._table.place(x)[1])
+            self._low, self._high = self._table.breaks[self.index : self.index + 2].tolist()
+            self.rows = np.moveaxis(self._table.coefficients[:, self.index], 0, -1).tolist()
+        return turns, local - self._low
+
+
+def with_slope(row: Sequence[float], step: float) -> tuple[float, float]:
+    """Value and slope of a polynomial, highest power first, at a distance from where it starts."""
+    value, slope = row[0], 0.0
+    for coefficient in row[1:]:
+        slope = slope * step + value
+        value = value * step + coefficient
+    return value, slope
+
+
+def cubic(row: Sequence[float], step: float) -> tuple[float, float]:
+    """As ``with_slope`` of a cubic, in half the time."""
+    third, second, first, value = row
+    return ((third * step + second) * step + first) * step + value, (3.0 * third * step + 2.0 * second) * step + first
 
 
 def cubics(width: Array, start: Sequence[Array], end: Sequence[Array]) -> Array:

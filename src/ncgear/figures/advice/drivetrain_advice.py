@@ -40,23 +40,34 @@ def motor(drive: Drive) -> Advice | None:
     """Whether the motor of the simulation stops, or turns the machine at another speed than the wanted one."""
     from ncgear.project.simulated_motor import steady_rad_s
 
-    helps = "more torque or a heavier flywheel is needed"
     if (stall := drive.motor_stall) is not None:
-        return replace(_advice(str(stall), helps, Kind.MOTOR), brief=stall.brief)
+        return replace(_advice(str(stall), _fitting(drive), Kind.MOTOR), brief=stall.brief)
     try:
         runs = steady_rad_s(drive)
     except NoSuchMechanism as refusal:
-        what, _, helps = refusal.problem.partition("; ")
-        return _advice(what, helps, Kind.MOTOR)
+        return _advice(refusal.problem.partition("; ")[0], _fitting(drive), Kind.MOTOR)
     wanted = drive.machine.speed_rad_s
     if runs is None or abs(runs / wanted - 1.0) <= OFF_SPEED:
         return None
     return _advice(
         f"with its motor the machine runs at {_rpm(runs)} r/min, not at operation.speed_rpm: {_rpm(wanted)}; all else "
         "is told for that speed",
-        "another no_load_speed_rpm or stall_torque_n_m is needed",
+        _fitting(drive),
         Kind.MOTOR,
     )
+
+
+def _fitting(drive: Drive) -> str:
+    """What motor would do, as tried."""
+    from ncgear.project.simulated_motor import fitting_motor
+
+    found, given = fitting_motor(drive, OFF_SPEED), drive.design.simulation.motor
+    if found is None or given is None:
+        return "another speed, more torque or a heavier flywheel is needed; no motor that was tried does"
+    asked = {"no_load_speed_rpm": given.no_load_speed_rpm, "stall_torque_n_m": given.stall_torque_n_m}
+    told = zip(asked.items(), found, strict=True)
+    changed = [f"{key}: {value:g}" for (key, before), value in told if value != before]
+    return f"simulation.motor.{' and '.join(changed)}"
 
 
 def _rpm(speed_rad_s: float) -> str:
