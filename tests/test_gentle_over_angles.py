@@ -175,7 +175,7 @@ def test_the_crank_angles_are_moved_to_where_the_law_is_best() -> None:
 @pytest.mark.tiers(slow=["deceleration"], rest="long")
 @pytest.mark.parametrize("wish", [SLOW, STOP], ids=["speed", "deceleration"])
 def test_a_soft_one_costs_no_more_than_the_hard_one(wish: GentleStretch) -> None:
-    """Of each weight, since the hard law is one of those that it may choose; it is kept more nearly by a greater one."""
+    """Of each weight, as the hard law is one of those that it may choose; a greater one keeps it more nearly."""
     most, (_, hard, _) = outcome(best(wish)[2], wish).most, best(wish)
     missed = []
     for weight in (0.1, 3.0):
