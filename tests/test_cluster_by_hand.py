@@ -13,15 +13,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
 from shutil import rmtree
 
 import pytest
 
 from commands import environment
-from test_no_process_left import MOMENTS, SIGNALS, begun, ended, seconds_until_gone, wait_for
+from test_no_process_left import MOMENTS, PROMPT_S, SIGNALS, begun, ended, seconds_until_gone, wait_for
 from test_sweep_processes import tables
+from test_sweep_processes import wait_for as wait_for_file
 
 pytestmark = [
     pytest.mark.slow,
@@ -39,6 +40,7 @@ SWEEP = [
 ]
 
 GONE = "begin it again, and give the same command"
+NEVER_THERE = "no Dask scheduler answers"
 
 
 @contextmanager
@@ -50,10 +52,8 @@ def process(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
     try:
         yield run
     finally:
-        try:
+        with suppress(ProcessLookupError):
             os.killpg(run.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
         run.wait()
 
 
@@ -63,14 +63,16 @@ def cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
     file = folder / "scheduler.json"
     file.unlink(missing_ok=True)
     with ExitStack() as stack:
-        here = ("--host=127.0.0.1", "--no-dashboard")
-        scheduler = stack.enter_context(
-            process(folder, "scheduler", *here, "--port=0", f"--scheduler-file={file.name}")
-        )
+        here = ("--host=127.0.0.1", "--no-dashboard", "--port=0", f"--scheduler-file={file.name}")
+        scheduler = stack.enter_context(process(folder, "scheduler", *here))
         wait_for(lambda: file.exists() and file.read_text())
         address = json.loads(file.read_text())["address"]
-        worker = ("worker", address, *here, "--nthreads=1")
-        yield address, [scheduler, *(stack.enter_context(process(folder, *worker)) for _ in range(2))]
+        yield address, [scheduler, *(stack.enter_context(worker(folder, address)) for _ in range(2))]
+
+
+def worker(folder: Path, address: str) -> AbstractContextManager[subprocess.Popen[bytes]]:
+    """A worker of one process."""
+    return process(folder, "worker", address, "--host=127.0.0.1", "--no-dashboard", "--nworkers=1", "--nthreads=1")
 
 
 @pytest.fixture(scope="module")
@@ -103,22 +105,23 @@ def test_whoever_is_ended_at_any_moment(tmp_path: Path, alone: dict[str, bytes],
     for moment in range(MOMENTS // 2):
         number = SIGNALS[moment % len(SIGNALS)]
         rmtree(tmp_path / "out", ignore_errors=True)
-        with cluster(tmp_path) as (address, (scheduler, worker, _)):
+        with cluster(tmp_path) as (address, (scheduler, first, _)):
             with begun([*SWEEP, f"--scheduler={address}"], tmp_path) as (run, mark):
                 time.sleep(taken * (moment + 0.5) / (MOMENTS // 2))
                 if who == "client":
                     seconds, status, err = ended(run, mark, number)
                     assert status in (0, -number if number == signal.SIGKILL else 128 + number), err
                 else:
-                    os.killpg((scheduler if who == "scheduler" else worker).pid, number)
+                    os.killpg((scheduler if who == "scheduler" else first).pid, number)
                     _, err = run.communicate()
                     seconds, status = seconds_until_gone(mark), run.returncode
                     if who == "worker":
                         assert status == 0, err
                     else:
                         assert status in (0, 2), err
-                        assert status == 0 or GONE in err or "no Dask scheduler answers" in err, err
+                        assert status == 0 or GONE in err or NEVER_THERE in err, err
             assert "Traceback" not in err
+            assert seconds < PROMPT_S
             longest[number] = max(longest[number], seconds)
             if who == "client":
                 assert goes_on(tmp_path, address) == alone
@@ -127,3 +130,20 @@ def test_whoever_is_ended_at_any_moment(tmp_path: Path, alone: dict[str, bytes],
                 assert goes_on(tmp_path, address) == alone
         assert tables(tmp_path / "out") == alone
     print(f"{who}: {taken:.1f} s; gone after", {one.name: round(seconds, 2) for one, seconds in longest.items()})
+
+
+def test_a_sweep_without_workers_waits_for_one(tmp_path: Path, alone: dict[str, bytes]) -> None:
+    pytest.importorskip("distributed")
+    with (
+        cluster(tmp_path) as (address, (_, *workers)),
+        begun([*SWEEP, f"--scheduler={address}"], tmp_path) as (run, _),
+    ):
+        wait_for_file(tmp_path / "out" / "teeth.parquet" / "part-000000.parquet", run)
+        for one in workers:
+            os.killpg(one.pid, signal.SIGKILL)
+        time.sleep(1.0)
+        assert run.poll() is None
+        with worker(tmp_path, address):
+            _, err = run.communicate()
+    assert run.returncode == 0, err
+    assert tables(tmp_path / "out") == alone

@@ -237,7 +237,7 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Any, int]]:
             threads = sum(client.nthreads().values())
             yield client, max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
         except Exception as error:
-            # Tasks are cancelled by the end of the scheduler alone; the client may not know yet that it does not answer.
+            # Tasks are cancelled by the end of the scheduler alone, which the client may not know yet.
             if client.status == "running" and not isinstance(error, CancelledError | CommClosedError):
                 raise
             problem = (
