@@ -228,7 +228,7 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Any, int]]:
     Raises WrongInput where its scheduler ends before it does.
     """
     require("distributed", "cluster", OPTION)
-    from distributed.comm import CommClosedError
+    from distributed.comm.core import CommClosedError
 
     with _without_logs(), _client(scheduler, processes) as client:
         try:
