@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import ncgear
+from commands import ROOT
 from conftest import Run
 from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.outcomes import outcome
@@ -32,10 +34,12 @@ from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import problem_of
 from ncgear.optimum.makeable.demanded import certified_limit, start_motion
-from ncgear.optimum.makeable.law import law_of, makeable_law
-from ncgear.optimum.makeable.search import Kept, searched
-from ncgear.optimum.makeable.wishes import Goal, Wishes
+from ncgear.optimum.makeable.law import EVEN, MakeableLaw, law_of, makeable_law
+from ncgear.optimum.makeable.search import Kept, scales, searched
+from ncgear.optimum.makeable.wishes import Goal, Wishes, levels
 from ncgear.optimum.task import Limits, Task, figures
+from ncgear.project.best_law import Begun, BestLaw
+from ncgear.project.wishes import inertia_as_given
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Train, single
@@ -263,6 +267,22 @@ def jars(wish: GentleStop) -> tuple[float, float, Machine]:
     assert bound is not None
     train = makeable_law(JARS, asked, start_motion(JARS, asked, bound)).train(JARS.lobes)
     return bound.value, figures(JARS, train).peak_acceleration_mm_s2, Machine(train.whole, JARS.linkage, JARS.load, W)
+
+
+def test_of_laws_from_several_starts_the_one_is_taken_that_costs_least() -> None:
+    """With what it misses of a soft stop; control: another one has less of the goal alone."""
+    wanted = levels(replace(CONVEX, motion=(replace(BOTH, weight=1.0),)), scales(JARS))
+
+    def law(goal: float, missed: float) -> MakeableLaw:
+        reached = [goal if one.weight else missed if one.share_of_goal else 0.0 for one in wanted]
+        return MakeableLaw(np.zeros(1), np.ones(1), wanted, np.array(reached))
+
+    design = ncgear.load(ROOT / "designs" / "jar-pusher.yaml").design
+    best, laws = BestLaw(design, starts=3), [law(1.0, 0.0), law(0.9, 0.5), law(0.95, 0.04)]
+    vars(best).update(_laws=laws, begun=Begun(inertia_as_given(design), JARS, None, EVEN))
+    assert best.law is laws[2]
+    assert laws[1].goal < laws[2].goal
+    assert best.starts.apart == pytest.approx(1.0 - 0.99 / 1.4)
 
 
 @pytest.mark.long

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -85,7 +86,7 @@ def test_a_killed_sweep_goes_on_where_it_was(tmp_path: Path, alone: dict[str, by
     assert {path: path.stat().st_mtime_ns for path in before} == before
 
 
-def wait_for(path: Path, run: subprocess.Popen[bytes]) -> None:
+def wait_for(path: Path, run: subprocess.Popen[Any]) -> None:
     for _ in range(2400):
         if path.exists():
             return

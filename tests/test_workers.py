@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from functools import partial
 from multiprocessing import active_children
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -194,6 +195,31 @@ def test_a_scheduler_that_dies_is_wrong_input() -> None:
             list(found)
 
 
-def test_workers_with_another_version_are_refused() -> None:
-    with pytest.raises(WrongInput, match="1 of 2 workers have another ncgear"):
-        workers._require_same_version({"tcp://a": workers.__version__, "tcp://b": "0.0.1"})
+@pytest.mark.slow
+def test_a_scheduler_that_dies_before_any_task_is_wrong_input(monkeypatch: pytest.MonkeyPatch) -> None:
+    """While workers are asked for their version."""
+    distributed = pytest.importorskip("distributed")
+    really = distributed.Client.run
+
+    def dies(client: Any, *given: Any, **named: Any) -> Any:
+        cluster.kill()
+        cluster.wait()
+        return really(client, *given, **named)
+
+    monkeypatch.setattr(distributed.Client, "run", dies)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    line, pipe = [sys.executable, "-c", CLUSTER], subprocess.PIPE
+    with subprocess.Popen(line, stdin=pipe, stdout=pipe, text=True, env=environment) as cluster:
+        assert cluster.stdout is not None
+        with pytest.raises(WrongInput, match=r"^--scheduler: the Dask scheduler at 'tcp://.*' has gone; begin"):
+            list(finished(squared, [1], cluster.stdout.readline().strip()))
+
+
+def test_workers_with_another_version_or_none_are_refused() -> None:
+    """One that has ended as it was asked is not."""
+    same, gone = {"tcp://a": workers.__version__}, {"tcp://c": ConnectionError("closed")}
+    workers._require_same_version(same | gone)
+    with pytest.raises(WrongInput, match=r"1 of 2 workers have another ncgear than .* tcp://b has 0.0.1;"):
+        workers._require_same_version({**same, "tcp://b": "0.0.1", **gone})
+    with pytest.raises(WrongInput, match=r"tcp://b has none \(No module named 'ncgear'\)"):
+        workers._require_same_version({**same, "tcp://b": ModuleNotFoundError("No module named 'ncgear'")})

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -228,13 +228,17 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Any, int]]:
     Raises WrongInput where its scheduler ends before it does.
     """
     require("distributed", "cluster", OPTION)
+    from distributed.comm.core import CommClosedError
+
     with _without_logs(), _client(scheduler, processes) as client:
-        threads = sum(client.nthreads().values())
         try:
+            # A worker may end on the way
+            _require_same_version(client.run(_version, on_error="return"))
+            threads = sum(client.nthreads().values())
             yield client, max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
         except Exception as error:
-            # Tasks are cancelled by the end of the scheduler alone.
-            if client.status == "running" and not isinstance(error, CancelledError):
+            # Tasks are cancelled by the end of the scheduler alone, which the client may not know yet.
+            if client.status == "running" and not isinstance(error, CancelledError | CommClosedError):
                 raise
             problem = (
                 f"the Dask scheduler at {scheduler!r} has gone; begin it again, and give the same command: sweep and "
@@ -290,7 +294,6 @@ def _client(scheduler: str, processes: int) -> Iterator[Any]:
         problem = f"no Dask scheduler answers at {scheduler!r} ({error}); an address as tcp://host:8786 is right"
         raise WrongInput(problem, location=OPTION) from error
     with client:
-        _require_same_version(client.run(_version))
         yield client
 
 
@@ -298,13 +301,17 @@ def _version() -> str:
     return __version__
 
 
-def _require_same_version(versions: dict[str, str]) -> None:
-    """Raise WrongInput where a worker of a cluster has another version of ncgear than this process."""
-    other = {worker: version for worker, version in versions.items() if version != __version__}
+def _require_same_version(versions: Mapping[str, str | BaseException]) -> None:
+    """Raise WrongInput where a worker of a cluster has another version of ncgear than this process, or none.
+
+    ``versions`` has the error in place of the version where a worker did not tell it; one that has ended is left out.
+    """
+    told = {worker: version for worker, version in versions.items() if not isinstance(version, OSError)}
+    other = {worker: version for worker, version in told.items() if version != __version__}
     if other:
         worker, version = next(iter(other.items()))
         raise WrongInput(
-            f"{len(other)} of {len(versions)} workers have another ncgear than {__version__}, as {worker} has "
-            f"{version}; install the same version there",
+            f"{len(other)} of {len(told)} workers have another ncgear than {__version__}, as {worker} has "
+            f"{version if isinstance(version, str) else f'none ({version})'}; install the same version there",
             location=OPTION,
         )

@@ -57,7 +57,7 @@ MARGIN = 1e-6
 """How much more terms are kept back, in their units, for what is left between the places of the finer grid."""
 
 TOLD = 1e-4
-"""Share of what is wished by which a soft wish may be missed more than the places say: what tells of it has digits for."""
+"""Share of what is wished by which a soft wish may be missed more than the places say: what is told has four digits."""
 
 DECIMALS = 10
 """Decimals of the ratios at the knots, so that the law that is judged is the one that a design file holds."""
