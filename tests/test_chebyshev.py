@@ -207,3 +207,19 @@ def test_five_thousand_waves_are_no_noise() -> None:
     form = chebyshev.fitted(lambda points: np.sin(1e4 * np.pi * points), [0.0, 1.0])
     points = np.linspace(0.0, 1.0, 1001)
     assert form(points) == pytest.approx(np.sin(1e4 * np.pi * points), abs=1e-10)
+
+
+@pytest.mark.parametrize("lowest_at", [0.0, 0.31, 1.7, 2.0])
+def test_function_falls_below_what_is_more_than_its_least_value(lowest_at: float) -> None:
+    """0.4 + 1 - cos 30 (x - c) is 0.4 at c, inside a panel or at its end, and nowhere less."""
+    form = chebyshev.fitted(lambda x: 1.4 - np.cos(30.0 * (x - lowest_at)), [0.0, 0.9, 2.0])
+    assert chebyshev.falls_below(form.coefficients, 0.4 + 1e-13)
+    assert not chebyshev.falls_below(form.coefficients, 0.4 - 1e-13)
+    assert not chebyshev.falls_below(0.0 * form.coefficients, 0.0)
+
+
+def test_polynomial_of_chebyshev_falls_to_minus_one() -> None:
+    """T_8 alone: 1 at both ends, -1 at four places between."""
+    alone = np.eye(9)[:, 8:]
+    assert chebyshev.falls_below(alone, -1.0 + 1e-12)
+    assert not chebyshev.falls_below(alone, -1.0 - 1e-12)

@@ -305,6 +305,18 @@ def test_curvature_between_arc_lengths_bounds_a_dense_sample(name: str, gear: Ge
     assert np.all(high - curvature.max(axis=0) <= 0.2 * spread + rounding)
 
 
+@pytest.mark.tiers(quick=["driven-*"], rest="thorough")
+@every_law
+@every_gear
+def test_curve_bends_below_what_is_more_than_its_least_curvature(name: str, gear: Gear) -> None:
+    """The least curvature is that of the closed form, the answer comes from the Chebyshev form."""
+    found = pair(name)
+    low, high = (extremum.value for extremum in found.curvature_range[gear])
+    aside = 1e-9 * max(abs(low), abs(high))
+    assert not one_of(found, gear).bends_below(low - aside)
+    assert one_of(found, gear).bends_below(low + aside)
+
+
 @every_law
 @every_gear
 def test_concave_ranges_are_where_curvature_is_negative(name: str, gear: Gear) -> None:

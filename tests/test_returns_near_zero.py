@@ -11,11 +11,12 @@ from math import pi
 import mpmath as mp
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
-from ncgear.ratio.return_stroke import ReturnEnds, published_family
+from ncgear.ratio.return_stroke import ReturnEnds, are_positive, published_family
 from ncgear.ratio.transmission import CLOSED, Lobes
 from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 
@@ -95,3 +96,12 @@ def test_even_points_miss_the_narrow_peak() -> None:
     slopes = back.slope(back.ends.start_rad + back.ends.length_rad * tau.ravel(), 0).value.reshape(tau.shape)
     missed = back.ends.length_rad * float((slopes * half[:, None] * weights).sum()) - back.ends.driven_length_rad
     assert abs(missed) > 1e-3
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2017, 0.5, 0.7391])
+def test_polynomial_is_positive_where_its_least_value_is(share: float) -> None:
+    """((tau - a)^2 + c) ((tau - 2)^2 + 1) (1 + tau) has the sign of c at a, between places that are looked at."""
+    rest = Polynomial([5.0, -4.0, 1.0]) * Polynomial([1.0, 1.0])
+    over = np.array([1e-9, -1e-9, 0.3, -0.3])
+    touching = [(Polynomial([share * share + one, -2.0 * share, 1.0]) * rest).coef for one in over]
+    assert are_positive(np.array([*touching, np.full(6, np.nan)])).tolist() == [*(over > 0.0), False]

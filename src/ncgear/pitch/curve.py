@@ -186,7 +186,9 @@ class PitchCurve:
     def _cells(self) -> Cells:
         """All columns of ``CurvePoints`` by the arc length in mm over one turn of this gear."""
         form, size = self._by_length, self.center_distance_mm
-        cells = cells_of(PiecewiseChebyshev(form.breaks * size, form.coefficients * [size, size, 1.0, 1.0, 1.0 / size]))
+        position, tangent, curvature = np.split(form.coefficients, [2, 4], axis=-1)
+        columns = [position * size, tangent, curvature / size]
+        cells = cells_of(PiecewiseChebyshev(form.breaks * size, np.concatenate(columns, axis=-1)))
         position, tangent, curvature = np.split(cells.powers, [2, 4], axis=-1)
         columns = [position, tangent, _normal(self.gear, tangent), curvature]
         return Cells(cells.ends, np.concatenate(columns, axis=-1))

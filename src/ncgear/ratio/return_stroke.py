@@ -385,7 +385,7 @@ class _InverseReturns:
         """1/i12 and its slope by phi1, shape (2, k, n), NaN where it is not positive."""
         even, skewed = self._parts
         slopes = even[:, None] + skewness[:, None] * skewed[:, None]
-        slopes[:, ~_are_positive(self._powers[0] + skewness[:, None] * self._powers[1])] = np.nan
+        slopes[:, ~are_positive(self._powers[0] + skewness[:, None] * self._powers[1])] = np.nan
         return slopes
 
     @cached_property
@@ -413,7 +413,7 @@ def _closing_inverse(ends: ReturnEnds, base: Polynomial, direction: Polynomial) 
 
 def _positive_inverse(ends: ReturnEnds, polynomial: Polynomial) -> ReturnLaw:
     """The return whose inverse ratio a polynomial is; raises NoSuchMechanism where that is not positive."""
-    if not _are_positive(_powers(polynomial)[None]).all():
+    if not are_positive(_powers(polynomial)[None]).all():
         raise _not_positive(ends.start_rad + _lowest(polynomial)[1] * ends.length_rad, ends)
     return ReturnLaw(ends, polynomial, inverse=True)
 
@@ -423,7 +423,7 @@ def _powers(polynomial: Polynomial) -> Array:
     return np.pad(np.asarray(polynomial.coef, dtype=float), (0, SKEWED.coef.size - polynomial.coef.size))
 
 
-def _are_positive(coefficients: Array) -> Mask:
+def are_positive(coefficients: Array) -> Mask:
     """Which of k polynomials of m powers, shape (k, m), are positive on all of [0, 1]; NaN are not."""
     # A polynomial on [0, 1] is no less than its least coefficient in Bernstein's form.
     positive: Mask = np.min(coefficients @ _to_bernstein(coefficients.shape[1] - 1).T, axis=1) > 0.0
