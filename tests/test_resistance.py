@@ -216,7 +216,7 @@ def test_forms_in_a_design_file(tmp_path: Path) -> None:
         ("{table: {displacement_mm: [1, 2], force_n: [1, 2, 3]}}", "resistance.table.force_n: 3 values for 2"),
         (
             "{table: {displacement_mm: [0, 4.0e-311, 90], force_n: [0, 7, 50]}}",
-            "resistance.table.displacement_mm.1: 4e-311 follows 0; at least 1e-09 mm apart is right",
+            "resistance.table.displacement_mm.1: 4e-311 follows 0.0; at least 1e-09 apart is right",
         ),
         (
             "{table: {displacement_mm: [-2.0e-200, 0, 90], force_n: [3, 7, 50]}}",

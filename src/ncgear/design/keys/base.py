@@ -187,10 +187,10 @@ def _at(model: BaseModel, key: str) -> Any:
     return reduce(lambda group, name: None if group is None else getattr(group, name), key.split("."), model)
 
 
-def require_rising(key: str, values: Sequence[float], least: float) -> None:
+def require_rising(key: str, values: Sequence[float], least: float, what: str = "angles") -> None:
     """Refuse a list under ``key`` in which a value does not follow the one before by at least ``least``."""
     for i, (before, after) in enumerate(pairwise(values), start=1):
         if after <= before:
-            raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the angles must rise strictly")
+            raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the {what} must rise strictly")
         if after - before < least:
             raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {shown_above(least, 2)} apart is right")
