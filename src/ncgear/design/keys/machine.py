@@ -8,7 +8,18 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Model, fault, given, optional, require, require_rising, required
-from ncgear.design.keys.types import FORMULA, Expression, FileName, Length, Numbers, Place, Positive, Several, Speed
+from ncgear.design.keys.types import (
+    CSV_FILE,
+    FORMULA,
+    Expression,
+    FileName,
+    Length,
+    Numbers,
+    Place,
+    Positive,
+    Several,
+    Speed,
+)
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_above, shown_below
@@ -98,7 +109,7 @@ class ResistanceTable(LoadTable):
 
     displacement_mm: Displacements | None = optional("displacements in mm from the retracted end, strictly rising")
     force_n: Forces | None = optional("forces in N, one for each displacement")
-    file: FileName | None = optional("both")
+    file: FileName | None = optional(CSV_FILE.format("both"))
 
 
 class TorqueTable(LoadTable):
@@ -110,7 +121,7 @@ class TorqueTable(LoadTable):
         "angles of the output in deg from its start or its retracted end, strictly rising"
     )
     torque_n_m: Forces | None = optional("torques in N m, one for each angle")
-    file: FileName | None = optional("both")
+    file: FileName | None = optional(CSV_FILE.format("both"))
 
 
 class Load(Model):

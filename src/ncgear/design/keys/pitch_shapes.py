@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Model, angle, fault, given, optional, require, required
-from ncgear.design.keys.types import LONGEST_MM, FileName, Length, Numbers, Place, Several
+from ncgear.design.keys.types import CSV_FILE, LONGEST_MM, FileName, Length, Numbers, Place, Several
 from ncgear.design.words import spellings
 from ncgear.numerics.bounds import shown_below
 
@@ -79,7 +79,7 @@ class CurvePoints(Drawn):
     radius_mm: PointColumn | None = optional("radii in mm, one for each angle")
     x_mm: PointColumn | None = optional("x of points of the drawn curve in mm, with y_mm")
     y_mm: PointColumn | None = optional("y of points of the drawn curve in mm")
-    file: FileName | None = optional("the")
+    file: FileName | None = optional(CSV_FILE.format("the"))
     tolerance_mm: float = required(
         "how far the smooth curve may be from a point in mm, along its radius", gt=0.0, le=100.0
     )

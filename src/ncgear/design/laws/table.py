@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import FULL_TURN, angle, fault, given, key_of, optional, require, require_rising, required
-from ncgear.design.keys.types import FileName, Numbers
+from ncgear.design.keys.types import CSV_FILE, FileName, Numbers
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.design.words import spellings
 from ncgear.errors import WrongInput
@@ -43,7 +43,7 @@ class TableLaw(LawKeys):
         "displacements in deg of an output that turns, from its retracted end, one for each angle"
     )
     ratio: Column | None = optional("transmission ratios i12 = dphi1/dphi2, one for each angle")
-    file: FileName | None = optional("the")
+    file: FileName | None = optional(CSV_FILE.format("the"))
     scale_to_close: bool = optional(
         "true: multiply the ratio by the constant that makes the driven gear come round", False
     )
