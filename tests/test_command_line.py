@@ -259,7 +259,12 @@ BAD: dict[str, tuple[str, str, str, str]] = {
     ),
     "table falls": (changed(TABLE, "[0, 30, 60", "[0, 60, 59"), "59,", "motion.phi1_deg.2", "59 follows 60"),
     "table over a turn": (changed(TABLE, "330]", "361]"), "361]", "motion.phi1_deg.11", "361 is outside the cycle"),
-    "table uneven": (changed(TABLE, "[0, 30, 60", "[0, 60"), "ratio: [", "motion.ratio", "12 values, but phi1_deg has 11"),
+    "table uneven": (
+        changed(TABLE, "[0, 30, 60", "[0, 60"),
+        "ratio: [",
+        "motion.ratio",
+        "12 values, but phi1_deg has 11",
+    ),
     "table of a word": (changed(TABLE, "330]", "no]"), "no]", "motion.phi1_deg.11", "'no' given; a number is needed"),
     "table with nan": (changed(TABLE, "330]", ".nan]"), ".nan]", "motion.phi1_deg.11", "a finite number is needed"),
     "table too short": (
