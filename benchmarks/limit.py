@@ -19,13 +19,13 @@ from time import perf_counter
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
-from ncgear.optimum.certified.sums import Weights, least_weighted_sum
+from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum
 from speed_against_error.baler import TASK
 
 ROOT = Path(__file__).parents[1]
 RUNS = 3
 GRIDS = (120, 240, 480, 960, 1920)
-WEIGHTS = Weights(1.0 / 20000.0, 1.0 / 9000.0)
+WEIGHTS = PeakWeights(1.0 / 20000.0, 1.0 / 9000.0)
 FREE = Demands(0.2, 5.0)
 MASSIVE = replace(TASK, masses=RodMasses(slider_kg=20.0))
 

@@ -25,8 +25,8 @@ from ncgear.design.reading.design_file import load
 from ncgear.design.varied import checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.screening import block, rows
-from ncgear.screening.block import MADE, screened_block
+from ncgear.screening import designs, rows
+from ncgear.screening.designs import MADE, screened_block
 from ncgear.screening.rows import single_figures
 from ncgear.screening.samples import Fineness
 from ncgear.workers import finished
@@ -134,12 +134,12 @@ def count_rows() -> Iterator[str]:
 
 def together_rows() -> Iterator[str]:
     """Milliseconds a design against the samples computed at once."""
-    values, usual = in_box(BORDER, 1024), block.TOGETHER
+    values, usual = in_box(BORDER, 1024), designs.TOGETHER
     for together in TOGETHER:
-        block.TOGETHER = together
+        designs.TOGETHER = together
         each = least_ms(partial(screened_block, data_of("baler"), list(BORDER), values), 2) / len(values)
         yield f"| {together} | {each:.3f} |"
-    block.TOGETHER = usual
+    designs.TOGETHER = usual
 
 
 def error_rows() -> Iterator[str]:
@@ -147,9 +147,9 @@ def error_rows() -> Iterator[str]:
     name, box = CASES["baler, v1 by 2 % up and down"]
     values = in_box(box, 256)
     exact = screened_block(data_of(name), list(box), values).figures
-    usual = block.computed_together.__defaults__
+    usual = designs.computed_together.__defaults__
     for count in (9, 17, 33, 49, 65):
-        block.computed_together.__defaults__ = ((Fineness(count),),)
+        designs.computed_together.__defaults__ = ((Fineness(count),),)
         demands = {name: vars(rows)[name] for name in ("RESOLVED", "CLOSED")}
         vars(rows).update(dict.fromkeys(demands, np.inf))
         found = screened_block(data_of(name), list(box), values).figures
@@ -157,7 +157,7 @@ def error_rows() -> Iterator[str]:
         vars(rows).update(demands)
         worst = max(float(np.max(np.abs(found[key] / exact[key] - 1.0))) for key in exact if "peak" in key)
         yield f"| {count} | {each:.3f} | {worst:.0e} |"
-    block.computed_together.__defaults__ = usual
+    designs.computed_together.__defaults__ = usual
 
 
 def part(seed: int) -> tuple[int, float, float]:

@@ -33,9 +33,8 @@ from ncgear.files.parts import Parts, table_bytes
 from ncgear.files.sweep_run import ROWS, Order, _deeper_bytes, _screened_bytes, plan_of, screening_of, swept
 from ncgear.numerics.arrays import Array
 from ncgear.screening import designs as designs_module
-from ncgear.screening.block import Block
 from ncgear.screening.deeper import deepened
-from ncgear.screening.designs import Screening, screened_part
+from ncgear.screening.designs import Block, Screening, screened_part
 from ncgear.screening.overview import no_overview
 from ncgear.screening.rows import figure_names
 from ncgear.screening.wanted import Objective, Wanted

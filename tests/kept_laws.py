@@ -16,7 +16,8 @@ import numpy as np
 
 from ncgear.design.reading.design_file import load
 from ncgear.kinematics.motion import Machine
-from ncgear.optimum.certified.demands import Demands, SpeedRange, SpeedSpread, StretchTime
+from ncgear.kinematics.wishes import CrankStretch, EvenSpeed, SpeedWithin, TimeWithin
+from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
@@ -98,19 +99,24 @@ class KeptLaw:
             braking_w=_cap(found.braking_power_w),
             torque_n_mm=1000.0 * _cap(found.rms_torque_n_m),
             fluctuation_n_mm=flywheel * ROUNDING * task.speed_rad_s**2 * task.speed_fluctuation / 1000.0,
-            times=(
-                StretchTime("out", 0.0, extended, found.working_rad * ROUNDING),
-                StretchTime("back", extended, 2.0 * pi, (cycle - found.working_rad) * ROUNDING),
-            ),
-            speeds=tuple(
-                SpeedRange("speed", *stretch, least / SAMPLED, most * SAMPLED)
-                for stretch in STRETCHES
-                for least, most in [self.speeds_mm_s(*stretch)]
-            ),
-            even_speeds=tuple(
-                SpeedSpread("spread", *stretch, most / least * SAMPLED)
-                for stretch in STRETCHES[:2]
-                for least, most in [self.speeds_mm_s(*stretch)]
+            wishes=(
+                *(
+                    WishDemand(key, TimeWithin(stretch, most_rad=most * ROUNDING))
+                    for key, stretch, most in (
+                        ("out", CrankStretch(0.0, extended), found.working_rad),
+                        ("back", CrankStretch(extended, 2.0 * pi), cycle - found.working_rad),
+                    )
+                ),
+                *(
+                    WishDemand("speed", SpeedWithin(CrankStretch(*stretch), least / SAMPLED, most * SAMPLED))
+                    for stretch in STRETCHES
+                    for least, most in [self.speeds_mm_s(*stretch)]
+                ),
+                *(
+                    WishDemand("spread", EvenSpeed(CrankStretch(*stretch), most / least * SAMPLED))
+                    for stretch in STRETCHES[:2]
+                    for least, most in [self.speeds_mm_s(*stretch)]
+                ),
             ),
         )
 

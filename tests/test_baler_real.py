@@ -15,7 +15,7 @@ from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.felt import felt
+from ncgear.optimum.task import felt
 from ncgear.project.law import law_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission

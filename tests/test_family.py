@@ -16,13 +16,14 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import shares
-from ncgear.optimum.family import FamilyOptimum, best_of_family
-from ncgear.optimum.family_samples import (
+from ncgear.optimum.family import (
     BOX,
     RETURN_POINTS,
     SEGMENT_POINTS,
     Family,
+    FamilyOptimum,
     Peak,
+    best_of_family,
     request_at,
     sampled_laws,
     strokes_at,

@@ -16,12 +16,13 @@ from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import shares
-from ncgear.optimum.family import FamilyOptimum, best_of_family
-from ncgear.optimum.family_samples import (
+from ncgear.optimum.family import (
     RETURN_POINTS,
     SEGMENT_POINTS,
     Family,
+    FamilyOptimum,
     Peak,
+    best_of_family,
     sampled_laws,
     strokes_at,
 )
@@ -129,7 +130,7 @@ def driven_angle_of(optimum: FamilyOptimum) -> Callable[[Array], Array]:
     return lambda phi1: optimum.law.transmission.driven_angle(phi1).value
 
 
-@pytest.mark.tiers(thorough=["in line-True"], rest="slow")
+@pytest.mark.tiers(slow=["in line-True", "offset-False"], rest="long")
 @pytest.mark.parametrize("inverse", [False, True])
 @pytest.mark.parametrize("name", LINKAGES)
 def test_sampled_power_is_that_of_the_energy(name: str, inverse: bool) -> None:
@@ -160,7 +161,7 @@ def test_sampled_power_is_that_of_the_energy(name: str, inverse: bool) -> None:
     assert braked > 20
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["offset"], rest="long")
 @pytest.mark.parametrize("name", LINKAGES)
 def test_the_exact_peak_is_that_of_the_energy(name: str) -> None:
     for inverse in (False, True):

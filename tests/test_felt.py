@@ -18,9 +18,8 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.felt import Felt, felt, tooth_force_n
 from ncgear.optimum.loads import machine_loads
-from ncgear.optimum.task import GearSize, Task, figures
+from ncgear.optimum.task import Felt, GearSize, Task, felt, figures, tooth_force_n
 from ncgear.pitch.shape import Mesh
 from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.wishes import task_of

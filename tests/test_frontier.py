@@ -23,10 +23,10 @@ from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.best_law import frontier_csv, frontier_figures, frontier_text, other_mechanisms
 from ncgear.files.frontier import frontier_files
-from ncgear.optimum.family import best_of_family
-from ncgear.optimum.family_samples import (
+from ncgear.optimum.family import (
     Family,
     Peak,
+    best_of_family,
 )
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
 from ncgear.optimum.task import Figures

@@ -12,7 +12,7 @@ from kept_laws import FILES, KeptLaw, kept
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import least_acceleration, least_acceleration_roughly, least_of, least_power
-from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
+from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.task import Figures, Task, figures
 from tiers import long_but
@@ -22,7 +22,7 @@ Limit = Callable[[Task, Demands], float]
 
 def shaped(asked: Demands) -> Demands:
     """Peaks, ratios, pressure angle and convexity: what a design asks without wishes of its motion."""
-    return replace(asked, times=(), speeds=(), even_speeds=())
+    return replace(asked, wishes=())
 
 
 def loose(asked: Demands) -> Demands:
@@ -46,7 +46,7 @@ def power(task: Task, asked: Demands) -> float:
 
 def least_sum(task: Task, asked: Demands) -> float:
     """Both peaks in shares of the law's own."""
-    return least_weighted_sum(task, asked, Weights(1.0 / asked.acceleration_mm_s2, 1.0 / asked.power_w)).value
+    return least_weighted_sum(task, asked, PeakWeights(1.0 / asked.acceleration_mm_s2, 1.0 / asked.power_w)).value
 
 
 ASKED: dict[str, Callable[[Demands], Demands]] = {
@@ -149,7 +149,7 @@ EXACT = 1e-9
 """Figures are exact but for rounding."""
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(slow=["tests/cases/pole*"], rest="thorough")
 @pytest.mark.parametrize("name", sorted(NO_LAW))
 def test_files_without_a_law_are_refused(name: str) -> None:
     with pytest.raises(DesignError):

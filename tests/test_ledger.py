@@ -34,8 +34,8 @@ from ncgear.papers.entry import (
 from ncgear.papers.gear_baler import published as gear_baler
 from ncgear.papers.gear_baler.simulation import INFERRED
 from ncgear.papers.judgement import PAPERS, Contradicted, judged, judgement
+from ncgear.papers.track_chassis.measurements import LINE_HZ
 from ncgear.papers.track_chassis.slider import LINKAGE
-from ncgear.papers.track_chassis.spectrum import LINE_HZ
 from printed_figures import ANYWHERE, BALER, CHASSIS, CLAIMS, DRUM, LINES, NUMBERS, SHAPED, SIEVE
 
 ENTRIES = [entry for paper in PAPERS for entry in paper.entries]

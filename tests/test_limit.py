@@ -14,16 +14,17 @@ from scipy.optimize import brentq
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
+from ncgear.kinematics.wishes import CrankStretch, TimeWithin
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.cycle import cycle
-from ncgear.optimum.certified.demands import Demands, StretchTime
+from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
-from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.certified.refusals import turning_point
-from ncgear.optimum.certified.sums import Weights, least_weighted_sum
+from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
@@ -40,6 +41,10 @@ USUAL = Demands(0.2, 5.0)
 
 def tangent(deg: float) -> float:
     return tan(radians(deg))
+
+
+def within(key: str, start_rad: float, end_rad: float, most_rad: float) -> WishDemand:
+    return WishDemand(key, TimeWithin(CrankStretch(start_rad, end_rad), most_rad=most_rad))
 
 
 @cache
@@ -105,10 +110,10 @@ def test_nothing_but_acceleration_in_closed_form() -> None:
 @pytest.mark.parametrize("working", [2.5, 4.0])
 def test_given_working_stroke_in_closed_form(working: float) -> None:
     """Each stroke by itself: A = 4 H / t^2 of the quicker one."""
-    times = (StretchTime("out", 0.0, pi, working), StretchTime("back", pi, 2.0 * pi, 2.0 * pi - working))
+    times = within("out", 0.0, pi, working), within("back", pi, 2.0 * pi, 2.0 * pi - working)
     quicker = min(working, 2.0 * pi - working) / (2.0 * pi)
     exact = 4.0 * 760.0 / quicker**2
-    found = least_acceleration(Task(BALER_LINKAGE, NONE, 2.0 * pi), replace(WIDE, times=times)).value
+    found = least_acceleration(Task(BALER_LINKAGE, NONE, 2.0 * pi), replace(WIDE, wishes=times)).value
     assert 0.99 * exact < found <= exact
 
 
@@ -169,8 +174,8 @@ def test_two_lobes_are_twice_the_speed() -> None:
 
 @pytest.mark.slow
 def test_more_freedom_never_costs() -> None:
-    tight = Demands(0.4, 2.5, power_w=15000.0, steepness=tan(0.5), times=(StretchTime("out", 0.0, pi, 3.0),))
-    freer = [{"ratio_min": 0.3}, {"ratio_max": 3.0}, {"power_w": 16000.0}, {"steepness": tan(0.8)}, {"times": ()}]
+    tight = Demands(0.4, 2.5, power_w=15000.0, steepness=tan(0.5), wishes=(within("out", 0.0, pi, 3.0),))
+    freer = [{"ratio_min": 0.3}, {"ratio_max": 3.0}, {"power_w": 16000.0}, {"steepness": tan(0.8)}, {"wishes": ()}]
     value = least_acceleration(AT_SIXTY, tight).value
     for more in freer:
         assert least_acceleration(AT_SIXTY, replace(tight, **more)).value <= value * (1.0 + 1e-4)
@@ -189,7 +194,9 @@ def test_the_uniform_crank_is_within_its_own_limits_and_a_hundredth_less_is_not(
     check = kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 5.0))
     task = Task(BALER_LINKAGE, PRESS, 5.0)
     own = {"power_w": check.peak_power_w.value, "acceleration_mm_s2": check.peak_acceleration_cycle.value}
-    problem = Problem(task, Demands(1.0 - 1e-6, 1.0 + 1e-6, **{k: v * 1.0001 for k, v in own.items()}), cycle(task))
+    problem = LimitProblem(
+        task, Demands(1.0 - 1e-6, 1.0 + 1e-6, **{k: v * 1.0001 for k, v in own.items()}), cycle(task)
+    )
     assert problem.is_open
     for name, value in own.items():
         assert not problem.under(**{name: 0.99 * value}).is_open
@@ -201,7 +208,7 @@ def test_no_resistance_needs_no_power() -> None:
 
 @pytest.mark.slow
 def test_weighted_sum_is_no_more_than_a_scan_of_powers() -> None:
-    weights = Weights(1.0 / 20000.0, 1.0 / 9000.0)
+    weights = PeakWeights(1.0 / 20000.0, 1.0 / 9000.0)
     found = least_weighted_sum(AT_SIXTY, USUAL, weights).value
     powers = np.linspace(7000.0, 11000.0, 9).tolist()
     scan = min(weights.per_mm_s2 * acceleration(60.0, power).value + weights.per_w * power for power in powers)
@@ -214,7 +221,7 @@ def test_weighted_sum_is_no_more_than_a_scan_of_powers() -> None:
     [
         (Demands(1.2, 5.0), "optimize.limits.ratio_min", "at most 1 is right"),
         (Demands(0.2, 0.9), "optimize.limits.ratio_max", "at least 1 is right"),
-        (replace(USUAL, times=(StretchTime("wish", 0.0, pi, 0.5),)), "wish", "at most 0.15915"),
+        (replace(USUAL, wishes=(within("wish", 0.0, pi, 0.5),)), "wish", "at most 0.15915"),
         (Demands(0.2, 5.0, power_w=2000.0), "optimize.limits.peak_power_w", "is too little at any acceleration"),
     ],
 )

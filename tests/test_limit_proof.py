@@ -18,13 +18,13 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified import proof
-from ncgear.optimum.certified.cycle import Cycle, cycle
+from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands, Priced, Ranges
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
-from ncgear.optimum.certified.problem import Problem
-from ncgear.optimum.certified.proof import DATA, Linear, Programme, Proof
-from ncgear.optimum.certified.ranges import Known, Stretch, everywhere
+from ncgear.optimum.certified.problem import LimitProblem
+from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof
+from ncgear.optimum.certified.ranges import KnownRanges, PlacesInRow, everywhere
 from ncgear.optimum.task import Task
 from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
 
@@ -61,7 +61,7 @@ class Turning:
         bend = s * (second + first**2)
         return 1.0 + s + bend, 1.0 + s - s * bend + (s * first) ** 2
 
-    def mean_times(self, on: Cycle) -> Array:
+    def mean_times(self, on: CrankCycle) -> Array:
         """The mean of 1/s in each cell, by Gauss-Legendre points."""
         unit, weight = np.polynomial.legendre.leggauss(16)
         inner = on.crank_angle_rad[:, None] + on.step_rad[:, None] * (1.0 + unit) / 2.0
@@ -129,7 +129,7 @@ def power(task: Task, law: Turning) -> float:
     return float(np.max(force * np.abs(slope) * law.s(angle))) * task.speed_rad_s / 1000.0
 
 
-def filled(programme: Programme, known: list[tuple[Linear, Array]]) -> Array:
+def filled(programme: ConicProgramme, known: list[tuple[Linear, Array]]) -> Array:
     """Values of all variables, shape (n,); those not known are nan."""
     values = np.full(programme.size, np.nan)
     for expression, value in known:
@@ -156,7 +156,7 @@ def broken(task: Task, law: Turning, asked: Demands, places: int, ranges: bool) 
     return worst(made.programme, values)
 
 
-def variables_left(programme: Programme, values: Array) -> list[Array]:
+def variables_left(programme: ConicProgramme, values: Array) -> list[Array]:
     ends = np.cumsum([low.size for low in programme.low])
     return [
         np.arange(end - low.size, end)
@@ -165,7 +165,7 @@ def variables_left(programme: Programme, values: Array) -> list[Array]:
     ]
 
 
-def worst(programme: Programme, values: Array) -> float:
+def worst(programme: ConicProgramme, values: Array) -> float:
     matrix, bounds, cones = proof._standard_form(programme)
     spare = bounds - matrix @ values
     size = np.abs(bounds) + abs(matrix) @ np.abs(values)
@@ -177,7 +177,7 @@ def worst(programme: Programme, values: Array) -> float:
     return float(max(np.max(-spare[:flat] / np.maximum(size[:flat], 1e-300)), np.max(of_cones), np.max(outside)))
 
 
-def true_ranges(on: Cycle, law: Turning) -> Ranges:
+def true_ranges(on: CrankCycle, law: Turning) -> Ranges:
     """Ranges about the law's own q in every cell, from 60 samples each, wider by up to a fifth on each side."""
     inner = on.crank_angle_rad[:, None] + on.step_rad[:, None] * np.linspace(0.0, 1.0, 60)
     q, at = law.s(inner) ** 2, law.s(on.crank_angle_rad) ** 2
@@ -198,7 +198,7 @@ ROUNDED = 1e-11
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("ranges", [False, True])
-@pytest.mark.parametrize("seed", range(36))
+@pytest.mark.parametrize("seed", range(12))
 def test_a_convex_law_keeps_every_relation(seed: int, ranges: bool) -> None:
     """With its own figures as demands; with ranges about it the relation of the driving curve as well."""
     law, task = convex_law(seed), replace(AT_SIXTY, linkage=LINKAGES[seed % 4], load=PRESS)
@@ -288,14 +288,14 @@ SAMPLED = 1e-6
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(8))
 def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> None:
     """All four figures are priced, with ranges wider than the law's own."""
     assert broken_with_mass(seed, FIGURES) < SAMPLED
 
 
-@pytest.mark.tiers(thorough=["0", "1", "2"], rest="slow")
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.tiers(thorough=["0"], rest="slow")
+@pytest.mark.parametrize("seed", range(12))
 def test_a_dented_law_with_mass_keeps_what_its_own_figures_and_tangent_demand(seed: int) -> None:
     assert broken_with_mass(seed, FIGURES, steeper=1.0) < SAMPLED
     # Negative control: a tangent that the law does not keep
@@ -316,7 +316,7 @@ def test_without_convexity_the_roof_of_acceleration_is_kept(seed: int) -> None:
     law, task = Turning(seed, 0.6), replace(AT_SIXTY, linkage=LINKAGES[seed % 4])
     asked = replace(exact_demands(task, law), convex=False)
     for free in (asked, replace(asked, steepness=inf)):
-        assert Problem(task, free, cycle(task, 60)).is_open
+        assert LimitProblem(task, free, cycle(task, 60)).is_open
 
 
 @pytest.mark.parametrize(
@@ -359,8 +359,8 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     q = law.s(on.crank_angle_rad) ** 2
     numbers = np.arange(0, on.count, round(apart_rad / on.step_rad[0]))
     asked = Demands(0.01, 1.01 / float(np.sqrt(q.min())), steepness, convex=steepness == inf)
-    stretch = Stretch(np.arange(on.count), q, asked)
-    known = Known(np.full(on.count, asked.ratio_max**-2), np.full(on.count, inf))
+    stretch = PlacesInRow(np.arange(on.count), q, asked)
+    known = KnownRanges(np.full(on.count, asked.ratio_max**-2), np.full(on.count, inf))
     for place in numbers.tolist():
         known = known.within(place, float(q[place]), float(q[place]))
     ranges = everywhere(on, known, [stretch], [numbers.tolist()])
@@ -372,7 +372,7 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     return float(low.max()), float(high.max())
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(6))
 def test_between_checkpoints_convex_curves_stay_in_the_ranges(seed: int) -> None:
     for apart in (0.05, 0.1, 0.3):
         assert max(outside_between_checkpoints(convex_law(seed), apart)) < 1e-9
@@ -386,7 +386,7 @@ def test_between_checkpoints_a_wavy_law_leaves_the_ranges() -> None:
     assert min(below, above) > 1e-4
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(6))
 def test_between_checkpoints_a_law_stays_as_near_as_its_tangent_lets_it(seed: int) -> None:
     law = Turning(seed, 0.6)
     own = exact_demands(AT_SIXTY, law).steepness

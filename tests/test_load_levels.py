@@ -17,12 +17,11 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
-from ncgear.optimum.felt import felt
 from ncgear.optimum.loads import Affine, machine_loads
 from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
 from ncgear.optimum.makeable.search import searched
 from ncgear.optimum.makeable.wishes import Goal, Wishes
-from ncgear.optimum.task import Figures, GearSize, Prices, Task, figures
+from ncgear.optimum.task import Figures, GearSize, Prices, Task, felt, figures
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, single
 from published import AT_SIXTY, BALER_LINKAGE, USUAL
@@ -60,7 +59,7 @@ LIMITS = {
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.tiers(quick=["rms_torque_n_m"], slow=["flywheel_kg_mm2"], rest="long")
+@pytest.mark.tiers(slow=["rms_torque_n_m", "flywheel_kg_mm2"], rest="long")
 @pytest.mark.parametrize("name", LIMITS)
 def test_a_limit_is_kept_by_exact_figures_and_pressed_against(name: str) -> None:
     """The search keeps back what is between its places, which is under a thousandth with 96 knots."""

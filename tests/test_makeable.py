@@ -21,7 +21,7 @@ from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.demanded import certified_limit
 from ncgear.optimum.makeable.law import MakeableLaw, makeable_law
 from ncgear.optimum.makeable.places import cell_ends, places
-from ncgear.optimum.makeable.reached import Judged
+from ncgear.optimum.makeable.reached import JudgedLaw
 from ncgear.optimum.makeable.reached import ratios as ratios_at
 from ncgear.optimum.makeable.search import scales
 from ncgear.optimum.makeable.spline import even_knots
@@ -169,7 +169,7 @@ def gain_nearby(wishes: Wishes, found: MakeableLaw, task: Task = AT_SIXTY) -> fl
     def terms(logarithm: Array) -> list[list[Array]]:
         """All sides of all levels at all places."""
         at = ratios_at(on, rows, knots.coefficients(logarithm), [task.cycle_rad])
-        judged = Judged(wanted, on, at)
+        judged = JudgedLaw(wanted, on, at)
         return [[term + np.zeros(on.count) for term in level.terms(at, on.slider, judged.lengths)] for level in wanted]
 
     def flat(logarithm: Array) -> Array:

@@ -19,8 +19,8 @@ from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import Bound, least_acceleration
-from ncgear.optimum.certified.proof import Answer
-from ncgear.optimum.certified.sums import Weights, least_weighted_sum
+from ncgear.optimum.certified.proof import ConicAnswer
+from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum
 from ncgear.optimum.certified.tree import Effort
 from ncgear.optimum.makeable import law as makeable
 from ncgear.optimum.makeable.demanded import start_motion
@@ -173,6 +173,7 @@ def test_how_near_the_limit_was_brought_to_the_law_is_said(
     assert not_closed(BestLaw(load(path).design)) == said
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_starts_are_apart_and_the_same_again() -> None:
     """Ratios of other starts are up to twice and three times the usual ones, and never these themselves."""
@@ -437,10 +438,10 @@ def test_limits_that_no_programme_can_keep_are_refused_by_what_was_given(monkeyp
     asked = Demands(0.8, 1.3)
     assert least_acceleration(task, asked).value > 0.0
     for module in ("limit", "problem"):
-        monkeypatch.setattr(f"ncgear.optimum.certified.{module}.least", lambda *_: Answer(math.inf, None))
+        monkeypatch.setattr(f"ncgear.optimum.certified.{module}.least", lambda *_: ConicAnswer(math.inf, None))
     for sought in (
         lambda: least_acceleration(task, asked),
-        lambda: least_weighted_sum(task, asked, Weights(1e-3, 1e-2)),
+        lambda: least_weighted_sum(task, asked, PeakWeights(1e-3, 1e-2)),
     ):
         with pytest.raises(NoSuchMechanism, match="no law keeps the limits of ratio and curves") as refused:
             sought()

@@ -16,7 +16,7 @@ from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.places import Places, cell_ends, places, slider_at
 from ncgear.optimum.makeable.quantities import Place, Slider
-from ncgear.optimum.makeable.reached import Judged, lengths, ratios
+from ncgear.optimum.makeable.reached import JudgedLaw, lengths, ratios
 from ncgear.optimum.makeable.spline import even_knots
 from ncgear.optimum.task import Task, figures
 from ncgear.pitch import shape
@@ -190,7 +190,7 @@ def peaks(seed: int, steps: int) -> tuple[Array, Array]:
         Level("driven", None, 0.0, lambda at, *_: both(quantities.driven_curvature(at)), str),
     ]
     alone = [np.max(term) if number == 1 else np.max(np.abs(term)) for number, term in enumerate(terms)]
-    return Judged(levels, on, [at]).reached, np.array(alone)
+    return JudgedLaw(levels, on, [at]).reached, np.array(alone)
 
 
 def both(term: Array) -> tuple[Array, Array]:

@@ -26,8 +26,7 @@ from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.assets import scene_style
 from ncgear.drawings.page.chart_figure import DIGITS, PageChart
 from ncgear.drawings.page.chart_svg import drawn
-from ncgear.drawings.page.motion_charts import SIDE_RAD, split_angles
-from ncgear.drawings.page.page_charts import gear_charts
+from ncgear.drawings.page.charts import SIDE_RAD, gear_charts, split_angles
 from ncgear.drawings.palette import style_of_colors
 from ncgear.drawings.plots import canvas
 from ncgear.files.manifest import MANIFEST
@@ -137,6 +136,7 @@ def test_the_same_design_gives_the_same_bytes(hostile: str, tmp_path: Path) -> N
     assert reports.page_of(path) == hostile
 
 
+@pytest.mark.slow
 def test_the_page_is_small() -> None:
     assert len(reports.page("baler").encode()) < 1e6
 

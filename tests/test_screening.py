@@ -18,10 +18,10 @@ from ncgear.design.varied import accepted, checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import integrated
-from ncgear.screening import block as block_module
+from ncgear.screening import designs as block_module
 from ncgear.screening import rows as figures_module
 from ncgear.screening.batch import Batch, kind_of
-from ncgear.screening.block import MADE, Block, screened_block
+from ncgear.screening.designs import MADE, Block, screened_block
 from ncgear.screening.rows import single_figures
 from ncgear.screening.samples import Fineness, sampled
 
@@ -462,6 +462,7 @@ def frames_left_by(function: Callable[[], object]) -> int:
         gc.enable()
 
 
+@pytest.mark.tiers(slow=["wide"], rest="quick")
 @pytest.mark.parametrize(
     ("box", "refusals"),
     [(BORDER, 2), (WIDE, 5), ({"linkage.crank_mm": (300.0, 1200.0)}, 2)],

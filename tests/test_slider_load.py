@@ -30,7 +30,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import shares
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import least_acceleration, least_power
-from ncgear.optimum.family_samples import (
+from ncgear.optimum.family import (
     RETURN_POINTS,
     Family,
     sampled_laws,
@@ -39,7 +39,7 @@ from ncgear.optimum.task import Task
 from ncgear.project.drive import Drive
 from ncgear.ratio.sampled_strokes import BUMP_HEIGHT
 from ncgear.screening.batch import kind_of
-from ncgear.screening.block import screened_block
+from ncgear.screening.designs import screened_block
 from ncgear.screening.rows import single_figures
 from oracles import newton_euler
 from published import BALER_LINKAGE, FIT, OFFSET, PRESS, RPM

@@ -26,8 +26,7 @@ from ncgear.files.parts import Parts, alone_in, table_bytes
 from ncgear.files.sweep_run import Order, Swept, screening_of, swept
 from ncgear.numerics.arrays import Array
 from ncgear.screening import designs as designs_module
-from ncgear.screening.block import Block
-from ncgear.screening.designs import Designs, joined
+from ncgear.screening.designs import Block, Designs, joined
 from ncgear.screening.overview import no_overview, rank_correlations
 from ncgear.screening.rows import figure_names
 from ncgear.screening.wanted import Constraint, Objective, Wanted, best_rows, constraint_of, non_dominated, objective_of

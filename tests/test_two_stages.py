@@ -26,9 +26,9 @@ from ncgear.files.workshop.formats import Format
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.places import Places, cell_ends, places
 from ncgear.optimum.makeable.quantities import pairs
-from ncgear.optimum.makeable.reached import Judged, ratios
+from ncgear.optimum.makeable.reached import JudgedLaw, ratios
 from ncgear.optimum.makeable.search import scales
-from ncgear.optimum.makeable.spline import Rows, even_knots
+from ncgear.optimum.makeable.spline import SplineRows, even_knots
 from ncgear.optimum.makeable.wishes import TwoStages, levels
 from ncgear.optimum.task import Task
 from ncgear.optimum.task import figures as figures_of
@@ -131,7 +131,7 @@ def test_the_written_stages_in_series_are_the_written_law() -> None:
     assert np.max(np.abs(curves[1](curves[0](law["phi1_rad"])) - law["phi2_rad"])) <= 2e-6
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_sliding_is_at_the_speed_of_the_shaft_between() -> None:
     """It does not turn evenly: 2 pi/s times the derivative of the first stage's written angles."""
     first = built().table(1, "contact.csv")
@@ -217,7 +217,7 @@ def waves(cosine: tuple[float, ...], sine: tuple[float, ...] = ()) -> np.ndarray
 WHOLE, SECOND = waves((-0.7, 0.2, 0.05), (0.4, -0.1, 0.02)), waves((-0.3, 0.15), (0.1, 0.0, 0.03))
 
 
-def on_places(task: Task, steps: int) -> tuple[Places, Rows]:
+def on_places(task: Task, steps: int) -> tuple[Places, SplineRows]:
     """Places with so many steps between two knots, and the splines there."""
     knots = even_knots(KNOTS)
     on = places(task, cell_ends(task, knots.angle_rad, []), steps)
@@ -238,7 +238,7 @@ def test_levels_of_stages_are_those_of_the_built_pairs() -> None:
     train = spline_ratio_staged(even_steps(KNOTS), np.exp(WHOLE), np.exp(SECOND)).train
     made = [sized_pair(one.transmission, 100, 1.0, None) for one in train.pairs]
     wanted = levels(wishes, scales(task))
-    judged = Judged(wanted, on, at)
+    judged = JudgedLaw(wanted, on, at)
     for place, pair, rolled in zip(pairs(at), made, judged.lengths, strict=True):
         exact = np.tan(pair.largest_tangent_angle_rad.value)
         assert np.max(np.abs(quantities.tangent(place))) == pytest.approx(exact, rel=1e-5)
@@ -280,7 +280,7 @@ def angle_and_dents(task: Task, law: MakeableLaw, moved: np.ndarray) -> tuple[fl
     assert law.second is not None
     on, rows = on_places(task, 32)
     at = ratios(on, rows, coefficients(np.log(law.ratio), np.log(law.second) + moved), [task.cycle_rad, 2.0 * pi])
-    reached = Judged(law.levels, on, at).reached
+    reached = JudgedLaw(law.levels, on, at).reached
     tops = [(level.wish, top) for level, top in zip(law.levels, reached, strict=True) if level.of_pairs]
     return max(top for wish, top in tops if wish == "pressure_angle_deg"), max(t for w, t in tops if w == "convex")
 
@@ -345,6 +345,7 @@ def test_a_given_law_shared_has_far_less_angle(tmp_path: Path) -> None:
     assert min(pairs) == pytest.approx(max(pairs), rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_law_of_baler_66_shared_as_it_is() -> None:
     """A little over half of its one pair's angle, the rack's apart, and the same motion."""

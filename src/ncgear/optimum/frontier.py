@@ -96,8 +96,7 @@ def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
 def family_point(task: Task, cap_w: float) -> FamilyPoint:
     """One point of the published family, with the better of both bases of its return."""
     # Its search comes from scipy.optimize, which loads slowly
-    from ncgear.optimum.family import best_of_family
-    from ncgear.optimum.family_samples import Family, Peak
+    from ncgear.optimum.family import Family, Peak, best_of_family
 
     found = []
     for inverse in (False, True):

@@ -95,7 +95,8 @@ def machine_loads(mechanism: Mechanism, masses: Masses, crank_angle_rad: Array, 
     """
     angle = Jet.variable(crank_angle_rad, 2)
     weightless = replace(masses, gravity_m_s2=(0.0, 0.0))
-    paces = [_pace(crank_angle_rad.size, *motion) for motion in (REST, UNIT_SPEED, UNIT_ACCELERATION)]
+    motions = (REST, UNIT_SPEED, UNIT_ACCELERATION)
+    paces = [CrankPace(*(np.full(crank_angle_rad.size, one) for one in motion)) for motion in motions]
     forces = [
         mechanism.joint_forces(angle, masses, paces[0], resistance_n),
         *(mechanism.joint_forces(angle, weightless, pace, np.zeros_like(resistance_n)) for pace in paces[1:]),
@@ -118,10 +119,6 @@ def machine_loads(mechanism: Mechanism, masses: Masses, crank_angle_rad: Array, 
         inertia_kg_mm2=inertia,
         inertia_slope_kg_mm2=slope,
     )
-
-
-def _pace(count: int, speed_rad_s: float, acceleration_rad_s2: float) -> CrankPace:
-    return CrankPace(np.full(count, speed_rad_s), np.full(count, acceleration_rad_s2))
 
 
 def _joint(name: str) -> Callable[[JointForces], Vector]:

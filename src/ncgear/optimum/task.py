@@ -1,4 +1,9 @@
-"""What a mechanism has to do, the limits that it must keep, and the figures of a law for it."""
+"""What a mechanism has to do, the limits that it must keep, and the figures of a law for it.
+
+What a machine with all its masses feels is taken from the loaded machine (``ncgear.dynamics.loaded_machine``) at
+constant driving speed, so peaks are exact.  Motor power is the driving shaft's torque times its speed: positive where
+the motor drives, negative where it brakes.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +11,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, field, replace
 from math import degrees, inf, pi, tan
 
-from ncgear.dynamics.loaded_machine import RigidMachine
+from ncgear.dynamics.driving_shaft import DrivingShaft
+from ncgear.dynamics.loaded_machine import IDLE, Loads, RigidMachine, broken_cycle, largest_over, range_over
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
@@ -15,7 +21,7 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
-from ncgear.optimum.felt import felt, tooth_force_n
+from ncgear.numerics.plane import Vector
 from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.transmission import Lobes, Pair, Train, Transmission
@@ -111,7 +117,7 @@ class Limits:
     ``pressure_angle_rad`` bounds the tangent angle of the pitch curves, |atan(r1'/r1)|, not counting the rack's own;
     ``rack_angle_rad`` is the rack's own, which the limit in a design file and messages include;
     The limits from ``braking_power_w`` on
-    are of what ``ncgear.optimum.felt`` computes; the flywheel is the one for the task's speed fluctuation.  Raises
+    are of what ``ncgear.optimum.task`` computes; the flywheel is the one for the task's speed fluctuation.  Raises
     WrongInput for a value that bounds nothing, with its key in the design file.
     """
 
@@ -165,7 +171,7 @@ class Figures:
 
     ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
     cycle.  With several pairs the ratios are the whole train's, and ``convex`` means that all curves are.  The figures
-    from ``braking_power_w`` on are those of ``ncgear.optimum.felt``, None where no masses are given; ``tooth_force_n``
+    from ``braking_power_w`` on are those of ``ncgear.optimum.task``, None where no masses are given; ``tooth_force_n``
     is None as well where the size of the gears is not known or there are several pairs.
     """
 
@@ -209,7 +215,7 @@ class Prices:
 
     @property
     def of_loads(self) -> bool:
-        """Whether any figure of ``ncgear.optimum.felt`` but the peak power has a price."""
+        """Whether any figure of ``ncgear.optimum.task`` but the peak power has a price."""
         return any(getattr(self, name, 0.0) for name in LOAD_LIMITS)
 
     def of(self, found: Figures) -> float:
@@ -269,3 +275,53 @@ def _tooth_force_n(task: Task, rigid: RigidMachine, pairs: Sequence[PitchPair]) 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:
     return WrongInput(f"{value:g} given; {needed}", key=f"optimize.{key}")
+
+
+@dataclass(frozen=True)
+class Felt:
+    """Figures over one cycle.
+
+    ``braking_power_w`` is the largest power that flows back to the motor, 0 where none does.  ``rms_torque_n_m`` is the
+    root of the driving torque's mean square over the driving angle.  ``flywheel_kg_mm2`` is the inertia on the driving
+    shaft, its gear included, that keeps the wanted coefficient of speed fluctuation where the motor's torque is even:
+    the motor then delivers the mean power alone.  ``bearing_force_n`` is the largest force on the crank's bearings, the
+    teeth's apart; ``shaking_force_n`` the largest of the moving masses on the frame.
+    """
+
+    peak_power_w: float
+    braking_power_w: float
+    rms_torque_n_m: float
+    flywheel_kg_mm2: float
+    bearing_force_n: float
+    shaking_force_n: float
+
+
+def felt(rigid: RigidMachine, speed_fluctuation: float) -> Felt:
+    """The figures of a machine; the coefficient of speed fluctuation is over 0 and at most about 0.2."""
+    shaft, cycle = DrivingShaft(rigid), broken_cycle(rigid)
+    free = replace(rigid.machine, load=SliderLoad())
+    inert = RigidMachine(free, replace(rigid.masses, gravity_m_s2=(0.0, 0.0)))
+    return Felt(
+        peak_power_w=shaft.peak_power_w.value,
+        braking_power_w=shaft.braking_power_w.value,
+        rms_torque_n_m=shaft.rms_torque_n_m,
+        flywheel_kg_mm2=shaft.fluctuation.flywheel_kg_mm2(speed_fluctuation),
+        bearing_force_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing).value,
+        shaking_force_n=largest_over(inert, broken_cycle(inert), _on_frame).value,
+    )
+
+
+def _on_frame(loads: Loads) -> Vector:
+    """What the frame feels of a machine without weights and resistance: the reactions of bearings and guide."""
+    return Vector(loads.crank_bearing.x, loads.crank_bearing.y + loads.guide)
+
+
+def tooth_force_n(rigid: RigidMachine) -> float:
+    """Largest force between the teeth along the flanks' normal; infinite where flanks carry at 90 degrees or more.
+
+    All of it counts as carried at the pitch point, where the force of one pair of teeth or of several has the same arm.
+    """
+    cycle = broken_cycle(rigid)
+    least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.mesh_force.size_n))
+    # Beyond 90 degrees the size is negative
+    return inf if least < -IDLE * most else most

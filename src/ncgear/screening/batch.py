@@ -5,7 +5,7 @@ No model is made for a row that differs from a written design only in numbers th
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -22,35 +22,27 @@ from ncgear.design.laws.three_segment_stroke import (
     out_of_order,
     require_stroke_of,
 )
-from ncgear.design.mechanisms import Entry, entry_of, lengths_of
+from ncgear.design.mechanisms import entry_of, lengths_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism, Mechanisms, Output
 from ncgear.mechanisms.resistance import Resistance, TableResistance
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.project.law import load_of, lobes_of
 from ncgear.ratio.transmission import Lobes
 
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
 
-COLUMNS = {
-    "linkage",
-    "operation.speed_rpm",
-    "gears.teeth",
-    "gears.module_mm",
-    "gears.center_distance_mm",
-}
+COLUMNS = {"linkage", "operation.speed_rpm", "gears.teeth", "gears.module_mm", "gears.center_distance_mm"}
 """Keys, or groups of them, whose numbers a batch of any law reads as columns."""
 
 LAW_COLUMNS = {
     STROKE: {
         *(f"motion.{name}" for number in (1, 2, 3, 4) for name in spellings(f"theta{number}")),
-        "motion.v1_mm_s",
-        "motion.v2_mm_s",
-        "motion.a1_mm_s2",
-        "motion.a1_speed_rpm",
-        "motion.law_speed_rpm",
-        "motion.stroke_mm",
+        *(
+            f"motion.{name}"
+            for name in ("v1_mm_s", "v2_mm_s", "a1_mm_s2", "a1_speed_rpm", "law_speed_rpm", "stroke_mm")
+        ),
         "motion.return.e",
     },
     HARMONIC: {"motion.cosine", "motion.sine"},
@@ -59,7 +51,7 @@ LAW_COLUMNS = {
 
 
 @dataclass(frozen=True)
-class Kind:
+class BatchKind:
     """What the designs of one batch share; ``linkage`` is the model of its mechanism's keys."""
 
     linkage: type[Model]
@@ -78,7 +70,7 @@ class Kind:
         return key in known or key.rpartition(".")[0] in known
 
 
-def kind_of(design: Design) -> Kind | None:
+def kind_of(design: Design) -> BatchKind | None:
     """The batch that a design belongs to; None where it must be computed by itself."""
     law = _law(design)
     # Batches know outputs that slide and return.
@@ -92,7 +84,7 @@ def kind_of(design: Design) -> Kind | None:
         # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,
         # which no series along a piece resolves.
         return None
-    return Kind(type(design.linkage), law, lobes_of(design), load.working)
+    return BatchKind(type(design.linkage), law, lobes_of(design), load.working)
 
 
 def _law(design: Design) -> tuple[Hashable, ...] | None:
@@ -115,7 +107,7 @@ class Batch:
     numbers at keys of the file that take the place of its own.
     """
 
-    kind: Kind
+    kind: BatchKind
     written: tuple[Design, ...]
     follows: IndexArray
     columns: Mapping[str, Array]
@@ -174,13 +166,13 @@ class Batch:
         return [rows[number == one] for one in range(number.max() + 1)]
 
     @property
-    def _entry(self) -> Entry:
-        return entry_of(self.written[0].linkage)
+    def _mechanism_class(self) -> type[Mechanism]:
+        return entry_of(self.written[0].linkage).load()
 
     @property
     def output(self) -> Output:
         """What the mechanisms move."""
-        return self._entry.load().OUTPUT
+        return self._mechanism_class.OUTPUT
 
     @cached_property
     def _lengths(self) -> dict[str, Array]:
@@ -190,10 +182,10 @@ class Batch:
     def mechanisms(self) -> Mechanisms[Array]:
         """The mechanisms; those whose crank cannot turn fully are not refused."""
         with np.errstate(all="ignore"):
-            return self._entry.load().many(**self._lengths)
+            return self._mechanism_class.many(**self._lengths)
 
     def _mechanism(self, row: int) -> Mechanism:
-        return self._entry.load()(**{name: float(values[row]) for name, values in self._lengths.items()})
+        return self._mechanism_class(**{name: float(values[row]) for name, values in self._lengths.items()})
 
     def refused_angles(self) -> dict[int, DesignError]:
         """Why theta1 to theta4 are out of order, by the rows."""
@@ -209,27 +201,32 @@ class Batch:
 
     def refused_mechanisms(self) -> dict[int, DesignError]:
         """Why cranks cannot turn, by the rows."""
-        refused: dict[int, DesignError] = {}
-        for row in np.nonzero(~self.mechanisms.turns_fully)[0].tolist():
-            try:
-                self._mechanism(row)
-            except DesignError as error:
-                refused[row] = error.with_traceback(None)
-        return refused
+        return refusals(~self.mechanisms.turns_fully, self._mechanism)
 
     def refused_strokes(self) -> dict[int, DesignError]:
         """Why strokes in the file are not those of mechanisms that turn, by the rows."""
         given = self.given("motion.stroke_mm")
         if given is None:
             return {}
-        refused: dict[int, DesignError] = {}
         doubtful = ~np.isclose(given, self.mechanisms.stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
-        for row in np.nonzero(doubtful & self.mechanisms.turns_fully)[0].tolist():
-            try:
-                require_stroke_of(float(given[row]), self._mechanism(row))
-            except DesignError as error:
-                refused[row] = error.with_traceback(None)
-        return refused
+        return refusals(
+            doubtful & self.mechanisms.turns_fully,
+            lambda row: require_stroke_of(float(given[row]), self._mechanism(row)),
+        )
+
+
+def refusals(doubtful: Mask, require: Callable[[int], object]) -> dict[int, DesignError]:
+    """The errors that a demand raises for doubtful rows, shape (n,); rows that meet it after all are left out.
+
+    Tracebacks would keep the arrays of the batch.
+    """
+    refused: dict[int, DesignError] = {}
+    for row in np.nonzero(doubtful)[0].tolist():
+        try:
+            require(row)
+        except DesignError as error:
+            refused[row] = error.with_traceback(None)
+    return refused
 
 
 def _value(design: Design, key: str) -> Any:

@@ -16,10 +16,7 @@ from ncgear.design.varied import checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.screening.block import MADE
-from ncgear.screening.designs import Designs, as_in_file, with_figures
-
-Figures = dict[str, float]
+from ncgear.screening.designs import MADE, Designs, as_in_file, with_figures
 
 
 def _strength_of(gear: Gear) -> dict[str, Callable[[Drive], float]]:
@@ -95,7 +92,7 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
 
     ``data`` is the file's content, of a machine with so many pairs of gears.
     """
-    rows: list[Figures] = []
+    rows: list[dict[str, float]] = []
     verdicts: list[str] = []
     for place in range(len(designs.numbers)):
         values = [column[place] for column in designs.values.values()]
@@ -107,9 +104,9 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
     return with_figures(designs, more, verdicts)
 
 
-def _followed(design: Design | WrongInput, stage: str) -> tuple[Figures, str]:
+def _followed(design: Design | WrongInput, stage: str) -> tuple[dict[str, float], str]:
     """The figures of one design up to where it is refused, and its verdict."""
-    found: Figures = {}
+    found: dict[str, float] = {}
     try:
         if isinstance(design, WrongInput):
             raise design

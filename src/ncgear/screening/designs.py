@@ -1,18 +1,173 @@
-"""Rows of a sweep: designs by their numbers, with what varies, the figures found, and the verdicts."""
+"""Many designs of a sweep: what varies, and their figures, or which condition they fail, as one by one.
+
+Numbers are checked against the limits of the models as arrays, and designs of one kind are computed together.  A design
+of which no batch is sure, or whose kind knows no batch, is computed by itself.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ncgear.design.keys.base import quantity, spellings
+from ncgear.design.keys.design import Design
 from ncgear.design.space import Space
+from ncgear.design.varied import accepted, checked_design
+from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.screening.block import MADE, screened_block
+from ncgear.screening.batch import Batch, BatchKind, kind_of
+from ncgear.screening.rows import figure_names, found_of, single_figures
+from ncgear.screening.samples import Fineness, refused_at_once
+
+MADE = "made"
+
+FINENESSES = (
+    Fineness(33, (0.0, 0.25, 0.75, 1.0), (0.0, 0.45, 0.75, 0.9, 1.0)),
+    Fineness(33, (0.0, 0.1, 0.3, 0.75, 1.0), (0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.85, 0.95, 1.0)),
+    Fineness(49, (0.0, 0.1, 0.3, 0.75, 1.0), None),
+    Fineness(65, None, None),
+    Fineness(97, None, None),
+    Fineness(65),
+    Fineness(129),
+    Fineness(257),
+    Fineness(513),
+)
+"""The next one is tried where the one before does not resolve a law: few points on pieces that are short where strokes
+bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
+
+TOGETHER = 1 << 16
+"""Samples computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """What was found about n designs.
+
+    ``figures`` has an array of shape (n,) for each key, NaN where the design is refused or has no such figure; ``made``
+    (shape (n,)) says which can be made.  ``verdicts`` has a word for each: ``made``, or the key at fault and what is
+    wrong, as the design by itself is refused.
+    """
+
+    figures: dict[str, Array]
+    made: Mask
+    verdicts: tuple[str, ...]
+
+
+def screened_block(data: dict[str, Any], keys: Sequence[str], values: Array) -> Block:
+    """Figures and verdicts of designs with other numbers at some dotted keys of a checked file's plain values.
+
+    ``values`` has shape (n, keys).  Memory grows with n by the figures only.
+    """
+    numbers, written = np.asarray(values, dtype=float), checked_design(data, [], [])
+    if isinstance(written, WrongInput):
+        raise written
+    table = _Table(figure_names(written), len(numbers))
+    for batch, rows in _batches(data, written, keys, numbers):
+        computed_together(batch, rows, table)
+    for row in np.nonzero([not verdict for verdict in table.verdicts])[0].tolist():
+        design = checked_design(data, keys, numbers[row].tolist())
+        if isinstance(design, WrongInput):
+            table.refuse(row, design)
+        else:
+            table.compute(row, design)
+    return Block(table.figures, table.made, tuple(table.verdicts))
+
+
+def _batches(
+    data: dict[str, Any], written: Design, keys: Sequence[str], values: Array
+) -> Iterator[tuple[Batch, IndexArray]]:
+    """Designs that a file may hold, in batches with their rows; rows that are in none are left to be computed singly.
+
+    Rows that differ only in keys that a batch reads share one written design.
+    """
+    kind = kind_of(written)
+    read = [number for number, key in enumerate(keys) if kind is not None and kind.reads(key)]
+    others = [number for number in range(len(keys)) if number not in read]
+    sound = np.ones(len(values), dtype=bool)
+    for number in read:
+        sound &= accepted(type(written), data, keys[number], values[:, number])
+    rows, chosen = np.nonzero(sound)[0], [keys[number] for number in others]
+    combinations: dict[bytes, list[int]] = {}
+    for row, combination in zip(rows.tolist(), values[rows][:, others], strict=True):
+        combinations.setdefault(combination.tobytes(), []).append(row)
+    groups: dict[BatchKind, list[tuple[Design, list[int]]]] = {}
+    for same in combinations.values():
+        design = checked_design(data, chosen, values[same[0], others].tolist())
+        if isinstance(design, Design) and (its := kind_of(design)) is not None:
+            groups.setdefault(its, []).append((design, same))
+    for its, members in groups.items():
+        in_order = np.concatenate([same for _, same in members])
+        follows = np.repeat(np.arange(len(members)), [len(same) for _, same in members])
+        columns = {keys[number]: values[in_order, number] for number in read}
+        batch = Batch(its, tuple(design for design, _ in members), follows, columns)
+        for part in batch.parts():
+            yield batch.kept(part), in_order[part]
+
+
+class _Table:
+    """The block as it fills."""
+
+    def __init__(self, names: Sequence[str], count: int) -> None:
+        self.figures = {name: np.full(count, np.nan) for name in names}
+        self.made = np.zeros(count, dtype=bool)
+        self.verdicts = [""] * count
+
+    def refuse(self, row: int, error: DesignError) -> None:
+        """Put down why a design is refused."""
+        self.verdicts[row] = str(error)
+
+    def make(self, rows: IndexArray, figures: dict[str, Array]) -> None:
+        """Put down figures, shape (m,) each, of designs that are made."""
+        self.made[rows] = True
+        for row in rows.tolist():
+            self.verdicts[row] = MADE
+        for name, values in figures.items():
+            self.figures[name][rows] = values
+
+    def compute(self, row: int, design: Design) -> None:
+        """Compute a design by itself."""
+        try:
+            figures = single_figures(design)
+        except DesignError as error:
+            self.refuse(row, error)
+        else:
+            self.make(np.array([row]), {name: np.array([value]) for name, value in figures.items()})
+
+
+def computed_together(
+    batch: Batch, rows: IndexArray, table: _Table, finenesses: Sequence[Fineness] = FINENESSES
+) -> None:
+    """Put down what a batch is sure of, by the rows' numbers (shape (n,)).
+
+    ``finenesses`` are tried one after the other, each on all designs that those before do not resolve.
+    """
+    refused = refused_at_once(batch)
+    for place, error in refused.items():
+        table.refuse(int(rows[place]), error)
+    places = np.setdiff1d(np.arange(len(batch)), list(refused)).astype(int)
+    for fineness in finenesses:
+        if not places.size:
+            return
+        if fineness.for_strokes and not batch.kind.has_return:
+            continue
+        count, left = max(1, TOGETHER // fineness.samples(batch.kind)), list[IndexArray]()
+        for first in range(0, places.size, count):
+            part = places[first : first + count]
+            try:
+                found = found_of(batch.kept(part), fineness)
+            except DesignError:
+                # A resistance that is no smooth function: each design is refused by itself.
+                return
+            table.make(rows[part[found.made]], found.figures)
+            for place, error in found.refused.items():
+                table.refuse(int(rows[part[place]]), error)
+            left.append(np.delete(part, [*found.made.tolist(), *found.refused]))
+        places = np.concatenate(left)
+
 
 Names = np.ndarray[Any, np.dtype[np.object_]]
 

@@ -7,7 +7,6 @@ keys.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from functools import partial
 from math import degrees, pi, radians
 
 import numpy as np
@@ -29,7 +28,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import RIGHT_ANGLE_DEG, require_pushing, require_pushing_flanks
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
-from ncgear.screening.batch import Batch
+from ncgear.screening.batch import Batch, refusals
 from ncgear.screening.samples import Fineness, Sampled, Samples, sampled
 
 RESOLVED = 1e-12
@@ -102,7 +101,7 @@ def single_figures(design: Design) -> dict[str, float]:
     low, high = drive.transmission.ratio_range
     # With two stages each pair has its own curves, and only a build tells them apart.  Whether teeth can roll on the
     # curves is asked before the peaks of the motion, which take longest.
-    pitch = {} if design.gears is None or design.stages > 1 else _pitch(drive)
+    pitch = _pitch(drive) if _has_pitch(design) else {}
     check, output = drive.check, drive.linkage.OUTPUT
     speed, acceleration = output.speed.ending, output.acceleration.ending
     return {
@@ -119,27 +118,33 @@ def single_figures(design: Design) -> dict[str, float]:
     }
 
 
-WITH_MASSES = (
-    "check.peak_power_resistance_w",
-    "check.braking_power_w",
-    "check.rms_torque_n_m",
-    "check.energy_swing_j",
-)
+WITH_MASSES = ("check.peak_power_resistance_w", "check.braking_power_w", "check.rms_torque_n_m", "check.energy_swing_j")
 """Keys of the figures that only designs with masses have."""
 
 
-PITCH = (
-    "pitch.center_distance_mm",
-    "pitch.length_driving_mm",
-    "pitch.length_driven_mm",
-    "pitch.driving_convex",
-    "pitch.driven_convex",
-    "pitch.min_radius_driving_mm",
-    "pitch.min_radius_driven_mm",
-    "pitch.max_tangent_angle_deg",
-    "pitch.max_pressure_angle_deg",
-)
-"""Keys of the figures of a pair of pitch curves."""
+PITCH: dict[str, Callable[[Drive], float]] = {
+    "pitch.center_distance_mm": lambda drive: drive.pitch.center_distance_mm,
+    "pitch.length_driving_mm": lambda drive: drive.pitch.length_mm(Gear.DRIVING),
+    "pitch.length_driven_mm": lambda drive: drive.pitch.length_mm(Gear.DRIVEN),
+    "pitch.driving_convex": lambda drive: drive.pitch.convex(Gear.DRIVING),
+    "pitch.driven_convex": lambda drive: drive.pitch.convex(Gear.DRIVEN),
+    "pitch.min_radius_driving_mm": lambda drive: drive.pitch.least_radius_mm(Gear.DRIVING),
+    "pitch.min_radius_driven_mm": lambda drive: drive.pitch.least_radius_mm(Gear.DRIVEN),
+    "pitch.max_tangent_angle_deg": lambda drive: degrees(drive.pitch.largest_tangent_angle_rad.value),
+    "pitch.max_pressure_angle_deg": lambda drive: drive.pitch.largest_pressure_angle_deg(
+        radians(drive.gears.carrying_angle_deg)
+    ),
+}
+"""Keys of the figures of a pair of pitch curves, and what computes each."""
+
+
+def _has_pitch(design: Design) -> bool:
+    return design.gears is not None and design.stages == 1
+
+
+def _pitch(drive: Drive) -> dict[str, float]:
+    require_pushing_flanks(drive.pitch, drive.gears.rack)
+    return {name: float(figure(drive)) for name, figure in PITCH.items()}
 
 
 def figure_names(design: Design) -> tuple[str, ...]:
@@ -160,23 +165,7 @@ def figure_names(design: Design) -> tuple[str, ...]:
         f"check.peak_acceleration_working_{output.acceleration.ending}",
         f"check.peak_acceleration_cycle_{output.acceleration.ending}",
     )
-    return names if design.gears is None or design.stages > 1 else (*names, *PITCH)
-
-
-def _pitch(drive: Drive) -> dict[str, float]:
-    pitch = drive.pitch
-    require_pushing_flanks(pitch, drive.gears.rack)
-    return {
-        "pitch.center_distance_mm": pitch.center_distance_mm,
-        "pitch.length_driving_mm": pitch.length_mm(Gear.DRIVING),
-        "pitch.length_driven_mm": pitch.length_mm(Gear.DRIVEN),
-        "pitch.driving_convex": float(pitch.convex(Gear.DRIVING)),
-        "pitch.driven_convex": float(pitch.convex(Gear.DRIVEN)),
-        "pitch.min_radius_driving_mm": pitch.least_radius_mm(Gear.DRIVING),
-        "pitch.min_radius_driven_mm": pitch.least_radius_mm(Gear.DRIVEN),
-        "pitch.max_tangent_angle_deg": degrees(pitch.largest_tangent_angle_rad.value),
-        "pitch.max_pressure_angle_deg": pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg)),
-    }
+    return (*names, *PITCH) if _has_pitch(design) else names
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,18 +209,16 @@ def _rolling(
     racks = [design.gears.rack for design in batch.written if design.gears is not None]
     steeper = np.array([max(rack.angles_deg) for rack in racks])[batch.follows[known]]
     pushes = np.degrees(steepness) + steeper < RIGHT_ANGLE_DEG
-    refused: dict[int, DesignError] = {}
-    for row in known[~fits].tolist():
-        if (error := _refusal(partial(_require_size, batch, curves, row))) is not None:
-            refused[row] = error
-    steep = np.nonzero(fits & ~pushes)[0]
-    where = _steepest(found.samples.kept(known[steep]), batch.kind.lobes)
-    for place, at_rad in zip(steep.tolist(), where.tolist(), strict=True):
-        row = int(known[place])
-        demand = partial(require_pushing, float(steepness[place]), at_rad, racks[batch.follows[row]])
-        if (error := _refusal(demand)) is not None:
-            refused[row] = error
-    return known[fits & pushes], refused
+    steep, at_rad = fits & ~pushes, np.zeros(known.size)
+    at_rad[steep] = _steepest(found.samples.kept(known[steep]), batch.kind.lobes)
+    unfit = refusals(~fits, lambda place: _require_size(batch, curves, int(known[place])))
+    blocked = refusals(
+        steep,
+        lambda place: require_pushing(
+            float(steepness[place]), float(at_rad[place]), racks[batch.follows[known[place]]]
+        ),
+    )
+    return known[fits & pushes], {int(known[place]): error for place, error in {**unfit, **blocked}.items()}
 
 
 def _figures_of_rows(
@@ -265,18 +252,6 @@ def _figures_of_rows(
     if batch.written[0].gears is not None:
         columns |= _pitch_of_rows(kept, ranges, curves.length[rows], curves.steepest[rows])
     return sure, columns
-
-
-def _refusal(require: Callable[[], object]) -> DesignError | None:
-    """The error that a demand raises; None where it is met after all, which a single computation decides.
-
-    Its traceback would keep the arrays of the batch.
-    """
-    try:
-        require()
-    except DesignError as error:
-        return error.with_traceback(None)
-    return None
 
 
 def _force_is_seen(resistance: Resistance, displacement_mm: Array, stroke_mm: Array, known: Mask) -> Mask:

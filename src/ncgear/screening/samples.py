@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.laws.three_segment_stroke import THETAS
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanisms
@@ -36,7 +37,7 @@ from ncgear.ratio.sampled_strokes import (
 )
 from ncgear.ratio.transmission import Lobes
 from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_strokes, polynomial_at, stroke_refusals
-from ncgear.screening.batch import Batch, Kind
+from ncgear.screening.batch import Batch, BatchKind, refusals
 
 WHOLE = 0.0, 1.0
 """Ends of the one piece of an approach."""
@@ -112,13 +113,9 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
         return found
     left = _Strokes(batch.kept(rows))
     reasons: dict[int, DesignError] = dict(stroke_refusals(left.requests, left.strokes, batch.output))
-    for place in np.nonzero(~(left.strokes.theta4_rad < left.period_rad))[0].tolist():
-        if place not in reasons:
-            try:
-                require_return(float(left.strokes.theta4_rad[place]), batch.kind.lobes)
-            except DesignError as error:
-                reasons[place] = error.with_traceback(None)
-    return {**found, **{int(rows[place]): error for place, error in reasons.items()}}
+    theta4 = left.strokes.theta4_rad
+    late = refusals(~(theta4 < left.period_rad), lambda place: require_return(float(theta4[place]), batch.kind.lobes))
+    return {**found, **{int(rows[place]): error for place, error in {**late, **reasons}.items()}}
 
 
 @dataclass(frozen=True)
@@ -138,7 +135,7 @@ class Fineness:
         """Whether it differs from one of as many points by its cuts of three-segment strokes alone."""
         return self.approach != WHOLE or self.returned != THIRDS
 
-    def samples(self, kind: Kind) -> int:
+    def samples(self, kind: BatchKind) -> int:
         """How many samples a law has."""
         if not kind.has_return:
             return 2 * HARMONIC_PIECES * self.count
@@ -172,10 +169,7 @@ class _Strokes:
         """What the files ask for."""
         batch = self.batch
         return StrokeRequests(
-            theta1_rad=batch.angle_rad("theta1"),
-            theta2_rad=batch.angle_rad("theta2"),
-            theta3_rad=batch.angle_rad("theta3"),
-            theta4_rad=batch.angle_rad("theta4"),
+            *map(batch.angle_rad, THETAS),
             v1_mm_s=batch.given("motion.v1_mm_s"),
             v2_mm_s=batch.given("motion.v2_mm_s"),
             a1_mm_s2=batch.given("motion.a1_mm_s2"),

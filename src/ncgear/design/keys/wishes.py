@@ -61,7 +61,7 @@ class Wish(Model):
     hard: bool = optional("true: the law must keep it; false: it has a weight in the goal", True)
     weight: Positive | None = optional(
         "of a soft wish: 1 percent missed, of the speed, the deceleration or the cycle's driving angle, counts like so "
-        "many percent of what is to be least, of a deceleration over both strokes on each; left out: 1"
+        "many percent of what is to be least; left out: 1"
     )
 
     @classmethod

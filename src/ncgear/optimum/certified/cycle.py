@@ -15,7 +15,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.proof import DATA, UNIT
-from ncgear.optimum.loads import MachineLoads, machine_loads
+from ncgear.optimum.loads import machine_loads
 from ncgear.optimum.task import Task
 
 PLACES = 240
@@ -33,7 +33,7 @@ smooth there."""
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle:
+class CrankCycle:
     """n places of one turn of the crank, the first at the retracted dead centre, and the n cells that follow them.
 
     Of shape (n,), at the places: the crank's angle; ``slope`` and ``bend``, the magnitudes of the displacement's
@@ -70,7 +70,7 @@ class Cycle:
         return np.nonzero(gone + self.step_rad <= end_rad - start_rad + 2.0 * SAME)[0]
 
 
-def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cycle:
+def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> CrankCycle:
     """The cycle of a task at about so many even places, and at crank angles that matter, such as ends of stretches."""
     angles = _angles(task, places, at_rad)
     linkage = task.linkage
@@ -91,15 +91,18 @@ def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cyc
     outward = task.load.work_n_mm(out[: extended + 1], stroke, returning=False)
     homeward = task.load.work_n_mm(np.append(out[extended:], 0.0), stroke, returning=True)
     work = np.concatenate([np.diff(outward), np.diff(homeward)])
-    loads = _loads(task, angles)
-    return Cycle(
+    nothing = np.zeros(angles.size)
+    loads = None if task.masses is None else machine_loads(linkage, task.masses, angles, nothing)
+    # Differences of the way would lose digits at dead centres
+    way = _over_cells(task, angles, step, lambda inner: linkage.displacement(Jet.variable(inner, 1)).derivative(1))
+    return CrankCycle(
         angles,
         slope,
         np.abs(position.derivative(2)),
         force,
-        np.zeros(angles.size) if loads is None else loads.inertia_kg_mm2,
+        nothing if loads is None else loads.inertia_kg_mm2,
         step,
-        _lengths(task, angles, step),
+        np.abs(way),
         work if loads is None else work + _work_of_weights(task, angles, step),
         extended,
         max([DATA, *(UNIT / width**2 for _, width in linkage.corners)]),
@@ -137,10 +140,6 @@ def _nearest(angle_rad: float, others_rad: Sequence[float]) -> float:
     return float(np.min(np.minimum(apart, 2.0 * pi - apart)))
 
 
-def _loads(task: Task, angles: Array) -> MachineLoads | None:
-    return None if task.masses is None else machine_loads(task.linkage, task.masses, angles, np.zeros(angles.size))
-
-
 def _work_of_weights(task: Task, angles: Array, step: Array) -> Array:
     """Work in N mm that lifts the masses in each cell, shape (n,): the integral of the torque at rest."""
     masses = task.masses
@@ -152,13 +151,6 @@ def _work_of_weights(task: Task, angles: Array, step: Array) -> Array:
         angles,
         step,
         lambda inner: machine_loads(task.linkage, masses, inner, np.zeros(inner.size)).torque_n_mm.static,
-    )
-
-
-def _lengths(task: Task, angles: Array, step: Array) -> Array:
-    """Length of the slider's way in each cell, shape (n,): differences of the way would lose digits at dead centres."""
-    return np.abs(
-        _over_cells(task, angles, step, lambda inner: task.linkage.displacement(Jet.variable(inner, 1)).derivative(1))
     )
 
 

@@ -5,87 +5,45 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import field, replace
 from math import atan, inf
+from typing import TypeVar
 
 from ncgear.frozen import dataclass
+from ncgear.kinematics.wishes import DecelerationWithin, EvenSpeed, Requirement, SpeedWithin, TimeWithin
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.offers import Offer
 
+KINDS = (TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
+"""Requirements in the order in which they count."""
+
 
 @dataclass(frozen=True)
-class StretchTime:
-    """The driving gear turns at most ``at_most_rad`` while the crank turns from one angle to another.
+class WishDemand:
+    """What a wish requires of every motion; of a time the upper bound alone, the lower one being that of the rest.
 
     ``key`` is the wish's in the design file; a stretch may go on over the end of the turn.  ``shown`` says in words of
-    the wish what would have to be asked for instead, for another ``at_most_rad``.  Where a stretch must be short so
-    that the rest of the turn, a dwell, can be long, ``instead`` says what would do at the greatest ratio.
+    the wish what would have to be asked for instead, for the value that ``eased`` takes.  Where a stretch must be short
+    so that the rest of the turn, a dwell, can be long, ``instead`` says what would do at the greatest ratio.
     """
 
     key: str
-    start_rad: float
-    end_rad: float
-    at_most_rad: float
-    shown: Callable[[float], Offer] = field(default=lambda angle_rad: Offer(f"{angle_rad:.5g} rad"), compare=False)
+    asked: Requirement
+    shown: Callable[[float], Offer] = field(default=lambda value: Offer(f"{value:.5g}"), compare=False)
     instead: tuple[Offer, ...] = ()
 
-
-@dataclass(frozen=True)
-class SpeedSpread:
-    """The slider's greatest speed in a stretch of crank angles is at most ``spread`` times the least.
-
-    ``shown`` says in words of the wish what would have to be asked for instead, for another spread.
-    """
-
-    key: str
-    start_rad: float
-    end_rad: float
-    spread: float
-    shown: Callable[[float], Offer] = field(default=lambda spread: Offer(f"a spread of {spread:.5g}"), compare=False)
+    def eased(self, value: float) -> WishDemand:
+        """The demand for another time in rad or spread, for a range of speeds wider by a factor, for a deceleration."""
+        match self.asked:
+            case TimeWithin():
+                return replace(self, asked=replace(self.asked, most_rad=value))
+            case EvenSpeed():
+                return replace(self, asked=replace(self.asked, spread=value))
+            case SpeedWithin(_, least, most):
+                return replace(self, asked=replace(self.asked, least_mm_s=least / value, most_mm_s=most * value))
+            case DecelerationWithin(_, most):
+                return replace(self, asked=replace(self.asked, most_mm_s2=most * value))
 
 
-@dataclass(frozen=True)
-class SpeedRange:
-    """The slider's speed lies in a range in a stretch of crank angles, which may be one angle.
-
-    ``shown`` says in words of the wish what would have to be asked for instead, for a range that is wider by a factor:
-    so many times the greatest speed, and the least divided by it.
-    """
-
-    key: str
-    start_rad: float
-    end_rad: float
-    least_mm_s: float = 0.0
-    most_mm_s: float = inf
-    shown: Callable[[float], Offer] = field(
-        default=lambda factor: Offer(f"a range {factor:.5g} times as wide"), compare=False
-    )
-
-    def wider(self, factor: float) -> SpeedRange:
-        """The range that is wider by a factor."""
-        return replace(self, least_mm_s=self.least_mm_s / factor, most_mm_s=self.most_mm_s * factor)
-
-
-@dataclass(frozen=True)
-class GreatestDeceleration:
-    """The slider's speed falls by at most ``most_mm_s2`` in a second in a stretch of crank angles.
-
-    ``shown`` says in words of the wish what would have to be asked for instead, for so many times that.
-    """
-
-    key: str
-    start_rad: float
-    end_rad: float
-    most_mm_s2: float
-    shown: Callable[[float], Offer] = field(
-        default=lambda factor: Offer(f"{factor:.5g} times the deceleration"), compare=False
-    )
-
-    def wider(self, factor: float) -> GreatestDeceleration:
-        """The demand for so many times the deceleration."""
-        return replace(self, most_mm_s2=self.most_mm_s2 * factor)
-
-
-OfWish = StretchTime | SpeedSpread | SpeedRange | GreatestDeceleration
-"""A demand that a wish of the motion asks for."""
+Asked = TypeVar("Asked", TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
 
 
 @dataclass(frozen=True)
@@ -109,10 +67,7 @@ class Demands:
     braking_w: float = inf
     fluctuation_n_mm: float = inf
     torque_n_mm: float = inf
-    times: tuple[StretchTime, ...] = ()
-    even_speeds: tuple[SpeedSpread, ...] = ()
-    speeds: tuple[SpeedRange, ...] = ()
-    decelerations: tuple[GreatestDeceleration, ...] = ()
+    wishes: tuple[WishDemand, ...] = ()
 
     @property
     def tangent_rad(self) -> float:
@@ -122,8 +77,16 @@ class Demands:
     @property
     def places_rad(self) -> tuple[float, ...]:
         """Crank angles that should be places of the grid."""
-        stretches: tuple[OfWish, ...] = (*self.times, *self.even_speeds, *self.speeds, *self.decelerations)
-        return tuple(angle for one in stretches for angle in (one.start_rad, one.end_rad))
+        return tuple(angle for one in self.in_order for angle in one.asked.stretch)
+
+    @property
+    def in_order(self) -> list[WishDemand]:
+        """What wishes require, kind by kind."""
+        return sorted(self.wishes, key=lambda one: KINDS.index(type(one.asked)))
+
+    def requirements(self, kind: type[Asked]) -> list[Asked]:
+        """Those of one kind."""
+        return [one.asked for one in self.wishes if isinstance(one.asked, kind)]
 
 
 @dataclass(frozen=True)
@@ -149,7 +112,7 @@ class Ranges:
 
 
 @dataclass(frozen=True, eq=False)
-class Near:
+class NearMotion:
     """A motion near which others are looked for: q at the places and the mean of q'/q in the cells, shape (n,)."""
 
     q: Array

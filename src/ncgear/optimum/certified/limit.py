@@ -15,14 +15,14 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.certified.cycle import Cycle, cycle
-from ncgear.optimum.certified.demands import Demands, Near, Ranges
+from ncgear.optimum.certified.cycle import CrankCycle, cycle
+from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
 from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme, needs_times
-from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.certified.proof import Linear, least
-from ncgear.optimum.certified.ranges import cells_that_matter, stretches
+from ncgear.optimum.certified.ranges import cells_that_matter, rows_of_places
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
-from ncgear.optimum.certified.tree import Effort, Figures, Solved, Trials, Tried, bisected, motion_along
+from ncgear.optimum.certified.tree import Effort, FigureRanges, Solved, Trials, TriedMotion, bisected, motion_along
 from ncgear.optimum.task import Task
 
 PLACES_ROUGH = 960
@@ -71,11 +71,11 @@ class Bound:
         return replace(self, value=price * self.value, reach=price * self.reach)
 
 
-def problem_of(task: Task, asked: Demands, places: int | None = None) -> Problem:
+def problem_of(task: Task, asked: Demands, places: int | None = None) -> LimitProblem:
     """The problem on its grid; raises NoSuchMechanism where the ratios alone cannot close the cycle."""
     refuse_ratios(task, asked)
     count = places or (PLACES_CURVED if asked.convex else PLACES_ROUGH)
-    return Problem(task, asked, cycle(task, count, asked.places_rad))
+    return LimitProblem(task, asked, cycle(task, count, asked.places_rad))
 
 
 def least_acceleration(task: Task, asked: Demands, places: int | None = None, *, proven: bool = True) -> Bound:
@@ -86,7 +86,7 @@ def least_acceleration(task: Task, asked: Demands, places: int | None = None, *,
     """
     problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), places)
 
-    def least_value(of: Problem, curve: Ranges | Near | None) -> Tried:
+    def least_value(of: LimitProblem, curve: Ranges | NearMotion | None) -> TriedMotion:
         made = of.programme(curve, with_peak=True)
         found = tried(made, made.acceleration, lambda value: value * made.acceleration_unit_mm_s2)
         if found.value == inf and curve is None and of.is_open:
@@ -123,7 +123,7 @@ def least_power(task: Task, asked: Demands, places: int | None = None, *, proven
         found = least_of(task, asked, "power_w", places)
         return replace(found, value=max(found.value, mean_w))
 
-    def least_value(of: Problem, curve: Ranges | Near | None) -> Tried:
+    def least_value(of: LimitProblem, curve: Ranges | NearMotion | None) -> TriedMotion:
         made = of.programme(curve)
         return tried(made, made.power_squared, lambda value: sqrt(max(value, 0.0)) * made.power_unit_w)
 
@@ -156,18 +156,18 @@ def _mean_power_w(task: Task) -> float:
     return max(abs(task.work_n_mm) / 1000.0 / task.cycle_s, moving, 1e-3)
 
 
-LeastValue = Callable[[Problem, Ranges | Near | None], Tried]
+LeastValue = Callable[[LimitProblem, Ranges | NearMotion | None], TriedMotion]
 """The least value of a goal of motions within ranges or near a motion."""
 
 
-def tried(made: MotionProgramme, goal: Linear, figure: Callable[[float], float]) -> Tried:
+def tried(made: MotionProgramme, goal: Linear, figure: Callable[[float], float]) -> TriedMotion:
     """The least of a goal in a programme, as the figure that it stands for, and the motion."""
     answer = least(made.programme, goal)
     q = None if answer.near is None else q_of(made.q, answer.near)
-    return Tried(answer.value if answer.value in (inf, -inf) else figure(answer.value), q)
+    return TriedMotion(answer.value if answer.value in (inf, -inf) else figure(answer.value), q)
 
 
-def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven: bool = True) -> Bound:
+def _with_curves(problem: LimitProblem, least_value: LeastValue, name: str, *, proven: bool = True) -> Bound:
     """The least value of a goal, a demand by its name, with the driving curve convex where both curves must be."""
     problem, trials, without = _solved(problem, least_value, name)
     if not problem.asked.convex:
@@ -183,14 +183,14 @@ def _with_curves(problem: Problem, least_value: LeastValue, name: str, *, proven
         found = motion_along(trials, without)
     value = without.value
     if proven and found.value > CLOSE * value:
-        parts = stretches(problem.on, without.q, found.q)
+        parts = rows_of_places(cells_that_matter(problem.on, without.q, found.q), problem.on.count)
         value = bisected(trials, parts, without.value, found, problem.asked)
     # The motion knows no upper bounds of times, and where no motion was found along the curve it knows nothing of that
     known = found is not without and not needs_times(problem.task, problem.asked)
     return Bound(value, problem.on.count, motion_of(problem.on, found.q), found.value if known else inf)
 
 
-def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Problem, Trials, Solved]:
+def _solved(problem: LimitProblem, least_value: LeastValue, name: str) -> tuple[LimitProblem, Trials, Solved]:
     """The least value without the driving curve, and its motion; raises NoSuchMechanism where there is none.
 
     Where demands are so tight that no motion is found, of the problem with demands that are a little easier: what is
@@ -207,13 +207,13 @@ def _solved(problem: Problem, least_value: LeastValue, name: str) -> tuple[Probl
     raise NoSuchMechanism("the certified limit of these limits could not be computed", key="optimize.limits")
 
 
-def _trials(problem: Problem, least_value: LeastValue, name: str) -> Trials:
+def _trials(problem: LimitProblem, least_value: LeastValue, name: str) -> Trials:
     """What the search for ranges asks of the programmes."""
 
-    def tried_in(curve: Ranges | Near | None, figures: Figures, below: float) -> Tried:
+    def tried_in(curve: Ranges | NearMotion | None, figures: FigureRanges, below: float) -> TriedMotion:
         return least_value(problem, curve)
 
-    def programme(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
+    def programme(ranges: Ranges | None, figures: FigureRanges, below: float) -> MotionProgramme:
         return problem.under(**{name: below}).programme(ranges)
 
     return Trials(problem.on, tried_in, programme, {})
@@ -225,12 +225,12 @@ def q_of(q: Linear, variables: Array) -> Array:
     return values
 
 
-def motion_of(on: Cycle, q: Array) -> Motion:
+def motion_of(on: CrankCycle, q: Array) -> Motion:
     """The motion with such q at the places of a cycle."""
     return Motion(on.crank_angle_rad, np.sqrt(q))
 
 
-def _finer(on: Cycle, cells: IndexArray) -> list[float]:
+def _finer(on: CrankCycle, cells: IndexArray) -> list[float]:
     """Crank angles that cut cells into steps of FINE_RAD."""
     angles: list[float] = []
     for cell in cells.tolist():

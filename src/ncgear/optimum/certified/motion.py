@@ -30,35 +30,13 @@ from math import inf, isinf, log
 import numpy as np
 
 from ncgear.frozen import dataclass
+from ncgear.kinematics.wishes import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
-from ncgear.optimum.certified.driving_curve import along, curved
-from ncgear.optimum.certified.proof import Linear, Programme
+from ncgear.optimum.certified.cycle import CrankCycle
+from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
+from ncgear.optimum.certified.proof import ConicProgramme, Linear
+from ncgear.optimum.certified.ranges import along, curved
 from ncgear.optimum.task import Task
-
-
-@dataclass(frozen=True, eq=False)
-class MotionProgramme:
-    """The programme of a cycle under demands, and its variables.
-
-    ``q`` (s^2), ``turning`` (s) and ``time`` (mean of 1/s in each cell) have one expression for each place.
-    ``acceleration`` is in units of crank w^2, ``power_squared`` in units of ``power_unit_w`` squared, ``angle`` is the
-    driving angle that the cycle takes, over that which it has; one expression each.  ``figures`` are those that are
-    priced, in their units.
-    """
-
-    programme: Programme
-    q: Linear
-    turning: Linear
-    time: Linear
-    angle: Linear
-    acceleration: Linear
-    power_squared: Linear
-    acceleration_unit_mm_s2: float
-    power_unit_w: float
-    figures: dict[str, Linear]
-
 
 ROUNDING = 1e-12
 """Relative error that ranges of variables made from other ranges may have, with much to spare."""
@@ -69,9 +47,9 @@ MOST_ACCELERATION = 1e4
 
 def motion_programme(
     task: Task,
-    on: Cycle,
+    on: CrankCycle,
     asked: Demands,
-    curve: Ranges | Near | None = None,
+    curve: Ranges | NearMotion | None = None,
     *,
     closed: bool = True,
     with_peak: bool = False,
@@ -88,47 +66,39 @@ def motion_programme(
     or where it is limited.  Figures that are ``priced`` are variables within their ranges, and demands.
     """
     asked = replace(asked, **{one.name: min(one.most, getattr(asked, one.name)) for one in priced})
-    made = _Making(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
+    made = MotionProgramme(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
     made.limit_acceleration(with_peak)
     made.limit_power(powers_w)
-    made.limit_curves()
+    if asked.convex:
+        made.limit_bulge()
+    if not isinf(asked.steepness):
+        made.limit_lean()
     if isinstance(curve, Ranges):
         if asked.convex:
             made.limit_driving_curve(curve)
         if closed and needs_times(task, asked):
             made.limit_times(curve)
-    if isinstance(curve, Near):
+    if isinstance(curve, NearMotion):
         made.follow_driving_curve(curve)
     made.limit_speeds()
     made.limit_decelerations()
     made.limit_energies()
     made.least_times()
     made.take_time(closed)
-    return MotionProgramme(
-        made.programme,
-        made.q,
-        made.s,
-        made.time,
-        made.angle,
-        made.peak,
-        made.power,
-        made.unit,
-        made.power_unit_w,
-        {name: figure.value for name, figure in made.figures.items()},
-    )
+    return made
 
 
 def needs_times(task: Task, asked: Demands) -> bool:
     """Whether a longer time than the true one eases a row: those of energies, and those of stretches."""
     return (
         task.masses is not None
-        or bool(asked.times)
+        or bool(asked.requirements(TimeWithin))
         or any(not isinf(one) for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm))
     )
 
 
 @dataclass(frozen=True, eq=False)
-class Figure:
+class LimitedFigure:
     """A limited figure: its share of the most, one expression, and the least share."""
 
     share: Linear
@@ -141,19 +111,26 @@ class Figure:
         return self.share * self.most
 
 
-class _Making:
-    """A programme as it grows; each method adds the rows of one idea."""
+class MotionProgramme:
+    """The programme of a cycle under demands, and its variables; each method adds the rows of one idea.
 
-    def __init__(self, task: Task, on: Cycle, asked: Demands, known: Ranges | None, priced: Sequence[Priced]) -> None:
+    ``q`` (s^2), ``turning`` (s) and ``time`` (mean of 1/s in each cell) have one expression for each place.
+    ``acceleration`` is in units of crank w^2, ``power_squared`` in units of ``power_unit_w`` squared, ``angle`` is the
+    driving angle that the cycle takes, over that which it has; one expression each.
+    """
+
+    def __init__(
+        self, task: Task, on: CrankCycle, asked: Demands, known: Ranges | None, priced: Sequence[Priced]
+    ) -> None:
         self.task, self.on, self.asked = task, on, asked
         self.speed = task.speed_rad_s
         self.crank = task.linkage.half_way
-        self.unit = self.crank * self.speed**2
+        self.acceleration_unit_mm_s2 = self.crank * self.speed**2
         count = on.count
         self.next = np.roll(np.arange(count), -1)
         self.before = np.roll(np.arange(count), 1)
         self.after_h, self.before_h = on.step_rad, on.step_rad[self.before]
-        self.programme = Programme(error=on.error)
+        self.programme = ConicProgramme(error=on.error)
         least, most = 1.0 / asked.ratio_max, 1.0 / asked.ratio_min
         self.lowest, self.highest = np.full(count, least**2), np.full(count, most**2)
         self.lowest_time, self.highest_time = np.full(count, asked.ratio_min), np.full(count, asked.ratio_max)
@@ -169,26 +146,31 @@ class _Making:
             self.lowest_time[found] = np.maximum(self.lowest_time[found], quick)
             self.highest_time[found] = np.maximum(np.minimum(self.highest_time[found], slow), self.lowest_time[found])
         self.q = self.programme.variable(self.lowest, self.highest)
-        self.s = self.programme.variable(np.sqrt(self.lowest), np.sqrt(self.highest))
+        self.turning = self.programme.variable(np.sqrt(self.lowest), np.sqrt(self.highest))
         self.time = self.programme.variable(self.lowest_time, self.highest_time)
         self.programme.positive(self.highest - self.q)
         self.programme.positive(self.q - self.lowest)
         self.programme.positive(self.time - self.lowest_time)
-        self.programme.root(self.s, self.q)
+        self.programme.root(self.turning, self.q)
         # Half the squared speed at the places, over (crank w)^2
         self.energy = self.q * (on.slope_mm_rad**2 / (2.0 * self.crank**2))
         self.length = on.length_mm / self.crank
         self.angle = (self.time * (self.after_h / task.cycle_rad)).total()
         # Greatest decelerations that are wished in the cells, over crank w^2
         self.falls = np.full(count, inf)
-        self.figures: dict[str, Figure] = {}
+        self.priced: dict[str, LimitedFigure] = {}
         for one in priced:
             most = getattr(asked, one.name)
             least = min(one.least / most, 1.0)
             share = self.programme.variable(np.full(1, least), np.ones(1))
             self.programme.positive(1.0 - share)
             self.programme.positive(share - least)
-            self.figures[one.name] = Figure(share, least, most)
+            self.priced[one.name] = LimitedFigure(share, least, most)
+
+    @property
+    def figures(self) -> dict[str, Linear]:
+        """The priced figures, in their units."""
+        return {name: one.value for name, one in self.priced.items()}
 
     def _cap_by_power(self) -> None:
         """Ranges of q and of times that a given peak power leaves where no mass takes part."""
@@ -204,20 +186,22 @@ class _Making:
 
     def limit_acceleration(self, with_peak: bool) -> None:
         """The peak of the acceleration, over crank w^2."""
-        on, most = self.on, self.asked.acceleration_mm_s2 / self.unit
+        on, most = self.on, self.asked.acceleration_mm_s2 / self.acceleration_unit_mm_s2
         self.has_peak = with_peak or not isinf(most)
         if not self.has_peak:
-            self.peak = self._constant(np.zeros(1))
+            self.acceleration = self._constant(np.zeros(1))
             return
         self.most_acceleration = top = min(most, MOST_ACCELERATION)
-        self.peak = self.programme.variable(np.zeros(1), np.full(1, top))
-        self.programme.positive(top - self.peak)
-        everywhere = self.peak.repeated(on.count)
+        self.acceleration = self.programme.variable(np.zeros(1), np.full(1, top))
+        self.programme.positive(top - self.acceleration)
+        everywhere = self.acceleration.repeated(on.count)
         slope = self._slope()
         self.programme.positive(everywhere - slope)
         self.programme.positive(everywhere + slope)
-        if "acceleration_mm_s2" in self.figures:
-            self.programme.positive(self.figures["acceleration_mm_s2"].value * (1.0 / self.unit) - self.peak)
+        if "acceleration_mm_s2" in self.priced:
+            self.programme.positive(
+                self.priced["acceleration_mm_s2"].value * (1.0 / self.acceleration_unit_mm_s2) - self.acceleration
+            )
         dead = np.array([0, on.extended])
         self.programme.positive(everywhere[dead] - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
 
@@ -234,9 +218,9 @@ class _Making:
         What they miss is the swing of the deceleration within a cell, of first order in its step.
         """
         on = self.on
-        for limit in self.asked.decelerations:
-            most = limit.most_mm_s2 / self.unit
-            cells = on.cells_within(limit.start_rad, limit.end_rad)
+        for limit in self.asked.requirements(DecelerationWithin):
+            most = limit.most_mm_s2 / self.acceleration_unit_mm_s2
+            cells = on.cells_within(*limit.stretch)
             self.falls[cells] = np.minimum(self.falls[cells], most)
             self.programme.positive(self._slope()[cells] + most)
             # The dead centres at which one of these cells ends
@@ -248,32 +232,25 @@ class _Making:
         top = float(np.max(self.pressing, initial=0.0))
         self.power_unit_w = top if top > 0.0 else 1.0
         if self.task.masses is not None or not isinf(self.asked.power_w) or top <= 0.0:
-            self.power = self._constant(np.zeros(1))
+            self.power_squared = self._constant(np.zeros(1))
             return
         least, most = (end / top for end in powers_w)
         most = min(most, 1.0 / self.asked.ratio_min)
-        self.power = self.programme.variable(np.full(1, least**2), np.full(1, most**2))
+        self.power_squared = self.programme.variable(np.full(1, least**2), np.full(1, most**2))
         root = self.programme.variable(np.full(1, least), np.full(1, most))
-        self.programme.positive(most**2 - self.power)
-        self.programme.positive(self.power - least**2)
-        self.programme.root(root, self.power)
+        self.programme.positive(most**2 - self.power_squared)
+        self.programme.positive(self.power_squared - least**2)
+        self.programme.root(root, self.power_squared)
         share = self.pressing / top
         pressed = np.nonzero(share > 0.0)[0]
-        self.programme.positive(self.power.repeated(pressed.size) - self.q[pressed] * share[pressed] ** 2)
+        self.programme.positive(self.power_squared.repeated(pressed.size) - self.q[pressed] * share[pressed] ** 2)
         # The work of a cell at full power: time * power >= work
         lasting = self.on.work_n_mm * self.speed / (1000.0 * top * self.after_h)
         worked = np.nonzero(lasting > 0.0)[0]
         least_product = self._constant(np.sqrt(lasting[worked]))
         self.programme.product(self.time[worked], root.repeated(worked.size), least_product)
 
-    def limit_curves(self) -> None:
-        """The driven curve's convexity, and the tangent of both curves."""
-        if self.asked.convex:
-            self._bulge()
-        if not isinf(self.asked.steepness):
-            self._lean()
-
-    def _bulge(self) -> None:
+    def limit_bulge(self) -> None:
         """Three places in a row of a convex driven curve, over alpha, which is of the square of their distance."""
         near, far = self.before_h, self.after_h
         whole = np.sin(near + far)
@@ -285,19 +262,19 @@ class _Making:
         self.programme.cone(
             self.q[self.before] + self.q[self.next], 2.0 * between, self.q[self.before] - self.q[self.next]
         )
-        roots = 2.0 * (beta * self.s[self.before] + gamma * self.s[self.next])
+        roots = 2.0 * (beta * self.turning[self.before] + gamma * self.turning[self.next])
         squares = (beta**2 / alpha) * self.q[self.before] + (gamma**2 / alpha) * self.q[self.next]
         mixed = (2.0 * beta * gamma / alpha) * between
         self.programme.positive(roots + squares + mixed + alpha - self.q * (1.0 / alpha))
 
-    def _lean(self) -> None:
+    def limit_lean(self) -> None:
         """1 + s grows by at most exp(t h) from place to place, either way."""
         cells = self._leaning()
         here, there = cells, self.next[cells]
         growth = np.exp(self.asked.steepness * self.after_h[cells])
         more = np.expm1(self.asked.steepness * self.after_h[cells])
         for start, end in ((here, there), (there, here)):
-            reach = 2.0 * growth * self.s[start] + (growth**2 / more) * self.q[start] + more
+            reach = 2.0 * growth * self.turning[start] + (growth**2 / more) * self.q[start] + more
             self.programme.positive(reach - self.q[end] * (1.0 / more))
 
     def _leaning(self) -> IndexArray:
@@ -329,7 +306,7 @@ class _Making:
         lowest = first * y[number[self.before[here]]] + second * y[number[self.next[here]]] + rest
         self.programme.positive((y[inner[good]] - lowest[good]) * (1.0 / (near * far)[good]))
 
-    def follow_driving_curve(self, motion: Near) -> None:
+    def follow_driving_curve(self, motion: NearMotion) -> None:
         """Three places in a row of a driving curve that stays convex by the tangents at a motion."""
         rate = (motion.rate + motion.rate[self.before]) / 2.0
         first, second, rest = along(rate, motion.q, self.before_h, self.after_h)
@@ -374,16 +351,16 @@ class _Making:
         """Even speeds over stretches, and ranges of the speed; squared, over crank w."""
         on, per_q = self.on, (self.on.slope_mm_rad / self.crank) ** 2
         unit = self.crank * self.speed
-        for even in self.asked.even_speeds:
-            places = on.within(even.start_rad, even.end_rad)
+        for even in self.asked.requirements(EvenSpeed):
+            places = on.within(*even.stretch)
             places = places[per_q[places] > 0.0]
             top = float(np.max(per_q[places] * self.highest[places], initial=1.0))
             least = self.programme.variable(np.zeros(1), np.full(1, top))
             speed = self.q[places] * per_q[places]
             self.programme.positive(even.spread**2 * least.repeated(places.size) - speed)
             self.programme.positive(speed - least.repeated(places.size))
-        for limit in self.asked.speeds:
-            places = on.within(limit.start_rad, limit.end_rad)
+        for limit in self.asked.requirements(SpeedWithin):
+            places = on.within(*limit.stretch)
             speed = self.q[places] * per_q[places]
             self.programme.positive(speed - (limit.least_mm_s / unit) ** 2)
             if not isinf(limit.most_mm_s):
@@ -397,10 +374,10 @@ class _Making:
         given = kinetic[self.next] - kinetic + work
         if task.masses is not None:
             self._limit_flow("power_w", given)
-        elif "power_w" in self.figures:
+        elif "power_w" in self.priced:
             pressed = np.nonzero(self.pressing > 0.0)[0]
             share = self.pressing[pressed] / self.asked.power_w
-            enough = self.figures["power_w"].share.repeated(pressed.size)
+            enough = self.priced["power_w"].share.repeated(pressed.size)
             self.programme.positive(enough - self._slower()[pressed] * share)
         self._limit_flow("braking_w", -given)
         total = float(np.sum(work))
@@ -414,12 +391,12 @@ class _Making:
         if (swing := self._limit("fluctuation_n_mm")) is not None:
             self._swing(given, total, swing)
 
-    def _limit(self, name: str) -> Figure | None:
+    def _limit(self, name: str) -> LimitedFigure | None:
         """A figure that is limited, a variable if it is priced; None where it is free."""
         most = getattr(self.asked, name)
         if isinf(most):
             return None
-        return self.figures.get(name, Figure(self._constant(np.ones(1)), 1.0, most))
+        return self.priced.get(name, LimitedFigure(self._constant(np.ones(1)), 1.0, most))
 
     def _limit_flow(self, name: str, given: Linear) -> None:
         """The energy given in each cell takes its time at a peak power.
@@ -440,7 +417,7 @@ class _Making:
         chord: Linear = (self.q - self.lowest) * (1.0 / (slow + fast)) + slow
         return chord
 
-    def _swing(self, given: Linear, total: float, swing: Figure) -> None:
+    def _swing(self, given: Linear, total: float, swing: LimitedFigure) -> None:
         """The energy at each place less the mean torque's stays within a band."""
         on = self.on
         size = swing.most + abs(total)
@@ -456,7 +433,7 @@ class _Making:
     def least_times(self) -> None:
         """Upper bounds of the mean of s in a cell: its inverse is no more than the mean of 1/s."""
         one = self._constant(np.ones(self.on.count))
-        ends = (self.s + self.s[self.next]) * 0.5
+        ends = (self.turning + self.turning[self.next]) * 0.5
         if self.asked.convex:
             wide = np.tan(self.after_h / 2.0) / (self.after_h / 2.0)
             self.programme.product(self.time, wide * ends + (wide - 1.0), one)
@@ -487,7 +464,7 @@ class _Making:
             self.programme.variable(np.zeros(cells.size), top),
             self.programme.variable(np.zeros(cells.size), np.sqrt(top)),
         )
-        peak, fallen = self.peak.repeated(cells.size), np.nonzero(np.isfinite(falls))[0]
+        peak, fallen = self.acceleration.repeated(cells.size), np.nonzero(np.isfinite(falls))[0]
         fall, room = falls[fallen], there[fallen] - mean[fallen]
         if self.has_peak:
             self.programme.product(peak, 2.0 * here + 2.0 * there + peak - 4.0 * mean, there - here)
@@ -507,8 +484,8 @@ class _Making:
         """The driving angles that the cycle and its stretches have."""
         if closed:
             self.programme.positive(1.0 - self.angle)
-        for stretch in self.asked.times:
-            cells = self.on.cells_within(stretch.start_rad, stretch.end_rad)
+        for limit in self.asked.requirements(TimeWithin):
+            cells = self.on.cells_within(*limit.stretch)
             if cells.size:
                 taken = (self.time[cells] * self.after_h[cells]).total()
-                self.programme.positive((stretch.at_most_rad - taken) * (1.0 / stretch.at_most_rad))
+                self.programme.positive((limit.most_rad - taken) * (1.0 / limit.most_rad))

@@ -8,23 +8,23 @@ from math import inf, sqrt
 from typing import Any
 
 from ncgear.frozen import dataclass
-from ncgear.optimum.certified.cycle import Cycle, cycle
-from ncgear.optimum.certified.demands import Demands, Near, Ranges
+from ncgear.optimum.certified.cycle import CrankCycle, cycle
+from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.proof import least
 from ncgear.optimum.task import Task
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class LimitProblem:
     """A task under demands, on the grid of a cycle."""
 
     task: Task
     asked: Demands
-    on: Cycle
+    on: CrankCycle
 
     def programme(
-        self, curve: Ranges | Near | None = None, *, closed: bool = True, with_peak: bool = False
+        self, curve: Ranges | NearMotion | None = None, *, closed: bool = True, with_peak: bool = False
     ) -> MotionProgramme:
         """The conic programme of the motions."""
         return motion_programme(self.task, self.on, self.asked, curve, closed=closed, with_peak=with_peak)
@@ -60,15 +60,15 @@ class Problem:
         made, cells = self.programme(), self.on.cells_within(start_rad, end_rad)
         return least(made.programme, (made.time[cells] * self.on.step_rad[cells]).total()).value
 
-    def eased(self, factor: float) -> Problem:
+    def eased(self, factor: float) -> LimitProblem:
         """The problem with higher peaks and steepness."""
         names = ("acceleration_mm_s2", "power_w", "braking_w", "fluctuation_n_mm", "torque_n_mm", "steepness")
         return self.under(**{name: factor * getattr(self.asked, name) for name in names})
 
-    def under(self, **demands: Any) -> Problem:
+    def under(self, **demands: Any) -> LimitProblem:
         """The problem with other values of some demands."""
         return replace(self, asked=replace(self.asked, **demands))
 
-    def on_grid(self, places: int) -> Problem:
+    def on_grid(self, places: int) -> LimitProblem:
         """The problem on a grid of about so many places."""
         return replace(self, on=cycle(self.task, places, self.asked.places_rad))

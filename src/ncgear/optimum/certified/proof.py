@@ -88,7 +88,7 @@ class Linear:
 
 
 @dataclass
-class Programme:
+class ConicProgramme:
     """A programme as it is put together: variables with their ranges, then rows that must not be negative.
 
     ``error`` is the relative error that the numbers of its rows may have.
@@ -128,7 +128,7 @@ class Programme:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class ConicAnswer:
     """``value`` is certain: nothing allowed has less; infinite where nothing is allowed at all.
 
     ``near`` holds the solver's variables, shape (n,), close to the best; None where it found none.
@@ -138,7 +138,7 @@ class Answer:
     near: Array | None
 
 
-def least(programme: Programme, goal: Linear) -> Answer:
+def least(programme: ConicProgramme, goal: Linear) -> ConicAnswer:
     """The least value of a goal, one expression, and variables that come near it.
 
     Raises WrongInput where Clarabel is not installed.
@@ -151,7 +151,7 @@ def least(programme: Programme, goal: Linear) -> Answer:
     np.add.at(cost, goal.columns[:, 0], goal.coefficients[:, 0])
     shapes = [clarabel.NonnegativeConeT(bounds.size - 3 * cones), *[clarabel.SecondOrderConeT(3)] * cones]
     proof = Proof(matrix, bounds, cones, np.concatenate(programme.low), np.concatenate(programme.high), programme.error)
-    answer = Answer(-inf, None)
+    answer = ConicAnswer(-inf, None)
     # The rows are scaled already and the proof judges, so the first try does without what costs a third of the time
     for thorough in (False, True):
         settings = clarabel.DefaultSettings()
@@ -165,17 +165,17 @@ def least(programme: Programme, goal: Linear) -> Answer:
             continue
         if "PrimalInfeasible" in str(found.status):
             if proof.bound(np.zeros(cost.size), multipliers) > 0.0:
-                return Answer(inf, None)
+                return ConicAnswer(inf, None)
             continue
         value = proof.bound(cost, multipliers) + float(goal.constant[0])
         if value > answer.value or answer.near is None:
-            answer = Answer(max(value, answer.value), near if np.all(np.isfinite(near)) else answer.near)
+            answer = ConicAnswer(max(value, answer.value), near if np.all(np.isfinite(near)) else answer.near)
         if str(found.status) == "Solved":
             break
     return answer
 
 
-def _standard_form(programme: Programme) -> tuple[sparse.csc_matrix, Array, int]:
+def _standard_form(programme: ConicProgramme) -> tuple[sparse.csc_matrix, Array, int]:
     """A, b and the number of cones: each row b - A v is an expression that must be in its cone."""
     blocks = [*programme.rows, *_interleaved(programme.cones)]
     columns, rows, values, before = [], [], [], 0

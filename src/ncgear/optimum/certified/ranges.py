@@ -16,13 +16,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import cos, inf, sqrt
+from math import cos, inf, pi, sqrt
 
 import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.certified.cycle import Cycle
+from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import Demands, Ranges
 
 LOWER = 0.02
@@ -35,26 +35,21 @@ ROUNDING = 1e-9
 """Relative error that a range between checkpoints may have by rounding, with much to spare."""
 
 
-def halves(on: Cycle) -> list[IndexArray]:
+def halves(on: CrankCycle) -> list[IndexArray]:
     """All places of the turn, in two parts that share their ends."""
     middle = on.count // 2
     return [np.arange(middle + 1), np.append(np.arange(middle, on.count), 0)]
 
 
-def stretches(on: Cycle, without: Array, motion: Array) -> list[IndexArray]:
-    """The places at which the driving curve matters, in rows, from q without it and of a motion that keeps it."""
-    return _rows(cells_that_matter(on, without, motion), on.count)
-
-
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class PlacesInRow:
     """Places in a row in which ranges are looked for, and q there of a motion that keeps demands."""
 
     places: IndexArray
     motion: Array
     asked: Demands
 
-    def checkpoints(self, on: Cycle) -> list[int]:
+    def checkpoints(self, on: CrankCycle) -> list[int]:
         """Places of the stretch, first and last among them, between which ln q hardly leaves the chord."""
         places, ratio = self.places, 1.0 / np.sqrt(self.motion)
         if self.asked.convex:
@@ -70,22 +65,22 @@ class Stretch:
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class KnownRanges:
     """Ranges of q at the places, shape (n,)."""
 
     least: Array
     most: Array
 
-    def within(self, place: int, least: float, most: float) -> Known:
+    def within(self, place: int, least: float, most: float) -> KnownRanges:
         """The same with a range at one place, unless a narrower one is known."""
         low, high = self.least.copy(), self.most.copy()
         low[place] = max(low[place], least)
         high[place] = min(high[place], most)
-        return Known(low, high)
+        return KnownRanges(low, high)
 
-    def and_all(self, ranges: Ranges) -> Known:
+    def and_all(self, ranges: Ranges) -> KnownRanges:
         """What is known together with ranges that hold as well."""
-        return Known(np.maximum(self.least, ranges.least), np.minimum(self.most, ranges.most))
+        return KnownRanges(np.maximum(self.least, ranges.least), np.minimum(self.most, ranges.most))
 
     @property
     def empty(self) -> bool:
@@ -93,7 +88,7 @@ class Known:
         return bool(np.any(self.least > self.most))
 
 
-def cells_that_matter(on: Cycle, without: Array, motion: Array) -> IndexArray:
+def cells_that_matter(on: CrankCycle, without: Array, motion: Array) -> IndexArray:
     """The cells beside places where the driving curve is bent inwards without the relation, or flat with it."""
     matter = (_spare(on, without) < 0.0) | (_spare(on, motion) < FLAT)
     return np.nonzero(matter | np.roll(matter, -1))[0]
@@ -103,7 +98,7 @@ FLAT = 0.02
 """What is left of convexity, over the size of its terms, below which the driving curve counts as flat."""
 
 
-def _spare(on: Cycle, q: Array) -> Array:
+def _spare(on: CrankCycle, q: Array) -> Array:
     """1 + s - s s'' + s'^2 over the size of its terms, shape (n,): what is left until the driving curve is flat."""
     after, before = on.step_rad, np.roll(on.step_rad, 1)
     s = np.sqrt(q)
@@ -113,7 +108,7 @@ def _spare(on: Cycle, q: Array) -> Array:
     return spare
 
 
-def _rows(cells: IndexArray, count: int) -> list[IndexArray]:
+def rows_of_places(cells: IndexArray, count: int) -> list[IndexArray]:
     """The places of cells in a row, around the turn; gaps of two cells are closed."""
     if not cells.size:
         return []
@@ -124,7 +119,9 @@ def _rows(cells: IndexArray, count: int) -> list[IndexArray]:
     return [(part[0] + np.arange((part[-1] - part[0]) % count + 2)) % count for part in parts]
 
 
-def everywhere(on: Cycle, known: Known, stretches: Sequence[Stretch], checkpoints: Sequence[Sequence[int]]) -> Ranges:
+def everywhere(
+    on: CrankCycle, known: KnownRanges, stretches: Sequence[PlacesInRow], checkpoints: Sequence[Sequence[int]]
+) -> Ranges:
     """Ranges of q at all places and in all cells of the stretches, from those known and between checkpoints."""
     least, most = np.zeros(on.count), np.full(on.count, inf)
     least_in_cell, most_in_cell = np.zeros(on.count), np.full(on.count, inf)
@@ -204,3 +201,53 @@ def _greatest_ratio(at_ends: float, length_rad: float, most: float) -> float:
         if above(enough) <= enough:
             return enough
     return most
+
+
+# --- three places in a row of a convex driving curve -----------------------------------------------------------------
+
+
+def curved(low: Array, high: Array, before: Array, after: Array) -> tuple[Array, Array, Array, IndexArray]:
+    """y0 >= first y- + second y+ + rest where y'' <= 2 exp(-y) + 2 exp(-y/2) and y lies between ``low`` and ``high``.
+
+    The lengths of the cells on both sides, shape (k,); the last tells for which places it holds.  The right side lies
+    below its chord, a - c y.  The solutions of y'' + c y = a are a/c and waves of sqrt(c) per rad; the maximum
+    principle holds while the places are less than half a wave apart.
+    """
+    wide = np.maximum(high - low, 1e-12)
+    c = -(2.0 * np.exp(-low) * np.expm1(-wide) + 2.0 * np.exp(-low / 2.0) * np.expm1(-wide / 2.0)) / wide
+    a = 2.0 * np.exp(-low) + 2.0 * np.exp(-low / 2.0) + c * low
+    k = np.sqrt(c)
+    whole = np.sin(k * (before + after))
+    rest = -2.0 * np.sin(k * before / 2.0) * np.sin(k * after / 2.0) / np.cos(k * (before + after) / 2.0) * a / c
+    good = np.nonzero(k * (before + after) < 0.9 * pi)[0]
+    return np.sin(k * after) / whole, np.sin(k * before) / whole, rest, good
+
+
+def along(rate: Array, about: Array, before: Array, after: Array) -> tuple[Array, Array, Array]:
+    """q0 >= first q- + second q+ + rest where q'' <= 2 + 2 sqrt(q) + 2 rate q' - rate^2 q, shape (k,).
+
+    The root of q lies below its tangent at ``about``, a value near q0; where that would lose digits, it is taken
+    elsewhere.  With c = rate^2 - 1/sqrt(tangent) and k^2 = rate^2 - c the solutions are exp(rate t) times sinh of k t.
+    """
+    tangent = _tangent(rate**2, about)
+    c, d = rate**2 - 1.0 / np.sqrt(tangent), 2.0 + np.sqrt(tangent)
+    k = tangent**-0.25
+    whole = np.sinh(k * (before + after))
+    first = np.exp(rate * before) * np.sinh(k * after) / whole
+    second = np.exp(-rate * after) * np.sinh(k * before) / whole
+    rest: Array = d * (1.0 - first - second) / c
+    return first, second, rest
+
+
+LEAST_C = 0.3
+"""Size of c from which 1 - first - second, about c h^2/2, keeps twelve digits on cells of a degree or two."""
+
+
+def _tangent(product: Array, about: Array) -> Array:
+    """The value of q whose tangent is used: the one given, or the nearest with a c that is not too small."""
+    c = product - 1.0 / np.sqrt(about)
+    lifted = np.where(c >= 0.0, product - LEAST_C, product + LEAST_C)
+    lifted = np.where(lifted > 0.0, lifted, product + LEAST_C)
+    moved = 1.0 / np.maximum(lifted, 1e-3) ** 2
+    found: Array = np.where(np.abs(c) < LEAST_C, moved, about)
+    return found

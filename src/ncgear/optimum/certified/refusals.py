@@ -6,15 +6,16 @@ comes down to that which the cycle has.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import atan, degrees, exp, inf, log, pi, tan
-from typing import Any, NamedTuple
+from typing import Any
 
 from ncgear.errors import NoSuchMechanism
+from ncgear.kinematics.wishes import EvenSpeed, TimeWithin
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.optimum.certified.demands import Demands, GreatestDeceleration, OfWish, SpeedRange, SpeedSpread, StretchTime
-from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.demands import Demands, WishDemand
+from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
 
@@ -79,11 +80,9 @@ The bounds themselves hold down to 1e-12; below that, rounding decides whether t
 """
 
 
-class TooTight(Refused):
+def _too_tight(said: str, offers: Sequence[Offer], key: str) -> Refused:
     """The refusal of limits that certainly no law keeps together; each offer alone can be enough."""
-
-    def __init__(self, said: str, offers: Sequence[Offer], key: str) -> None:
-        super().__init__(said, offers, key, _can_be_enough, each=True, found=False)
+    return Refused(said, offers, key, _can_be_enough, each=True, found=False)
 
 
 def _can_be_enough(said: str, offers: Sequence[Offer]) -> str:
@@ -96,21 +95,24 @@ def _can_be_enough(said: str, offers: Sequence[Offer]) -> str:
 def refuse_ratios(task: Task, asked: Demands) -> None:
     """Refuse ratios that cannot close the cycle, or a stretch of it in its time; raises NoSuchMechanism."""
     _refuse_ratio(2.0 * pi, task.cycle_rad, asked, "the cycle")
-    for stretch in asked.times:
-        crank, most = stretch.end_rad - stretch.start_rad, stretch.at_most_rad
+    for wish in asked.wishes:
+        if not isinstance(wish.asked, TimeWithin):
+            continue
+        (start, end), most = wish.asked.stretch, wish.asked.most_rad
+        crank = end - start
         rest, least = 2.0 * pi - crank, task.cycle_rad - most
         if asked.ratio_min * crank > most:
             said = _at_one_ratio(f"least ratio of {asked.ratio_min:g}", crank, asked.ratio_min * crank)
-            offers = [stretch.shown(asked.ratio_min * crank), _ratio("ratio_min", "most", shown_below(most / crank))]
+            offers = [wish.shown(asked.ratio_min * crank), _ratio("ratio_min", "most", shown_below(most / crank))]
             said = f"{said} at most {degrees(most):.5g}"
         elif asked.ratio_max * rest < least:
             said = _at_one_ratio(f"greatest ratio of {asked.ratio_max:g}", rest, asked.ratio_max * rest)
-            own = stretch.shown(task.cycle_rad - asked.ratio_max * rest)
-            offers = [own, *stretch.instead, _ratio("ratio_max", "least", shown_above(least / rest))]
+            own = wish.shown(task.cycle_rad - asked.ratio_max * rest)
+            offers = [own, *wish.instead, _ratio("ratio_max", "least", shown_above(least / rest))]
             said = f"{said} at least {degrees(least):.5g}"
         else:
             continue
-        raise TooTight(f"{said} deg of them", offers, stretch.key)
+        raise _too_tight(f"{said} deg of them", offers, wish.key)
 
 
 def _ratio(name: str, side: str, enough: str) -> Offer:
@@ -122,54 +124,39 @@ def _at_one_ratio(ratio: str, crank_rad: float, driving_rad: float) -> str:
     return f"at the {ratio} throughout, {taken}, and the wish asks for"
 
 
-class Peak(NamedTuple):
-    """A demand that can be given too low: its name among the limits of a design file, and its unit there."""
-
-    name: str
-    unit: str
-
-    @property
-    def key(self) -> str:
-        """Its dotted key."""
-        return f"optimize.limits.{self.name}"
-
-
 PEAKS = {
-    "power_w": Peak("peak_power_w", "W"),
-    "acceleration_mm_s2": Peak("peak_acceleration_mm_s2", "mm/s^2"),
-    "braking_w": Peak("braking_power_w", "W of braking power"),
-    "torque_n_mm": Peak("rms_torque_n_m", "N m of r.m.s. torque"),
-    "fluctuation_n_mm": Peak("flywheel_kg_mm2", "kg mm^2 of flywheel"),
+    "power_w": ("peak_power_w", "W"),
+    "acceleration_mm_s2": ("peak_acceleration_mm_s2", "mm/s^2"),
+    "braking_w": ("braking_power_w", "W of braking power"),
+    "torque_n_mm": ("rms_torque_n_m", "N m of r.m.s. torque"),
+    "fluctuation_n_mm": ("flywheel_kg_mm2", "kg mm^2 of flywheel"),
 }
-"""By their names among the demands, of an output that slides."""
+"""Demands that can be given too low: the name of the limit and its unit in a design file, of an output that slides."""
 
 
-def peak_of(task: Task, name: str) -> Peak:
-    """A demand that can be given too low, in the units of the output."""
-    if name != "acceleration_mm_s2":
-        return PEAKS[name]
-    told = task.linkage.OUTPUT.acceleration
-    return Peak(f"peak_acceleration_{told.ending}", f"{told.text[:-1]}^2")
+def _key_and_unit(task: Task, name: str) -> tuple[str, str]:
+    """The dotted key of such a demand, and its unit there, in those of the output."""
+    key, unit = PEAKS[name]
+    if name == "acceleration_mm_s2":
+        told = task.linkage.OUTPUT.acceleration
+        key, unit = f"peak_acceleration_{told.ending}", f"{told.text[:-1]}^2"
+    return f"optimize.limits.{key}", unit
 
 
 def in_demand(task: Task, name: str) -> float:
     """What one unit of a limit in a design file is in the unit of the demand: power in W, torque in N mm, and so on."""
-    match name:
-        case "torque_n_mm":
-            return 1000.0
-        case "fluctuation_n_mm":
-            # Swing of energy = J w^2 times the coefficient of fluctuation; 1 N mm is 1000 kg mm^2/s^2
-            return task.speed_rad_s**2 * task.speed_fluctuation / 1000.0
-    return 1.0
+    # Swing of energy = J w^2 times the coefficient of fluctuation; 1 N mm is 1000 kg mm^2/s^2
+    swing = task.speed_rad_s**2 * task.speed_fluctuation / 1000.0
+    return {"torque_n_mm": 1000.0, "fluctuation_n_mm": swing}.get(name, 1.0)
 
 
-def too_little(task: Task, name: str, value: float, enough: float) -> TooTight:
+def too_little(task: Task, name: str, value: float, enough: float) -> Refused:
     """The refusal of a demand whose least value with the others is known."""
     said = f"{_said(task, name, value)} is too little with the other limits"
-    return TooTight(said, [_enough(task, name, enough, "at least ")], peak_of(task, name).key)
+    return _too_tight(said, [_enough(task, name, enough, "at least ")], _key_and_unit(task, name)[0])
 
 
-def refusal(problem: Problem) -> TooTight:
+def refusal(problem: LimitProblem) -> Refused:
     """The error that says why no law keeps the demands: the peaks that bind, then curves and wishes.
 
     For a peak that is too low whatever the others are, its nearest value with the others as they are, if there is one;
@@ -185,15 +172,15 @@ def refusal(problem: Problem) -> TooTight:
             other = {"power_w": " at any acceleration", "acceleration_mm_s2": " at any power"}.get(name, "")
             kept = problem if problem.under(**{name: inf}).is_open else free.under(**{name: value})
             said = f"{_said(task, name, value)} is too little{other}"
-            return TooTight(said, _offers(kept, [name]), peak_of(task, name).key)
+            return _too_tight(said, _offers(kept, [name]), _key_and_unit(task, name)[0])
     # Of two, each alone can be kept
     binding = [name for name in given if len(given) == 2 or problem.under(**{name: inf}).is_open] or list(given)
     names = sorted(binding, key=lambda name: name != "acceleration_mm_s2")
     said = " and ".join(_said(task, name, given[name]) for name in names)
-    return TooTight(f"{said} are too little together", _offers(problem, names), peak_of(task, names[0]).key)
+    return _too_tight(f"{said} are too little together", _offers(problem, names), _key_and_unit(task, names[0])[0])
 
 
-def _offers(problem: Problem, names: Sequence[str]) -> list[Offer]:
+def _offers(problem: LimitProblem, names: Sequence[str]) -> list[Offer]:
     """What would do instead of peaks that are too low: each of them higher, or something else."""
     least = [(name, value) for name in names if (value := _least(problem, name)) < inf]
     enough = [
@@ -203,12 +190,12 @@ def _offers(problem: Problem, names: Sequence[str]) -> list[Offer]:
 
 
 def _said(task: Task, name: str, value: float) -> str:
-    return f"{value / in_demand(task, name):.10g} {peak_of(task, name).unit}"
+    return f"{value / in_demand(task, name):.10g} {_key_and_unit(task, name)[1]}"
 
 
 def _enough(task: Task, name: str, value: float, before: str) -> Offer:
-    peak, enough = peak_of(task, name), shown_above(value * (1.0 + EDGE) / in_demand(task, name))
-    return Offer(f"{before}{enough} {peak.unit}", ((peak.key, float(enough)),))
+    (key, unit), enough = _key_and_unit(task, name), shown_above(value * (1.0 + EDGE) / in_demand(task, name))
+    return Offer(f"{before}{enough} {unit}", ((key, float(enough)),))
 
 
 EDGE = 1e-4
@@ -216,7 +203,7 @@ EDGE = 1e-4
 solver may find no motion.  With a third of it, it does on the baler."""
 
 
-def _least(problem: Problem, name: str) -> float:
+def _least(problem: LimitProblem, name: str) -> float:
     """Least value of a demand that is not certainly too low; infinite where there is none."""
     value = problem.least_peak(name)
     if value > 0.0:
@@ -225,79 +212,62 @@ def _least(problem: Problem, name: str) -> float:
     return inf if found is None else found[1]
 
 
-def _of_curves_and_wishes(problem: Problem) -> TooTight:
+def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
     """The refusal where no peak is enough: convex curves, the pressure angle or a wish leave no law.
 
     A wish that cannot be kept alone is told before those that cannot be kept together.
     """
-    wishes = list(_wishes(problem.asked))
-    bare = problem.under(**dict.fromkeys(WISHES, ()))
-    for kind, wish in wishes:
-        alone = bare.under(**{kind: (wish,)})
+    wishes, bare = problem.asked.in_order, problem.under(wishes=())
+    for wish in wishes:
+        alone = bare.under(wishes=(wish,))
         if bare.is_open and not alone.is_open:
-            free = _without(problem, kind, wish)
+            free = _without(problem, wish)
             kept, free = (problem, free) if free.is_open else (alone, bare)
-            offers = [*_nearest_wish(free, kind, wish), *_other_curves(kept)]
-            return TooTight("no law keeps this wish", offers, wish.key or "wishes")
-    instead = [(wish, said) for kind, wish in wishes for said in _instead_of(problem, kind, wish)]
-    offers = [*(said for _, said in instead), *_other_curves(problem)]
+            offers = [*_nearest_wish(free, wish), *_other_curves(kept)]
+            return _too_tight("no law keeps this wish", offers, wish.key or "wishes")
+    instead = _other_wishes(problem)
+    offers = [*instead, *_other_curves(problem)]
     if instead:
-        said, key = "no law keeps this wish with the other wishes", instead[0][0].key or "wishes"
+        said, key = "no law keeps this wish with the other wishes", instead[0].key or "wishes"
     else:
         said, key = "no law keeps the limits of ratio and curves and the wishes together", "optimize.limits"
-    return TooTight(said, offers, key)
+    return _too_tight(said, offers, key)
 
 
-WISHES = ("times", "even_speeds", "speeds", "decelerations")
-"""The demands that wishes of the motion ask for."""
-
-
-def _wishes(asked: Demands) -> Iterator[tuple[str, OfWish]]:
-    return ((kind, wish) for kind in WISHES for wish in getattr(asked, kind))
-
-
-def _without(problem: Problem, kind: str, wish: OfWish) -> Problem:
+def _without(problem: LimitProblem, wish: WishDemand) -> LimitProblem:
     """The problem without one of its wishes."""
-    return problem.under(**{kind: tuple(one for one in getattr(problem.asked, kind) if one is not wish)})
+    return problem.under(wishes=tuple(one for one in problem.asked.wishes if one is not wish))
 
 
-def _other_wishes(problem: Problem) -> list[Offer]:
+def _other_wishes(problem: LimitProblem) -> list[Offer]:
     """For each wish without which there may be a law, the nearest that could be asked for, with its key."""
-    return [said for kind, wish in _wishes(problem.asked) for said in _instead_of(problem, kind, wish)]
+    free = ((wish, _without(problem, wish)) for wish in problem.asked.in_order)
+    return [said for wish, without in free if without.is_open for said in _nearest_wish(without, wish)]
 
 
-def _instead_of(problem: Problem, kind: str, wish: OfWish) -> list[Offer]:
-    """The nearest that could be asked for instead of a wish, with its key; none where nothing is gained without it."""
-    free = _without(problem, kind, wish)
-    return _nearest_wish(free, kind, wish) if free.is_open else []
-
-
-def _nearest_wish(free: Problem, kind: str, wish: OfWish) -> list[Offer]:
+def _nearest_wish(free: LimitProblem, wish: WishDemand) -> list[Offer]:
     """The nearest wish that can be kept, in words, with all that ``free`` asks for; none where there is none."""
-    others = getattr(free.asked, kind)
 
-    def nearest(eased: Callable[[float], OfWish], guess: float) -> float:
-        return _eased(free, lambda value: {kind: (*others, eased(value))}, guess)
+    def nearest(guess: float) -> float:
+        return 1.0 + _eased(free, lambda more: {"wishes": (*free.asked.wishes, wish.eased(1.0 + more))}, guess)
 
-    match wish:
-        case StretchTime():
-            eased = free.least_time(wish.start_rad, wish.end_rad)
-        case SpeedSpread():
-            eased = 1.0 + nearest(lambda more: replace(wish, spread=1.0 + more), max(wish.spread - 1.0, LEAST_EASE))
-        case SpeedRange() | GreatestDeceleration():
-            eased = 1.0 + nearest(lambda more: wish.wider(1.0 + more), LEAST_EASE)
-    if eased == inf:
-        return []
-    return [replace(wish.shown(eased), key=wish.key)]
+    match wish.asked:
+        case TimeWithin(stretch):
+            eased = free.least_time(*stretch)
+        case EvenSpeed(_, spread):
+            eased = nearest(max(spread - 1.0, LEAST_EASE))
+        case _:
+            eased = nearest(LEAST_EASE)
+    return [] if eased == inf else [replace(wish.shown(eased), key=wish.key)]
 
 
-def _eased(problem: Problem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
+def _eased(problem: LimitProblem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
     """The least value with which demands that follow from it can be kept, to a share of EASED; infinite where none is.
 
     On a grid of many places, one of few places tells where to look.
     """
 
-    def turned(on: Problem, guess: float, step: float) -> tuple[float, float] | None:
+    def turned(on: LimitProblem, guess: float, step: float) -> tuple[float, float] | None:
         return turning_point(lambda value: on.under(**demands(value)).excess, guess, EASED, step)
 
     few = problem.under(**demands(guess)).on_grid(FEW_PLACES)
@@ -316,7 +286,7 @@ LEAST_EASE = 0.01
 """Where the search for a spread or a range of speeds begins, as a share of the speed."""
 
 
-def _other_curves(problem: Problem) -> list[Offer]:
+def _other_curves(problem: LimitProblem) -> list[Offer]:
     """What of the curves would do instead: the least pressure angle, or curves that are not convex."""
     asked, said = problem.asked, list[Offer]()
     if asked.steepness < inf:
@@ -345,15 +315,13 @@ def _refuse_ratio(crank_rad: float, driving_rad: float, limits: Demands, stretch
                 f"be constant; {side} is right",
                 key=f"optimize.limits.{key}",
             )
-    if limits.ratio_min > mean:
-        raise NoSuchMechanism(
-            f"at {limits.ratio_min:g} throughout, {stretch} takes {limits.ratio_min * crank_rad:.5g} rad of the "
-            f"driving gear, and it has {driving_rad:.5g}; at most {shown_below(mean)} is right",
-            key="optimize.limits.ratio_min",
-        )
-    if limits.ratio_max < mean:
-        raise NoSuchMechanism(
-            f"at {limits.ratio_max:g} throughout, {stretch} takes {limits.ratio_max * crank_rad:.5g} rad of the "
-            f"driving gear, and it has {driving_rad:.5g}; at least {shown_above(mean)} is right",
-            key="optimize.limits.ratio_max",
-        )
+    for key, given, beyond, enough in (
+        ("ratio_min", limits.ratio_min, limits.ratio_min > mean, f"at most {shown_below(mean)}"),
+        ("ratio_max", limits.ratio_max, limits.ratio_max < mean, f"at least {shown_above(mean)}"),
+    ):
+        if beyond:
+            raise NoSuchMechanism(
+                f"at {given:g} throughout, {stretch} takes {given * crank_rad:.5g} rad of the driving gear, and it has "
+                f"{driving_rad:.5g}; {enough} is right",
+                key=f"optimize.limits.{key}",
+            )

@@ -12,7 +12,7 @@ from operator import add
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.optimum.certified.demands import Demands, Near, Priced, Ranges
+from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
 from ncgear.optimum.certified.limit import (
     BISECTED,
     Bound,
@@ -26,10 +26,10 @@ from ncgear.optimum.certified.limit import (
     tried,
 )
 from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, motion_programme
-from ncgear.optimum.certified.problem import Problem
+from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import halves
-from ncgear.optimum.certified.tree import Budget, Effort, Figures, Solved, Trials, Tried, proven, whole_tree
+from ncgear.optimum.certified.tree import Budget, Effort, FigureRanges, Solved, Trials, TriedMotion, proven, whole_tree
 from ncgear.optimum.task import Task
 
 PLACES_RAISED = 120
@@ -48,7 +48,7 @@ MOST_SPLITS = 60
 
 
 @dataclass(frozen=True)
-class Weights:
+class PeakWeights:
     """What 1 mm/s^2 of peak acceleration and 1 W of peak power cost; both positive."""
 
     per_mm_s2: float
@@ -56,7 +56,7 @@ class Weights:
 
 
 def least_weighted_sum(
-    task: Task, asked: Demands, weights: Weights, places: int | None = None, tolerance: float = TOLERANCE
+    task: Task, asked: Demands, weights: PeakWeights, places: int | None = None, tolerance: float = TOLERANCE
 ) -> Bound:
     """Least weighted sum of both peaks; demands on the two peaks themselves are not looked at.
 
@@ -105,17 +105,16 @@ def least_weighted_sum(
     return Bound(queue[0][0], problem.on.count, motion)
 
 
-def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bound:
+def _sum_with_masses(problem: LimitProblem, weights: PeakWeights, tolerance: float) -> Bound:
     """The least sum by intervals of powers at each of whose ends the least acceleration is known."""
     task, asked = problem.task, problem.asked
     low = least_of(task, asked, "power_w").value
 
     def acceleration(power_w: float) -> Bound:
-        under = problem.under(power_w=power_w)
-        made = under.programme(with_peak=True)
-        answer = least(made.programme, made.acceleration)
-        near = None if answer.near is None else motion_of(problem.on, q_of(made.q, answer.near))
-        return Bound(min(answer.value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2, problem.on.count, near)
+        made = problem.under(power_w=power_w).programme(with_peak=True)
+        found = tried(made, made.acceleration, lambda value: value)
+        near = None if found.q is None else motion_of(problem.on, found.q)
+        return Bound(min(found.value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2, problem.on.count, near)
 
     free = acceleration(inf)
     powers, found = [low], [acceleration(low * (1.0 + BISECTED))]
@@ -134,12 +133,7 @@ def _sum_with_masses(problem: Problem, weights: Weights, tolerance: float) -> Bo
 # Numbers beyond all size prove nothing, and are no fault
 @np.errstate(over="ignore", invalid="ignore")
 def raised(
-    task: Task,
-    asked: Demands,
-    prices: Mapping[str, float],
-    law: Mapping[str, float],
-    motion: Motion,
-    budget: Budget,
+    task: Task, asked: Demands, prices: Mapping[str, float], law: Mapping[str, float], motion: Motion, budget: Budget
 ) -> tuple[float, Effort]:
     """A certain least sum of priced figures, by their names in ``Demands``, and what it took to prove it.
 
@@ -180,10 +174,12 @@ def _raised_on(
     return proven(tree, box, whole, tree.lacking(of_law, law))
 
 
-def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
+def _trials(problem: LimitProblem, prices: Mapping[str, float]) -> Trials:
     """The programmes of motions by the sum of priced figures."""
 
-    def programme(curve: Ranges | Near | None, figures: Figures, below: float) -> tuple[MotionProgramme, Linear]:
+    def programme(
+        curve: Ranges | NearMotion | None, figures: FigureRanges, below: float
+    ) -> tuple[MotionProgramme, Linear]:
         others = sum(price * figures[name][0] for name, price in prices.items())
         priced = [
             Priced(name, figures[name][0], min(figures[name][1], (below - others) / price + figures[name][0]))
@@ -194,12 +190,12 @@ def _trials(problem: Problem, prices: Mapping[str, float]) -> Trials:
         made.programme.positive(1.0 - total)
         return made, total
 
-    def least_value(curve: Ranges | Near | None, figures: Figures, below: float) -> Tried:
+    def least_value(curve: Ranges | NearMotion | None, figures: FigureRanges, below: float) -> TriedMotion:
         made, total = programme(curve, figures, below)
         # No figure is negative
         return tried(made, total, lambda value: max(value, 0.0) * below)
 
-    def motions(ranges: Ranges | None, figures: Figures, below: float) -> MotionProgramme:
+    def motions(ranges: Ranges | None, figures: FigureRanges, below: float) -> MotionProgramme:
         return programme(ranges, figures, below)[0]
 
     return Trials(problem.on, least_value, motions, prices)

@@ -28,15 +28,15 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.certified.cycle import Cycle
-from ncgear.optimum.certified.demands import Demands, Near, Ranges
+from ncgear.optimum.certified.cycle import CrankCycle
+from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.proof import Linear, least
-from ncgear.optimum.certified.ranges import Known, Stretch, everywhere
+from ncgear.optimum.certified.ranges import KnownRanges, PlacesInRow, everywhere
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class TriedMotion:
     """A certain least value of a programme, and q at the places of a motion near it; None where none was found."""
 
     value: float
@@ -51,7 +51,7 @@ class Solved:
     q: Array
 
 
-Figures = Mapping[str, tuple[float, float]]
+FigureRanges = Mapping[str, tuple[float, float]]
 """Ranges of the figures that a sum counts, by their names in ``Demands``."""
 
 
@@ -64,9 +64,9 @@ class Trials:
     those of the figures.
     """
 
-    on: Cycle
-    least: Callable[[Ranges | Near | None, Figures, float], Tried]
-    below: Callable[[Ranges | None, Figures, float], MotionProgramme]
+    on: CrankCycle
+    least: Callable[[Ranges | NearMotion | None, FigureRanges, float], TriedMotion]
+    below: Callable[[Ranges | None, FigureRanges, float], MotionProgramme]
     prices: Mapping[str, float]
 
 
@@ -149,7 +149,7 @@ LEAST_GAIN = 0.1
 def motion_along(trials: Trials, found: Solved) -> Solved:
     """The motion to which a few steps along the tangent of the driving curve's relation lead, from another one."""
     for _ in range(STEPS):
-        near = Near(found.q, np.log(np.roll(found.q, -1) / found.q) / trials.on.step_rad)
+        near = NearMotion(found.q, np.log(np.roll(found.q, -1) / found.q) / trials.on.step_rad)
         step = trials.least(near, {}, inf)
         if step.q is None:
             break
@@ -158,11 +158,11 @@ def motion_along(trials: Trials, found: Solved) -> Solved:
 
 
 @dataclass(frozen=True, eq=False)
-class Box:
+class MotionBox:
     """Motions in ranges of q and of figures; ``value`` is certain: none below the target has less."""
 
-    known: Known
-    figures: Figures
+    known: KnownRanges
+    figures: FigureRanges
     value: float
 
 
@@ -171,11 +171,11 @@ class Tree:
     """The stretches in which ranges of q are looked for, and what narrows and divides boxes of them."""
 
     trials: Trials
-    stretches: Sequence[Stretch]
+    stretches: Sequence[PlacesInRow]
     checkpoints: Sequence[Sequence[int]]
     budget: Budget
 
-    def emptied(self, boxes: Sequence[Box], target: float, until: int) -> list[Box]:
+    def emptied(self, boxes: Sequence[MotionBox], target: float, until: int) -> list[MotionBox]:
         """The boxes that are left of others when motions below a target are looked for in them."""
         left, stuck = list(boxes), []
         while left and self.budget.used < until:
@@ -192,7 +192,7 @@ class Tree:
             left += sorted((half for half in tried if half is not None), key=lambda half: half.value)
         return [*left, *stuck]
 
-    def narrowed(self, box: Box, target: float, worth: float = WORTH) -> Box | None:
+    def narrowed(self, box: MotionBox, target: float, worth: float = WORTH) -> MotionBox | None:
         """A box narrowed in rounds to motions below a target; None where it holds none of them."""
         while True:
             before = self.width(box)
@@ -204,7 +204,7 @@ class Tree:
                 return after
             box = after
 
-    def round(self, box: Box, target: float) -> Box | None:
+    def round(self, box: MotionBox, target: float) -> MotionBox | None:
         """A box with the range at each checkpoint, and of each figure, narrowed once; None where one is empty."""
         seen = Seen(self.trials.on.count)
         for name in box.figures if len(box.figures) > 1 else ():
@@ -236,7 +236,7 @@ class Tree:
             seen.add(answer.near[made.q.columns[0]])
         return answer.value
 
-    def bounded(self, box: Box, target: float) -> Box | None:
+    def bounded(self, box: MotionBox, target: float) -> MotionBox | None:
         """A box with all that follows between checkpoints, and its least value; None if that is not below a target."""
         ranges = self.ranges(box)
         known = box.known.and_all(ranges)
@@ -251,9 +251,9 @@ class Tree:
             # The goal is this figure
             [(name, (low, high))] = figures.items()
             figures = {name: (max(low, value / self.trials.prices[name]), high)}
-        return Box(known, figures, value)
+        return MotionBox(known, figures, value)
 
-    def halves(self, box: Box) -> list[Box]:
+    def halves(self, box: MotionBox) -> list[MotionBox]:
         """A box cut in two where ln q, or a figure of a sum, is widest; none where ln q is narrow everywhere."""
         known = box.known
         place = max(chain.from_iterable(self.checkpoints), key=lambda one: float(known.most[one] / known.least[one]))
@@ -274,22 +274,22 @@ class Tree:
 
     def lacking(self, motion: Solved, figures: Mapping[str, float]) -> float:
         """By how much the programme's least value near a motion is under the motion's own: the grid lacks it."""
-        known = Known(motion.q / WIDENED, motion.q * WIDENED)
+        known = KnownRanges(motion.q / WIDENED, motion.q * WIDENED)
         room = (WIDENED - 1.0) * motion.value
         about = {
             name: (value / WIDENED, value * WIDENED + room / self.trials.prices[name])
             for name, value in figures.items()
         }
         self.budget.spend(1)
-        found = self.trials.least(self.ranges(Box(known, about, 0.0)), about, WIDENED * motion.value)
+        found = self.trials.least(self.ranges(MotionBox(known, about, 0.0)), about, WIDENED * motion.value)
         return max(motion.value - found.value, 0.0)
 
-    def width(self, box: Box) -> float:
+    def width(self, box: MotionBox) -> float:
         """The sum of the widths of ln q at the checkpoints."""
         places = list(chain.from_iterable(self.checkpoints))
         return float(np.sum(np.log(box.known.most[places] / box.known.least[places])))
 
-    def ranges(self, box: Box) -> Ranges:
+    def ranges(self, box: MotionBox) -> Ranges:
         """Ranges of q everywhere in the stretches."""
         return everywhere(self.trials.on, box.known, self.stretches, self.checkpoints)
 
@@ -330,7 +330,7 @@ def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion
     return box.value
 
 
-def proven(tree: Tree, whole: Box, law: float, lacking: float) -> tuple[float, Effort]:
+def proven(tree: Tree, whole: MotionBox, law: float, lacking: float) -> tuple[float, Effort]:
     """A certain least value, from boxes into which the whole one is divided, and what it took.
 
     ``law`` is a value that a law has, ``lacking`` what the grid misses of it.
@@ -358,10 +358,10 @@ def proven(tree: Tree, whole: Box, law: float, lacking: float) -> tuple[float, E
 
 def whole_tree(
     trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands, budget: Budget
-) -> tuple[Tree, Box]:
+) -> tuple[Tree, MotionBox]:
     """The tree and the box of all motions, with ranges in parts of the turn; see ``bisected``."""
     on = trials.on
-    stretches = [Stretch(places, motion.q[places], asked) for places in parts]
-    known = Known(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
+    stretches = [PlacesInRow(places, motion.q[places], asked) for places in parts]
+    known = KnownRanges(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
     tree = Tree(trials, stretches, [stretch.checkpoints(on) for stretch in stretches], budget)
-    return tree, Box(known, dict.fromkeys(trials.prices, (0.0, inf)), without)
+    return tree, MotionBox(known, dict.fromkeys(trials.prices, (0.0, inf)), without)

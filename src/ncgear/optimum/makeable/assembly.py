@@ -17,9 +17,8 @@ from scipy import sparse
 from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place, Slider
-from ncgear.optimum.makeable.rows import Rows, closing_terms, level_terms
-from ncgear.optimum.makeable.spline import NEAR
-from ncgear.optimum.makeable.spline import Rows as SplineRows
+from ncgear.optimum.makeable.rows import ProgrammeRows, closing_terms, level_terms
+from ncgear.optimum.makeable.spline import NEAR, SplineRows
 
 LOCAL = 3
 """Of a ratio at a place: its logarithm, and the first two derivatives of that by the crank's angle."""
@@ -54,7 +53,7 @@ def local_terms(levels: Sequence[Level], pairs: int) -> LocalTerms:
         means.append(casadi.SX.sym("mean"))
         return means[-1]
 
-    at = [_place(*casadi.vertsplit(one)) for one in ratio]
+    at = [Place(f, casadi.exp(f), casadi.exp(-f), *rates) for f, *rates in map(casadi.vertsplit, ratio)]
     terms = level_terms(levels, at, Slider(*casadi.vertsplit(data)), length, mean_of)
     every = casadi.vertcat(*(term for own in terms for term in own), *closing_terms(at))
     variables, weights = casadi.vertcat(*ratio, *length, *means), casadi.SX.sym("weights", every.shape[0])
@@ -68,10 +67,6 @@ def local_terms(levels: Sequence[Level], pairs: int) -> LocalTerms:
         np.array(slopes.sparsity().get_triplet(), dtype=int),
         np.array(bends.sparsity().get_triplet(), dtype=int),
     )
-
-
-def _place(logarithm: Any, first: Any, second: Any) -> Place:
-    return Place(logarithm, casadi.exp(logarithm), casadi.exp(-logarithm), first, second)
 
 
 def _entries(matrix: Any) -> Any:
@@ -109,7 +104,7 @@ class Assembly:
     """Splines at all places of rows, and the rows' local terms."""
 
     local: LocalTerms
-    rows: Rows
+    rows: ProgrammeRows
     basis: SplineRows
     knots: int
     pairs: int

@@ -21,23 +21,22 @@ from ncgear.kinematics.wishes import (
 )
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.demands import Demands, GreatestDeceleration, OfWish, SpeedRange, SpeedSpread, StretchTime
+from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
-from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, too_little
-from ncgear.optimum.certified.sums import Weights, least_weighted_sum, raised
+from ncgear.optimum.certified.refusals import LEAST_ROOM, PEAKS, in_demand, refusal, too_little
+from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.driving_ranges import sure_crank
 from ncgear.optimum.makeable.motion_wishes import deceleration_offer, evenness_offer, speed_offer, time_offer
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer
-from ncgear.optimum.task import Figures, Task
+from ncgear.optimum.task import LOAD_LIMITS, Figures, Task
 
-OF_LOADS = {"braking_power_w": "braking_w", "rms_torque_n_m": "torque_n_mm", "flywheel_kg_mm2": "fluctuation_n_mm"}
-"""Figures of a machine's loads that the limit knows, and their names among its demands."""
-
-
-DEMANDS = {"peak_acceleration_mm_s2": "acceleration_mm_s2", "peak_power_w": "power_w", **OF_LOADS}
+DEMANDS = {figure: name for name, (figure, _) in PEAKS.items()}
 """All figures that the limit knows, and their names among its demands."""
+
+OF_LOADS = {figure: DEMANDS[figure] for figure in LOAD_LIMITS if figure in DEMANDS}
+"""Those of a machine's loads."""
 
 
 def knows_loads(task: Task, wishes: Wishes) -> bool:
@@ -65,6 +64,7 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         for one in _demands(task, wish, requirement, limits.ratio_max)
     ]
     one_pair, loads_known = wishes.two_stages is None, knows_loads(task, wishes)
+    of_loads = {name: getattr(limits, figure) if loads_known else None for figure, name in OF_LOADS.items()}
     return Demands(
         ratio_min=fastest,
         ratio_max=limits.ratio_max,
@@ -73,14 +73,8 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
         convex=wishes.convex and one_pair,
         acceleration_mm_s2=limits.peak_acceleration_mm_s2 or inf,
         power_w=(limits.peak_power_w if loads_known else None) or inf,
-        **{
-            name: _of_load(task, figure, getattr(limits, figure) if loads_known else None)
-            for figure, name in OF_LOADS.items()
-        },
-        times=tuple(one for one in asked if isinstance(one, StretchTime)),
-        even_speeds=tuple(one for one in asked if isinstance(one, SpeedSpread)),
-        speeds=tuple(one for one in asked if isinstance(one, SpeedRange)),
-        decelerations=tuple(one for one in asked if isinstance(one, GreatestDeceleration)),
+        **{name: inf if value is None else value * in_demand(task, name) for name, value in of_loads.items()},
+        wishes=tuple(asked),
     )
 
 
@@ -102,23 +96,14 @@ def _refuse_slow_gear(task: Task, limit_rad_s: float | None) -> None:
         )
 
 
-def _of_load(task: Task, figure: str, value: float | None) -> float:
-    """The demand that a limit of a load is: N mm for torques, and for the energy that a flywheel takes."""
-    return inf if value is None else value * in_demand(task, OF_LOADS[figure])
-
-
-def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> Iterator[OfWish]:
+def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> Iterator[WishDemand]:
     match asked:
-        case SpeedWithin(stretch, least, most):
-
-            def wider(factor: float) -> Offer:
-                return speed_offer(wish, asked, log(factor))
-
-            yield SpeedRange(wish.key, *stretch, least, most, wider)
-        case EvenSpeed(stretch, spread):
-            yield SpeedSpread(wish.key, *stretch, spread, lambda other: evenness_offer(wish, log(other)))
-        case DecelerationWithin(stretch, most):
-            yield GreatestDeceleration(wish.key, *stretch, most, lambda factor: deceleration_offer(wish, asked, factor))
+        case SpeedWithin():
+            yield WishDemand(wish.key, asked, lambda factor: speed_offer(wish, asked, log(factor)))
+        case EvenSpeed():
+            yield WishDemand(wish.key, asked, lambda other: evenness_offer(wish, log(other)))
+        case DecelerationWithin():
+            yield WishDemand(wish.key, asked, lambda factor: deceleration_offer(wish, asked, factor))
         case TimeWithin(stretch, least, most):
             if most < inf:
                 yield _time(task, wish, stretch, most, 1.0)
@@ -127,11 +112,11 @@ def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> It
                 yield replace(longest, instead=_wider_dwell(task, wish, ratio_max))
 
 
-def _time(task: Task, wish: Wish, stretch: CrankStretch, at_most_rad: float, sign: float) -> StretchTime:
+def _time(task: Task, wish: Wish, stretch: CrankStretch, most_rad: float, sign: float) -> WishDemand:
     def shown(other_rad: float) -> Offer:
-        return time_offer(wish, other_rad - at_most_rad, sign, task.cycle_rad)
+        return time_offer(wish, other_rad - most_rad, sign, task.cycle_rad)
 
-    return StretchTime(wish.key, *stretch, at_most_rad, shown)
+    return WishDemand(wish.key, TimeWithin(stretch, most_rad=most_rad), shown)
 
 
 def _wider_dwell(task: Task, wish: Wish, ratio_max: float) -> tuple[Offer, ...]:
@@ -153,9 +138,9 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
     priced = _known_prices(task, wishes)
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
         _refuse_together(task, asked)
-        weights = Weights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
+        weights = PeakWeights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
         return least_weighted_sum(task, asked, weights)
-    found = [bound for name, price in priced.items() if (bound := _alone(task, asked, name, price)) is not None]
+    found = [_alone(task, asked, name, price) for name, price in priced.items()]
     if not found:
         _refuse_together(task, asked)
         return None
@@ -205,24 +190,15 @@ def raised_limit(
     return replace(bound, value=max(bound.value, value), effort=effort)
 
 
-def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound | None:
-    """The limit of one figure times its price; None where no limit of it is known."""
-    if name == "peak_acceleration_mm_s2":
-        return _not_under(task, asked, "acceleration_mm_s2", least_acceleration(task, asked)).times(price)
-    if name == "peak_power_w":
-        return _not_under(task, asked, "power_w", least_power(task, asked)).times(price)
-    if name in OF_LOADS:
-        demand = OF_LOADS[name]
-        return _not_under(task, asked, demand, least_of(task, asked, demand)).times(price / in_demand(task, demand))
-    return None
-
-
-def _not_under(task: Task, asked: Demands, name: str, bound: Bound) -> Bound:
-    """The least value of a demand that is limited itself; raises NoSuchMechanism for a limit under it."""
-    given = getattr(asked, name)
+def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound:
+    """The limit of one figure times its price; raises NoSuchMechanism where the figure is limited to less."""
+    demand = DEMANDS[name]
+    alone = {"acceleration_mm_s2": least_acceleration, "power_w": least_power}.get(demand)
+    bound = least_of(task, asked, demand) if alone is None else alone(task, asked)
+    given = getattr(asked, demand)
     if given < bound.value:
-        raise too_little(task, name, given, bound.value)
-    return bound
+        raise too_little(task, demand, given, bound.value)
+    return bound.times(price / in_demand(task, demand))
 
 
 def _refuse_together(task: Task, asked: Demands) -> None:
@@ -245,10 +221,7 @@ def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Moti
     return motion
 
 
-NOT_COVERED = {
-    "peak_jerk_mm_s3": "jerk",
-    "curvature_turns": "least radius or undercut",
-}
+NOT_COVERED = {"peak_jerk_mm_s3": "jerk", "curvature_turns": "least radius or undercut"}
 
 DRIVING_RANGE = "gentle stops over some driving angles"
 """Where a law within the ratios may be outside a range, no bound holds for every law."""

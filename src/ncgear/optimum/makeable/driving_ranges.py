@@ -32,7 +32,7 @@ LEAST = 1e-3
 """Crank angle in rad that a stretch keeps, from end to end and to the dead centre that it begins or ends at."""
 
 
-class Law(Protocol):
+class FoundLaw(Protocol):
     """What a search finds."""
 
     @property
@@ -47,7 +47,7 @@ class Law(Protocol):
         """What is to be least."""
 
 
-Found = TypeVar("Found", bound=Law)
+Found = TypeVar("Found", bound=FoundLaw)
 
 
 def sure_crank(driving: DrivingRange, cycle_rad: float, ratio_min: float, ratio_max: float) -> CrankStretch:

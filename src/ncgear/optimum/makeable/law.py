@@ -21,7 +21,7 @@ from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.driving_ranges import best_held, held_as, ranges
 from ncgear.optimum.makeable.levels import OF_LIMITS, Level
 from ncgear.optimum.makeable.programme import Solution
-from ncgear.optimum.makeable.search import Kept, Search, goal_weights, kept, searched
+from ncgear.optimum.makeable.search import Kept, Search, cost, goal_weights, kept, searched
 from ncgear.optimum.makeable.wishes import CONVEX, Wishes
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
@@ -92,8 +92,7 @@ class MakeableLaw:
 
     def cost(self, first: float) -> float:
         """What was to be least with what soft wishes cost where it is ``first``."""
-        least = np.array([level.least for level in self.levels])
-        return float(goal_weights(self.levels, first) @ np.maximum(self.reached, least))
+        return cost(self.levels, goal_weights(self.levels, first), self.reached)
 
 
 def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
@@ -138,15 +137,14 @@ def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> Makeable
 
     See ``Search.elsewhere``.
     """
-    search = searched(task, held_as(wishes, start, task.cycle_rad))
-    found = kept(search, search.elsewhere(search.begun(start), number))
-    return None if found is None else _weighed(search, law_of(search, found))
+    return _kept_law(task, held_as(wishes, start, task.cycle_rad), start, number)
 
 
-def _kept_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw | None:
-    """The best law found from a motion; None where none is."""
+def _kept_law(task: Task, wishes: Wishes, start: Motion, number: int | None = None) -> MakeableLaw | None:
+    """The best law found from a motion, or from another start with a number; None where none is."""
     search = searched(task, wishes)
-    found = kept(search, search.begun(start))
+    begun = search.begun(start)
+    found = kept(search, begun if number is None else search.elsewhere(begun, number))
     return None if found is None else _weighed(search, law_of(search, found))
 
 
@@ -170,7 +168,7 @@ def _kept_at_last(search: Search, start: Array) -> MakeableLaw:
 
 
 def _nearest(search: Search, start: Array) -> Solution:
-    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, start)
+    near = search.nearest(start)
     if near is None:
         raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
     return near
@@ -196,9 +194,10 @@ def _kept_between(search: Search, near: Array) -> MakeableLaw:
     raise _offered(BETWEEN, eased, each=False)
 
 
-def _kept_without(search: Search, wishes: Sequence[str], start: Array | Solution) -> Kept | None:
-    """Coefficients that keep all limits but some everywhere, and those as nearly as they can."""
-    return kept(_freed(search, wishes), start)
+def _kept_without(search: Search, wishes: Sequence[str], *starts: Array | Solution) -> Kept | None:
+    """Coefficients that keep all limits but some everywhere, and those as nearly as they can, from the first start."""
+    freed = _freed(search, wishes)
+    return next((found for start in starts if (found := kept(freed, start)) is not None), None)
 
 
 def _freed(search: Search, wishes: Sequence[str]) -> Search:
@@ -229,29 +228,28 @@ def law_of(search: Search, found: Kept) -> MakeableLaw:
 
 
 def _cannot_be(search: Search, near: Solution) -> Refused:
-    """The refusal: what each limit would have to be with all the others, or all of them together."""
-    if found := list(_easings(search, near)):
-        return _offered(NONE, found)
-    return _offered(NONE, list(_easings_together(search, near)), each=False)
+    """The refusal: what each limit would have to be with all the others, or several of them together."""
+    alone = [
+        easing
+        for wish, found in _eased(search, near)
+        for easing in _easing(search, wish, search.reached(found.coefficients))
+    ]
+    if alone:
+        return _offered(NONE, alone)
+    freed, found = _freed_together(search, near, lambda level: True)
+    reached = None if found is None else search.reached(found.coefficients)
+    eased = [] if reached is None else [list(_easing(search, wish, reached)) for wish in freed]
+    return _offered(NONE, list(chain(*eased)) if all(eased) else [], each=False)
 
 
 def _offered(said: str, easings: Sequence[Offer], *, each: bool = True) -> Refused:
     key = easings[0].key if easings else "optimize.limits"
-    return Refused(said, easings, key, _each_enough if each else _all_enough, each=each, found=True)
+    enough = "one of these is enough" if each else "all of these are enough together"
+    return Refused(said, easings, key, partial(_told, enough), each=each, found=True)
 
 
-def _each_enough(said: str, offers: Sequence[Offer]) -> str:
-    return f"{said}; one of these is enough: {', '.join(map(str, offers)) or 'none known'}"
-
-
-def _all_enough(said: str, offers: Sequence[Offer]) -> str:
-    return f"{said}; all of these are enough together: {', '.join(map(str, offers)) or 'none known'}"
-
-
-def _easings(search: Search, near: Solution) -> Iterator[Offer]:
-    """For each wish that presses, the nearest value with which all others can be kept, if there is one."""
-    for wish, found in _eased(search, near):
-        yield from _easing(search, wish, search.reached(found.coefficients))
+def _told(enough: str, said: str, offers: Sequence[Offer]) -> str:
+    return f"{said}; {enough}: {', '.join(map(str, offers)) or 'none known'}"
 
 
 def _eased(search: Search, near: Solution) -> Iterator[tuple[str, Solution]]:
@@ -277,19 +275,21 @@ def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[E
     For wishes that no law keeps all of.  Laws of few knots are looked for, which take about a second: with more knots
     less easing may do.  Empty where no law was found, and where one oversteps all limits by no more than ``over``.
     """
-    for most in FEW_KNOTS:
-        few = replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))
-        if found := list(_found_instead(searched(task, few), over)):
-            return found
-    return []
+    found = (list(_found_instead(search, over)) for search in _few_knots(task, wishes))
+    return next(filter(None, found), [])
+
+
+def _few_knots(task: Task, wishes: Wishes) -> Iterator[Search]:
+    """The searches for laws of few knots, one after the other."""
+    return (searched(task, replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))) for most in FEW_KNOTS)
 
 
 def _found_instead(search: Search, over: float) -> Iterator[Eased]:
-    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, search.begun(EVEN))
+    near = search.nearest(search.begun(EVEN))
     if near is None or near.excess <= over:
         return
     for wish, found in _eased(search, near):
-        law = _kept_without(search, [wish], found) or _kept_without(search, [wish], found.coefficients)
+        law = _kept_without(search, [wish], found, found.coefficients)
         if law is not None and list(_easing(search, wish, law.reached)):
             yield _eased_by(search, [wish], law.reached)
 
@@ -300,15 +300,6 @@ def _eased_by(search: Search, wishes: Sequence[str], reached: Array) -> Eased:
         return list(chain(*(_easing(search, wish, levels) for wish in wishes)))
 
     return eased
-
-
-def _easings_together(search: Search, near: Solution) -> Iterator[Offer]:
-    """Values of several wishes that are enough together, where no single one is."""
-    freed, found = _freed_together(search, near, lambda level: True)
-    if found is not None:
-        reached = search.reached(found.coefficients)
-        eased = [list(_easing(search, wish, reached)) for wish in freed]
-        yield from chain(*eased) if all(eased) else ()
 
 
 def _freed_together(
@@ -342,21 +333,18 @@ def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Eased |
 
     Wishes give way as well unless ``limits_alone``.  None where no law was found.
     """
-    for most in FEW_KNOTS:
-        few = replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))
-        if (found := _found_together(searched(task, few), limits_alone)) is not None:
-            return found
-    return None
+    found = (_found_together(search, limits_alone) for search in _few_knots(task, wishes))
+    return next((one for one in found if one is not None), None)
 
 
 def _found_together(search: Search, limits_alone: bool) -> Eased | None:
-    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, search.begun(EVEN))
+    near = search.nearest(search.begun(EVEN))
     if near is None:
         return None
     freed, found = _freed_together(search, near, lambda level: not limits_alone or level.group == OF_LIMITS)
     if found is None:
         return None
-    law = _kept_without(search, freed, found) or _kept_without(search, freed, found.coefficients)
+    law = _kept_without(search, freed, found, found.coefficients)
     return None if law is None else _eased_by(search, freed, law.reached)
 
 
@@ -370,7 +358,7 @@ def _from_even(search: Search) -> Kept | None:
     begun = search.begun(EVEN)
     if (found := kept(search, begun)) is not None:
         return found
-    near = search.programme.nearest(search.caps, np.zeros(search.caps.size), 1.0, begun)
+    near = search.nearest(begun)
     return None if near is None or near.excess > NO_EXCESS else kept(search, near.coefficients)
 
 

@@ -6,21 +6,26 @@ the terms, how far they spread, an integral of them over the driving angle, or h
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
-from math import inf, pi
+from math import inf, pi, sqrt
+from typing import Any
 
+import numpy as np
+
+from ncgear.dynamics.driving_shaft import KG_MM2
 from ncgear.frozen import dataclass
+from ncgear.kinematics.wishes import CrankStretch
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.bounds import shown_above
+from ncgear.numerics.units import N_M_PER_N_MM
+from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs, with_shaft_between
 from ncgear.optimum.offers import Offer
+from ncgear.optimum.task import Limits, Prices, Task
 
 OF_LIMITS = "optimize.limits."
 """The group of keys of limits, with its dot."""
-
-
-def limit_offer(name: str, words: str, number: str) -> Offer:
-    """The offer of a limit by its name under ``optimize.limits``; its number stands in the words for the braces."""
-    return Offer(words.format(number), ((f"{OF_LIMITS}{name}", float(number)),))
 
 
 Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
@@ -50,23 +55,7 @@ class Kind(Enum):
     """The largest less the least value of the running integral of every term less its mean, over the whole turn."""
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """The crank angles from ``start_rad`` on to ``end_rad``: one place where both are equal, a turn at most.
-
-    ``start_rad`` is between minus a turn and a turn, so that a stretch may lie around the retracted dead centre.
-    """
-
-    start_rad: float
-    end_rad: float
-
-    def __post_init__(self) -> None:
-        turn = 2.0 * pi
-        if not (abs(self.start_rad) <= turn and 0.0 <= self.end_rad - self.start_rad <= turn):
-            raise ValueError(f"no stretch of a turn: from {self.start_rad:g} to {self.end_rad:g} rad")
-
-
-TURN = Stretch(0.0, 2.0 * pi)
+TURN = CrankStretch(0.0, 2.0 * pi)
 
 
 @dataclass(frozen=True)
@@ -90,7 +79,7 @@ class Level:
     of_pairs: bool = False
     widest: float = inf
     kind: Kind = Kind.PEAK
-    stretch: Stretch = TURN
+    stretch: CrankStretch = TURN
     target: float = 0.0
     group: str = OF_LIMITS
     floor: float = -inf
@@ -118,3 +107,121 @@ class Level:
         return tuple(
             side for at, length in zip(pairs(ratios), lengths, strict=True) for side in self.sides(at, slider, length)
         )
+
+
+def limit_offer(name: str, words: str, number: str) -> Offer:
+    """The offer of a limit by its name under ``optimize.limits``; its number stands in the words for the braces."""
+    return Offer(words.format(number), ((f"{OF_LIMITS}{name}", float(number)),))
+
+
+def limited(
+    name: str, words: str, number: Callable[[float], str], limit: float | None, weight: float, sides: Sides, **more: Any
+) -> Level:
+    """The level of a limit by its name under ``optimize.limits``; ``number`` writes the user's limit for a level."""
+    return Level(name, limit, weight, sides, lambda level: limit_offer(name, words, number(level)), **more)
+
+
+# --- what a machine feels with its masses, in units of the order of what a crank that turns evenly feels -----------
+
+LEAST_N_MM, LEAST_N = 1.0, 1e-3
+"""Least units of torque and force, for a machine that feels next to nothing."""
+
+ROUND = 1e-4
+"""Force, in its unit, by which the size of a force is rounded where it is zero; at a peak of one unit it adds 5e-9."""
+
+
+@dataclass(frozen=True)
+class MachineScales:
+    """A machine with masses, and units of its driving torque in N mm and of forces in N on bearings and frame."""
+
+    task: Task
+    torque_n_mm: float
+    bearing_n: float
+    shaking_n: float
+
+
+def machine_scales(task: Task, slider: Slider) -> MachineScales:
+    """What a crank that turns evenly feels; the columns of ``slider`` are at places around the turn, (n,) each."""
+    even, turning_rad_s = Place(0.0, 1.0, 1.0, 0.0, 0.0), task.speed_rad_s * 2.0 * pi / task.cycle_rad
+
+    def largest(term: Term) -> float:
+        return float(np.max(np.abs(term)))
+
+    def size(force: tuple[Array, Array]) -> float:
+        return max(largest(np.hypot(*force)), LEAST_N)
+
+    return MachineScales(
+        task,
+        max(largest(quantities.driving_torque(even, slider, turning_rad_s)), LEAST_N_MM),
+        size(quantities.bearing_force(even, slider, turning_rad_s)),
+        size(quantities.shaking_force(even, slider, turning_rad_s)),
+    )
+
+
+def of_loads(units: MachineScales, limits: Limits, prices: Prices) -> Iterator[Level]:
+    """The levels of all limits and prices on what the machine feels: the figures of these names in ``Figures``."""
+    task, speed, torque = units.task, units.task.speed_rad_s, units.torque_n_mm
+
+    def driving(at: Place, slider: Slider, _: Term = 0.0) -> Term:
+        return quantities.driving_torque(at, slider, speed) / torque
+
+    def level(name: str, words: str, unit: float, sides: Sides, kind: Kind = Kind.PEAK) -> Iterator[Level]:
+        """The level of a figure that has a limit or a price; ``unit`` is what one unit of it is in the figure's."""
+        limit, price = getattr(limits, name), getattr(prices, name, 0.0)
+        if limit is not None or price:
+            cap = None if limit is None else limit / unit
+            yield limited(name, words, lambda level: shown_above(level * unit), cap, price * unit, sides, kind=kind)
+
+    def size(force: Callable[[Place, Slider, Term], tuple[Term, Term]], unit: float) -> Sides:
+        def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+            along, across = force(at, slider, speed)
+            return (((along / unit) ** 2 + (across / unit) ** 2 + ROUND**2) ** 0.5,)
+
+        return sides
+
+    per_power = torque * speed * N_M_PER_N_MM
+    yield from level("peak_power_w", "a peak power of {} W", per_power, lambda *at: (driving(*at),))
+    # Nothing is gained by a shaft that never brakes
+    yield from level("braking_power_w", "a braking power of {} W", per_power, lambda *at: (-driving(*at), 0.0))
+    limit, unit = limits.rms_torque_n_m, torque * N_M_PER_N_MM
+    if limit is not None or prices.rms_torque_n_m:
+        # The mean of the squared torque: a price on it alone makes the root least too
+        yield limited(
+            "rms_torque_n_m",
+            "an r.m.s. torque of {} N m",
+            lambda level: shown_above(sqrt(max(level, 0.0)) * unit),
+            None if limit is None else (limit / unit) ** 2,
+            prices.rms_torque_n_m,
+            lambda *at: (driving(*at) ** 2 / task.cycle_rad,),
+            kind=Kind.INTEGRAL,
+        )
+    per_swing = KG_MM2 * torque / (task.speed_fluctuation * speed**2)
+    words = "a flywheel of {} kg mm^2"
+    yield from level("flywheel_kg_mm2", words, per_swing, lambda *at: (driving(*at),), Kind.SWING)
+    bearing, shaking = units.bearing_n, units.shaking_n
+    words = "a force of {} N on the crank's bearings"
+    yield from level("bearing_force_n", words, bearing, size(quantities.bearing_force, bearing))
+    words = "a force of {} N on the frame"
+    yield from level("shaking_force_n", words, shaking, size(quantities.shaking_force, shaking))
+    if limits.tooth_force_n is not None:
+        yield _tooth_force(task, limits.tooth_force_n)
+
+
+def _tooth_force(task: Task, limit: float) -> Level:
+    """The force of the flanks that carry: of those that do not, the other sign is far under the limit."""
+    size = task.gears
+    assert size is not None
+    lobes, idle = task.lobes.driving, size.idle_angle_rad
+    angles = size.rack_angle_rad, size.rack_angle_rad if idle is None else idle
+
+    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
+        distance = size.center_distance_mm
+        if size.teeth is not None and size.module_mm is not None:
+            distance = size.teeth * pi * size.module_mm / (lobes * length)
+        # Of the driven gear
+        torque = quantities.driving_torque(at, slider, task.speed_rad_s) * at.ratio
+        pushing, back = quantities.inverse_levers(at, angles)
+        return torque * pushing / distance / limit, -torque * back / distance / limit
+
+    words = "a force of {} N between the teeth"
+    return limited("tooth_force_n", words, lambda level: shown_above(level * limit), 1.0, 0.0, sides)

@@ -13,11 +13,12 @@ from math import pi
 import numpy as np
 
 from ncgear.frozen import dataclass
+from ncgear.kinematics.wishes import CrankStretch
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.optimum.loads import machine_loads
-from ncgear.optimum.makeable.levels import TURN, Stretch
+from ncgear.optimum.makeable.levels import TURN
 from ncgear.optimum.makeable.quantities import Slider
 from ncgear.optimum.task import Task
 
@@ -62,41 +63,35 @@ class Places:
         """Weights of all places in an integral over phi2 over the whole turn, shape (m,)."""
         return self.integral_weights(TURN)
 
-    def cells(self, stretch: Stretch) -> IndexArray:
+    def cells(self, stretch: CrankStretch) -> IndexArray:
         """Numbers of the cells in a stretch whose ends are ends of cells."""
         middle = (self.ends_rad[1:] + self.ends_rad[:-1]) / 2.0
         return np.nonzero((middle - stretch.start_rad) % A_TURN < stretch.end_rad - stretch.start_rad)[0]
 
-    def within(self, stretch: Stretch) -> IndexArray:
+    def within(self, stretch: CrankStretch) -> IndexArray:
         """Numbers of the places in a stretch; of all at its one angle, where it has no length."""
         if stretch.end_rad > stretch.start_rad:
             return np.unique(self.number[self.cells(stretch)])
         apart = np.abs((self.angle_rad - stretch.start_rad + pi) % A_TURN - pi)
         return np.nonzero(apart <= apart.min() + APART)[0]
 
-    def integral_weights(self, stretch: Stretch) -> Array:
+    def integral_weights(self, stretch: CrankStretch) -> Array:
         """Weights of all places in an integral over phi2 over a stretch, shape (m,)."""
         cells, weights = self.cells(stretch), np.zeros(self.count)
         np.add.at(weights, self.number[cells], self.weight[cells])
         return weights
 
 
-def cell_ends(task: Task, knots_rad: Array, stretches: Iterable[Stretch]) -> Array:
+def cell_ends(task: Task, knots_rad: Array, stretches: Iterable[CrankStretch]) -> Array:
     """Ends of the cells, from 0 to a turn; dead centres and ends of stretches stay exactly where they are."""
-    stroke, working = task.linkage.stroke_mm, task.linkage.working_angle_rad
-    corners = np.concatenate([_corners_rad(task, stroke, returning) for returning in (False, True)])
+    sharp = {returning: task.load.knots_mm(task.linkage.stroke_mm, returning) for returning in (False, True)}
+    crank = [task.linkage.crank_angle(at, np.full(at.size, back)) if at.size else at for back, at in sharp.items()]
     asked = np.array([end for stretch in stretches for end in (stretch.start_rad, stretch.end_rad)]) % A_TURN
-    ends = np.array([0.0, working, A_TURN])
-    for others in (asked, corners, knots_rad):
+    ends = np.array([0.0, task.linkage.working_angle_rad, A_TURN])
+    for others in (asked, np.concatenate(crank), knots_rad):
         near = np.abs(others[:, None] - ends).min(axis=1, initial=np.inf) <= APART
         ends = np.unique(np.concatenate([ends, others[~near]]))
     return np.delete(ends, 1 + np.nonzero(np.diff(ends[1:-1]) <= APART)[0])
-
-
-def _corners_rad(task: Task, stroke_mm: float, returning: bool) -> Array:
-    """Crank angles of one stroke at which its load turns or is sharp, shape (n,)."""
-    sharp = task.load.knots_mm(stroke_mm, returning)
-    return task.linkage.crank_angle(sharp, np.full(sharp.size, returning)) if sharp.size else sharp
 
 
 def places(task: Task, ends_rad: Array, steps: int) -> Places:

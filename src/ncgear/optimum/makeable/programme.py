@@ -20,10 +20,9 @@ from ncgear.optimum.makeable.assembly import Assembly, local_terms
 from ncgear.optimum.makeable.levels import Kind, Level
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place
-from ncgear.optimum.makeable.reached import Judged, ratios, running
-from ncgear.optimum.makeable.rows import Rows, rows_of
-from ncgear.optimum.makeable.spline import Knots
-from ncgear.optimum.makeable.spline import Rows as SplineRows
+from ncgear.optimum.makeable.reached import JudgedLaw, ratios, running
+from ncgear.optimum.makeable.rows import ProgrammeRows, rows_of
+from ncgear.optimum.makeable.spline import Knots, SplineRows
 
 SOLVED = {"Solve_Succeeded", "Solved_To_Acceptable_Level"}
 STOPPED = "User_Requested_Stop"
@@ -37,11 +36,13 @@ AHEAD = 0.1
 class Solution:
     """A local optimum: coefficients of every spline, shape (pairs n,); all variables and multipliers, to go on from.
 
-    ``excess`` is by how much all caps are overstepped; ``pressing`` holds each cap's multiplier, shape (levels,).
+    ``excess`` is by how much all caps are overstepped; ``levels`` has what every level is at the programme's places,
+    ``pressing`` each cap's multiplier, shape (levels,).
     """
 
     coefficients: Array
     excess: float
+    levels: Array
     pressing: Array
     variables: Any
     of_bounds: Any
@@ -58,7 +59,7 @@ class Programme:
     levels: Sequence[Level]
     knots: Knots
     basis: SplineRows
-    rows: Rows
+    rows: ProgrammeRows
     cycles_rad: Sequence[float]
     afresh: Any
     onwards: Any
@@ -119,7 +120,13 @@ class Programme:
             return None
         values, pressing = np.array(answer["x"])[:, 0], np.array(answer["lam_x"])[of_levels, 0]
         return Solution(
-            values[:size], float(values[of_excess]), pressing, answer["x"], answer["lam_x"], answer["lam_g"]
+            values[:size],
+            float(values[of_excess]),
+            values[of_levels],
+            pressing,
+            answer["x"],
+            answer["lam_x"],
+            answer["lam_g"],
         )
 
     def _row_bounds(
@@ -147,7 +154,7 @@ class Programme:
         """All variables from coefficients: those of the whole so that rows hold with room, or are zero."""
         at, columns = self.rows.at, self.rows.columns
         law = ratios(at, self.basis, coefficients, self.cycles_rad)
-        judged = Judged(self.levels, at, law)
+        judged = JudgedLaw(self.levels, at, law)
         floors = np.array([level.least for level in self.levels])
         whole = np.zeros(self.rows.wholes)
         whole[: columns.first_mean] = judged.lengths

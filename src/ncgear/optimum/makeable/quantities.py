@@ -124,10 +124,7 @@ def inverse_levers(at: Place, angles_rad: tuple[float, float]) -> tuple[Term, Te
     steep = tangent(at)
     per_radius = (1.0 + at.slope) * (1.0 + steep**2) ** 0.5
     pushing, back = angles_rad
-    return (
-        per_radius / (cos(pushing) - steep * sin(pushing)),
-        per_radius / (cos(back) + steep * sin(back)),
-    )
+    return (per_radius / (cos(pushing) - steep * sin(pushing)), per_radius / (cos(back) + steep * sin(back)))
 
 
 def tangent(at: Place) -> Term:
@@ -167,7 +164,15 @@ def pairs(ratios: Sequence[Place]) -> tuple[Place, ...]:
     if len(ratios) == 1:
         return (ratios[0],)
     whole, second = ratios
-    return _first_pair(whole, second), second
+    bend = whole.first - second.first
+    first = Place(
+        whole.log - second.log,
+        whole.ratio * second.slope,
+        whole.slope * second.ratio,
+        second.slope * bend,
+        second.slope**2 * (whole.second - second.second - second.first * bend),
+    )
+    return first, second
 
 
 def with_shaft_between(slider: Slider, ratios: Sequence[Place]) -> Slider:
@@ -185,14 +190,3 @@ def length_rates(ratios: Sequence[Place]) -> tuple[Term, ...]:
         return (length_rate(ratios[0]),)
     first, second = pairs(ratios)
     return length_rate(first) * second.ratio, length_rate(second)
-
-
-def _first_pair(whole: Place, second: Place) -> Place:
-    bend = whole.first - second.first
-    return Place(
-        whole.log - second.log,
-        whole.ratio * second.slope,
-        whole.slope * second.ratio,
-        second.slope * bend,
-        second.slope**2 * (whole.second - second.second - second.first * bend),
-    )

@@ -16,14 +16,14 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.makeable.levels import Kind, Level
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place, length_rates
-from ncgear.optimum.makeable.rows import Block, closing_terms, level_terms
-from ncgear.optimum.makeable.spline import Rows
+from ncgear.optimum.makeable.rows import RowBlock, closing_terms, level_terms
+from ncgear.optimum.makeable.spline import SplineRows
 
 CLOSE_RAD = 1e-7
 """Deviation that counts as none: a law's rounded ratios close an angle to a thousandth of this."""
 
 
-def ratios(at: Places, rows: Rows, coefficients: Array, cycles_rad: Sequence[float]) -> tuple[Place, ...]:
+def ratios(at: Places, rows: SplineRows, coefficients: Array, cycles_rad: Sequence[float]) -> tuple[Place, ...]:
     """i12 at all places, shape (m,) each, and iB with a second cycle; coefficients have shape (pairs n,).
 
     The splines are shifted so that the driving angles of a turn are the cycles.
@@ -47,7 +47,7 @@ def lengths(at: Places, law: Sequence[Place]) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class JudgedLaw:
     """A law at the judge's places, as levels see it."""
 
     levels: Sequence[Level]
@@ -123,7 +123,7 @@ class Judged:
         """A term in cells at the coarse places alone, shape (n, q + 1)."""
         return term[:, :: (term.shape[1] - 1) // (coarse.number.shape[1] - 1)]
 
-    def beyond(self, blocks: Sequence[Block], coarse: Places) -> Array:
+    def beyond(self, blocks: Sequence[RowBlock], coarse: Places) -> Array:
         """By how much every row's term is further out around its place than at it, shape (rows at or below zero,).
 
         "Around" is half a step of the coarse places to both sides.  An integral's is what the coarse places miss of it.
@@ -131,7 +131,7 @@ class Judged:
         flat = [(level, term) for level, terms in zip(self.levels, self.terms, strict=True) for term in terms]
         return np.concatenate([self._beyond(block, *flat[block.term], coarse) for block in blocks])
 
-    def _beyond(self, block: Block, level: Level, term: Array, coarse: Places) -> Array:
+    def _beyond(self, block: RowBlock, level: Level, term: Array, coarse: Places) -> Array:
         cells = coarse.cells(level.stretch)
         if level.kind in (Kind.INTEGRAL, Kind.DEVIATION):
             roughly = float(np.sum((self._coarsely(coarse, term) * coarse.weight)[cells])) - level.target

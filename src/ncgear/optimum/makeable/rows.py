@@ -51,7 +51,7 @@ def closing_terms(ratios: Sequence[Place]) -> list[Term]:
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class RowBlock:
     """Rows that hold one term of one level, from the row ``first`` on, at places of the programme or ends of cells.
 
     Integrals have one row and one place, which means nothing.  With ``sense`` 1 rows hold the term from above; with -1
@@ -74,7 +74,7 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Columns:
+class WholeColumns:
     """Where means of swings, levels and the excess are among the variables of the whole; lengths are first."""
 
     first_mean: int
@@ -83,19 +83,19 @@ class Columns:
 
 
 @dataclass(eq=False)
-class Rows:
+class ProgrammeRows:
     """Rows that grow as levels are added: ``equations``, which are zero, and then those at or below zero.
 
     ``terms`` counts the terms at a place and ``wholes`` the variables of the whole.
     """
 
     at: Places
-    columns: Columns
+    columns: WholeColumns
     terms: int
     wholes: int
     count: int = 0
     equations: int = 0
-    blocks: list[Block] = field(default_factory=list)
+    blocks: list[RowBlock] = field(default_factory=list)
     _local: list[Any] = field(default_factory=list)
     _whole: list[Any] = field(default_factory=list)
     _fixed: list[Array] = field(default_factory=list)
@@ -125,13 +125,15 @@ class Rows:
         return local, _matrix(self._whole, (self.count, self.wholes)), np.concatenate(self._fixed)
 
 
-def rows_of(levels: Sequence[Level], term_counts: Sequence[int], at: Places, cycles_rad: Sequence[float]) -> Rows:
+def rows_of(
+    levels: Sequence[Level], term_counts: Sequence[int], at: Places, cycles_rad: Sequence[float]
+) -> ProgrammeRows:
     """The rows of levels, each with so many terms, for pairs that turn through ``cycles_rad`` per turn of the crank."""
     # First come two equations for every pair: its driving angle and its length
     pairs, of_levels = len(cycles_rad), sum(term_counts)
     swings = sum(count for level, count in zip(levels, term_counts, strict=True) if level.kind is Kind.SWING)
-    columns = Columns(pairs, pairs + swings, pairs + swings + len(levels))
-    rows = Rows(at, columns, of_levels + 2 * pairs, columns.excess + 1)
+    columns = WholeColumns(pairs, pairs + swings, pairs + swings + len(levels))
+    rows = ProgrammeRows(at, columns, of_levels + 2 * pairs, columns.excess + 1)
     everywhere, turn = np.arange(at.count), at.turn_weights
     for pair, cycle in enumerate(cycles_rad):
         rows.put_term(rows.new(1, -cycle), everywhere, of_levels + pair, turn)
@@ -146,7 +148,7 @@ def rows_of(levels: Sequence[Level], term_counts: Sequence[int], at: Places, cyc
         if level.kind in SPANNING:
             base = int(rows.new_wholes(1)[0])
         for sense in (1, -1) if level.kind in TWO_SIDED else (1,):
-            _hold(rows, level, Block(number, term, rows.count, places, sense, base, running.get(term)))
+            _hold(rows, level, RowBlock(number, term, rows.count, places, sense, base, running.get(term)))
     return rows
 
 
@@ -157,7 +159,7 @@ def _places_of(level: Level, at: Places) -> IndexArray:
     return np.zeros(1, dtype=int) if level.kind in RUNNING else at.within(level.stretch)
 
 
-def _hold(rows: Rows, level: Level, block: Block) -> None:
+def _hold(rows: ProgrammeRows, level: Level, block: RowBlock) -> None:
     """Add the rows of a block."""
     at, sense, columns = rows.at, block.sense, rows.columns
     row = rows.new(block.places.size, -sense * level.target)
@@ -175,7 +177,7 @@ def _hold(rows: Rows, level: Level, block: Block) -> None:
     rows.blocks.append(block)
 
 
-def _running(rows: Rows, term: int) -> IndexArray:
+def _running(rows: ProgrammeRows, term: int) -> IndexArray:
     """Columns of a term's running integral at all ends of cells but the first and the last, where it is zero."""
     cells = rows.at.number.shape[0]
     column, row = rows.new_wholes(cells - 1), rows.new(cells)

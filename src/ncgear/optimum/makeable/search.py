@@ -15,13 +15,12 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
-from ncgear.optimum.makeable.levels import Kind, Level
-from ncgear.optimum.makeable.load_levels import machine_scales
+from ncgear.optimum.makeable.levels import Kind, Level, machine_scales
 from ncgear.optimum.makeable.motion_wishes import WishedMachine
 from ncgear.optimum.makeable.places import Places, cell_ends, places
 from ncgear.optimum.makeable.programme import Programme, Solution, programme
-from ncgear.optimum.makeable.reached import Judged, ratios
-from ncgear.optimum.makeable.spline import Rows, even_knots
+from ncgear.optimum.makeable.reached import JudgedLaw, ratios
+from ncgear.optimum.makeable.spline import SplineRows, even_knots
 from ncgear.optimum.makeable.wishes import Scales, Wishes, levels
 from ncgear.optimum.task import Task
 
@@ -57,6 +56,9 @@ the caps, or less."""
 MARGIN = 1e-6
 """How much more terms are kept back, in their units, for what is left between the places of the finer grid."""
 
+TOLD = 1e-4
+"""Share of what is wished by which a soft wish may be missed more than the places say: what tells of it has digits for."""
+
 DECIMALS = 10
 """Decimals of the ratios at the knots, so that the law that is judged is the one that a design file holds."""
 
@@ -76,7 +78,7 @@ class Search:
 
     programme: Programme
     finer: Places
-    basis: Rows
+    basis: SplineRows
     caps: Array
     weights: Array
     ratio_range: tuple[float, float]
@@ -95,11 +97,11 @@ class Search:
         strayed: Array = begun + (STRAYING * random.normal(size=(pairs, len(waves))) @ waves).ravel()
         return strayed
 
-    def judged(self, ratio: Array) -> Judged:
+    def judged(self, ratio: Array) -> JudgedLaw:
         """A law by its ratios at the knots, shape (pairs, n), at the judge's places."""
         coefficients = np.concatenate([self.programme.knots.coefficients(np.log(own)) for own in ratio])
         law = ratios(self.finer, self.basis, coefficients, self.programme.cycles_rad)
-        return Judged(self.programme.levels, self.finer, law)
+        return JudgedLaw(self.programme.levels, self.finer, law)
 
     def rounded(self, coefficients: Array) -> Array:
         """Ratios at the knots as a file holds them, shape (pairs, n)."""
@@ -107,6 +109,10 @@ class Search:
         values: Array = np.exp(np.array([self.programme.knots.values(own) for own in each]))
         more = ceil(2.0 * log10(max(self.programme.knots.count / ROUNDED_KNOTS, 1.0)))
         return np.round(values, DECIMALS + more)
+
+    def nearest(self, start: Array) -> Solution | None:
+        """The law that comes nearest to keeping all limits, from coefficients; None where none is found."""
+        return self.programme.nearest(self.caps, np.zeros(self.caps.size), 1.0, start)
 
     def reached(self, coefficients: Array) -> Array:
         """Levels of a law with rounded ratios, shape (levels,)."""
@@ -153,6 +159,11 @@ def goal_weights(wanted: Sequence[Level], goal: float) -> Array:
     return np.array([level.weight + level.share_of_goal * goal for level in wanted])
 
 
+def cost(wanted: Sequence[Level], weights: Array, reached: Array) -> float:
+    """What reached levels cost together, shape (levels,) each; below its least a level costs no less."""
+    return float(weights @ np.maximum(reached, [level.least for level in wanted]))
+
+
 def scales(task: Task) -> Scales:
     """Units of the order of what a uniform crank feels."""
     turning = task.speed_rad_s * 2.0 * pi / task.cycle_rad
@@ -168,22 +179,26 @@ def kept(search: Search, start: Array | Solution) -> Kept | None:
     """The best law from one start, solved again until all limits hold on the finer grid; None where none do.
 
     Every term is kept back at each place by as much as it rises beside the place.  Each round leaves less excess; in
-    the last rounds, what is left is taken off the caps as well.
+    the last rounds, what is left is taken off the caps as well.  Soft wishes are told so, too: a law that misses one by
+    more than its places say is solved again, and the one that costs least is taken.
     """
     programme = search.programme
-    blocks, coarse = programme.rows.blocks, programme.rows.at
-    exact = np.concatenate([np.full(b.places.size, programme.levels[b.level].kind is Kind.DEVIATION) for b in blocks])
-    room = np.array([0.0 if level.kind is Kind.DEVIATION else ROOM for level in programme.levels])
-    caps, kept_back = search.caps.copy(), np.zeros(exact.size)
+    blocks, coarse, levels = programme.rows.blocks, programme.rows.at, programme.levels
+    exact = np.concatenate([np.full(b.places.size, levels[b.level].kind is Kind.DEVIATION) for b in blocks])
+    room = np.array([0.0 if level.kind is Kind.DEVIATION else ROOM for level in levels])
+    soft = np.array([level.share_of_goal > 0.0 for level in levels]) & (search.weights > 0.0)
+    caps, kept_back, laws = search.caps.copy(), np.zeros(exact.size), []
     found = programme.solved(caps, search.weights, start, kept_back)
     for tried in range(ROUNDS):
         if found is None:
-            return None
+            break
         ratio = search.rounded(found.coefficients)
         judged = search.judged(ratio)
         over = np.maximum(judged.reached - search.caps + room, 0.0)
         if not np.any(over):
-            return Kept(ratio, judged.reached)
+            laws.append(Kept(ratio, judged.reached))
+            if not np.any((judged.reached - found.levels)[soft] > TOLD):
+                break
         beyond = judged.beyond(blocks, coarse)
         kept_back = np.where(exact, beyond, np.maximum(kept_back, beyond + MARGIN))
         if tried >= PATIENCE:
@@ -192,4 +207,4 @@ def kept(search: Search, start: Array | Solution) -> Kept | None:
         missed = judged.missed(coarse)
         onwards = programme.solved(caps, search.weights, found, kept_back, missed)
         found = onwards or programme.solved(caps, search.weights, found.coefficients, kept_back, missed)
-    return None
+    return min(laws, key=lambda law: cost(levels, search.weights, law.reached), default=None)

@@ -29,7 +29,7 @@ FEWEST_KNOTS = 5
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class SplineRows:
     """Values, first and second derivatives of the B-splines that count at m angles, and their numbers; (m, 4) each."""
 
     columns: IndexArray
@@ -55,7 +55,7 @@ class Knots:
         """Number of knots."""
         return self.angle_rad.size
 
-    def rows(self, angle_rad: Array) -> Rows:
+    def rows(self, angle_rad: Array) -> SplineRows:
         """The B-splines at angles in rad between 0 and a turn, shape (m,)."""
         count = self.count
         piece = np.searchsorted(self.angle_rad, angle_rad, side="right") - 1
@@ -67,7 +67,7 @@ class Knots:
         cubic = _raised(square, knot, angle_rad)
         first = _derivative(square, knot)
         second = _derivative(_derivative(linear, knot[:, 1:5]), knot)
-        return Rows((piece[:, None] + np.arange(-1, 3)) % count, cubic, first, second)
+        return SplineRows((piece[:, None] + np.arange(-1, 3)) % count, cubic, first, second)
 
     def values(self, coefficients: Array) -> Array:
         """The spline's values at its knots, shape (n,)."""

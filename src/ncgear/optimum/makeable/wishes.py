@@ -5,7 +5,7 @@ A limit holds its level down; a goal makes it as low as it will go.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from enum import Enum
 from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
@@ -16,8 +16,7 @@ from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.refusals import NOT_CONVEX
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Level, limit_offer
-from ncgear.optimum.makeable.load_levels import MachineScales, of_loads
+from ncgear.optimum.makeable.levels import Level, MachineScales, limit_offer, limited, of_loads
 from ncgear.optimum.makeable.motion_wishes import WishedMachine, of_motion_wishes
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
 from ncgear.optimum.offers import Offer
@@ -140,127 +139,73 @@ class Scales:
 
 def levels(wishes: Wishes, scales: Scales) -> list[Level]:
     """The levels of all wishes that say anything."""
-    motion = list(_of_motion(wishes, scales))
-    return [
-        *(motion if wishes.two_stages is None else _in_units_of_goal(motion)),
-        *_of_ratio(wishes, scales),
-        *_of_curves(wishes),
-        *of_motion_wishes(scales.machine, wishes.motion),
-    ]
+    peaks = list(_of_peaks(wishes, scales))
+    if wishes.two_stages is not None:
+        # Weights that sum to one, as what pressure angles cost is told in units of the goal
+        goal = sum(level.weight for level in peaks)
+        peaks = [replace(level, weight=level.weight / goal) for level in peaks]
+    motion = of_motion_wishes(scales.machine, wishes.motion)
+    return [*peaks, *_of_ratio(wishes, scales), *_of_curves(wishes), *motion]
 
 
-def _in_units_of_goal(motion: Sequence[Level]) -> Iterator[Level]:
-    """The levels with weights that sum to one, as what pressure angles cost is told."""
-    goal = sum(level.weight for level in motion)
-    return (replace(level, weight=level.weight / goal) for level in motion)
-
-
-def _of_motion(wishes: Wishes, scales: Scales) -> Iterator[Level]:
-    weights = _weights(wishes, scales)
-    if wishes.limits.peak_acceleration_mm_s2 is not None or weights[0]:
-        yield _acceleration(wishes, scales, weights[0])
-    if scales.loads is not None:
-        yield from of_loads(scales.loads, wishes.limits, wishes.prices)
-    elif wishes.limits.peak_power_w is not None or weights[1]:
-        yield _power(wishes, scales, weights[1])
-    if wishes.peak_jerk_mm_s3 is not None:
-        yield _jerk(wishes.peak_jerk_mm_s3, scales)
-
-
-def _weights(wishes: Wishes, scales: Scales) -> tuple[float, float]:
-    """Weights of acceleration and power in their units."""
-    prices = wishes.prices
-    return scales.acceleration_mm_s2 * prices.peak_acceleration_mm_s2, scales.power_w * prices.peak_power_w
-
-
-def _acceleration(wishes: Wishes, scales: Scales, weight: float) -> Level:
-    unit, limit = scales.acceleration_mm_s2, wishes.limits.peak_acceleration_mm_s2
-    told = scales.machine.linkage.OUTPUT.acceleration
-
-    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
-        return _both(quantities.acceleration(at, slider, scales.speed_rad_s) / unit)
-
-    return Level(
-        f"peak_acceleration_{told.ending}",
-        _over(limit, unit),
-        weight,
-        sides,
-        lambda level: limit_offer(
+def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
+    limits, prices, speed, output = wishes.limits, wishes.prices, scales.speed_rad_s, scales.machine.linkage.OUTPUT
+    unit, limit, told = scales.acceleration_mm_s2, limits.peak_acceleration_mm_s2, output.acceleration
+    if limit is not None or prices.peak_acceleration_mm_s2:
+        yield limited(
             f"peak_acceleration_{told.ending}",
             f"a peak acceleration of {{}} {told.text[:-1]}^2",
-            shown_above(level * unit),
-        ),
-    )
-
-
-def _power(wishes: Wishes, scales: Scales, weight: float) -> Level:
-    unit = scales.power_w
-
-    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
-        return (quantities.power(at, slider, scales.speed_rad_s) / unit,)
-
-    return Level(
-        "peak_power_w",
-        _over(wishes.limits.peak_power_w, unit),
-        weight,
-        sides,
-        lambda level: limit_offer("peak_power_w", "a peak power of {} W", shown_above(level * unit)),
-    )
-
-
-def _jerk(limit: float, scales: Scales) -> Level:
-    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
-        return _both(quantities.jerk(at, slider, scales.speed_rad_s) / limit)
-
-    told = scales.machine.linkage.OUTPUT.speed
-    return Level(
-        f"peak_jerk_{told.ending}3",
-        1.0,
-        0.0,
-        sides,
-        lambda level: limit_offer(
-            f"peak_jerk_{told.ending}3", f"a peak jerk of {{}} {told.text}^3", shown_above(level * limit)
-        ),
-    )
-
-
-def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
-    # With two stages the limits hold for the ratio of the whole and for each pair's
-    for of_pairs in (False, True)[: wishes.pairs]:
-        yield _least_ratio(wishes.limits.ratio_min, of_pairs)
-        yield _greatest_ratio(wishes.limits.ratio_max, of_pairs)
-    if wishes.driven_speed_rad_s is not None:
-        top = log(wishes.driven_speed_rad_s / scales.speed_rad_s)
-        rpm = scales.speed_rad_s / RAD_S_PER_RPM
-        yield Level(
-            "driven_speed_rpm",
-            top,
+            lambda level: shown_above(level * unit),
+            None if limit is None else limit / unit,
+            unit * prices.peak_acceleration_mm_s2,
+            lambda at, slider, _: _both(quantities.acceleration(at, slider, speed) / unit),
+        )
+    if scales.loads is not None:
+        yield from of_loads(scales.loads, limits, prices)
+    elif limits.peak_power_w is not None or prices.peak_power_w:
+        most, watt = limits.peak_power_w, scales.power_w
+        yield limited(
+            "peak_power_w",
+            "a peak power of {} W",
+            lambda level: shown_above(level * watt),
+            None if most is None else most / watt,
+            watt * prices.peak_power_w,
+            lambda at, slider, _: (quantities.power(at, slider, speed) / watt,),
+        )
+    if (jerk := wishes.peak_jerk_mm_s3) is not None:
+        yield limited(
+            f"peak_jerk_{output.speed.ending}3",
+            f"a peak jerk of {{}} {output.speed.text}^3",
+            lambda level: shown_above(level * jerk),
+            1.0,
             0.0,
-            lambda at, *_: (-at.log,),
-            lambda level: limit_offer("driven_speed_rpm", "a driven gear at {} r/min", shown_above(rpm * exp(level))),
+            lambda at, slider, _: _both(quantities.jerk(at, slider, speed) / jerk),
         )
 
 
-def _least_ratio(limit: float, of_pairs: bool) -> Level:
-    return Level(
-        "ratio_min",
-        -log(limit),
-        0.0,
-        lambda at, *_: (-at.log,),
-        lambda level: limit_offer("ratio_min", "a least ratio of {}", shown_below(exp(-level))),
-        of_pairs,
-    )
+def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
+    low, high, free = wishes.limits.ratio_min, wishes.limits.ratio_max, 0.0
 
+    def fast(at: Place, *_: object) -> tuple[Term, ...]:
+        return (-at.log,)
 
-def _greatest_ratio(limit: float, of_pairs: bool) -> Level:
-    return Level(
-        "ratio_max",
-        log(limit),
-        0.0,
-        lambda at, *_: (at.log,),
-        lambda level: limit_offer("ratio_max", "a greatest ratio of {}", shown_above(exp(level))),
-        of_pairs,
-    )
+    def slow(at: Place, *_: object) -> tuple[Term, ...]:
+        return (at.log,)
+
+    def of_fast(level: float) -> str:
+        return shown_below(exp(-level))
+
+    def of_slow(level: float) -> str:
+        return shown_above(exp(level))
+
+    # With two stages the limits hold for the ratio of the whole and for each pair's
+    for of_pairs in (False, True)[: wishes.pairs]:
+        yield limited("ratio_min", "a least ratio of {}", of_fast, -log(low), free, fast, of_pairs=of_pairs)
+        yield limited("ratio_max", "a greatest ratio of {}", of_slow, log(high), free, slow, of_pairs=of_pairs)
+    if wishes.driven_speed_rad_s is not None:
+        top, rpm = log(wishes.driven_speed_rad_s / scales.speed_rad_s), scales.speed_rad_s / RAD_S_PER_RPM
+        words = "a driven gear at {} r/min"
+        yield limited("driven_speed_rpm", words, lambda level: shown_above(rpm * exp(level)), top, free, fast)
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
@@ -280,14 +225,13 @@ def _of_curves(wishes: Wishes) -> Iterator[Level]:
 
 
 def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:
-    return Level(
+    return limited(
         "pressure_angle_deg",
+        "a pressure angle of {} deg",
+        lambda level: shown_above(degrees(atan(level) + rack_rad)),
         most,
         weight,
         lambda at, *_: _both(quantities.tangent(at)),
-        lambda level: limit_offer(
-            "pressure_angle_deg", "a pressure angle of {} deg", shown_above(degrees(atan(level) + rack_rad))
-        ),
         of_pairs=True,
         widest=tan(pi / 2.0 - rack_rad) if rack_rad else inf,
     )
@@ -316,7 +260,3 @@ def _convex(bulge: Callable[[Place], Term]) -> Level:
 
 def _both(term: Term) -> tuple[Term, Term]:
     return term, -term
-
-
-def _over(limit: float | None, unit: float) -> float | None:
-    return None if limit is None else limit / unit

@@ -27,11 +27,6 @@ from ncgear.papers.gear_baler.published import (
 NOT_THERE = "It is taken from an earlier paper, whose law and speed are not given."
 
 
-def largest_displacement() -> Computed:
-    """Displacement in mm at the end of the working stroke."""
-    return computed(float(slider_displacement(2, np.array([THETAS_RAD[3]]), 0).value[0]))
-
-
 def working_speeds(rpm: float) -> Computed:
     """Largest speed of the working stroke and speed of pressing in mm/s, at a driving speed in r/min."""
     _, theta2, theta3, _ = THETAS_RAD
@@ -40,9 +35,10 @@ def working_speeds(rpm: float) -> Computed:
     return computed(*(speed * rpm * RAD_S_PER_RPM for speed in (fastest, pressing)))
 
 
-def end_acceleration(rpm: float) -> Computed:
-    """Acceleration of the slider in mm/s^2 at the retracted dead centre, where the return ends."""
-    return computed(float(slider_displacement(0, np.array([0.0]), 2).derivative(2)[0]) * (rpm * RAD_S_PER_RPM) ** 2)
+def end_acceleration() -> Computed:
+    """Acceleration of the slider in mm/s^2 at the retracted dead centre, where the return ends, at 20 r/min."""
+    slope = float(slider_displacement(0, np.array([0.0]), 2).derivative(2)[0])
+    return computed(slope * (SIMULATION_RPM * RAD_S_PER_RPM) ** 2)
 
 
 def fluctuation_over_cycle() -> Computed:
@@ -63,63 +59,37 @@ INFERRED = (
 )
 
 SPEED = (
-    Entry(
-        ("Fig. 9", "Fig. 11", "section 4.3.1"), "largest displacement", Printed(("760",), "mm"), Verdict.GIVEN_BACK,
-        largest_displacement, "H of Table 1.",
-    ),
-    Entry(
-        ("Fig. 4", "Fig. 10", "Fig. 12", "section 4.3.1"), "largest speed of the working stroke and speed of pressing",
-        Printed(("1600", "1100"), "mm/s"), Verdict.GIVEN_BACK, lambda: working_speeds(law_rpm()),
-        "v1 and v2 of Table 1, at the 52.81 r/min at which they are made to hold.",
-    ),
-    Entry(
-        ("Fig. 12",), "speeds of the slider at 20 r/min, the speed of Figs. 13 and 14",
-        Printed(("1600", "1100"), "mm/s"), Verdict.NOT_REPRODUCIBLE, lambda: working_speeds(SIMULATION_RPM),
-        "Speeds, power and acceleration are printed for different driving speeds.",
-    ),
-    Entry(
-        ("section 4.3.1",), "earlier mechanism: largest speed and speed of pressing", Printed(("2100", "820"), "mm/s"),
-        Verdict.NEEDS_DATA, None, NOT_THERE,
-    ),
-    Entry(
-        ("section 4.3.1", "section 5"), "less fluctuation: largest speed by speed of pressing, in the working stroke",
-        Below("less speed fluctuation"), Verdict.REPRODUCED, lambda: computed(1600.0 / 1100.0, 2100.0 / 820.0),
-        "The quotients do not depend on the driving speeds.", of_printed=True,
-    ),
-    Entry(
-        ("section 4.3.1", "section 5"), "less fluctuation: largest speed of the whole cycle by speed of pressing",
-        Below("less speed fluctuation"), Verdict.NOT_REPRODUCIBLE, fluctuation_over_cycle,
-        "The return is much faster than the working stroke; that of the earlier mechanism is not printed.",
-    ),
-    Entry(
-        ("section 4.3.1",), "lower largest speed and higher speed of pressing, at equal driving speed",
-        Below("lower, higher"), Verdict.UNDER_READING, speeds_at_equal_speed, INFERRED,
-    ),
-    Entry(
-        ("section 4.2",), "acceleration where the return ends", Printed(("0",), "mm/s2"), Verdict.NOT_REPRODUCIBLE,
-        lambda: end_acceleration(SIMULATION_RPM),
-        "It is said to come back to zero; at a dead centre the slider turns round, and the law has its acceleration "
-        "from eq. 2.6 there.",
-    ),
-    Entry(
-        ("section 4.3.1",), "driving angle of the working stroke", Printed(("234",), "deg"), Verdict.GIVEN_BACK,
-        lambda: computed(degrees(THETAS_RAD[3])), "theta4 of Table 1.",
-    ),
-    Entry(
-        ("section 4.3.1",), "driving angle of the working stroke of a crank that turns evenly",
-        Printed(("180",), "deg"),
-        Verdict.REPRODUCED, lambda: computed(degrees(LINKAGE.working_angle_rad)),
-    ),
-    Entry(
-        ("section 4.3.1", "section 1"), "longer time of pressing than on a crank that turns evenly",
-        Printed(("30",), "%"), Verdict.REPRODUCED, lambda: computed(100.0 * (234.0 / 180.0 - 1.0)), of_printed=True,
-    ),
+    Entry(("Fig. 9", "Fig. 11", "section 4.3.1"), "largest displacement", Printed(("760",), "mm"), Verdict.GIVEN_BACK,
+          lambda: computed(float(slider_displacement(2, np.array([THETAS_RAD[3]]), 0).value[0])), "H of Table 1."),
+    Entry(("Fig. 4", "Fig. 10", "Fig. 12", "section 4.3.1"),
+          "largest speed of the working stroke and speed of pressing", Printed(("1600", "1100"), "mm/s"),
+          Verdict.GIVEN_BACK, lambda: working_speeds(law_rpm()),
+          "v1 and v2 of Table 1, at the 52.81 r/min at which they are made to hold."),
+    Entry(("Fig. 12",), "speeds of the slider at 20 r/min, the speed of Figs. 13 and 14",
+          Printed(("1600", "1100"), "mm/s"), Verdict.NOT_REPRODUCIBLE, lambda: working_speeds(SIMULATION_RPM),
+          "Speeds, power and acceleration are printed for different driving speeds."),
+    Entry(("section 4.3.1",), "earlier mechanism: largest speed and speed of pressing",
+          Printed(("2100", "820"), "mm/s"), Verdict.NEEDS_DATA, None, NOT_THERE),
+    Entry(("section 4.3.1", "section 5"),
+          "less fluctuation: largest speed by speed of pressing, in the working stroke",
+          Below("less speed fluctuation"), Verdict.REPRODUCED, lambda: computed(1600.0 / 1100.0, 2100.0 / 820.0),
+          "The quotients do not depend on the driving speeds.", of_printed=True),
+    Entry(("section 4.3.1", "section 5"), "less fluctuation: largest speed of the whole cycle by speed of pressing",
+          Below("less speed fluctuation"), Verdict.NOT_REPRODUCIBLE, fluctuation_over_cycle,
+          "The return is much faster than the working stroke; that of the earlier mechanism is not printed."),
+    Entry(("section 4.3.1",), "lower largest speed and higher speed of pressing, at equal driving speed",
+          Below("lower, higher"), Verdict.UNDER_READING, speeds_at_equal_speed, INFERRED),
+    Entry(("section 4.2",), "acceleration where the return ends", Printed(("0",), "mm/s2"), Verdict.NOT_REPRODUCIBLE,
+          end_acceleration,
+          "It is said to come back to zero; at a dead centre the slider turns round, and the law has its acceleration "
+          "from eq. 2.6 there."),
+    Entry(("section 4.3.1",), "driving angle of the working stroke", Printed(("234",), "deg"), Verdict.GIVEN_BACK,
+          lambda: computed(degrees(THETAS_RAD[3])), "theta4 of Table 1."),
+    Entry(("section 4.3.1",), "driving angle of the working stroke of a crank that turns evenly",
+          Printed(("180",), "deg"), Verdict.REPRODUCED, lambda: computed(degrees(LINKAGE.working_angle_rad))),
+    Entry(("section 4.3.1", "section 1"), "longer time of pressing than on a crank that turns evenly",
+          Printed(("30",), "%"), Verdict.REPRODUCED, lambda: computed(100.0 * (234.0 / 180.0 - 1.0)), of_printed=True),
 )  # fmt: skip
-
-
-def power(rpm: float) -> Computed:
-    """Largest power of the working stroke in W."""
-    return computed(at_speed(rpm).peak_power_w.value)
 
 
 def saving(one_w: float, other_w: float) -> tuple[float]:
@@ -136,71 +106,48 @@ def power_and_acceleration_of_other_reading() -> Computed:
 A1_AT_20 = "a1 is read at the simulation's 20 r/min, and v1 and v2 at the 52.81 r/min that closes the stroke"
 
 POWER = (
-    Entry(
-        ("Fig. 13", "section 4.3.2", *equations("4.1", "4.2")), "largest power", Printed(("6300",), "W"),
-        Verdict.FITTED, lambda: power(SIMULATION_RPM),
-        f"At 20 r/min; {A1_AT_20}. The resistance is negative below 33.7 mm and counts as zero there.",
-    ),
-    Entry(
-        ("Fig. 13",), "largest power at the speed at which v1 and v2 hold", Printed(("6300",), "W"),
-        Verdict.NOT_REPRODUCIBLE, lambda: power(law_rpm()),
-        "Power is proportional to speed, and the printed one belongs to 20 r/min.",
-    ),
-    Entry(
-        ("Fig. 13", "Fig. 14"), "largest power and acceleration with a1 read at the speed of v1 and v2",
-        Printed(("6300", "1500"), "W, mm/s2"), Verdict.NOT_REPRODUCIBLE, power_and_acceleration_of_other_reading,
-        "The stroke then closes at 51.31 r/min, and the ratio runs from 0.12 to 7.65: no gears to use.",
-    ),
-    Entry(
-        ("Fig. 13", "section 4.3.2"), "earlier mechanism: largest power", Printed(("18750",), "W"), Verdict.NEEDS_DATA,
-        None, NOT_THERE,
-    ),
-    Entry(
-        ("section 1",), "power of the earlier mechanism below that of an even crank", Printed(("28.6",), "%"),
-        Verdict.NEEDS_DATA,
-        lambda: computed(*saving(EARLIER_POWER_W, uniform_at_speed(EARLIER_RPM).peak_power_w.value)),
-        f"The speed is not given, nor whether that crank had this linkage and resistance. {INFERRED} Computed at 60 "
-        "r/min.",
-    ),
-    Entry(
-        ("Fig. 13", "section 4.3.2", "section 5"), "power saved", Printed(("66.4",), "%"), Verdict.REPRODUCED,
-        lambda: computed(*saving(PROPOSED_POWER_W, EARLIER_POWER_W)),
-        "The two powers belong to different speeds, 20 r/min and about 60 r/min.", of_printed=True,
-    ),
-    Entry(
-        ("Fig. 13", "section 4.3.2"), "power saved at equal productivity", Printed(("66.4",), "%"),
-        Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(*saving(at_speed(EARLIER_RPM).peak_power_w.value, EARLIER_POWER_W)),
-        f"At 60 r/min the new mechanism needs no less. {INFERRED}",
-    ),
+    Entry(("Fig. 13", "section 4.3.2", *equations("4.1", "4.2")), "largest power", Printed(("6300",), "W"),
+          Verdict.FITTED, lambda: computed(at_speed(SIMULATION_RPM).peak_power_w.value),
+          f"At 20 r/min; {A1_AT_20}. The resistance is negative below 33.7 mm and counts as zero there."),
+    Entry(("Fig. 13",), "largest power at the speed at which v1 and v2 hold", Printed(("6300",), "W"),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(at_speed(law_rpm()).peak_power_w.value),
+          "Power is proportional to speed, and the printed one belongs to 20 r/min."),
+    Entry(("Fig. 13", "Fig. 14"), "largest power and acceleration with a1 read at the speed of v1 and v2",
+          Printed(("6300", "1500"), "W, mm/s2"), Verdict.NOT_REPRODUCIBLE, power_and_acceleration_of_other_reading,
+          "The stroke then closes at 51.31 r/min, and the ratio runs from 0.12 to 7.65: no gears to use."),
+    Entry(("Fig. 13", "section 4.3.2"), "earlier mechanism: largest power", Printed(("18750",), "W"),
+          Verdict.NEEDS_DATA, None, NOT_THERE),
+    Entry(("section 1",), "power of the earlier mechanism below that of an even crank", Printed(("28.6",), "%"),
+          Verdict.NEEDS_DATA,
+          lambda: computed(*saving(EARLIER_POWER_W, uniform_at_speed(EARLIER_RPM).peak_power_w.value)),
+          f"The speed is not given, nor whether that crank had this linkage and resistance. {INFERRED} Computed at 60 "
+          "r/min."),
+    Entry(("Fig. 13", "section 4.3.2", "section 5"), "power saved", Printed(("66.4",), "%"), Verdict.REPRODUCED,
+          lambda: computed(*saving(PROPOSED_POWER_W, EARLIER_POWER_W)),
+          "The two powers belong to different speeds, 20 r/min and about 60 r/min.", of_printed=True),
+    Entry(("Fig. 13", "section 4.3.2"), "power saved at equal productivity", Printed(("66.4",), "%"),
+          Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(*saving(at_speed(EARLIER_RPM).peak_power_w.value, EARLIER_POWER_W)),
+          f"At 60 r/min the new mechanism needs no less. {INFERRED}"),
 )  # fmt: skip
 
 ACCELERATION = (
-    Entry(
-        ("Fig. 14", "section 4.3.3"), "largest acceleration, in the working stroke", Printed(("1500",), "mm/s2"),
-        Verdict.GIVEN_BACK, lambda: computed(at_speed(SIMULATION_RPM).peak_acceleration_working.value),
-        "The size of a1 of Table 1, at the 20 r/min at which it is read; nothing else in the working stroke is larger.",
-    ),
-    Entry(
-        ("Fig. 14",), "largest acceleration, over the whole cycle", Printed(("1500",), "mm/s2"),
-        Verdict.NOT_REPRODUCIBLE, lambda: computed(at_speed(SIMULATION_RPM).peak_acceleration_cycle.value),
-        "The largest is in the return, which the printed curve leaves out.",
-    ),
-    Entry(
-        ("Fig. 14", "section 4.3.3"), "earlier mechanism: largest acceleration", Printed(("45000",), "mm/s2"),
-        Verdict.NEEDS_DATA, None, NOT_THERE,
-    ),
-    Entry(
-        ("Fig. 14", "section 4.3.3", "section 5"), "acceleration below that of the earlier mechanism, by its tenth",
-        Below("an order of magnitude"), Verdict.REPRODUCED, lambda: computed(1500.0, 45000.0 / 10.0),
-        "Printed for different speeds, and for the working stroke alone.", of_printed=True,
-    ),
-    Entry(
-        ("Fig. 14",), "acceleration by that of the earlier mechanism, at equal speed and over the whole cycle",
-        Printed(("0.1",)), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(at_speed(EARLIER_RPM).peak_acceleration_cycle.value / EARLIER_ACCELERATION_MM_S2),
-        f"An order of magnitude is what 20 r/min and the working stroke alone make of it. {INFERRED}",
-    ),
+    Entry(("Fig. 14", "section 4.3.3"), "largest acceleration, in the working stroke", Printed(("1500",), "mm/s2"),
+          Verdict.GIVEN_BACK, lambda: computed(at_speed(SIMULATION_RPM).peak_acceleration_working.value),
+          "The size of a1 of Table 1, at the 20 r/min at which it is read; nothing else in the working stroke is "
+          "larger."),
+    Entry(("Fig. 14",), "largest acceleration, over the whole cycle", Printed(("1500",), "mm/s2"),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(at_speed(SIMULATION_RPM).peak_acceleration_cycle.value),
+          "The largest is in the return, which the printed curve leaves out."),
+    Entry(("Fig. 14", "section 4.3.3"), "earlier mechanism: largest acceleration", Printed(("45000",), "mm/s2"),
+          Verdict.NEEDS_DATA, None, NOT_THERE),
+    Entry(("Fig. 14", "section 4.3.3", "section 5"), "acceleration below that of the earlier mechanism, by its tenth",
+          Below("an order of magnitude"), Verdict.REPRODUCED, lambda: computed(1500.0, 45000.0 / 10.0),
+          "Printed for different speeds, and for the working stroke alone.", of_printed=True),
+    Entry(("Fig. 14",), "acceleration by that of the earlier mechanism, at equal speed and over the whole cycle",
+          Printed(("0.1",)), Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(at_speed(EARLIER_RPM).peak_acceleration_cycle.value / EARLIER_ACCELERATION_MM_S2),
+          f"An order of magnitude is what 20 r/min and the working stroke alone make of it. {INFERRED}"),
 )  # fmt: skip
 
 ENTRIES = (*SPEED, *POWER, *ACCELERATION)

@@ -110,34 +110,21 @@ OVER_DETERMINED = (
 )
 
 STROKE = (
-    Entry(
-        equations("2.1"), "crank angle from the slider's place", Relation(), Verdict.UNDER_READING,
-        crank_angle_residual,
-        "Here s counts from the crank axis; in eqs. 2.4 to 2.12 it counts from the retracted end.",
-    ),
-    Entry(
-        equations("2.2", "2.3"), "transmission ratio from the slider's motion", Relation(), Verdict.UNDER_READING,
-        ratio_residual,
-        "s counts from the crank axis and v is taken per radian of the driving gear, as a ratio needs it. At both dead "
-        "centres the formula is zero by zero; ncgear divides the double zeros out.",
-    ),
-    Entry(
-        equations(*(f"2.{k}" for k in range(4, 13))), "segments are polynomials of degree 5, 1 and 4", Relation(),
-        Verdict.REPRODUCED, segment_residual,
-    ),
-    Entry(
-        equations("3.3", "3.4", "3.5", "3.6", "3.7"), "end conditions of the three segments", Relation(),
-        Verdict.FITTED, condition_residual, OVER_DETERMINED,
-    ),
-    Entry(
-        ("Table 1",), "stroke that v1, v2 and a1 make, all at the simulation's 20 r/min", Printed(("760",), "mm"),
-        Verdict.NOT_REPRODUCIBLE, lambda: computed(stroke_at(SIMULATION_RPM, None, None).stroke_mm),
-        "The six conditions of the third segment contradict each other at any speed but one.",
-    ),
-    Entry(
-        ("Table 1",), "stroke of the crank", Printed(("760",), "mm"), Verdict.REPRODUCED,
-        lambda: computed(LINKAGE.stroke_mm),
-    ),
+    Entry(equations("2.1"), "crank angle from the slider's place", Relation(), Verdict.UNDER_READING,
+          crank_angle_residual,
+          "Here s counts from the crank axis; in eqs. 2.4 to 2.12 it counts from the retracted end."),
+    Entry(equations("2.2", "2.3"), "transmission ratio from the slider's motion", Relation(), Verdict.UNDER_READING,
+          ratio_residual, "s counts from the crank axis and v is taken per radian of the driving gear, as a ratio "
+          "needs it. At both dead centres the formula is zero by zero; ncgear divides the double zeros out."),
+    Entry(equations(*(f"2.{k}" for k in range(4, 13))), "segments are polynomials of degree 5, 1 and 4", Relation(),
+          Verdict.REPRODUCED, segment_residual),
+    Entry(equations("3.3", "3.4", "3.5", "3.6", "3.7"), "end conditions of the three segments", Relation(),
+          Verdict.FITTED, condition_residual, OVER_DETERMINED),
+    Entry(("Table 1",), "stroke that v1, v2 and a1 make, all at the simulation's 20 r/min", Printed(("760",), "mm"),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(stroke_at(SIMULATION_RPM, None, None).stroke_mm),
+          "The six conditions of the third segment contradict each other at any speed but one."),
+    Entry(("Table 1",), "stroke of the crank", Printed(("760",), "mm"), Verdict.REPRODUCED,
+          lambda: computed(LINKAGE.stroke_mm)),
 )  # fmt: skip
 
 # --- eqs. 3.1, 3.2 and 3.8 to 3.12: pitch curves, the return and closure; the size of the gears in Table 1 ---------
@@ -190,33 +177,20 @@ SIZE = (
 
 GEARS = (
     Entry(equations("3.1", "3.2"), "radii of both pitch curves", Relation(), Verdict.REPRODUCED, radius_residual),
-    Entry(
-        (*equations("3.8"), "Table 1"), "ratio of the return, with constant 0", Relation(), Verdict.UNDER_READING,
-        return_residual,
-        "Degree 5 with the coefficients e and f0 to f4; the f5 named beside it has no place in the equation. Four end "
-        "conditions and closure leave e free, so that its value is a choice and not a result.",
-    ),
+    Entry((*equations("3.8"), "Table 1"), "ratio of the return, with constant 0", Relation(), Verdict.UNDER_READING,
+          return_residual, "Degree 5 with the coefficients e and f0 to f4; the f5 named beside it has no place in the "
+          "equation. Four end conditions and closure leave e free, so that its value is a choice and not a result."),
     Entry(equations("3.9"), "ratio joined smoothly at both ends", Relation(), Verdict.REPRODUCED, joint_residual),
-    Entry(
-        equations("3.10", "3.11", "3.12"), "driven gear closes after one turn", Relation(), Verdict.REPRODUCED,
-        closure_residual,
-    ),
-    Entry(
-        ("Table 1",), "number of teeth, from module and centre distance", Printed(("25",)), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(pitch().length_mm(Gear.DRIVING) / (pi * MODULE_MM)), SIZE,
-    ),
-    Entry(
-        ("Table 1",), "module, from teeth and centre distance", Printed(("3",), "mm"), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(pitch().size.module_mm), SIZE,
-    ),
-    Entry(
-        ("Table 1",), "centre distance, from teeth and module", Printed(("200",), "mm"), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(sized_pair(law().transmission, TEETH, MODULE_MM, None).center_distance_mm), SIZE,
-    ),
-    Entry(
-        ("Fig. 8",), "teeth mesh without interference", Relation("claim"), Verdict.NEEDS_DATA, None,
-        "Neither the rack's angle and proportions nor the size of the gears in the picture is given.",
-    ),
+    Entry(equations("3.10", "3.11", "3.12"), "driven gear closes after one turn", Relation(), Verdict.REPRODUCED,
+          closure_residual),
+    Entry(("Table 1",), "number of teeth, from module and centre distance", Printed(("25",)), Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(pitch().length_mm(Gear.DRIVING) / (pi * MODULE_MM)), SIZE),
+    Entry(("Table 1",), "module, from teeth and centre distance", Printed(("3",), "mm"), Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(pitch().size.module_mm), SIZE),
+    Entry(("Table 1",), "centre distance, from teeth and module", Printed(("200",), "mm"), Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(sized_pair(law().transmission, TEETH, MODULE_MM, None).center_distance_mm), SIZE),
+    Entry(("Fig. 8",), "teeth mesh without interference", Relation("claim"), Verdict.NEEDS_DATA, None,
+          "Neither the rack's angle and proportions nor the size of the gears in the picture is given."),
 )  # fmt: skip
 
 ENTRIES = (*STROKE, *GEARS)

@@ -100,11 +100,6 @@ def _integral() -> Computed:
     )
 
 
-def _periods() -> Computed:
-    """Eq. 7: one turn of each gear takes one period of the ratio, n1 = n2 = 1."""
-    return computed(_pair().transmission.closure_error_rad / (2.0 * np.pi))
-
-
 def _semi_minor(x_mm: float, y_mm: float) -> Computed:
     return computed(ellipse_law(x_mm, y_mm).value)
 
@@ -119,7 +114,8 @@ PAPER = Paper(
         Entry(("eq. 3",), "ratio from one radius", Relation(), Verdict.REPRODUCED, _ratio_by_distance),
         Entry(("eq. 4",), "curves that roll on each other", Relation(), Verdict.REPRODUCED, _rolling),
         Entry(("eq. 5", "eq. 6"), "driven angle as an integral", Relation(), Verdict.REPRODUCED, _integral),
-        Entry(("eq. 7",), "period of the ratio and of both gears", Relation(), Verdict.UNDER_READING, _periods,
+        Entry(("eq. 7",), "period of the ratio and of both gears", Relation(), Verdict.UNDER_READING,
+              lambda: computed(_pair().transmission.closure_error_rad / (2.0 * np.pi)),
               "The number 7 is printed twice; this is the one of section 2."),
         Entry(("Fig. 4",), "semi-minor axis, turning about the centre", Printed(("17.20",), "mm"),
               Verdict.NOT_REPRODUCIBLE, lambda: _semi_minor(0.0, 0.0), f"{READ_OFF} 17.2067 is printed cut off."),
@@ -130,9 +126,8 @@ PAPER = Paper(
         Entry(("Fig. 4",), "semi-minor axis, axis at x = 4, y = -4", Printed(("16.44",), "mm"), Verdict.UNDER_READING,
               lambda: _semi_minor(4.0, -4.0), READ_OFF),
         Entry(("Fig. 6", "Fig. 7"), "centre distance that changes with the angle",
-              Printed(texts("60.0 64.5 68.0 64.5"), "mm"), Verdict.NEEDS_DATA,
-              words="The curves are drawn without a number. ncgear keeps both axes at one distance, so it does not "
-              "offer such gears."),
+              Printed(texts("60.0 64.5 68.0 64.5"), "mm"), Verdict.NEEDS_DATA, words="The curves are drawn without a "
+              "number. ncgear keeps both axes at one distance, so it does not offer such gears."),
         Entry(("Fig. 14",), "rack of a replacement gear, before and after its fit to one tooth",
               Printed(texts("1.6123 20 0.61 -0.05 1.6123 23 0.90 0.00")), Verdict.NEEDS_DATA,
               words="The gears and the tooth are drawn without a number."),
@@ -141,10 +136,11 @@ PAPER = Paper(
         LeftOut(("Fig. 2",), "lobes of six pairs", Reason.GIVEN, texts("1 1 1 2 1 3 1 1 1 1 1 1 2")),
         LeftOut(("Fig. 4",), "offsets of the axis", Reason.GIVEN, texts("0 4 0 0 -4 4 -4")),
         LeftOut(("Fig. 6",), "driving angles of four positions", Reason.GIVEN, texts("0 90 180 270")),
-        LeftOut(("Fig. 1", "Fig. 3", "Fig. 5", "Fig. 8", "Fig. 9", "Fig. 10", "Fig. 11", "Fig. 12", "Fig. 13",
-                 "Fig. 15", "Fig. 16"), "curves, teeth, ratios and forces as pictures", Reason.DRAWN),
+        LeftOut(("Fig. 1", "Fig. 3", "Fig. 5", "Fig. 8", "Fig. 9", "Fig. 10", "Fig. 11", "Fig. 12",
+                 "Fig. 13", "Fig. 15", "Fig. 16"), "curves, teeth, ratios and forces as pictures", Reason.DRAWN),
         LeftOut(("eq. 8", "eq. 9"), "force and speed of a replacement gear", Reason.DEFINED),
-        LeftOut(("section 2.1",), "an even ratio without an offset, where the figure's goes up and down alike twice a "
-                "turn", Reason.VAGUE),
+        LeftOut(("section 2.1",),
+                "an even ratio without an offset, where the figure's goes up and down alike twice a turn",
+                Reason.VAGUE),
     ),
 )  # fmt: skip

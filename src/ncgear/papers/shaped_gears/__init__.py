@@ -67,16 +67,6 @@ def _module_by_length() -> Computed:
     return computed(*(pair().length_mm(gear) / (pi * TEETH * module) - 1.0 for gear in Gear))
 
 
-def _closes() -> Computed:
-    """Eqs. 4 and 6 over a lobe."""
-    return computed(pair().transmission.closure_error_rad / (2.0 * pi))
-
-
-def _dented() -> Computed:
-    """Zero below the curvature of the mate's dents, in 1/mm."""
-    return computed(0.0, -pair().curvature_range[Gear.DRIVEN][0].value)
-
-
 def _thickness(module_text: str, *shifts: float, angles_deg: tuple[float, float] = (20.0, 20.0)) -> Computed:
     """Thickness on the pitch curve of teeth with profile shifts, from a module as printed."""
     one, other = map(radians, angles_deg)
@@ -90,7 +80,8 @@ PAPER = Paper(
     "I. Zarebski, T. Salacinski, Designing of non-circular gears, The Archive of Mechanical Engineering 55(3), 2008",
     promised=(*counted("Table", 4), *equations(*range(1, 16))),
     entries=(
-        Entry(("eq. 4", "eq. 6"), "mate that closes over a lobe", Relation(), Verdict.REPRODUCED, _closes),
+        Entry(("eq. 4", "eq. 6"), "mate that closes over a lobe", Relation(), Verdict.REPRODUCED,
+              lambda: computed(pair().transmission.closure_error_rad / (2.0 * pi))),
         Entry(("eq. 15",), "module from the length of the curve", Relation(), Verdict.REPRODUCED, _module_by_length),
         Entry(("Table 1",), "tooth thickness at the least and the greatest shift", Printed(texts("6.710 8.081"), "mm"),
               Verdict.REPRODUCED, lambda: _thickness("4.71", -0.2, 0.2), of_printed=True),
@@ -104,22 +95,22 @@ PAPER = Paper(
         Entry(("section 9",), "centre distance at the printed module", Printed(("150",), "mm"), Verdict.REPRODUCED,
               _distance_of_the_module),
         Entry(("section 9",), "mate with concave sides", Below("0 < curvature of the dents"), Verdict.REPRODUCED,
-              _dented),
+              lambda: computed(0.0, -pair().curvature_range[Gear.DRIVEN][0].value)),
     ),
     left_out=(
         LeftOut(("section 9",), "radius of the corners", Reason.GIVEN, texts("25")),
         LeftOut(("Table 1",), "module, teeth, pressure angle, shifts, height and clearance", Reason.GIVEN,
                 texts("4.71 32 20 -0.2 0.2 1 0.25")),
         LeftOut(("Table 2",), "profile shifts of 32 teeth", Reason.GIVEN,
-                texts("0 -0.1 -0.2 -0.1 0 0.1 0.2 0.1 " + "0 0.1 0.2 0.1 0 -0.1 -0.2 -0.1 "
-                      + "0 -0.1 -0.2 -0.1 0 0.1 0.2 0.1 " + "0 0.1 0.2 0.1 0 -0.1 -0.2 -0.1")),
+                texts("0 -0.1 -0.2 -0.1 0 0.1 0.2 0.1 0 0.1 0.2 0.1 0 -0.1 -0.2 -0.1 "
+                      "0 -0.1 -0.2 -0.1 0 0.1 0.2 0.1 0 0.1 0.2 0.1 0 -0.1 -0.2 -0.1")),
         LeftOut(("Table 3",), "module, teeth, both pressure angles, shift, height and clearance", Reason.GIVEN,
                 texts("4.71 32 17.5 22.5 0 1 0.25")),
         LeftOut(("Table 4",), "teeth, pressure angle, shift, height and clearance", Reason.GIVEN,
                 texts("32 20 0 1 0.25")),
         LeftOut(("eq. 5",), "an example of a period of pi, without its curve", Reason.GIVEN),
-        LeftOut(equations(1, 2, 3), "ratio, sum of radii and rolling, which the first equations of the paper before "
-                "are", Reason.DEFINED),
+        LeftOut(equations(1, 2, 3),
+                "ratio, sum of radii and rolling, which the first equations of the paper before are", Reason.DEFINED),
         LeftOut(equations(*range(7, 15)), "arcs of spirals that stand for a curve, and the rolling rack",
                 Reason.DEFINED),
     ),

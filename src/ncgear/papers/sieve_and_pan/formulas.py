@@ -8,28 +8,53 @@ from math import degrees, radians
 import numpy as np
 
 from ncgear.balance.frame import Crank, best_phase_rad, combined_counterweight_kg, reciprocating_share, rotating_share
-from ncgear.balance.mechanism import JointMasses, joint_masses, partial_counterweight_kg
+from ncgear.balance.mechanism import DrivenCrank, JointMasses, joint_masses, partial_counterweight_kg
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, computed, equations, from_readings
-from ncgear.papers.sieve_and_pan.published import (
-    ARM_MM,
-    CRANK_CENTER_MM,
-    CRANK_KG,
-    CRANK_MM,
-    PAN_BOARD_KG,
-    PAN_BOARD_PRINTED_MM,
-    PAN_LINKAGE,
-    PAN_PRINTED,
-    ROLLER_KG,
-    SIEVE,
-    SIEVE_LINKAGE,
-    SIEVE_PRINTED,
-    SPEED_RPM,
-    USUAL_SHARES,
-)
 from ncgear.papers.track_chassis.slider import two_term_stroke
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes
+
+# --- what the paper gives, and the two mechanisms that this makes ----------------------------------------------------
+
+SPEED_RPM = 350.0
+SPEED_RAD_S = SPEED_RPM * RAD_S_PER_RPM
+CRANK_MM, ARM_MM = 15.0, 45.0
+CRANK_KG, CRANK_CENTER_MM, ROLLER_KG = 1.0, 12.3, 0.26
+USUAL_SHARES = (1.0 / 3.0, 1.0 / 2.0)
+"""Least and largest share of the reciprocating mass that a counterweight usually balances."""
+
+PAN_LINKAGE = CrankSlider(CRANK_MM, 1045.0)
+PAN_BOARD_KG, PAN_BOARD_PRINTED_MM = 23.7, 12.3
+PAN_PRINTED = ("11.9", "12.86")
+"""Masses of the pan in kg at the pin and at the roller, as printed."""
+
+SIEVE_LINKAGE = CrankSlider(CRANK_MM, 1378.0)
+SIEVE_BOARD_KG, SIEVE_BOARD_FROM_ROLLER_MM = 90.4, 448.0
+SIEVE_PRINTED = ("29.5", "61.26")
+"""Masses of the sieve in kg at the pin and at the roller, as printed."""
+
+PAN_BOARD_FITTING_MM = PAN_LINKAGE.rod_mm * 12.6 / PAN_BOARD_KG
+"""Distance from the pin at which the printed masses of the board at pin and roller put its centre."""
+
+
+def mechanism(linkage: CrankSlider, board_kg: float, center_mm: float) -> DrivenCrank:
+    """Crank, board and roller, driven evenly at the printed speed; the board's own inertia is not given: left out."""
+    masses = RodMasses(
+        slider_kg=ROLLER_KG,
+        rod_kg=board_kg,
+        rod_center_mm=center_mm,
+        crank_kg=CRANK_KG,
+        crank_center_mm=CRANK_CENTER_MM,
+    )
+    return DrivenCrank(linkage, uniform_law(Lobes()), SPEED_RAD_S, masses)
+
+
+PAN = mechanism(PAN_LINKAGE, PAN_BOARD_KG, PAN_BOARD_FITTING_MM)
+SIEVE = mechanism(SIEVE_LINKAGE, SIEVE_BOARD_KG, SIEVE_LINKAGE.rod_mm - SIEVE_BOARD_FROM_ROLLER_MM)
 
 # --- section 2.2.1, eqs. 2 to 5: the slider by two terms; small figures of the text --------------------------------
 
@@ -61,32 +86,20 @@ def acceleration_residual() -> Computed:
 
 
 MOTION = (
-    Entry(
-        equations("2"), "slider's place against crank angle", Relation(), Verdict.UNDER_READING, place_residual,
-        "With the sine of the rod's angle as crank by rod times that of the crank's; it is printed upside down.",
-    ),
-    Entry(
-        equations("3", "4", "5"), "acceleration by two terms, of which the inertia forces are made", Relation(),
-        Verdict.UNDER_READING, acceleration_residual,
-        "With the square of the crank's speed, and counted positive towards the crank axis.",
-    ),
-    Entry(
-        ("section 2.2.1",), "crank by connecting rod", Printed(("0.01", "0.01")), Verdict.REPRODUCED,
-        lambda: computed(*(CRANK_MM / linkage.rod_mm for linkage in (PAN_LINKAGE, SIEVE_LINKAGE))),
-    ),
-    Entry(
-        ("section 2.2",), "connecting rod by crank, about", Printed(("100", "100")), Verdict.REPRODUCED,
-        lambda: computed(*(linkage.rod_mm / CRANK_MM for linkage in (PAN_LINKAGE, SIEVE_LINKAGE))),
-        "To the one digit that counts; 70 for the pan and 92 for the sieve.",
-    ),
-    Entry(
-        ("section 3.1",), "speed of 350 r/min in the simulation", Printed(("2100",), "r/s"), Verdict.UNDER_READING,
-        lambda: computed(SPEED_RPM * 6.0), "In degrees per second.",
-    ),
-    Entry(
-        ("section 3.1",), "time of one turn", Printed(("0.17",), "s"), Verdict.REPRODUCED,
-        lambda: computed(60.0 / SPEED_RPM),
-    ),
+    Entry(equations("2"), "slider's place against crank angle", Relation(), Verdict.UNDER_READING, place_residual,
+          "With the sine of the rod's angle as crank by rod times that of the crank's; it is printed upside down."),
+    Entry(equations("3", "4", "5"), "acceleration by two terms, of which the inertia forces are made", Relation(),
+          Verdict.UNDER_READING, acceleration_residual,
+          "With the square of the crank's speed, and counted positive towards the crank axis."),
+    Entry(("section 2.2.1",), "crank by connecting rod", Printed(("0.01", "0.01")), Verdict.REPRODUCED,
+          lambda: computed(*(CRANK_MM / linkage.rod_mm for linkage in (PAN_LINKAGE, SIEVE_LINKAGE)))),
+    Entry(("section 2.2",), "connecting rod by crank, about", Printed(("100", "100")), Verdict.REPRODUCED,
+          lambda: computed(*(linkage.rod_mm / CRANK_MM for linkage in (PAN_LINKAGE, SIEVE_LINKAGE))),
+          "To the one digit that counts; 70 for the pan and 92 for the sieve."),
+    Entry(("section 3.1",), "speed of 350 r/min in the simulation", Printed(("2100",), "r/s"), Verdict.UNDER_READING,
+          lambda: computed(SPEED_RPM * 6.0), "In degrees per second."),
+    Entry(("section 3.1",), "time of one turn", Printed(("0.17",), "s"), Verdict.REPRODUCED,
+          lambda: computed(60.0 / SPEED_RPM)),
 )  # fmt: skip
 
 # --- section 2.2.2, eqs. 1 and 6 to 8: masses at the joints, counterweights of each mechanism alone ---------------
@@ -111,56 +124,38 @@ def from_masses(function: Callable[[JointMasses], tuple[float, ...]], at_pin: st
 
 
 PAN_ALONE = (
-    Entry(
-        (*equations("1"), "section 2.2.2"), "pan: crank at the pin", Printed(("0.8",), "kg"), Verdict.REPRODUCED,
-        lambda: computed(CRANK_KG * CRANK_CENTER_MM / CRANK_MM),
-    ),
-    Entry(
-        (*equations("1"), "section 2.2.2"), "pan: board at pin and roller", Printed(("11.1", "12.6"), "kg"),
-        Verdict.NOT_REPRODUCIBLE,
-        pan_board,
-        "The place printed for the board's centre is that of the crank's; the printed masses put it near the middle.",
-    ),
-    Entry(
-        (*equations("1"), "section 2.2.2"), "pan: all at pin and roller", Printed(("11.9", "12.86"), "kg"),
-        Verdict.REPRODUCED,
-        lambda: from_readings(lambda *kg: (kg[0] + kg[1], kg[2] + ROLLER_KG), "0.8", "11.1", "12.6"), of_printed=True,
-    ),
-    Entry(
-        (*equations("6", "7", "8"), "section 2.2.2", "section 4"), "pan: counterweight",
-        Printed(("5.4", "6.1"), "kg"), Verdict.REPRODUCED,
-        lambda: from_masses(lambda masses: counterweights(PAN_LINKAGE, masses), *PAN_PRINTED),
-    ),
+    Entry((*equations("1"), "section 2.2.2"), "pan: crank at the pin", Printed(("0.8",), "kg"), Verdict.REPRODUCED,
+          lambda: computed(CRANK_KG * CRANK_CENTER_MM / CRANK_MM)),
+    Entry((*equations("1"), "section 2.2.2"), "pan: board at pin and roller", Printed(("11.1", "12.6"), "kg"),
+          Verdict.NOT_REPRODUCIBLE, pan_board, "The place printed for the board's centre is that of the crank's; the "
+          "printed masses put it near the middle."),
+    Entry((*equations("1"), "section 2.2.2"), "pan: all at pin and roller", Printed(("11.9", "12.86"), "kg"),
+          Verdict.REPRODUCED,
+          lambda: from_readings(lambda *kg: (kg[0] + kg[1], kg[2] + ROLLER_KG), "0.8", "11.1", "12.6"),
+          of_printed=True),
+    Entry((*equations("6", "7", "8"), "section 2.2.2", "section 4"), "pan: counterweight",
+          Printed(("5.4", "6.1"), "kg"), Verdict.REPRODUCED,
+          lambda: from_masses(lambda masses: counterweights(PAN_LINKAGE, masses), *PAN_PRINTED)),
 )  # fmt: skip
 
 SIEVE_ALONE = (
-    Entry(
-        (*equations("1"), "section 2.2.2"), "sieve: all at the pin", Printed(("29.5",), "kg"), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(SIEVE_OWN.rotating_kg), "Board and crank make more, the board alone less.",
-    ),
-    Entry(
-        (*equations("1"), "section 2.2.2"), "sieve: all at the roller", Printed(("61.26",), "kg"),
-        Verdict.UNDER_READING,
-        lambda: computed(round(SIEVE_OWN.reciprocating_kg - ROLLER_KG, 1) + ROLLER_KG),
-        "The board's part rounded to one decimal before the roller is added.",
-    ),
-    Entry(
-        (*equations("8"), "section 2.2.2"), "sieve: counterweight, from the printed masses",
-        Printed(("16.7", "20.1"), "kg"), Verdict.REPRODUCED,
-        lambda: from_masses(lambda masses: counterweights(SIEVE_LINKAGE, masses), *SIEVE_PRINTED),
-        "Only with the rounding of the 29.5 kg: from 29.50 kg both come out 0.06 kg less.",
-    ),
-    Entry(
-        equations("8"), "sieve: counterweight, from its dimensions", Printed(("16.7", "20.1"), "kg"),
-        Verdict.NOT_REPRODUCIBLE, lambda: computed(*counterweights(SIEVE_LINKAGE, SIEVE_OWN)),
-        "The mass at the pin is another.",
-    ),
-    Entry(
-        ("section 4",), "sieve: counterweight, as concluded", Printed(("16.0", "20.1"), "kg"),
-        Verdict.NOT_REPRODUCIBLE,
-        lambda: from_masses(lambda masses: counterweights(SIEVE_LINKAGE, masses), *SIEVE_PRINTED),
-        "The lower one is printed otherwise in section 2.2.2.",
-    ),
+    Entry((*equations("1"), "section 2.2.2"), "sieve: all at the pin", Printed(("29.5",), "kg"),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(SIEVE_OWN.rotating_kg),
+          "Board and crank make more, the board alone less."),
+    Entry((*equations("1"), "section 2.2.2"), "sieve: all at the roller", Printed(("61.26",), "kg"),
+          Verdict.UNDER_READING, lambda: computed(round(SIEVE_OWN.reciprocating_kg - ROLLER_KG, 1) + ROLLER_KG),
+          "The board's part rounded to one decimal before the roller is added."),
+    Entry((*equations("8"), "section 2.2.2"), "sieve: counterweight, from the printed masses",
+          Printed(("16.7", "20.1"), "kg"), Verdict.REPRODUCED,
+          lambda: from_masses(lambda masses: counterweights(SIEVE_LINKAGE, masses), *SIEVE_PRINTED),
+          "Only with the rounding of the 29.5 kg: from 29.50 kg both come out 0.06 kg less."),
+    Entry(equations("8"), "sieve: counterweight, from its dimensions", Printed(("16.7", "20.1"), "kg"),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(*counterweights(SIEVE_LINKAGE, SIEVE_OWN)),
+          "The mass at the pin is another."),
+    Entry(("section 4",), "sieve: counterweight, as concluded", Printed(("16.0", "20.1"), "kg"),
+          Verdict.NOT_REPRODUCIBLE,
+          lambda: from_masses(lambda masses: counterweights(SIEVE_LINKAGE, masses), *SIEVE_PRINTED),
+          "The lower one is printed otherwise in section 2.2.2."),
 )  # fmt: skip
 
 # --- section 2.2.3, eqs. 9 to 16: what is left of the forces of both, and the counterweight for it -----------------
@@ -211,43 +206,26 @@ SAME_ELLIPSE = (
 BY_FORMULA = "By eq. 8 with each printed share times its mass."
 
 TOGETHER = (
-    Entry(
-        (*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 90 deg", Printed(("0.65",)), Verdict.UNDER_READING,
-        eta1(90.0), SIZES
-    ),
-    Entry(
-        (*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 45 deg", Printed(("0.72",)), Verdict.NOT_REPRODUCIBLE,
-        eta1(45.0),
-        f"{SIZES} It is rounded up.",
-    ),
-    Entry(
-        (*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 0 deg", Printed(("0.74",)), Verdict.NOT_REPRODUCIBLE,
-        eta1(0.0), SIZES
-    ),
+    Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 90 deg", Printed(("0.65",)), Verdict.UNDER_READING,
+          eta1(90.0), SIZES),
+    Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 45 deg", Printed(("0.72",)),
+          Verdict.NOT_REPRODUCIBLE, eta1(45.0), f"{SIZES} It is rounded up."),
+    Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 0 deg", Printed(("0.74",)),
+          Verdict.NOT_REPRODUCIBLE, eta1(0.0), SIZES),
     *(
-        Entry(
-            (*equations("12", "13", "14", "15", "16"), "section 2.2.3"), f"eta2 at {phase:g} deg", Printed((text,)),
-            Verdict.NOT_REPRODUCIBLE, eta2(phase), SAME_ELLIPSE,
-        )
+        Entry((*equations("12", "13", "14", "15", "16"), "section 2.2.3"), f"eta2 at {phase:g} deg", Printed((text,)),
+              Verdict.NOT_REPRODUCIBLE, eta2(phase), SAME_ELLIPSE)
         for phase, text in ((45.0, "0.86"), (90.0, "0.71"), (0.0, "0.77"))
     ),
-    Entry(
-        ("section 2.2.3", "section 3.3", "section 4"), "best phase of the pan", Printed(("90",), "deg"),
-        Verdict.REPRODUCED,
-        best_phase,
-    ),
-    Entry(
-        ("section 2.2.3",), "sieve's counterweight at 90 deg", Printed(("11.4", "13.7"), "kg"), Verdict.UNDER_READING,
-        combined(90), f"{BY_FORMULA} The upper one comes out only with the rounding of the shares.",
-    ),
-    Entry(
-        ("section 2.2.3", "section 3.3"), "sieve's counterweight at 45 deg", Printed(("13.9", "16.5"), "kg"),
-        Verdict.NOT_REPRODUCIBLE, combined(45), BY_FORMULA,
-    ),
-    Entry(
-        ("section 2.2.3",), "sieve's counterweight at 0 deg", Printed(("13.2", "15.8"), "kg"),
-        Verdict.NOT_REPRODUCIBLE, combined(0), BY_FORMULA,
-    ),
+    Entry(("section 2.2.3", "section 3.3", "section 4"), "best phase of the pan", Printed(("90",), "deg"),
+          Verdict.REPRODUCED, best_phase),
+    Entry(("section 2.2.3",), "sieve's counterweight at 90 deg", Printed(("11.4", "13.7"), "kg"),
+          Verdict.UNDER_READING, combined(90),
+          f"{BY_FORMULA} The upper one comes out only with the rounding of the shares."),
+    Entry(("section 2.2.3", "section 3.3"), "sieve's counterweight at 45 deg", Printed(("13.9", "16.5"), "kg"),
+          Verdict.NOT_REPRODUCIBLE, combined(45), BY_FORMULA),
+    Entry(("section 2.2.3",), "sieve's counterweight at 0 deg", Printed(("13.2", "15.8"), "kg"),
+          Verdict.NOT_REPRODUCIBLE, combined(0), BY_FORMULA),
 )  # fmt: skip
 
 ENTRIES = (*MOTION, *PAN_ALONE, *SIEVE_ALONE, *TOGETHER)

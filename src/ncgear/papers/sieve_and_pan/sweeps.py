@@ -6,7 +6,7 @@ from ncgear.balance.counterweights import Tried, sweep
 from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank
 from ncgear.frozen import dataclass
 from ncgear.papers.entry import Below, Computed, Entry, Printed, Verdict, computed, half_step, texts
-from ncgear.papers.sieve_and_pan.published import ARM_MM, PAN, SIEVE
+from ncgear.papers.sieve_and_pan.formulas import ARM_MM, PAN, SIEVE
 
 
 @dataclass(frozen=True)
@@ -93,10 +93,9 @@ def _tried(mechanism: DrivenCrank, mass_kg: float) -> Tried:
 def _force(place: str, what: str, table: SweepTable, mechanism: DrivenCrank | None, mass: str) -> Entry:
     with_mass = "without counterweight" if mass == "0" else f"with {mass} kg"
     compute = (lambda: bearing(mechanism, float(mass))) if mechanism else None
-    return Entry(
-        (place,), f"{what} {with_mass}: least, largest, mean and r.m.s. force", Printed(table.forces(mass), "N"),
-        Verdict.NEEDS_DATA, compute, MODEL if mechanism else NO_MODEL,
-    )  # fmt: skip
+    printed, words = Printed(table.forces(mass), "N"), MODEL if mechanism else NO_MODEL
+    what = f"{what} {with_mass}: least, largest, mean and r.m.s. force"
+    return Entry((place,), what, printed, Verdict.NEEDS_DATA, compute, words)
 
 
 FORCES = tuple(
@@ -110,102 +109,64 @@ FORCES = tuple(
 )
 
 TRACKS = (
-    Entry(
-        ("Fig. 9", "Fig. 10", "section 3.1"), "way of the pan's centre without counterweight, along and across",
-        Printed(("21.9", "11.1"), "mm"), Verdict.NEEDS_DATA, lambda: track_extent(PAN, 0.0), WHICH_MASSES,
-    ),
-    Entry(
-        ("section 3.1",), "ways of the pan's centre with counterweights, along and across, least and largest",
-        Printed(("9", "11", "0.2", "0.6"), "mm"), Verdict.NEEDS_DATA, lambda: track_extent(PAN, 5.5, 6.1),
-        WHICH_MASSES,
-    ),
-    Entry(
-        ("section 3.1",), "way of the pan's centre, along and across, against what is printed with counterweights",
-        Printed(("14", "1.1"), "mm"), Verdict.NOT_REPRODUCIBLE, lambda: computed(11.0, 0.6),
-        "The paragraph after it prints 9 to 11 and 0.2 to 0.6 mm with, 21.9 and 11.1 mm without a counterweight.",
-        of_printed=True,
-    ),
-    Entry(
-        ("Fig. 11", "section 3.1"), "area of the pan's track with 5.9 kg", Printed(("1.7",), "mm2"),
-        Verdict.NEEDS_DATA, lambda: track_area(PAN, 5.9), WHICH_MASSES,
-    ),
+    Entry(("Fig. 9", "Fig. 10", "section 3.1"), "way of the pan's centre without counterweight, along and across",
+          Printed(("21.9", "11.1"), "mm"), Verdict.NEEDS_DATA, lambda: track_extent(PAN, 0.0), WHICH_MASSES),
+    Entry(("section 3.1",), "ways of the pan's centre with counterweights, along and across, least and largest",
+          Printed(("9", "11", "0.2", "0.6"), "mm"), Verdict.NEEDS_DATA, lambda: track_extent(PAN, 5.5, 6.1),
+          WHICH_MASSES),
+    Entry(("section 3.1",), "way of the pan's centre, along and across, against what is printed with counterweights",
+          Printed(("14", "1.1"), "mm"), Verdict.NOT_REPRODUCIBLE, lambda: computed(11.0, 0.6),
+          "The paragraph after it prints 9 to 11 and 0.2 to 0.6 mm with, 21.9 and 11.1 mm without a counterweight.",
+          of_printed=True),
+    Entry(("Fig. 11", "section 3.1"), "area of the pan's track with 5.9 kg", Printed(("1.7",), "mm2"),
+          Verdict.NEEDS_DATA, lambda: track_area(PAN, 5.9), WHICH_MASSES),
 )  # fmt: skip
 
 SPREADS = (
     *(
-        Entry(
-            (place,), "peak to peak", Printed(table.spread, "N"), Verdict.REPRODUCED, table.spreads, of_printed=True
-        )
+        Entry((place,), "peak to peak", Printed(table.spread, "N"), Verdict.REPRODUCED, table.spreads, of_printed=True)
         for place, table in (("Table 1", PAN_TABLE), ("Table 3", BOTH_TABLE))
     ),
-    Entry(
-        ("Table 2",), "peak to peak", Printed(SIEVE_TABLE.spread, "N"), Verdict.NOT_REPRODUCIBLE, SIEVE_TABLE.spreads,
-        "The row of 17.4 kg contradicts itself; the others agree.", of_printed=True,
-    ),
+    Entry(("Table 2",), "peak to peak", Printed(SIEVE_TABLE.spread, "N"), Verdict.NOT_REPRODUCIBLE,
+          SIEVE_TABLE.spreads, "The row of 17.4 kg contradicts itself; the others agree.", of_printed=True),
     *(
-        Entry(
-            (place, section), "mean, r.m.s. and peak to peak fall with every counterweight", Below("all decreased"),
-            Verdict.REPRODUCED, table.below_none, of_printed=True,
-        )
+        Entry((place, section), "mean, r.m.s. and peak to peak fall with every counterweight", Below("all decreased"),
+              Verdict.REPRODUCED, table.below_none, of_printed=True)
         for place, section, table in (("Table 1", "section 3.1", PAN_TABLE), ("Table 2", "section 3.2", SIEVE_TABLE))
     ),
-    Entry(
-        ("section 3.1",), "peak to peak along the slider's line falls with counterweights", Below("850 N to 1408 N"),
-        Verdict.NOT_REPRODUCIBLE, lambda: computed(1408.0, 850.0), "What is called a decrease is printed as a rise.",
-        of_printed=True,
-    ),
-    Entry(
-        ("section 3.1",), "peak to peak without and with counterweights, along and across",
-        Printed(("850", "1408", "586", "275"), "N"), Verdict.NEEDS_DATA, None, MODEL,
-    ),
+    Entry(("section 3.1",), "peak to peak along the slider's line falls with counterweights", Below("850 N to 1408 N"),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(1408.0, 850.0), "What is called a decrease is printed as a rise.",
+          of_printed=True),
+    Entry(("section 3.1",), "peak to peak without and with counterweights, along and across",
+          Printed(("850", "1408", "586", "275"), "N"), Verdict.NEEDS_DATA, None, MODEL),
 )  # fmt: skip
 
 BEST = (
-    Entry(
-        ("Table 1", "section 3.1", "section 4"), "pan's best counterweight", Printed(("5.9",), "kg"), Verdict.FITTED,
-        PAN_TABLE.steadiest,
-        "The one of least peak to peak in the table; mean and r.m.s., named beside it, are less with 6.1 kg.",
-        of_printed=True,
-    ),
-    Entry(
-        ("Table 2", "section 3.2", "section 4"), "sieve's best counterweight", Printed(("18.0",), "kg"),
-        Verdict.NOT_REPRODUCIBLE, SIEVE_TABLE.steadiest,
-        "The one of least peak to peak in the table; by mean and r.m.s. it is 19.8 kg.", of_printed=True,
-    ),
-    Entry(
-        ("Table 3", "section 3.3", "section 4"), "best counterweight for both at 45 deg", Printed(("15.5",), "kg"),
-        Verdict.REPRODUCED, BOTH_TABLE.steadiest, "By the peak to peak, as the text says.", of_printed=True,
-    ),
-    Entry(
-        ("section 3.3",), "counterweights tried for both", Printed(("7",)), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(len(BOTH_TABLE.mass)),
-        "The text names seven, from 13.5 to 16.6 kg; Table 3 has six, from 14.0 to 16.5 kg.", of_printed=True,
-    ),
-    Entry(
-        ("section 3.3",), "largest force at 45 deg, from Table 3", Printed(("2518",), "N"), Verdict.REPRODUCED,
-        lambda: computed(float(BOTH_TABLE.forces("15.5")[1])), of_printed=True,
-    ),
-    Entry(
-        ("section 3.3",), "least force at 45 deg, from Table 3", Printed(("1611",), "N"), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(float(BOTH_TABLE.forces("15.5")[0])), "Table 3 and text differ.", of_printed=True,
-    ),
-    Entry(
-        ("section 3.3",), "largest and least force at 90 deg and at 0 deg",
-        Printed(("1604", "613", "1828", "697"), "N"), Verdict.NEEDS_DATA, None, NO_MODEL,
-    ),
-    Entry(
-        ("section 3.3",), "largest and least force are less at 90 deg than at 0 deg and at 45 deg",
-        Below("significantly decreased"), Verdict.REPRODUCED,
-        lambda: computed(1604.0, 1828.0, 1604.0, 2518.0, 613.0, 697.0, 613.0, 1611.0), of_printed=True,
-    ),
-    Entry(
-        ("section 3.3",), "less counterweight for both together than for the sieve alone", Below("reduced"),
-        Verdict.REPRODUCED, lambda: computed(15.5, 18.0), of_printed=True,
-    ),
-    Entry(
-        ("abstract",), "best counterweight for both at 90 deg", Printed(("14.0",), "kg"), Verdict.NEEDS_DATA, None,
-        NO_MODEL,
-    ),
+    Entry(("Table 1", "section 3.1", "section 4"), "pan's best counterweight", Printed(("5.9",), "kg"), Verdict.FITTED,
+          PAN_TABLE.steadiest,
+          "The one of least peak to peak in the table; mean and r.m.s., named beside it, are less with 6.1 kg.",
+          of_printed=True),
+    Entry(("Table 2", "section 3.2", "section 4"), "sieve's best counterweight", Printed(("18.0",), "kg"),
+          Verdict.NOT_REPRODUCIBLE, SIEVE_TABLE.steadiest,
+          "The one of least peak to peak in the table; by mean and r.m.s. it is 19.8 kg.", of_printed=True),
+    Entry(("Table 3", "section 3.3", "section 4"), "best counterweight for both at 45 deg", Printed(("15.5",), "kg"),
+          Verdict.REPRODUCED, BOTH_TABLE.steadiest, "By the peak to peak, as the text says.", of_printed=True),
+    Entry(("section 3.3",), "counterweights tried for both", Printed(("7",)), Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(len(BOTH_TABLE.mass)),
+          "The text names seven, from 13.5 to 16.6 kg; Table 3 has six, from 14.0 to 16.5 kg.", of_printed=True),
+    Entry(("section 3.3",), "largest force at 45 deg, from Table 3", Printed(("2518",), "N"), Verdict.REPRODUCED,
+          lambda: computed(float(BOTH_TABLE.forces("15.5")[1])), of_printed=True),
+    Entry(("section 3.3",), "least force at 45 deg, from Table 3", Printed(("1611",), "N"), Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(float(BOTH_TABLE.forces("15.5")[0])), "Table 3 and text differ.", of_printed=True),
+    Entry(("section 3.3",), "largest and least force at 90 deg and at 0 deg",
+          Printed(("1604", "613", "1828", "697"), "N"), Verdict.NEEDS_DATA, None, NO_MODEL),
+    Entry(("section 3.3",), "largest and least force are less at 90 deg than at 0 deg and at 45 deg",
+          Below("significantly decreased"), Verdict.REPRODUCED,
+          lambda: computed(1604.0, 1828.0, 1604.0, 2518.0, 613.0, 697.0, 613.0, 1611.0), of_printed=True),
+    Entry(("section 3.3",), "less counterweight for both together than for the sieve alone", Below("reduced"),
+          Verdict.REPRODUCED, lambda: computed(15.5, 18.0), of_printed=True),
+    Entry(("abstract",), "best counterweight for both at 90 deg", Printed(("14.0",), "kg"), Verdict.NEEDS_DATA, None,
+          NO_MODEL),
 )  # fmt: skip
 
 ENTRIES = (*TRACKS, *FORCES, *SPREADS, *BEST)

@@ -35,9 +35,8 @@ def of_kind(kind: str) -> list[float]:
 
 def from_printed(counts: list[int | None]) -> Computed:
     """Rollers or teeth times the printed frequencies of the shafts, in Hz; shafts without a count are left out."""
-    pairs = [(count, text) for count, text in zip(counts, ROTATION, strict=True) if count is not None]
-    found = [from_readings(lambda rate, count=count: (count * rate,), text) for count, text in pairs]
-    return Computed(tuple(one.values[0] for one in found), tuple(one.leeway[0] for one in found))
+    known, printed = zip(*((count, text) for count, text in zip(counts, ROTATION, strict=True) if count), strict=True)
+    return from_readings(lambda *rates: tuple(count * rate for count, rate in zip(known, rates, strict=True)), *printed)
 
 
 def engine(kind: str) -> float:
@@ -65,59 +64,32 @@ def nearer_than_the_auger() -> Computed:
 GEOMETRY = "The part's geometry and its finite-element model."
 
 SHAFTS_AND_ENGINE = (
-    Entry(
-        (*equations("9"), "Table 1", "section 2.3"), "frequencies of the ten shafts", Printed(ROTATION, "Hz"),
-        Verdict.REPRODUCED,
-        lambda: computed(*of_kind("rotation")),
-    ),
-    Entry(
-        (*equations("11"), "Table 1"), "rollers passing in their bearings", Printed(ROLLERS, "Hz"),
-        Verdict.REPRODUCED, lambda: from_printed([shaft.rollers for shaft in SHAFTS]), of_printed=True,
-    ),
-    Entry(
-        equations("11"), "frequencies at which rollers pass a place of either race", Printed(ROLLERS, "Hz"),
-        Verdict.NEEDS_DATA, None,
-        "Diameters of rollers and pitch circles: the cage turns at about 0.4 of the shaft's speed, not with it.",
-    ),
-    Entry(
-        (*equations("10"), "Table 1"), "teeth of sprockets and gears", Printed(TEETH, "Hz"), Verdict.REPRODUCED,
-        lambda: from_printed([shaft.teeth for shaft in SHAFTS]), of_printed=True,
-    ),
-    Entry(
-        (*equations("12", "13"), "section 2.3"), "combustion and inertia of the engine", Printed(("80", "80"), "Hz"),
-        Verdict.REPRODUCED, lambda: computed(engine("combustion"), engine("inertia")),
-    ),
+    Entry((*equations("9"), "Table 1", "section 2.3"), "frequencies of the ten shafts", Printed(ROTATION, "Hz"),
+          Verdict.REPRODUCED, lambda: computed(*of_kind("rotation"))),
+    Entry((*equations("11"), "Table 1"), "rollers passing in their bearings", Printed(ROLLERS, "Hz"),
+          Verdict.REPRODUCED, lambda: from_printed([shaft.rollers for shaft in SHAFTS]), of_printed=True),
+    Entry(equations("11"), "frequencies at which rollers pass a place of either race", Printed(ROLLERS, "Hz"),
+          Verdict.NEEDS_DATA, None,
+          "Diameters of rollers and pitch circles: the cage turns at about 0.4 of the shaft's speed, not with it."),
+    Entry((*equations("10"), "Table 1"), "teeth of sprockets and gears", Printed(TEETH, "Hz"), Verdict.REPRODUCED,
+          lambda: from_printed([shaft.teeth for shaft in SHAFTS]), of_printed=True),
+    Entry((*equations("12", "13"), "section 2.3"), "combustion and inertia of the engine", Printed(("80", "80"), "Hz"),
+          Verdict.REPRODUCED, lambda: computed(engine("combustion"), engine("inertia"))),
 )  # fmt: skip
 
 NATURAL = (
-    Entry(
-        ("Table 3", "Fig. 12", "Table 4", "section 3.2"), "natural frequencies by finite elements",
-        Printed(SIMULATED_HZ, "Hz"),
-        Verdict.NEEDS_DATA, None, GEOMETRY,
-    ),
-    Entry(
-        ("Table 4", "Fig. 14"), "natural frequencies measured", Printed(MEASURED_HZ, "Hz"), Verdict.NEEDS_DATA, None,
-        "The records of the measurement.",
-    ),
-    Entry(
-        ("Table 4",), "differences of the 1st, 3rd, 4th and 5th", Printed(("5.2", "1.4", "0.6", "2"), "%"),
-        Verdict.REPRODUCED, lambda: errors(1, 3, 4, 5), of_printed=True,
-    ),
-    Entry(
-        ("Table 4", "section 3.3"), "differences of the 2nd and the 6th, which is the largest",
-        Printed(("5.9", "11.3"), "%"),
-        Verdict.NOT_REPRODUCIBLE, lambda: errors(2, 6),
-        "By the measured frequency, as the other four are; the printed ones are by the simulated frequency, cut off.",
-        of_printed=True,
-    ),
-    Entry(
-        ("section 3.3",), "the auger's frequency by the first natural one", Printed(("0.8",)), Verdict.REPRODUCED,
-        lambda: from_readings(lambda auger, first: (auger / first,), "3.77", "4.62"), of_printed=True,
-    ),
-    Entry(
-        ("section 3.3",), "other excitations as near to a natural frequency as that", Printed(("0",)),
-        Verdict.NOT_REPRODUCIBLE, nearer_than_the_auger,
-        "Rollers of the pick-up stand nearer to the third natural frequency, and combustion to the fifth, than the "
-        "auger to the first.",
-    ),
+    Entry(("Table 3", "Fig. 12", "Table 4", "section 3.2"), "natural frequencies by finite elements",
+          Printed(SIMULATED_HZ, "Hz"), Verdict.NEEDS_DATA, None, GEOMETRY),
+    Entry(("Table 4", "Fig. 14"), "natural frequencies measured", Printed(MEASURED_HZ, "Hz"), Verdict.NEEDS_DATA, None,
+          "The records of the measurement."),
+    Entry(("Table 4",), "differences of the 1st, 3rd, 4th and 5th", Printed(("5.2", "1.4", "0.6", "2"), "%"),
+          Verdict.REPRODUCED, lambda: errors(1, 3, 4, 5), of_printed=True),
+    Entry(("Table 4", "section 3.3"), "differences of the 2nd and the 6th, which is the largest",
+          Printed(("5.9", "11.3"), "%"), Verdict.NOT_REPRODUCIBLE, lambda: errors(2, 6), "By the measured frequency, "
+          "as the other four are; the printed ones are by the simulated frequency, cut off.", of_printed=True),
+    Entry(("section 3.3",), "the auger's frequency by the first natural one", Printed(("0.8",)), Verdict.REPRODUCED,
+          lambda: from_readings(lambda auger, first: (auger / first,), "3.77", "4.62"), of_printed=True),
+    Entry(("section 3.3",), "other excitations as near to a natural frequency as that", Printed(("0",)),
+          Verdict.NOT_REPRODUCIBLE, nearer_than_the_auger, "Rollers of the pick-up stand nearer to the third natural "
+          "frequency, and combustion to the fifth, than the auger to the first."),
 )  # fmt: skip

@@ -60,11 +60,6 @@ def stroke_residual() -> Computed:
     return computed(*(float(np.abs(formula - exact).max() / LINKAGE.stroke_mm) for formula in (second, third)))
 
 
-def series() -> Computed:
-    """Eq. 4: the first coefficients of (1 - x)^(1/2), without their signs."""
-    return computed(*(abs(float(binom(0.5, power))) for power in (1, 2, 3)))
-
-
 def two_term_residual() -> Computed:
     """Eq. 6 against eq. 3 with the root of eq. 5, by the stroke."""
     sine, cosine = np.sin(ANGLES_RAD), np.cos(ANGLES_RAD)
@@ -89,28 +84,18 @@ def _off(formula: Array, exact: Array) -> float:
 
 
 MOTION = (
-    Entry(
-        equations("1", "2", "3"), "stroke against crank angle, from the extended dead centre", Relation(),
-        Verdict.REPRODUCED, stroke_residual,
-    ),
-    Entry(
-        equations("4"), "coefficients of the root's series", Printed(("0.5", "0.125", "0.0625")), Verdict.REPRODUCED,
-        series,
-    ),
-    Entry(
-        equations("5", "6"), "stroke by two terms of the series", Relation(), Verdict.REPRODUCED, two_term_residual
-    ),
+    Entry(equations("1", "2", "3"), "stroke against crank angle, from the extended dead centre", Relation(),
+          Verdict.REPRODUCED, stroke_residual),
+    Entry(equations("4"), "coefficients of the root's series", Printed(("0.5", "0.125", "0.0625")), Verdict.REPRODUCED,
+          lambda: computed(*(abs(float(binom(0.5, power))) for power in (1, 2, 3)))),
+    Entry(equations("5", "6"), "stroke by two terms of the series", Relation(), Verdict.REPRODUCED, two_term_residual),
     Entry(equations("7"), "velocity by two terms", Relation(), Verdict.REPRODUCED, velocity_residual),
-    Entry(
-        equations("8", "16"), "acceleration by two terms, growing with the square of the speed", Relation(),
-        Verdict.UNDER_READING, acceleration_residual,
-        "Counted positive away from the crank axis, against the sense in which the stroke is counted.",
-    ),
-    Entry(
-        equations("8", "16"), "two terms for the exact acceleration of this linkage", Relation(),
-        Verdict.NOT_REPRODUCIBLE, lambda: computed(two_term_formula(MECHANISM).largest_error),
-        "At a crank of 0.473 rods the terms left out are not small.",
-    ),
+    Entry(equations("8", "16"), "acceleration by two terms, growing with the square of the speed", Relation(),
+          Verdict.UNDER_READING, acceleration_residual,
+          "Counted positive away from the crank axis, against the sense in which the stroke is counted."),
+    Entry(equations("8", "16"), "two terms for the exact acceleration of this linkage", Relation(),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(two_term_formula(MECHANISM).largest_error),
+          "At a crank of 0.473 rods the terms left out are not small."),
 )  # fmt: skip
 
 # --- section 3.1, eqs. 16 to 20: counterweights of the mechanism and of the chassis ----------------------------------
@@ -135,41 +120,24 @@ def against_dead_weight_kg() -> float:
 
 
 COUNTERWEIGHTS = (
-    Entry(
-        ("section 3.1",), "counterweight beyond the crank pin, and mass at the pin", Printed(("182", "247"), "kg"),
-        Verdict.REPRODUCED, lambda: computed(complete().rod.mass_kg, complete().pin_kg),
-    ),
-    Entry(
-        ("section 3.1",), "counterweight beyond the crank axis", Printed(("261.82",), "kg"), Verdict.FITTED,
-        lambda: computed(complete().crank.mass_kg),
-        "At 250 mm from the axis: its place is not printed, and this round one gives the printed mass.",
-    ),
-    Entry(
-        ("section 3.5",), "crank's speed from 96.5 r/min", Printed(("10.10",), "rad/s"), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(SPEED_RAD_S), "Cut off, not rounded.",
-    ),
-    Entry(
-        (*equations("16", "17", "18"), "section 3.5"), "weight against the slider's inertia", Printed(("5",), "kg"),
-        Verdict.FITTED, lambda: computed(tail_weights().retracted_kg),
-        "With the inertia force at the retracted dead centre, the smaller of the two: the text names no dead centre.",
-    ),
-    Entry(
-        equations("16", "17", "18"), "weight against the slider's largest inertia force", Printed(("5",), "kg"),
-        Verdict.NOT_REPRODUCIBLE, lambda: computed(tail_weights().worst_kg.value),
-        "The force is largest at the extended dead centre; the printed weight is not the safe one.",
-    ),
-    Entry(
-        (*equations("19"), "section 3.5"), "weight against the dead weight", Printed(("260",), "kg"),
-        Verdict.REPRODUCED,
-        lambda: computed(against_dead_weight_kg()),
-    ),
-    Entry(
-        (*equations("20"), "section 3.5"), "both weights", Printed(("265",), "kg"), Verdict.REPRODUCED,
-        lambda: from_readings(lambda one, other: (one + other,), "5", "260"), of_printed=True,
-    ),
-    Entry(
-        equations("20"), "both weights, from the dimensions", Printed(("265",), "kg"), Verdict.NOT_REPRODUCIBLE,
-        lambda: computed(tail_weights().retracted_kg + against_dead_weight_kg()),
-        "Each of the printed weights is rounded up; unrounded they make less.",
-    ),
+    Entry(("section 3.1",), "counterweight beyond the crank pin, and mass at the pin", Printed(("182", "247"), "kg"),
+          Verdict.REPRODUCED, lambda: computed(complete().rod.mass_kg, complete().pin_kg)),
+    Entry(("section 3.1",), "counterweight beyond the crank axis", Printed(("261.82",), "kg"), Verdict.FITTED,
+          lambda: computed(complete().crank.mass_kg),
+          "At 250 mm from the axis: its place is not printed, and this round one gives the printed mass."),
+    Entry(("section 3.5",), "crank's speed from 96.5 r/min", Printed(("10.10",), "rad/s"), Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(SPEED_RAD_S), "Cut off, not rounded."),
+    Entry((*equations("16", "17", "18"), "section 3.5"), "weight against the slider's inertia", Printed(("5",), "kg"),
+          Verdict.FITTED, lambda: computed(tail_weights().retracted_kg), "With the inertia force at the retracted "
+          "dead centre, the smaller of the two: the text names no dead centre."),
+    Entry(equations("16", "17", "18"), "weight against the slider's largest inertia force", Printed(("5",), "kg"),
+          Verdict.NOT_REPRODUCIBLE, lambda: computed(tail_weights().worst_kg.value),
+          "The force is largest at the extended dead centre; the printed weight is not the safe one."),
+    Entry((*equations("19"), "section 3.5"), "weight against the dead weight", Printed(("260",), "kg"),
+          Verdict.REPRODUCED, lambda: computed(against_dead_weight_kg())),
+    Entry((*equations("20"), "section 3.5"), "both weights", Printed(("265",), "kg"), Verdict.REPRODUCED,
+          lambda: from_readings(lambda one, other: (one + other,), "5", "260"), of_printed=True),
+    Entry(equations("20"), "both weights, from the dimensions", Printed(("265",), "kg"), Verdict.NOT_REPRODUCIBLE,
+          lambda: computed(tail_weights().retracted_kg + against_dead_weight_kg()),
+          "Each of the printed weights is rounded up; unrounded they make less."),
 )  # fmt: skip
