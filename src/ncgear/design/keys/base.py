@@ -164,9 +164,8 @@ def require(model: BaseModel, rule: str) -> None:
             if len(found) > 1:
                 raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
         case [one, "with", other]:
-            for there, absent in ((one, other), (other, one)):
-                if _at(model, there) is not None and _at(model, absent) is None:
-                    raise fault(absent, f"missing; {there} is given, and needs it")
+            require(model, f"{one} needs {other}")
+            require(model, f"{other} needs {one}")
         case [key, "needs", *others]:
             if _at(model, key) is not None and all(_at(model, other) is None for other in others):
                 raise fault(key, f"given without {listed(others)}; give that as well, or leave {key} out")
