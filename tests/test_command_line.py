@@ -230,7 +230,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "gears.driving.keyway.width_mm",
         "under 12 mm is right",
     ),
-    "keyway without bore": (changed(STROKE, "    bore_mm: 12\n", ""), "keyway", "gears.driving.keyway", "without bore_mm"),
+    "keyway without bore": (changed(STROKE, "    bore_mm: 12\n", ""), "keyway", "gears.driving.keyway", "without bore"),
     "lobes": (changed(STROKE, "driven: 1}", "driven: 2}"), "driven: 2", "gears.lobes.driven", "1 is right"),
     "coefficient": (
         changed(STROKE, "[-131.2779, 3.447", "[-131.2779, x"),
