@@ -230,7 +230,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "gears.driving.keyway.width_mm",
         "under 12 mm is right",
     ),
-    "keyway without bore": (changed(STROKE, "    bore_mm: 12\n", ""), "keyway", "gears.driving.keyway", "give bore_mm"),
+    "keyway without bore": (changed(STROKE, "    bore_mm: 12\n", ""), "keyway", "gears.driving.keyway", "without bore"),
     "lobes": (changed(STROKE, "driven: 1}", "driven: 2}"), "driven: 2", "gears.lobes.driven", "1 is right"),
     "coefficient": (
         changed(STROKE, "[-131.2779, 3.447", "[-131.2779, x"),
@@ -249,7 +249,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         "    - {name: x, speed_rpm: 1, peak_power_w: 2, quoted_power_w: 3}\n",
         "quoted_power_w",
         "comparison.published.0.quoted_power_w",
-        "need each other",
+        "given without quoted_speed_rpm",
     ),
     "tolerance": (
         changed(PLAIN, "speed_rpm: 1}", "speed_rpm: 1}\nmotion: {law: uniform_crank}\noutput: {chord_tolerance_mm: 0}"),
@@ -259,7 +259,12 @@ BAD: dict[str, tuple[str, str, str, str]] = {
     ),
     "table falls": (changed(TABLE, "[0, 30, 60", "[0, 60, 59"), "59,", "motion.phi1_deg.2", "59 follows 60"),
     "table over a turn": (changed(TABLE, "330]", "361]"), "361]", "motion.phi1_deg.11", "361 is outside the cycle"),
-    "table uneven": (changed(TABLE, "[0, 30, 60", "[0, 60"), "ratio: [", "motion.ratio", "12 values, but phi1_deg has 11"),
+    "table uneven": (
+        changed(TABLE, "[0, 30, 60", "[0, 60"),
+        "ratio: [",
+        "motion.ratio",
+        "12 values, but phi1_deg has 11",
+    ),
     "table of a word": (changed(TABLE, "330]", "no]"), "no]", "motion.phi1_deg.11", "'no' given; a number is needed"),
     "table with nan": (changed(TABLE, "330]", ".nan]"), ".nan]", "motion.phi1_deg.11", "a finite number is needed"),
     "table too short": (

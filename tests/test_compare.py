@@ -47,7 +47,10 @@ def test_a_mapping_is_the_file() -> None:
         ({**EVEN, "speed": 3}, "speed: unknown key; known are "),
         ({**EVEN, "name": 3, "linkage": 3}, "name: 3 given; text (in quotes, if it looks like a number) is needed"),
         ({1: 2}, "1 is a key; keys are text"),
-        (with_law(law="table", phi1_rad=np.arange(5.0), ratio=np.ones(4)), "motion.ratio: 4 values, but phi1_rad has 5"),
+        (
+            with_law(law="table", phi1_rad=np.arange(5.0), ratio=np.ones(4)),
+            "motion.ratio: 4 values, but phi1_rad has 5",
+        ),
         (with_law(law="table", phi1_rad=[0, 1, float("nan"), 3], ratio=np.ones(4)), "motion.phi1_rad.2: .nan given"),
         (
             with_law(law="harmonic_ratio", cosine=np.cos),

@@ -211,7 +211,10 @@ wishes:
         ("time_ratio: {at_least: -2}", "--wish: time_ratio.at_least: -2 given; a number of 0.01 or over is needed"),
         ("dwell: {at: end, within_mm: 1, for_deg: 9}", "--wish: dwell.0.at: 'end' given; retracted or extended"),
         ("dwell: {at: extended, within_mm: 1}", "--wish: dwell.0: one of for_rad, for_deg or for_pi is missing"),
-        ("constant_speed: {from_mm: 40, to_mm: 20}", "--wish: constant_speed.0.to_mm: 20 given after from_mm: 40;"),
+        (
+            "constant_speed: {from_mm: 40, to_mm: 20}",
+            "--wish: constant_speed.0.to_mm: 20 mm given, but from_mm is 40 mm;",
+        ),
         ("constant_speed: {from_mm: 40", "--wish:1:29: is not YAML: "),
         ("constant_speed: {from_mm: 40, to_mm: 900}", "wishes.constant_speed.0.to_mm: 900 given, but the stroke is "),
     ],

@@ -213,14 +213,17 @@ def test_forms_in_a_design_file(tmp_path: Path) -> None:
         ("{where_negative: keep}", "resistance: one of polynomial_n, table or expression_n is missing"),
         ('{polynomial_n: [1], expression_n: "x"}', "resistance.expression_n: polynomial_n and expression_n are given"),
         ("{table: {force_n: [1, 2]}}", "resistance.table.displacement_mm: missing; a table needs"),
-        ("{table: {displacement_mm: [1, 2], force_n: [1, 2, 3]}}", "resistance.table.force_n: 3 values for 2"),
+        (
+            "{table: {displacement_mm: [1, 2], force_n: [1, 2, 3]}}",
+            "resistance.table.force_n: 3 values, but displacement_mm has 2",
+        ),
         (
             "{table: {displacement_mm: [0, 4.0e-311, 90], force_n: [0, 7, 50]}}",
-            "resistance.table.displacement_mm.1: 4e-311 follows 0; at least 1e-09 mm apart is right",
+            "resistance.table.displacement_mm.1: 4e-311 follows 0.0; at least 1e-09 apart is right",
         ),
         (
             "{table: {displacement_mm: [-2.0e-200, 0, 90], force_n: [3, 7, 50]}}",
-            "resistance.table.displacement_mm.1: 0 follows -2e-200",
+            "resistance.table.displacement_mm.1: 0.0 follows -2e-200",
         ),
         ("{table: {displacement_mm: [1, 1], force_n: [1, 2]}}", "resistance.table.displacement_mm.1: 1 follows 1"),
         ("{table: {displacement_mm: [1], force_n: [1]}}", "resistance.table.displacement_mm: a list given"),

@@ -196,7 +196,11 @@ WRONG: dict[str, tuple[str, str, str]] = {
     "exponent of no stiffness": ("{exponent: 1.5}", "exponent", "given without stiffness_n_mm"),
     "damping beyond critical": ("{damping_ratio: 1.5}", "damping_ratio", "1 or under"),
     "less friction at rest": ("{friction: {static: 0.01}}", "friction.static", "0.01 given, but dynamic is 0.05"),
-    "speeds of friction": ("{friction: {dynamic_speed_mm_s: 1}}", "friction.dynamic_speed_mm_s", "over 1 is right"),
+    "speeds of friction": (
+        "{friction: {dynamic_speed_mm_s: 1}}",
+        "friction.dynamic_speed_mm_s",
+        "over 1 mm/s is right",
+    ),
     "motor without torque": (
         "{motor: {no_load_speed_rpm: 60, stall_torque_n_m: 0}}",
         "motor.stall_torque_n_m",

@@ -393,7 +393,7 @@ ROUND = [1.0, 1.1, 1.2, 1.1]
             "motion.driven_angle_pi",
             "keep one",
         ),
-        ({"second_stage": {"ratio": [1, 2, 1, 2, 1]}}, "motion.second_stage.ratio", "5 values for 4"),
+        ({"second_stage": {"ratio": [1, 2, 1, 2, 1]}}, "motion.second_stage.ratio", "5 values, but ratio has 4"),
         ({"second_stage": {"ratio": [1, 0, 1, 2]}}, "motion.second_stage.ratio.1", "a number over 0 is needed"),
     ],
 )

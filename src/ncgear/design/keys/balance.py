@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from ncgear.design.keys.base import Model, fault, given, optional, required
 from ncgear.design.keys.linkages import Linkage
 from ncgear.design.keys.masses import HEAVIEST_KG, Mass, Masses
-from ncgear.design.keys.types import LONGEST_MM, Length, Place, Several, Share, Speed
+from ncgear.design.keys.types import LONGEST_MM, FileName, Length, Place, Several, Share, Speed
 from ncgear.design.words import NAME_PATTERN, listed
 
 MOST_COUNT = 10_000
@@ -217,7 +217,7 @@ class Rotor(Model):
     speed_rpm: Speed = required("speed of the runs in r/min")
     first: Readings | None = optional("readings of every sensor without trial weights, a list")
     trials: Several[Trial] | None = optional("one run for each plane, a list", min_length=1, max_length=20)
-    file: Annotated[str, Field(min_length=1)] | None = optional(
+    file: FileName | None = optional(
         "CSV file of both instead, one reading in each row, with columns plane (0: without trial weight), mass_g, "
         "angle_deg, sensor, amplitude, phase_deg; its path counts from this file"
     )
@@ -250,7 +250,7 @@ class ChainDrive(Model):
     tight_deg: Angle = required("phase of the tight side's equivalent unbalance in degrees")
     slack_deg: Angle = required("phase of the slack side's equivalent unbalance in degrees")
     runs: Annotated[Several[ChainRun], Field(min_length=3, max_length=1000)] | None = optional("runs, a list")
-    file: Annotated[str, Field(min_length=1)] | None = optional(
+    file: FileName | None = optional(
         "CSV file of runs instead, with columns weight_deg, amplitude, phase_deg; its path counts from this file"
     )
     predict_deg: Annotated[Several[Angle], Field(max_length=MOST_ITEMS)] = optional(

@@ -164,9 +164,8 @@ def require(model: BaseModel, rule: str) -> None:
             if len(found) > 1:
                 raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
         case [one, "with", other]:
-            for there, absent in ((one, other), (other, one)):
-                if _at(model, there) is not None and _at(model, absent) is None:
-                    raise fault(absent, f"missing; {there} is given, and needs it")
+            require(model, f"{one} needs {other}")
+            require(model, f"{other} needs {one}")
         case [key, "needs", *others]:
             if _at(model, key) is not None and all(_at(model, other) is None for other in others):
                 raise fault(key, f"given without {listed(others)}; give that as well, or leave {key} out")
@@ -187,10 +186,10 @@ def _at(model: BaseModel, key: str) -> Any:
     return reduce(lambda group, name: None if group is None else getattr(group, name), key.split("."), model)
 
 
-def require_rising(key: str, values: Sequence[float], least: float) -> None:
+def require_rising(key: str, values: Sequence[float], least: float, what: str = "angles") -> None:
     """Refuse a list under ``key`` in which a value does not follow the one before by at least ``least``."""
     for i, (before, after) in enumerate(pairwise(values), start=1):
         if after <= before:
-            raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the angles must rise strictly")
+            raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the {what} must rise strictly")
         if after - before < least:
             raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {shown_above(least, 2)} apart is right")

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Model, fault, given, optional, require, required
+from ncgear.design.keys.base import Model, fault, given, optional, require, require_rising, required
 from ncgear.design.keys.types import (
     CSV_FILE,
     FORMULA,
@@ -96,20 +96,9 @@ class LoadTable(Model):
             if getattr(self, key) is None:
                 needed = listed(self.COLUMNS, "and")
                 raise fault(key, f"missing; a table needs {needed}, or a file that has both")
-        require(self, f"{self.COLUMNS[1]} as many as {self.COLUMNS[0]}")
-        return self
-
-    @model_validator(mode="after")
-    def _places_rise(self) -> Self:
-        key = self.COLUMNS[0]
-        name, unit = label_and_unit(key)
-        points = getattr(self, key) or ()
-        for i in range(1, len(points)):
-            if not points[i] > points[i - 1]:
-                raise fault(f"{key}.{i}", f"{points[i]:g} follows {points[i - 1]:g}; the {name}s must rise strictly")
-            if points[i] - points[i - 1] < NEAREST_MM:
-                problem = f"{points[i]:g} follows {points[i - 1]:g}; at least {NEAREST_MM:g} {unit} apart is right"
-                raise fault(f"{key}.{i}", problem)
+        places, loads = self.COLUMNS
+        require(self, f"{loads} as many as {places}")
+        require_rising(places, getattr(self, places), NEAREST_MM, f"{label_and_unit(places)[0]}s")
         return self
 
 

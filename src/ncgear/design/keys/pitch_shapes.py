@@ -160,7 +160,7 @@ class RationalCurve(Model):
 class DxfContour(Drawn):
     """A contour of a DXF file: lines, arcs and splines that make one closed curve."""
 
-    file: Annotated[str, Field(min_length=1)] | None = optional(
+    file: FileName | None = optional(
         "DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; its path "
         "counts from the design file"
     )

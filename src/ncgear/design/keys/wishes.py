@@ -39,11 +39,10 @@ TURNED = {"Way": Annotated[float, Field(ge=0.0, lt=360.0)], "Length": Annotated[
 
 def _turned(name: str, field: FieldInfo, annotation: str) -> tuple[str, FieldInfo]:
     """A field of an output that slides as that of one that turns."""
-    words = re.sub(r"\bmm\b(?=/)", "rad", field.description or "").replace(" mm", " deg").replace("slider", "output")
-    key = re.sub("_mm(?=_s)", "_rad", name)
-    key = re.sub("_mm$", "_deg", key)
+    key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
     if key == name:
-        return name, FieldInfo.merge_field_infos(field, description=words)
+        return name, field
+    words = re.sub(r"\bmm\b(?=/)", "rad", field.description or "").replace(" mm", " deg").replace("slider", "output")
     kind, _, absent = annotation.partition(" | ")
     of: Any = TURNED.get(kind, Positive)
     return key, FieldInfo.from_annotated_attribute(*((of | None, optional(words)) if absent else (of, required(words))))
@@ -137,7 +136,7 @@ class TimeRatio(Wish):
 class Dwell(Wish):
     """A near-dwell: the slider stays close to an end for a driving angle."""
 
-    at: Literal["retracted", "extended"] = required("the end that the slider stays close to")
+    at: Literal["retracted", "extended"] = required("the end that it stays close to")
     within_mm: Way = required("how far in mm from the end it may be; 0 would be an exact dwell")
     for_angle_rad: float = angle("driving angle {unit} of the dwell", "for", needed=True, of=Positive)
 
