@@ -6,7 +6,7 @@ between the stages; the lines are sampled as those of the motion (``motion_chart
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from math import degrees
 
@@ -25,37 +25,32 @@ from ncgear.ratio.transmission import Transmission
 
 def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
     """Pressure angle and transmission error of one pair, stresses where a load is known; of a stage its ratio, too."""
-    return charts_of_pair(
-        drive, {"transmission_error": _transmission_error(contact)}, contact.as_designed.placement.cycle_rad
-    )
+    return charts_of_pair(drive, [_transmission_error(contact)], contact.as_designed.placement.cycle_rad)
 
 
-def charts_of_pair(drive: Drive, written: Mapping[str, Chart], cycle_rad: float) -> list[PageChart]:
-    """Charts of one pair that need no file, with those of what was written, by their keys, after the first."""
-    charts = {"pressure_angle": _pressure_angle(drive), **written, **_strength(drive)}
+def charts_of_pair(drive: Drive, written: Iterable[Chart], cycle_rad: float) -> list[PageChart]:
+    """Charts of one pair that need no file, with those of what was written after the first; keys follow from names."""
     joints = np.degrees(joints_up_to(drive.pair.transmission, cycle_rad))
+    found = (_pressure_angle(drive), *written, *_strength(drive))
+    charts = {chart.name.replace(" ", "_"): replace(chart, joints_deg=joints) for chart in found}
     if drive.stage is None:
-        return [PageChart(key, replace(chart, joints_deg=joints)) for key, chart in charts.items()]
-    shaft, stage = DRIVING if drive.stage == 1 else BETWEEN, drive.stage
+        return [PageChart(key, chart) for key, chart in charts.items()]
+    shaft, of_stage = DRIVING if drive.stage == 1 else BETWEEN, f", stage {drive.stage}"
+    ratio = replace(ratio_chart(drive.pair.transmission, cycle_rad), joints_deg=joints)
     return [
-        PageChart(f"{key}_{stage}", replace(chart, name=f"{chart.name}, stage {stage}", joints_deg=joints), shaft)
-        for key, chart in {"ratio": ratio_chart(drive.pair.transmission, cycle_rad), **charts}.items()
+        PageChart(f"{key}_{drive.stage}", replace(chart, name=f"{chart.name}{of_stage}"), shaft)
+        for key, chart in {"ratio": ratio, **charts}.items()
     ]
 
 
-def _strength(drive: Drive) -> dict[str, Chart]:
+def _strength(drive: Drive) -> list[Chart]:
     """Loads and stresses of the teeth; empty where no strength is known."""
     rating = known_rating(drive)
     if not isinstance(rating, Rating):
-        return {}
+        return []
     charts = teeth_charts.strength_charts(rating.strength, rating.weakest)
     # The page names the values of the first line.
-    return {
-        chart.name.replace(" ", "_"): replace(
-            chart, lines=(chart.own, *(one for one in chart.lines if one is not chart.own))
-        )
-        for chart in charts
-    }
+    return [replace(one, lines=tuple(sorted(one.lines, key=lambda line: line is not one.own))) for one in charts]
 
 
 def _pressure_angle(drive: Drive) -> Chart:
