@@ -26,10 +26,10 @@ from drives import design_of, drive, drive_of_text, loaded
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.files.strength import tooth_rows
-from ncgear.files.workshop.pdf import sheet_pdf
+from ncgear.files.workshop.sheet_files import drawing_files, sheet_pdf
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.sheet import Dimension, Ring, Sheet, Text, text_width_mm
-from ncgear.files.workshop.sheets.sheets import drawing_files, sheets_of
+from ncgear.files.workshop.sheets.sheets import sheets_of
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

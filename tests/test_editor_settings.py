@@ -157,6 +157,10 @@ def test_the_schema_takes_every_design_and_no_misspelt_one(tmp_path: Path) -> No
             assert not judge.is_valid({**data, "nmae": 1}), path.name
 
 
+def test_a_bracket_in_a_comment_ends_nothing() -> None:
+    assert parsed('{"a": [1, // }\n2, /* ] */ 3, /* } */], // x\n}') == {"a": [1, 2, 3]}
+
+
 COMMENTS = st.sampled_from(["", " ", "\n", "// a } \n", "/* , ] */", '\n  // "k": {\n  ', "/**/ "])
 VALUES = st.recursive(
     st.one_of(

@@ -29,8 +29,9 @@ from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings.beside import HERE
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.read_back import exact_outlines, outline_errors_mm
+from ncgear.files.workshop.drawing import Layer, Use
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
-from ncgear.files.workshop.gear_drawing import Layer, Use, pitch_points
+from ncgear.files.workshop.gear_drawing import pitch_points
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -442,7 +443,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
 SMALL_DRAWING = """
 import sys
 import numpy as np
-from ncgear.files.workshop.gear_drawing import Circle, Drawing, Layer, polygon
+from ncgear.files.workshop.drawing import Circle, Drawing, Layer, polygon
 from ncgear.files.workshop.dxf import dxf_bytes
 triangle = polygon(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]))
 drawing = Drawing("triangle", {Layer.OUTLINE: (triangle,), Layer.BORE: (Circle(0.5, 0.5, 0.1),)}, ("note",))

@@ -1,4 +1,4 @@
-"""The pictures of a build as values: what is in them, and the headings; ``plots/pair_pictures.py`` draws them."""
+"""The pictures of a build as values: what is in them, and the headings; ``plots/assembled_pair.py`` draws them."""
 
 from __future__ import annotations
 

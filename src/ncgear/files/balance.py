@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ncgear.balance.counterweights import least_squares, minimax
 from ncgear.balance.excitation import Excitation
@@ -55,8 +54,7 @@ CAUSES = {
 def loops(curves: Mapping[str, Array], unit: str, title: str) -> bytes:
     """PNG of closed curves (shape (n, 2)) at equal scales, by their names; ``unit`` names both axes."""
     width, height = 7.2, 6.6
-    made = canvas.figure(width, height, title)
-    made.subplots_adjust(**canvas.Margins(top=0.9).shares(width, height))
+    made = canvas.figure(width, height, title, canvas.Margins(top=0.9))
     axes = made.add_subplot()
     names = list(curves)
     places = np.unique(np.linspace(0, len(names) - 1, min(len(names), MOST_CURVES)).round().astype(int))
@@ -78,8 +76,7 @@ def campbell(excitations: Sequence[Excitation], natural_hz: Sequence[float], ban
     shafts are assumed to speed up and slow down together.
     """
     width, height = 8.6, 6.2
-    made = canvas.figure(width, height, title)
-    made.subplots_adjust(**canvas.Margins(right=1.3, top=0.8).shares(width, height))
+    made = canvas.figure(width, height, title, canvas.Margins(right=1.3, top=0.8))
     axes = made.add_subplot()
     for natural in natural_hz:
         axes.axhspan((1.0 - band) * natural, (1.0 + band) * natural, color=canvas.INK, alpha=0.06, linewidth=0.0)
@@ -114,9 +111,7 @@ def _cause(excitation: Excitation) -> str:
 
 def _name_natural(axes: Axes, natural_hz: Sequence[float]) -> None:
     """The values of natural frequencies at the right end, those of close ones apart, and plain numbers on the scale."""
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    canvas.plain_log(axes.yaxis, (1.0, 2.0, 5.0))
     low, high = np.log(axes.get_ylim())
     heights = (np.log(sorted(natural_hz)) - low) / (high - low)
     note: Style = {"transform": axes.transAxes, "size": canvas.SMALL, "color": canvas.INK, "va": "center"}

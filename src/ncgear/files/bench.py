@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
 from ncgear.drawings.plots import canvas
 from ncgear.figures.bench import bench_csv, bench_figures, error_words, setting_words
 from ncgear.figures.numbers import json_text
@@ -22,8 +20,9 @@ LEAST = 1e-16
 
 def stage_png(stage: Stage, name: str) -> bytes:
     """Error over time of the trials of a stage, each named by its setting, and what is asked."""
-    made = canvas.figure(WIDTH_IN, HEIGHT_IN, f"{name}: {stage.name}, by {stage.varied}")
-    made.subplots_adjust(**canvas.Margins(left=0.9, right=0.3, top=0.75).shares(WIDTH_IN, HEIGHT_IN))
+    made = canvas.figure(
+        WIDTH_IN, HEIGHT_IN, f"{name}: {stage.name}, by {stage.varied}", canvas.Margins(left=0.9, right=0.3, top=0.75)
+    )
     axes = made.add_subplot()
     times = [1e3 * trial.time_s for trial in stage.trials]
     errors = [max(trial.error, LEAST) for trial in stage.trials]
@@ -48,9 +47,7 @@ def stage_png(stage: Stage, name: str) -> bytes:
         )
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    canvas.plain_log(axes.xaxis, (1.0, 2.0, 5.0))
     axes.set_xlim(min(times) / ROOM, max(times) * ROOM)
     axes.set_ylim(min(*errors, stage.asked) / ROOM, max(*errors, stage.asked) * ROOM)
     for time, error, trial in zip(times, errors, stage.trials, strict=True):

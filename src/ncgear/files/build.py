@@ -73,8 +73,8 @@ def build(
     loaded, is given.  Both pairs of two stages are written at the same instant.  Files that an earlier build wrote and
     this one does not write, of the other number of stages or of other kinds, are removed then; files of others stay.
     ``on_step`` is called with the name of each step before the step begins.  ``drawer`` draws the pictures, and the
-    charts of the report.  Raises WrongInput or NoSuchMechanism from
-    the steps, and WrongInput when the folder cannot be written; whatever fails, the last good build stays.
+    charts of the report.  Raises WrongInput or NoSuchMechanism from the steps, and WrongInput when the folder cannot be
+    written; whatever fails, the last good build stays.
     """
     prepare(folder)
     pairs = {

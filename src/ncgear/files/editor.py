@@ -24,7 +24,9 @@ from ncgear.frozen import dataclass
 
 # --- JSON with comments ----------------------------------------------------------------------------------------------
 
-TOKEN = re.compile(r'"(?:[^"\\\n]|\\.)*"|//[^\n\r]*|/\*.*?\*/|,(?=(?:\s|//[^\n\r]*|/\*.*?\*/)*[\]}])', flags=re.DOTALL)
+TOKEN = re.compile(
+    r'"(?:[^"\\\n]|\\.)*"|//[^\n\r]*|/\*.*?\*/|,(?=(?>(?:\s|//[^\n\r]*|/\*.*?\*/)*)[\]}])', flags=re.DOTALL
+)
 """A string, a comment, or a comma before the end of an object or a list."""
 
 BLANK = re.compile(r"\ufeff?\s*")

@@ -56,9 +56,14 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
     count = len(axes)
     size = CELL_IN * count + 0.9
     width, height = max(size, 5.0), size + TITLE_IN
-    made = canvas.figure(width, height, title)
-    margins = canvas.Margins(left=0.95, right=0.2, bottom=0.75, top=TITLE_IN + 0.15).shares(width, height)
-    made.subplots_adjust(**margins, hspace=0.12, wspace=0.12)
+    made = canvas.figure(
+        width,
+        height,
+        title,
+        canvas.Margins(left=0.95, right=0.2, bottom=0.75, top=TITLE_IN + 0.15),
+        hspace=0.12,
+        wspace=0.12,
+    )
     for row, up in enumerate(axes):
         for column, along in enumerate(axes[: row + 1]):
             cell = made.add_subplot(count, count, row * count + column + 1)
@@ -115,8 +120,7 @@ Named = tuple[str, float, float]
 def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
     """PNG of two objectives: designs by lot, the Pareto set, and the designs of it that are written as files."""
     width, height = 8.2, 5.8
-    made = canvas.figure(width, height, title)
-    made.subplots_adjust(**canvas.Margins(left=0.95, right=0.3, top=0.8).shares(width, height))
+    made = canvas.figure(width, height, title, canvas.Margins(left=0.95, right=0.3, top=0.8))
     axes = made.add_subplot()
     axes.plot(along.drawn, up.drawn, color=canvas.REFERENCE, marker=".", markersize=2.5, alpha=0.4, linestyle="none")
     order = np.argsort(along.front)
@@ -160,9 +164,14 @@ def _effects_picture(name: str, overview: Overview) -> bytes:
     heads = [*(f"mean {_head(one.name)}" for one in overview.wanted.objectives), "refused, %"]
     columns = len(heads)
     width, height = 2.75 * columns + 0.9, 1.75 * len(keys) + TITLE_IN + 0.4
-    made = canvas.figure(width, height, f"{name}: what each key does to {overview.count} designs")
-    margins = canvas.Margins(left=0.95, right=0.2, bottom=0.6, top=TITLE_IN + 0.35).shares(width, height)
-    made.subplots_adjust(**margins, hspace=0.85, wspace=0.42)
+    made = canvas.figure(
+        width,
+        height,
+        f"{name}: what each key does to {overview.count} designs",
+        canvas.Margins(left=0.95, right=0.2, bottom=0.6, top=TITLE_IN + 0.35),
+        hspace=0.85,
+        wspace=0.42,
+    )
     # Of an objective, all keys have the same scale, so that what matters looks large.
     for row, (key, place, counted) in enumerate(zip(keys, places, bins, strict=True)):
         middles = known.places[place][counted]

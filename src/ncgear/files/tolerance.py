@@ -45,8 +45,7 @@ def spreads(of: Sequence[Spread], title: str) -> bytes:
     """PNG of histograms, two in a row, with limits."""
     rows = -(-len(of) // 2)
     width, height = 8.6, 0.6 + 3.3 * rows
-    made = canvas.figure(width, height, title)
-    made.subplots_adjust(**canvas.Margins(top=0.95).shares(width, height), wspace=0.24, hspace=0.45)
+    made = canvas.figure(width, height, title, canvas.Margins(top=0.95), wspace=0.24, hspace=0.45)
     for place, one in enumerate(of):
         _histogram(made.add_subplot(rows, 2, place + 1), one)
     return canvas.png(made)
@@ -83,8 +82,7 @@ def sources(of: Mapping[str, Mapping[str, tuple[float, float]]], title: str) -> 
     largest = {name: max(one.get(name, (0.0, 0.0))[0] for one in of.values()) for name in names}
     names.sort(key=lambda name: largest[name])
     width, height = 8.2, 1.5 + 0.42 * len(names)
-    made = canvas.figure(width, height, title)
-    made.subplots_adjust(**canvas.Margins(left=2.1, right=0.3, top=0.85).shares(width, height))
+    made = canvas.figure(width, height, title, canvas.Margins(left=2.1, right=0.3, top=0.85))
     axes = made.add_subplot()
     thick = 0.8 / len(of)
     for number, (figure_name, found) in enumerate(of.items()):

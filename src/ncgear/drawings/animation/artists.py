@@ -159,17 +159,9 @@ def pin_artists(axes: Axes, scene: Scene) -> Moving:
     return Moving(tuple(pins), pose)
 
 
-def axis_artist(axes: Axes, scene: Scene, style: Style, to_screen: Transform) -> Moving:
-    """The axes of rotation in one style; they stand still, but are drawn over the moving bodies."""
-    line = Line2D(*np.array(scene.axes_mm).T, transform=to_screen, **style)
-    axes.add_artist(line)
-    return Moving((line,), lambda poses, row: None)
-
-
-def pivot_artist(axes: Axes, scene: Scene) -> Moving:
-    """The fixed axes of links, the crank's apart."""
-    pivots = np.array([*scene.machine.linkage.pivots_mm.values()]).reshape(-1, 2)
-    line = Line2D(*pivots.T, transform=axes.transData, **SHAFT)
+def standing_artist(axes: Axes, points_mm: Array, style: Style, to_screen: Transform) -> Moving:
+    """A line or marks at points of shape (n, 2) that stand still, but are drawn over the moving bodies."""
+    line = Line2D(*points_mm.T, transform=to_screen, **style)
     axes.add_artist(line)
     return Moving((line,), lambda poses, row: None)
 

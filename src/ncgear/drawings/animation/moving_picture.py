@@ -23,16 +23,7 @@ from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
 from numpy.typing import NDArray
 
 from ncgear.drawings.animation import artists as looks
-from ncgear.drawings.animation.artists import (
-    Moving,
-    axis_artist,
-    body_artist,
-    gear_artists,
-    material_artists,
-    pin_artists,
-    pitch_point_artist,
-    pivot_artist,
-)
+from ncgear.drawings.animation.artists import Moving, standing_artist
 from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.drawings.charts.drawer import Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
@@ -70,21 +61,22 @@ def draw_standing(axes: Axes, scene: Scene) -> None:
 
 def machine(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
     """All moving parts of the whole machine, from the back to the front."""
-    bodies = [body_artist(axes, body, pixel_mm, axes.transData) for body in scene.links]
+    bodies = [looks.body_artist(axes, body, pixel_mm, axes.transData) for body in scene.links]
     output, links = bodies[:1], bodies[1:]
-    yield from material_artists(axes, scene)
+    yield from looks.material_artists(axes, scene)
     yield from output
     others = tuple(_gears(axes, scene, pixel_mm, axes.transData))
     yield from (*links, *others) if scene.crank_is_behind else (*others, *links)
-    yield pin_artists(axes, scene)
-    yield pivot_artist(axes, scene)
-    yield axis_artist(axes, scene, looks.SHAFT, axes.transData)
+    yield looks.pin_artists(axes, scene)
+    pivots = np.array([*scene.machine.linkage.pivots_mm.values()]).reshape(-1, 2)
+    yield standing_artist(axes, pivots, looks.SHAFT, axes.transData)
+    yield standing_artist(axes, np.array(scene.axes_mm), looks.SHAFT, axes.transData)
 
 
 def gears(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
     """The gears with their pitch curves, line of centres, pitch points and shafts."""
     yield from _gears(axes, scene, pixel_mm, axes.transData)
-    yield axis_artist(axes, scene, looks.SHAFT, axes.transData)
+    yield standing_artist(axes, np.array(scene.axes_mm), looks.SHAFT, axes.transData)
 
 
 def mesh(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
@@ -101,11 +93,11 @@ def mesh(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
 
 def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> Iterator[Moving]:
     for pair in scene.pairs:
-        yield gear_artists(axes, pair.driving, pixel_mm, to_screen)
-        yield gear_artists(axes, pair.driven, pixel_mm, to_screen)
-    yield axis_artist(axes, scene, looks.CENTRES, to_screen)
+        yield looks.gear_artists(axes, pair.driving, pixel_mm, to_screen)
+        yield looks.gear_artists(axes, pair.driven, pixel_mm, to_screen)
+    yield standing_artist(axes, np.array(scene.axes_mm), looks.CENTRES, to_screen)
     if scene.pairs:
-        yield pitch_point_artist(axes, to_screen)
+        yield looks.pitch_point_artist(axes, to_screen)
 
 
 CURVE_POINTS = 721

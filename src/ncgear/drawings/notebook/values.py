@@ -37,7 +37,8 @@ from ncgear.drawings.notebook.pieces import (
     tooth_outlines,
 )
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.charts import motion_charts, ratio_chart
+from ncgear.drawings.page.motion_charts import motion_charts
+from ncgear.drawings.page.page_charts import ratio_chart
 from ncgear.drawings.page.tables import comparison_tables, typeset
 from ncgear.drawings.plots.frontier_plot import frontier
 from ncgear.drawings.scene.scene import scene_of

@@ -18,8 +18,9 @@ from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.beside import HERE, PAGE_CHARTS, Drawer
 from ncgear.drawings.page.assets import PACKAGE, asset, hash_of, in_own_scope, page_style, shared_script
-from ncgear.drawings.page.charts import gear_charts, motion_charts
 from ncgear.drawings.page.data import paces, page_data
+from ncgear.drawings.page.motion_charts import motion_charts
+from ncgear.drawings.page.page_charts import gear_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.solid_view import solid_view
 from ncgear.drawings.page.tables import (

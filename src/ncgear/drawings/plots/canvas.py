@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -15,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 from matplotlib.text import Annotation
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from PIL import Image
 
 from ncgear.drawings.palette import LIGHT
@@ -61,13 +63,15 @@ class Margins:
         }
 
 
-def figure(width_in: float, height_in: float, title: str) -> Figure:
-    """An empty figure of a size in inches, for Agg, with a heading at the left."""
+def figure(width_in: float, height_in: float, title: str, margins: Margins | None = None, **gaps: float) -> Figure:
+    """An empty figure of a size in inches, for Agg, with a heading at the left; its axes get margins and gaps."""
     made = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor=PAPER)
     FigureCanvasAgg(made)
     x, y = EDGE_IN / width_in, 1.0 - EDGE_IN / height_in
     # The name of a design may contain dollar signs, which are not formulas.
     made.text(x, y, title, size=LARGE, weight="bold", color=INK, ha="left", va="top", parse_math=False)
+    if margins is not None:
+        made.subplots_adjust(**margins.shares(width_in, height_in), **gaps)
     return made
 
 
@@ -97,6 +101,13 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
         axes.spines[side].set_visible(False)
     for side in ("left", "bottom"):
         axes.spines[side].set_color(REFERENCE)
+
+
+def plain_log(axis: Axis, steps: tuple[float, ...]) -> None:
+    """Put plain numbers at these steps of each power of ten on a logarithmic scale."""
+    axis.set_major_locator(LogLocator(subs=steps))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def legend_above(axes: Axes, in_a_line: int | None = None) -> None:

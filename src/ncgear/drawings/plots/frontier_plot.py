@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.canvas import Style
@@ -33,8 +32,7 @@ def frontier(
     """
     standing = rows([mechanism[1:] for mechanism in mechanisms])
     shown = np.vstack([limit, laws, standing])
-    made = canvas.figure(WIDTH_IN, HEIGHT_IN, title)
-    made.subplots_adjust(**canvas.Margins(left=0.8, right=0.25, top=0.8).shares(WIDTH_IN, HEIGHT_IN))
+    made = canvas.figure(WIDTH_IN, HEIGHT_IN, title, canvas.Margins(left=0.8, right=0.25, top=0.8))
     axes = made.add_subplot()
     _draw_curves(axes, limit, laws, family)
     _set_scales(axes, shown)
@@ -91,6 +89,4 @@ def _set_scales(axes: Axes, shown: Array) -> None:
     axes.set_xlim(least_power / 1.05, most_power * 1.35)
     axes.set_ylim(least / 1.25, most * ROOM)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_formatter(NullFormatter())
+        canvas.plain_log(axis, (1.0, 2.0, 3.0, 5.0, 7.0))

@@ -19,13 +19,13 @@ from enum import Enum
 import numpy as np
 import shapely
 from shapely import LineString, Point, Polygon
-from shapely.geometry.polygon import orient
 
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism, Shape
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, Mask
+from ncgear.solids.plan.areas import rings
 
 Contours = tuple[Array, ...]
 """Contours in mm, shape (n, 2) each, first point not repeated: the outer one counter-clockwise, then the holes."""
@@ -131,8 +131,7 @@ def _disc(x: float, radius: float, y: float = 0.0) -> Polygon:
 
 
 def _contours(polygon: Polygon) -> Contours:
-    turned = orient(polygon)
-    return tuple(shapely.get_coordinates(ring)[:-1] for ring in (turned.exterior, *turned.interiors))
+    return tuple(ring[:-1] for ring in rings(polygon))
 
 
 SLIDER_LENGTH = 0.30

@@ -21,8 +21,8 @@ from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.errors import Unanswered
 from ncgear.figures.numbers import drawn
-from ncgear.files.workshop import gear_drawing
-from ncgear.files.workshop.gear_drawing import (
+from ncgear.files.workshop import drawing as flat
+from ncgear.files.workshop.drawing import (
     BULGE_DECIMALS,
     DECIMALS,
     Circle,
@@ -78,10 +78,10 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
 
     def fill(document: Document) -> None:
         document.linetypes.add("CENTER", CENTER_LINE, description="Center ____ _ ____")
-        decimals = gear_drawing.decimals_for(drawings.values())
+        decimals = flat.decimals_for(drawings.values())
         for prefix, drawing in drawings.items():
             _draw(document, drawing, prefix, decimals)
-        _write(document, notes, *gear_drawing.box_around(drawings.values()), decimals)
+        _write(document, notes, *flat.box_around(drawings.values()), decimals)
 
     return _file(notes[0], fill)
 

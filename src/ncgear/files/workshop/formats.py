@@ -57,7 +57,7 @@ WRITERS = {
     Format.GLB: Writer("solid_files:glb_files", ("pair.glb",)),
     Format.STEP: Writer("step:step_files", ("driving.step", "driven.step", "pair.step"), library="OCP"),
     Format.DRAWING: Writer(
-        "sheets.sheets:drawing_files",
+        "sheet_files:drawing_files",
         tuple(f"{name}_drawing.{kind}" for name in ("driving", "driven", "pair") for kind in ("pdf", "svg", "dxf")),
         "sheets.sheets:sheets_of",
         is_slow=True,

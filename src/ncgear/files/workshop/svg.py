@@ -8,8 +8,8 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
-from ncgear.files.workshop import gear_drawing
-from ncgear.files.workshop.gear_drawing import Circle, Cross, Drawing, PairDrawings, Polyline, Shape, Use
+from ncgear.files.workshop import drawing as flat
+from ncgear.files.workshop.drawing import Circle, Cross, Drawing, PairDrawings, Polyline, Shape, Use
 from ncgear.files.workshop.sheets.sheet import CAPITAL, NARROW, Line, Pen, Ring, Sheet, Text
 from ncgear.numerics.arrays import Array
 
@@ -30,7 +30,7 @@ def svg_files(shown: PairDrawings) -> dict[str, bytes]:
 
 def svg_bytes(drawing: Drawing) -> bytes:
     """A drawing with a group for each layer, as large on paper as the gear is."""
-    decimals = gear_drawing.decimals_for([drawing])
+    decimals = flat.decimals_for([drawing])
     root = _root(drawing.notes[0], _size(drawing, decimals))
     Xml.SubElement(root, "desc").text = "; ".join(drawing.notes[1:])
     upward = Xml.SubElement(root, "g", {"transform": "scale(1,-1)", "fill": "none", "stroke-width": f"{HAIRLINE_MM}"})
@@ -57,7 +57,7 @@ def _bytes(root: Xml.Element) -> bytes:
 
 def _size(drawing: Drawing, decimals: int) -> dict[str, str]:
     """Attributes that give a drawing with its margin its true size on paper."""
-    box_low, box_high = gear_drawing.box_around([drawing])
+    box_low, box_high = flat.box_around([drawing])
     low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
     width, height = high - low
     box = " ".join(_numbers(np.array([low[0], -high[1], width, height]), decimals))
@@ -97,9 +97,7 @@ def _coordinates(points: Array, decimals: int) -> list[str]:
 
 def _numbers(values: Array, decimals: int) -> list[str]:
     """Numbers without needless zeros, and without a minus before a zero."""
-    return [
-        f"{value:.{decimals}f}".rstrip("0").rstrip(".") for value in gear_drawing.written(values, decimals).tolist()
-    ]
+    return [f"{value:.{decimals}f}".rstrip("0").rstrip(".") for value in flat.written(values, decimals).tolist()]
 
 
 PAPER_DECIMALS = 3

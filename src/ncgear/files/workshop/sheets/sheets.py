@@ -1,4 +1,4 @@
-"""The sheets of a pair on paper, one for each gear and one for the assembly, as values and as files.
+"""The sheets of a pair on paper, one for each gear and one for the assembly.
 
 The sheet of a gear has its views with numbered teeth above, its tables and its bore below them.  That of the assembly
 has both gears in mesh and the mechanism at phi1 = 0, and a list of parts.  Its frame is that of the mechanism, in which
@@ -8,7 +8,7 @@ crank is.  Of two pairs in series, each sheet shows its own, and that of the sec
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import fields
 from math import degrees
 from typing import Any
@@ -24,9 +24,7 @@ from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import drawn
 from ncgear.figures.passed import shafts_below
 from ncgear.figures.tables import Table
-from ncgear.files.workshop.dxf import sheet_dxf
-from ncgear.files.workshop.gear_drawing import Cross
-from ncgear.files.workshop.pdf import sheet_pdf
+from ncgear.files.workshop.drawing import Cross
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import (
@@ -59,7 +57,6 @@ from ncgear.files.workshop.sheets.gear_view import (
     turns_crank,
 )
 from ncgear.files.workshop.sheets.sheet import A4_MM, Anchor, Item, Line, Pen, Sheet, Text
-from ncgear.files.workshop.svg import sheet_svg
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import RodMechanism
 from ncgear.numerics.arrays import Array
@@ -338,8 +335,6 @@ def _parts(drive: Drive, links: list[str]) -> PaperTable:
     return PaperTable("Parts", ("", "part", "file", "material"), tuple(rows), columns)
 
 
-WRITERS = {"svg": sheet_svg, "pdf": sheet_pdf, "dxf": sheet_dxf}
-
 TABLES_MM = 108.0
 """Height of the tables: a title, two lines of heads and 24 rows."""
 
@@ -375,8 +370,3 @@ def sheets_of(drive: Drive) -> dict[str, Sheet]:
     sheets = {gear.gear.value: gear_sheet(drive, gear, radii) for gear in drive.measured}
     sheets["pair"] = pair_sheet(drive)
     return sheets
-
-
-def drawing_files(sheets: Mapping[str, Sheet]) -> dict[str, bytes]:
-    """``driving_drawing``, ``driven_drawing`` and ``pair_drawing`` of each kind by their names."""
-    return {f"{name}_drawing.{kind}": write(sheet) for name, sheet in sheets.items() for kind, write in WRITERS.items()}

@@ -1,18 +1,20 @@
-"""A sheet as a PDF file of one page, with texts that can be searched and copied.
+"""Sheets of paper as files: SVG, DXF, and here PDF of one page, with texts that can be searched and copied.
 
-The file is written without a library: a page of lines and texts needs few of the format's parts (ISO 32000-1, 7.5 for
+PDF is written without a library: a page of lines and texts needs few of the format's parts (ISO 32000-1, 7.5 for
 the file, 8.5 for paths, 9.4 for texts).  Letters are those of the standard font Helvetica, which every reader has.
 """
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import cos, sin
 
 import numpy as np
 
+from ncgear.files.workshop.dxf import sheet_dxf
 from ncgear.files.workshop.sheets.sheet import CAPITAL, NARROW, Line, Pen, Ring, Sheet, Text
+from ncgear.files.workshop.svg import sheet_svg
 from ncgear.numerics.arrays import Array
 
 POINTS_PER_MM = 72.0 / 25.4
@@ -22,6 +24,12 @@ ENCODING = "cp1252"
 
 ROUND = 4.0 / 3.0 * (2.0**0.5 - 1.0)
 """Distance of the handles of a quarter of a circle from its ends, as a share of the radius (within 3e-4 of it)."""
+
+
+def drawing_files(sheets: Mapping[str, Sheet]) -> dict[str, bytes]:
+    """``driving_drawing``, ``driven_drawing`` and ``pair_drawing`` of each kind by their names."""
+    kinds = {"svg": sheet_svg, "pdf": sheet_pdf, "dxf": sheet_dxf}
+    return {f"{name}_drawing.{kind}": write(sheet) for name, sheet in sheets.items() for kind, write in kinds.items()}
 
 
 def sheet_pdf(sheet: Sheet) -> bytes:

@@ -1,0 +1,94 @@
+"""The charts of a pair of gears on the page; teeth and their contact are loaded with this module.
+
+The horizontal axis is the angle of the pair's own driving gear, which for the second of two stages is on the shaft
+between the stages; the lines are sampled as those of the motion (``motion_charts``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import degrees
+
+import numpy as np
+
+from ncgear.contact.pair import PairContact
+from ncgear.drawings.charts import teeth_charts
+from ncgear.drawings.charts.chart import Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.slider_charts import RATIO_NAME
+from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, PageChart
+from ncgear.drawings.page.motion_charts import split_angles
+from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Rating, known_rating
+from ncgear.ratio.transmission import Transmission
+
+
+def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
+    """Pressure angle and transmission error of one pair, stresses where a load is known; of a stage its ratio, too."""
+    return charts_of_pair(drive, [_transmission_error(contact)], contact.as_designed.placement.cycle_rad)
+
+
+def charts_of_pair(drive: Drive, written: Iterable[Chart], cycle_rad: float) -> list[PageChart]:
+    """Charts of one pair that need no file, with those of what was written after the first; keys follow from names."""
+    joints = np.degrees(joints_up_to(drive.pair.transmission, cycle_rad))
+    found = (_pressure_angle(drive), *written, *_strength(drive))
+    charts = {chart.name.replace(" ", "_"): replace(chart, joints_deg=joints) for chart in found}
+    if drive.stage is None:
+        return [PageChart(key, chart) for key, chart in charts.items()]
+    shaft, of_stage = DRIVING if drive.stage == 1 else BETWEEN, f", stage {drive.stage}"
+    ratio = replace(ratio_chart(drive.pair.transmission, cycle_rad), joints_deg=joints)
+    return [
+        PageChart(f"{key}_{drive.stage}", replace(chart, name=f"{chart.name}{of_stage}"), shaft)
+        for key, chart in {"ratio": ratio, **charts}.items()
+    ]
+
+
+def _strength(drive: Drive) -> list[Chart]:
+    """Loads and stresses of the teeth; empty where no strength is known."""
+    rating = known_rating(drive)
+    if not isinstance(rating, Rating):
+        return []
+    charts = teeth_charts.strength_charts(rating.strength, rating.weakest)
+    # The page names the values of the first line.
+    return [replace(one, lines=tuple(sorted(one.lines, key=lambda line: line is not one.own))) for one in charts]
+
+
+def _pressure_angle(drive: Drive) -> Chart:
+    """The pressure angle at the first contact as designed; for circular gears the rack's, of flanks that push."""
+    chart = teeth_charts.pressure_angle(drive.designed_contact)
+    backs, pushing = chart.lines
+    circular = np.full(2, degrees(drive.rack.pressure_angle_rad))
+    lines = (
+        _closed(pushing, chart.end, Role.OWN, "pushing flanks"),
+        _closed(backs, chart.end, Role.OTHER, "backs"),
+        Line(Role.UNIFORM, "circular gears", np.array([0.0, chart.end]), circular),
+    )
+    return replace(chart, unit="\u00b0", lines=lines)
+
+
+def _transmission_error(contact: PairContact) -> Chart:
+    """The transmission error of the worst written outlines, from which gears are cut, and of the design."""
+    chart = teeth_charts.transmission_error(contact)
+    designed, written = chart.lines
+    source = teeth_charts.worst_written(contact).source.upper()
+    lines = (
+        _closed(written, chart.end, Role.WRITTEN, f"as written ({source})"),
+        _closed(designed, chart.end, Role.OWN, "as designed"),
+    )
+    return replace(chart, lines=lines)
+
+
+def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
+    """The line with its first value once more at the end of the cycle, unless it goes to the end by itself."""
+    if line.x[-1] >= end_deg * (1.0 - 1e-12):
+        return replace(line, role=role, label=label)
+    return Line(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))
+
+
+def ratio_chart(law: Transmission, end_rad: float) -> Chart:
+    """The ratio of a law from 0 to a driving angle, with its joints."""
+    joints = joints_up_to(law, end_rad)
+    angle = split_angles(end_rad, joints.tolist())
+    values = 1.0 / law.driven_angle(angle, 1).derivative(1)
+    line = Line(Role.OWN, "this design", np.degrees(angle), values)
+    return Chart(RATIO_NAME, "", (line,), degrees(end_rad), joints_deg=np.degrees(joints))
