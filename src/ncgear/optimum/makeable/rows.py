@@ -14,7 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.levels import TURN, Kind, Level
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, length_rates
 
@@ -134,7 +134,7 @@ def rows_of(
     swings = sum(count for level, count in zip(levels, term_counts, strict=True) if level.kind is Kind.SWING)
     columns = WholeColumns(pairs, pairs + swings, pairs + swings + len(levels))
     rows = ProgrammeRows(at, columns, of_levels + 2 * pairs, columns.excess + 1)
-    everywhere, turn = np.arange(at.count), at.turn_weights
+    everywhere, turn = np.arange(at.count), at.integral_weights(TURN)
     for pair, cycle in enumerate(cycles_rad):
         rows.put_term(rows.new(1, -cycle), everywhere, of_levels + pair, turn)
         row = rows.new(1)
