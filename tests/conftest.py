@@ -10,19 +10,42 @@ import gc
 import os
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
+import typer.main
 
 import ncgear.cli
 from commands import FOLDERS, Outcome, Run, signals_kept
+from shuffled import shuffled
 from tiers import Collected, tier_of
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
 gc.set_threshold(100_000)
+
+# What typer reads from the functions of all commands is the same in every run; to read it takes 50 ms each time.
+typer.main.get_command = cache(typer.main.get_command)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the order in which tests run."""
+    parser.addoption("--shuffled", type=int, metavar="SEED", help="run tests in the random order of a seed")
+
+
+def pytest_report_header(config: pytest.Config) -> list[str]:
+    """Say the seed by which an order can be repeated."""
+    seed = config.getoption("shuffled")
+    return [] if seed is None else [f"order: --shuffled {seed}"]
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Put tests into the order that is asked for."""
+    if (seed := config.getoption("shuffled")) is not None:
+        items[:] = shuffled(items, lambda item: item.path, seed)
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -249,7 +249,7 @@ def undercut_by(deeper_mm: float, undercut: str) -> Data:
     return merged(SMALL, {"gears": gears})
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("undercut", ["avoid", "allow"])
 @pytest.mark.parametrize(("deeper_mm", "matters"), [(0.0005, False), (0.05, True)])
 def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: float, matters: bool) -> None:
@@ -363,7 +363,7 @@ def undone_by_advices(data: Data) -> list[str]:
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["*-0.55"], rest="long")
 @pytest.mark.parametrize("slower", [1.0, 0.55, 1.7])
 @pytest.mark.parametrize("beginning", [*MachineName, LawName.THREE_SEGMENT_STROKE])
 def test_a_new_machine_of_any_speed_is_not_advised_another_one(beginning: MachineName | LawName, slower: float) -> None:
@@ -377,7 +377,7 @@ def test_a_new_machine_of_any_speed_is_not_advised_another_one(beginning: Machin
     assert undone_by_advices(data) == []
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(long=["baler-6*", "baler-8*", "baler-h*", "baler-r*", "baler-s*"], rest="slow")
 @pytest.mark.parametrize("name", sorted(path.stem for path in DESIGNS.glob("*.yaml")))
 def test_no_advice_undoes_what_a_design_asks_of_its_machine(name: str) -> None:
     assert undone_by_advices(loaded(name).data) == []
@@ -391,7 +391,7 @@ def test_a_law_stated_at_another_speed_than_the_given_one_is_a_remark() -> None:
     assert "v2 is 624.9 mm/s" in advice.line
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "given", "kind", "left"),
     [
@@ -425,7 +425,7 @@ def test_a_resistance_that_is_said_to_be_negative_is_a_remark() -> None:
         assert (advice.matters, advice.remedies) == (False, ())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_gentler_law_is_not_advised_where_it_would_miss_a_wish_that_is_kept() -> None:
     """This law comes back several times as fast as it works, and a gentler one a little less so."""
     data = merged(SMALL, {"motion": {"law": "harmonic_ratio", "sine": [1.9]}})

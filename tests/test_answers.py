@@ -10,7 +10,7 @@ import pytest
 
 import reports
 from commands import ROOT, Run
-from drives import DESIGNS, drive, loaded
+from drives import DESIGNS, designs_with, drive, loaded
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.advice.verdict import Judged, Known, Verdict, judged, together
 from ncgear.figures.answers.answer import (
@@ -34,8 +34,8 @@ from tiers import long_but
 
 NAMED = [path.stem for path in sorted(DESIGNS.glob("*.yaml"))]
 BALANCES = sorted(path.stem for path in (DESIGNS / "balance").glob("*.yaml"))
-WITH_MASSES = [name for name in NAMED if loaded(name).design.masses is not None]
-LOADED = [name for name in NAMED if name in WITH_MASSES or loaded(name).design.resistance is not None]
+WITH_MASSES = designs_with("masses")
+LOADED = designs_with("masses", "resistance")
 QUICK = ["pusher", "baler", "desk-toy"]
 
 

@@ -101,7 +101,7 @@ def test_every_command_that_tells_figures_has_the_same_option() -> None:
     assert set(CASES) == set(asked) - WITHOUT
 
 
-@pytest.mark.tiers(quick=["check"], thorough=["simulate", "build"], long=["frontier"], rest="slow")
+@pytest.mark.tiers(quick=["check"], long=["frontier", "size"], rest="slow")
 @pytest.mark.parametrize("name", CASES)
 def test_json_is_what_the_file_holds_and_all_that_is_printed(name: str, run: Run) -> None:
     """A file of others in the place of the JSON file is told of on stderr."""
@@ -179,7 +179,7 @@ def test_a_sweep_tells_the_best_as_a_check_does_and_why_others_are_refused(run: 
         assert best[0][f"check.{key}"] == pytest.approx(check[key], rel=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(long=["build-*"], rest="slow")
 @pytest.mark.parametrize(("name", "file"), [("build", "summary.json"), ("strength", "strength.json"), ("report", "")])
 def test_two_pairs_in_series_stand_below_stages(name: str, file: str, run: Run) -> None:
     write_files(TWO_PAIRS)
@@ -214,6 +214,7 @@ READING = [name for name in CASES if name != "reproduce"]
 
 
 # A sweep only counts the designs that are impossible.
+@pytest.mark.tiers(slow=["3-optimize"], rest="quick")
 @pytest.mark.parametrize(
     ("status", "name"), [*((2, name) for name in READING), *((3, name) for name in READING if name != "sweep")]
 )

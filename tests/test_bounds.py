@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drives import drive_of_text
 from ncgear.errors import DesignError
-from ncgear.numerics.bounds import shown_above, shown_below
+from ncgear.numerics.bounds import rounded_up, shown_above, shown_below
 
 BASE = """\
 name: bounds
@@ -51,7 +52,7 @@ def refused(text: str) -> str:
 
 BOUNDS: list[tuple[str, str, str]] = [
     ("inertia", "100", r"([\d.e+-]+) or over is right"),
-    ("chord", "0.9", r"[\d.e+-]+ to ([\d.e+-]+) mm is right"),
+    ("chord", "0.9", r"; ([\d.e+-]+) mm or less is right"),
     ("rod", "40", r"a rod over ([\d.e+-]+) mm does"),
     ("more", ", tolerances: {tooth_thickness_upper_mm: 0.5, tooth_thickness_lower_mm: 0}", r"; ([\d.e+-]+) mm or less"),
 ]
@@ -67,13 +68,25 @@ def test_a_told_bound_is_accepted(key: str, wrong: str, told: str) -> None:
 
 
 @pytest.mark.slow
-def test_a_told_chord_tolerance_is_one_of_which_points_are_made() -> None:
-    """The finest that goes with the module takes more points than are made; the share that is told then is enough."""
-    finest = re.search(r"([\d.e+-]+) to [\d.e+-]+ mm is right", refused(text_with(chord="1e-9")))
-    assert finest
-    times = re.search(r"at least ([\d.e+-]+) times", refused(text_with(chord=finest[1])))
-    assert times
-    teeth(text_with(chord=f"{float(times[1]) * float(finest[1]):.12g}"))
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["pusher", "baler-66-two-stage"])
+def test_the_finest_chord_tolerance_that_is_told_is_the_finest(name: str) -> None:
+    """All pairs are made with it, within the limits of their thickness too; with a little less they are refused."""
+    design = Path(f"designs/{name}.yaml").read_text("utf-8")
+
+    def made(tolerance_mm: str) -> None:
+        drive = drive_of_text(f"{design}\noutput: {{chord_tolerance_mm: {tolerance_mm}}}\n")
+        for pair in drive.by_stage:
+            _ = pair.teeth, pair.thickness_band
+
+    def finest_over(tolerance_mm: str) -> str:
+        with pytest.raises(DesignError, match=r"mm or more is right") as caught:
+            made(tolerance_mm)
+        return caught.value.problem.split()[-6]
+
+    finest = finest_over("1e-9")
+    made(finest)
+    assert finest_over(f"{0.998 * float(finest):.12g}") == finest
 
 
 @pytest.mark.slow
@@ -97,3 +110,12 @@ def test_a_bound_is_on_its_side_and_near(shown: Callable[..., str], way: int) ->
         assert 0.0 <= way * (float(shown(value, 3)) - value) <= 1.001e-2 * abs(value)
     nearest = np.array([float(f"{value:.5g}") for value in values])
     assert np.mean(way * (nearest - values) < 0.0) > 0.3
+
+
+@pytest.mark.parametrize("step", [0.005, 0.001, 0.0001])
+def test_a_multiple_of_a_step_is_the_least_that_is_not_below(step: float) -> None:
+    multiples = [float(f"{k * step:.9g}") for k in range(400)]
+    assert [rounded_up(value, step) for value in multiples] == multiples
+    values = np.random.default_rng(6).uniform(0.0, 2.0, 500)
+    told = np.array([rounded_up(value, step) for value in values])
+    assert 0.0 <= (told - values).min() <= (told - values).max() < step

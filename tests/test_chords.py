@@ -72,7 +72,11 @@ def dense(name: str, number: int) -> Array:
     return curve(np.full(100_001, number), np.linspace(start, end, 100_001))[0]
 
 
-@pytest.mark.tiers(slow=["0.01-waves-straddled", "0.01-arcs-sampled", "0.01-waves-sampled"], rest="thorough")
+@pytest.mark.tiers(
+    slow=["0.01-waves-straddled", "0.01-arcs-sampled", "0.01-waves-sampled"],
+    long=["0.0001-waves-sampled", "0.0001-arcs-straddled"],
+    rest="thorough",
+)
 @pytest.mark.parametrize("sampling", [sampled, straddled])
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize(

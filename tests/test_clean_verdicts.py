@@ -33,7 +33,7 @@ from oracles.meshing import Pair
 from oracles.pins import over_pins as laid_pins
 
 SEEDS = 340
-SOON = (1, 7, 11, 19, 308, 326)
+SOON = (1, 19, 308, 326)
 """Seeds that are judged in every run of the tests."""
 
 SAMPLES = 20_001
@@ -481,7 +481,7 @@ def test_teeth_that_are_too_thin_are_out_of_mesh_for_the_judge() -> None:
     assert outside.holds(far.pair, *far.angles(4), far.pitch_rad, far.chord_mm)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["60.0"], rest="long")
 @pytest.mark.parametrize("load", [60.0, 0.01])
 def test_elements_see_loads_that_are_wrongly_judged(load: float) -> None:
     data = design(CLEAN)

@@ -159,7 +159,7 @@ def test_a_displacement_by_a_function_has_its_extended_end() -> None:
     assert own == pytest.approx(wanted, rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_figures_side_by_side_are_those_of_checks(run: Run) -> None:
     """To the digit; differences are from the first design."""
     names = ["feeder-wishes", "feeder-kept", "jar-pusher"]
@@ -185,7 +185,7 @@ def test_figures_side_by_side_are_those_of_checks(run: Run) -> None:
             assert told["percent_over_first"]["peak_speed_mm_s"] == pytest.approx(100.0 * (share - 1.0))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_table_and_a_chart_from_python() -> None:
     slower = {**EVEN, "operation": {"speed_rpm": 15}}
     found = ncgear.compare(EVEN, slower, drive("rocker-drive"))

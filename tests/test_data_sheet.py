@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import trimesh
 from pydantic import ValidationError
-from scipy.signal import find_peaks
 from shapely import Point, Polygon
 
 from drives import built, design_of, drive, loaded
@@ -207,6 +206,7 @@ def test_the_text_has_every_group_and_table() -> None:
     assert "None" not in text
 
 
+@pytest.mark.slow
 def test_the_report_shows_measurements_to_a_tenth_of_a_micrometre() -> None:
     shown = next(table for table in sheet_tables(toleranced()) if table.title.startswith("Span of the driving"))
     nominal = [cells[4] for cells in table(toleranced(), "Span of the driving").rows]
@@ -301,6 +301,9 @@ def test_round_holes_are_told_as_they_are_made() -> None:
 
 def read_radii_mm(name: str, gear: str, module_mm: float) -> tuple[np.ndarray, np.ndarray]:
     """Distances from the axis of all tips and of all roots, by trimesh, half way up the written solid."""
+    # It loads all of scipy's statistics, for this slow test alone.
+    from scipy.signal import find_peaks
+
     solid = trimesh.load(built(name).folder / f"{gear}.stl")
     section = solid.section(plane_origin=[0.0, 0.0, solid.bounds[:, 2].mean()], plane_normal=[0.0, 0.0, 1.0])
     outline = max((np.asarray(ring)[:-1, :2] for ring in section.discrete), key=lambda ring: np.ptp(ring, axis=0).sum())

@@ -16,6 +16,7 @@ from shapely import Polygon
 
 from drives import DESIGNS, FILES, Built, built, drive
 from ncgear.errors import NoSuchMechanism
+from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files.build import build
 from oracles import meshing
 
@@ -33,12 +34,13 @@ BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)
 
 
 every_design = pytest.mark.parametrize("name", BUILT)
-in_tiers = pytest.mark.tiers(
-    quick=["ellipse*", "spiral-pair*"],
-    thorough=["baler", "baler-check*", "baler-d*", "baler-pitch*"],
-    rest="slow",
-)
-"""A build takes seconds; the slow ones resemble the others."""
+SOON = [
+    *("baler", "baler-check*", "baler-d*", "baler-pitch*"),
+    *("spiral-pair*", "internal-1-2*", "helical-ellipse*", "offset-ellipse*", "asymmetric-ellipse*"),
+    *("pump-both-ways*", "printed-pump*", "rocker-drive*", "rounded-square*"),
+]
+in_tiers = pytest.mark.tiers(quick=["ellipse*"], slow=SOON, rest="long")
+"""A build takes seconds; the long ones resemble the others in law, mechanism, mesh and kind of teeth."""
 
 
 PINNED = {
@@ -186,7 +188,6 @@ def value_of(summary: dict[str, Any], key: str) -> Any:
     return summary
 
 
-@pytest.mark.tiers(slow=["baler-half-dynamics-pitch.max_pressure_angle_deg-60.0-0.01"], rest="long")
 @pytest.mark.judges("project")
 @in_tiers
 @pytest.mark.parametrize(
@@ -212,7 +213,6 @@ def test_the_other_reading_of_the_baler_is_flagged_and_refused(tmp_path: Path) -
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @in_tiers
 @every_design
 def test_all_files_are_there(name: str) -> None:
@@ -230,7 +230,6 @@ def test_closure_and_lengths(name: str) -> None:
     assert abs(driving / (np.pi * summary["teeth"]["module_mm"] * pitches(summary)) - 1.0) <= 1e-12
 
 
-@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @pytest.mark.judges("figures")
 @in_tiers
 @every_design
@@ -301,7 +300,6 @@ def as_it_comes_out(case: Built, section: Polygon) -> Polygon:
     return section.buffer(case.summary["bodies"]["process_clearance_mm"], join_style="mitre")
 
 
-@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @in_tiers
 @every_design
 def test_written_solids_mesh(name: str) -> None:
@@ -331,7 +329,6 @@ def test_a_wrong_law_or_distance_is_seen() -> None:
     )
 
 
-@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @in_tiers
 @every_design
 def test_contact_figures_agree_with_the_judge(name: str) -> None:
@@ -341,7 +338,6 @@ def test_contact_figures_agree_with_the_judge(name: str) -> None:
     assert summary["contact"]["positions"] >= max(400, 20 * pitches(summary))
 
 
-@pytest.mark.tiers(slow=["offset-ellipse-driving"], rest="long")
 @pytest.mark.judges("files")
 @in_tiers
 @pytest.mark.parametrize("gear", ["driving", "driven"])
@@ -369,7 +365,6 @@ def area(outline: np.ndarray) -> float:
     return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
 
 
-@pytest.mark.tiers(slow=["offset-ellipse-driving"], rest="long")
 @in_tiers
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 @every_design
@@ -398,7 +393,7 @@ def test_a_ring_is_warned_of_and_an_external_gear_is_not() -> None:
 
 @pytest.mark.thorough
 def test_comparison_is_at_one_speed_and_mixed_speeds_are_marked() -> None:
-    rows = built("baler").summary["comparison"]
+    rows = check_summary(drive("baler"))["comparison"]
     same = {row["name"]: row for row in rows if row["same_speed"]}
     assert {row["speed_rpm"] for row in same.values()} == {20}
     assert same["uniform crank"]["peak_power_w"] == pytest.approx(20 * 434.5, abs=1.0)
@@ -455,7 +450,6 @@ INTERFACE = [
 """Keys of summary.json that other programs may rely on."""
 
 
-@pytest.mark.tiers(slow=["offset-ellipse"], rest="long")
 @in_tiers
 @every_design
 def test_the_summary_has_every_key_of_the_interface(name: str) -> None:

@@ -17,8 +17,8 @@ from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 from tiers import long_but
 
-LONG = ("frontier", "optimize", "simulate", "new", "size", "strength", "baler")
-THOROUGH = ["README.md", "docs/commands/balance.md"]
+LONG = ("tutorial", "build", "tolerance", "frontier", "optimize", "simulate", "new", "size", "strength", "baler")
+THOROUGH = ["docs/commands/balance.md"]
 
 
 @pytest.fixture

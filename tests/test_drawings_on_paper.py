@@ -151,10 +151,7 @@ def test_the_drawn_outline_is_the_exact_one_in_the_scale_of_the_title(name: str,
 READABLE = [*DESIGNS, *LOOKED_AT]
 
 
-THOROUGH = ["baler-driv*", "baler-pair", "internal-*"]
-
-
-@pytest.mark.tiers(quick=["ellipse-*"], thorough=THOROUGH, rest="slow")
+@pytest.mark.tiers(quick=["ellipse-*"], slow=["*-driving", "internal-*"], rest="long")
 @pytest.mark.parametrize("sheet", SHEETS)
 @pytest.mark.parametrize("name", READABLE)
 def test_a_sheet_is_readable(name: str, sheet: str) -> None:
@@ -221,8 +218,13 @@ def misplaced(middles: Array, numbers: dict[int, Array]) -> list[int]:
 
 @pytest.mark.tiers(
     quick=["ellipse-*"],
-    thorough=["baler-*", "internal-*"],
-    slow=["desk-toy-Gear.DRIVING", "printed-pump-Gear.DRIVING", "scotch-yoke-pump-Gear.DRIVING"],
+    slow=[
+        "baler-Gear.DRIVING",
+        "internal-1-2-Gear.DRIVEN",
+        "desk-toy-Gear.DRIVING",
+        "printed-pump-Gear.DRIVING",
+        "scotch-yoke-pump-Gear.DRIVING",
+    ],
     rest="long",
 )
 @pytest.mark.parametrize("gear", Gear)

@@ -324,7 +324,7 @@ def test_a_key_and_the_teeth_bear_what_the_motor_gives() -> None:
     given = drive(DESIGN).design
     assert given.drivetrain is not None
     found = {}
-    for friction in (0.0, 0.1, 0.5):
+    for friction in (0.0, 0.5):
         around = given.drivetrain.model_copy(update={"guide_friction": friction})
         one = Drive(given.model_copy(update={"drivetrain": around}))
         shaft, most = one.drivetrain.driving_shaft, one.drivetrain.demand.torque_range_n_mm[1].value
@@ -336,8 +336,7 @@ def test_a_key_and_the_teeth_bear_what_the_motor_gives() -> None:
         assert shaft.key.pressure_mpa == pytest.approx(exact, rel=2e-3)
         assert shaft.bearings is not None
         found[friction] = most, shaft.bearings[0].largest_n.value, one.tooth_load.peak_n
-    for low, high in pairwise(found.values()):
-        assert all(more > 1.02 * less for less, more in zip(low, high, strict=True))
+    assert all(more > 1.02 * less for less, more in zip(*found.values(), strict=True))
 
 
 def test_a_slider_that_jams_in_its_guide_is_refused() -> None:
@@ -400,7 +399,7 @@ def test_inertia_has_the_slope_that_it_says_and_the_energy_of_the_cycle() -> Non
     assert abs(difference) <= 1e-10 * asked.fluctuation.work_n_mm
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_energy_of_losses_is_the_work_that_is_asked_for_more() -> None:
     """To 1e-9: work with friction = useful work + teeth + guide; without friction there is no loss."""
     losses = demand().losses
@@ -696,7 +695,7 @@ def test_the_command_tells_what_does_not_hold(run: Run) -> None:
     assert "Power take-off" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [0.0, 7000.0, 60000.0])
 def test_the_disc_is_what_the_flywheel_of_the_file_lacks(given: float) -> None:
     """By m d^2 / 8; with all that the wanted fluctuation needs on the shaft there is no disc."""

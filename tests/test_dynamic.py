@@ -220,6 +220,7 @@ def test_without_play_a_reversed_load_changes_flanks_at_once() -> None:
     np.testing.assert_allclose(parting, backs_meet_s(out), atol=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_without_play_some_flank_always_touches() -> None:
     """Pushing flanks part for a good part of the time, but then the backs carry."""

@@ -526,7 +526,7 @@ def test_von_mises_stress_of_even_strain_is_exact() -> None:
     assert volume > 0.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_picture_covers_every_tooth_once_and_shows_its_root_stress() -> None:
     """Under a load at the tip of each back flank; at a free edge Von Mises' stress is the edge's by 1 - nu + nu^2."""
     elements, gear = of_circular(), circular()

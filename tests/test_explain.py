@@ -37,6 +37,7 @@ def written(data: Any, above: str = "") -> set[str]:
     return {f"{above}.{name}".strip(".") for name in data} | {path.strip(".") for path in inner}
 
 
+@pytest.mark.tiers(quick=["baler-66-two-stage", "rocker-drive", "pusher", "threshing-drum"], rest="slow")
 @pytest.mark.parametrize("path", FILES, ids=[path.stem for path in FILES])
 def test_every_key_of_a_worked_example_is_known(path: Path) -> None:
     root = Balance if path.parent.name == "balance" else Design

@@ -130,7 +130,7 @@ def driven_angle_of(optimum: FamilyOptimum) -> Callable[[Array], Array]:
     return lambda phi1: optimum.law.transmission.driven_angle(phi1).value
 
 
-@pytest.mark.tiers(thorough=["in line-True"], rest="slow")
+@pytest.mark.tiers(slow=["in line-True", "offset-False"], rest="long")
 @pytest.mark.parametrize("inverse", [False, True])
 @pytest.mark.parametrize("name", LINKAGES)
 def test_sampled_power_is_that_of_the_energy(name: str, inverse: bool) -> None:
@@ -161,7 +161,7 @@ def test_sampled_power_is_that_of_the_energy(name: str, inverse: bool) -> None:
     assert braked > 20
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["offset"], rest="long")
 @pytest.mark.parametrize("name", LINKAGES)
 def test_the_exact_peak_is_that_of_the_energy(name: str) -> None:
     for inverse in (False, True):

@@ -61,7 +61,7 @@ def complete(found: Drive) -> bool:
     return all(bool(one.pieces) != bool(one.why) for one in sections) and 0.0 < found.formulas.difference < 1e-13
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(slow=["three_segment_stroke", "spiral", "function_generator"], rest="thorough")
 @pytest.mark.parametrize("law", LawName)
 def test_every_law_has_formulas_or_says_why_not(law: LawName) -> None:
     """A new law needs a line in FORMS or in NO_FORMULA of formulas/laws.py."""
@@ -300,7 +300,7 @@ def test_matlab_says_the_same(kind: str) -> None:
     compare(of_kind(kind), as_matlab(text))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_quantity_without_closed_form_says_so_where_it_is_asked_for() -> None:
     text = (DESIGNS / "pusher.yaml").read_text().replace("basis: inverse_ratio", "basis: ratio")
     found = drive_of_text(text)

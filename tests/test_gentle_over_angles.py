@@ -83,11 +83,11 @@ def test_what_a_law_at_random_achieves(seed: int, wish: GentleStretch) -> None:
 
 @pytest.mark.parametrize("ends", [(2.0, 3.0), (-0.6, 0.5), (-2.0, -1.0), (0.0, 4.0), (5.0, TURN)])
 def test_crank_angles_that_every_law_passes(ends: tuple[float, float]) -> None:
-    """None of 20 laws leaves them; control: taken for a range that is half as wide, some laws do."""
+    """None of eight laws leaves them; control: taken for a range that is half as wide, some laws do."""
     left = []
     for share in (1.0, 0.5):
         outside = 0
-        for seed in range(20):
+        for seed in range(8):
             machine = moving(law_at_random(seed))
             ratio = 1.0 / machine.transmission.driven_angle(np.linspace(0.0, TURN, 2000), 1).derivative(1)
             low, high = float(ratio.min()), float(ratio.max())
@@ -100,7 +100,7 @@ def test_crank_angles_that_every_law_passes(ends: tuple[float, float]) -> None:
 
 
 @pytest.mark.parametrize("wish", ALL, ids=["speed", "deceleration", "around the end"])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_what_is_asked_is_enough(seed: int, wish: GentleStretch) -> None:
     """A law keeps its times over the crank angles it passes; shifted to later, or to earlier ones, it breaks them."""
     machine = moving(law_at_random(seed))
@@ -170,6 +170,20 @@ def test_the_crank_angles_are_moved_to_where_the_law_is_best() -> None:
     assert there is not None
     assert min(others) > 0.995 * value
     assert float(there.reached[0]) * unit > 1.02 * value
+
+
+@pytest.mark.tiers(slow=["deceleration"], rest="long")
+@pytest.mark.parametrize("wish", [SLOW, STOP], ids=["speed", "deceleration"])
+def test_a_soft_one_costs_no_more_than_the_hard_one(wish: GentleStretch) -> None:
+    """Of each weight, since the hard law is one of those that it may choose; it is kept more nearly by a greater one."""
+    most, (_, hard, _) = outcome(best(wish)[2], wish).most, best(wish)
+    missed = []
+    for weight in (0.1, 3.0):
+        limit, value, machine = best(replace(wish, weight=weight))
+        missed.append(max(sampled(machine, wish) / most - 1.0, 0.0))
+        assert limit <= value * (1.0 + weight * missed[-1]) <= 1.002 * hard
+    assert missed[1] <= missed[0] + 1e-3
+    assert missed[1] < 1e-3
 
 
 HEAD: dict[str, Any] = {

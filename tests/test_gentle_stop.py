@@ -32,7 +32,8 @@ from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import problem_of
 from ncgear.optimum.makeable.demanded import certified_limit, start_motion
-from ncgear.optimum.makeable.law import makeable_law
+from ncgear.optimum.makeable.law import law_of, makeable_law
+from ncgear.optimum.makeable.search import Kept, searched
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Limits, Task, figures
 from ncgear.ratio.laws.harmonic import harmonic_law
@@ -234,6 +235,57 @@ def test_a_soft_gentle_stop_is_kept_where_its_weight_is_worth_it() -> None:
     assert outcome(best(light)[2], light).achieved > 1.2 * 4000.0
     assert best(light)[1] < best(heavy)[1]
     assert best(light)[0] == best(None)[0]
+
+
+def test_a_soft_one_is_missed_by_the_greatest_deceleration_of_both_strokes() -> None:
+    """One level of the search is what outcomes tell by the exact curves of a law at random."""
+    wish = replace(wish_at(PLACES[-1], 4000.0), weight=1.0)
+    search = searched(PRESS, replace(FREE, motion=(wish,)))
+    angle, waves = search.programme.knots.angle_rad, np.random.default_rng(38).normal(0.0, 0.15, (3, 2))
+    logarithm = sum(a * np.cos(n * angle) + b * np.sin(n * angle) for n, (a, b) in enumerate(waves, 1))
+    ratio = np.exp(logarithm) / np.mean(np.exp(logarithm))
+    law = law_of(search, Kept(ratio[None], search.judged(ratio[None]).reached))
+    machine = Machine(law.train(PRESS.lobes).whole, OFFSET, PRESS.load, W)
+    [level] = [level for level, of in zip(law.reached, law.levels, strict=True) if of.share_of_goal]
+    assert 4000.0 * (1.0 + level) == pytest.approx(outcome(machine, wish).achieved, rel=1e-5)
+
+
+BOTH = replace(STOP, from_mm=0.0, to_mm=90.0, stroke=None, most_mm_s2=1200.0)
+JARS = Task(CrankSlider(45.0, 160.0), SliderLoad(PolynomialResistance()), W)
+CONVEX = Wishes(Limits(0.4, 2.5), knots=90)
+
+
+@cache
+def jars(wish: GentleStop) -> tuple[float, float, Machine]:
+    """The limit, the acceleration of the law found, and its motion."""
+    asked = replace(CONVEX, motion=(wish,))
+    bound = certified_limit(JARS, asked)
+    assert bound is not None
+    train = makeable_law(JARS, asked, start_motion(JARS, asked, bound)).train(JARS.lobes)
+    return bound.value, figures(JARS, train).peak_acceleration_mm_s2, Machine(train.whole, JARS.linkage, JARS.load, W)
+
+
+@pytest.mark.long
+@pytest.mark.slow
+def test_a_soft_one_over_both_strokes_is_as_good_as_the_hard_one_of_the_same_stop() -> None:
+    """Its deceleration falls, and the acceleration rises, with the weight; both strokes slow down alike.
+
+    A percent of deceleration costs, by the hard laws beside it, what the weight says: on two strokes it would be half.
+    """
+    weights = 0.5, 1.5, 8.0
+    found = [jars(replace(BOTH, weight=weight)) for weight in weights]
+    stops = [sampled(machine, BOTH)[0] for _, _, machine in found]
+    peaks = [peak for _, peak, _ in found]
+    assert stops == sorted(stops, reverse=True)
+    assert peaks == sorted(peaks)
+    assert stops[-1] == pytest.approx(1200.0, rel=1e-3)
+    (limit, peak, machine), stop = found[1], stops[1]
+    strokes = [sampled(machine, replace(BOTH, stroke=stroke))[0] for stroke in Stroke]
+    assert strokes == pytest.approx([stop, stop], rel=2e-3)
+    same = jars(replace(BOTH, most_mm_s2=outcome(machine, BOTH).achieved))
+    assert limit <= same[0] <= peak <= 1.0005 * same[1]
+    gentler, harder = (jars(replace(BOTH, most_mm_s2=share * stop))[1] for share in (0.99, 1.01))
+    assert (gentler - harder) / (0.02 * stop / 1200.0) == pytest.approx(1.5 * peak, rel=0.1)
 
 
 @pytest.mark.long

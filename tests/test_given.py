@@ -188,6 +188,7 @@ def test_a_deceleration_that_no_gears_reach_is_told() -> None:
     assert asks({"gentle_stop": [{**bound, "deceleration_at_most_mm_s2": 0.95 * most}]})
 
 
+@pytest.mark.tiers(quick=["*-True"], rest="slow")
 @pytest.mark.parametrize("hard", [True, False])
 @pytest.mark.parametrize(
     ("kind", "idle", "asking"),

@@ -74,7 +74,7 @@ def table() -> PitchPair:
     return sized_pair(law, 60, None, DISTANCE, Mesh.INTERNAL)
 
 
-every_pair = pytest.mark.parametrize("of", [variable, pytest.param(table, marks=pytest.mark.thorough)])
+every_pair = pytest.mark.parametrize("of", [variable, pytest.param(table, marks=pytest.mark.slow)])
 
 
 # --- circles -------------------------------------------------------------------------------------------------------
@@ -146,13 +146,14 @@ def assembled(of: PitchPair, phi1: Array) -> tuple[CurvePoints, CurvePoints]:
 
 @every_pair
 def test_both_points_meet_beyond_the_driving_axis_where_velocities_agree(of: Callable[[], PitchPair]) -> None:
-    driving, driven = assembled(of(), ANGLES)
-    pitch_point = of().pitch_point_mm(ANGLES)
+    made = of()
+    driving, driven = assembled(made, ANGLES)
+    pitch_point = made.pitch_point_mm(ANGLES)
     for points in (driving, driven):
         # 180 mm, angles of up to 12 rad rounded
         assert np.max(np.abs(points.position - np.column_stack([pitch_point, np.zeros(43)]))) <= 1e-12
     assert pitch_point.max() < 0.0
-    slope = of().transmission.driven_angle(ANGLES, 1).derivative(1)
+    slope = made.transmission.driven_angle(ANGLES, 1).derivative(1)
     # w1 x = w2 (x - a): both gears turn counter-clockwise
     assert pitch_point == pytest.approx(slope * (pitch_point - DISTANCE), rel=1e-13)
 

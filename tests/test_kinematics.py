@@ -127,7 +127,7 @@ def assert_peak(exact: Extremum, phi1: Array, sampled: Array) -> None:
 LINKAGES = {"in line": BALER_LINKAGE, "offset": OFFSET, "offset back": CrankSlider(380.0, 960.0, -150.0)}
 
 
-@pytest.mark.tiers(quick=["uniform*"], slow=["*-offset back"], rest="thorough")
+@pytest.mark.tiers(quick=["uniform*"], thorough=["*-offset"], rest="slow")
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", LAWS)
 def test_peaks_bound_a_dense_sample_and_are_hardly_higher(name: str, linkage: str) -> None:
@@ -151,7 +151,7 @@ NARROW = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["uniform*"], rest="slow")
 @pytest.mark.parametrize("linkage", NARROW)
 @pytest.mark.parametrize("name", [BALER_LAW, "uniform", "ellipse 1:2"])
 def test_no_sharp_corner_of_a_short_rod_is_passed_by(name: str, linkage: str) -> None:
@@ -225,7 +225,7 @@ def crossings(of: Machine, displacements: Array) -> list[float]:
     return found
 
 
-@pytest.mark.tiers(quick=["ellipse*"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse*-True"], thorough=["*-offset-*"], rest="slow")
 @pytest.mark.parametrize("keep", [False, True])
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", ["uniform", BALER_LAW, "ellipse 1:2", "displacement table"])

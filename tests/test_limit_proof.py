@@ -198,7 +198,7 @@ ROUNDED = 1e-11
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("ranges", [False, True])
-@pytest.mark.parametrize("seed", range(36))
+@pytest.mark.parametrize("seed", range(12))
 def test_a_convex_law_keeps_every_relation(seed: int, ranges: bool) -> None:
     """With its own figures as demands; with ranges about it the relation of the driving curve as well."""
     law, task = convex_law(seed), replace(AT_SIXTY, linkage=LINKAGES[seed % 4], load=PRESS)
@@ -288,14 +288,14 @@ SAMPLED = 1e-6
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(8))
 def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> None:
     """All four figures are priced, with ranges wider than the law's own."""
     assert broken_with_mass(seed, FIGURES) < SAMPLED
 
 
-@pytest.mark.tiers(thorough=["0", "1", "2"], rest="slow")
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.tiers(thorough=["0"], rest="slow")
+@pytest.mark.parametrize("seed", range(12))
 def test_a_dented_law_with_mass_keeps_what_its_own_figures_and_tangent_demand(seed: int) -> None:
     assert broken_with_mass(seed, FIGURES, steeper=1.0) < SAMPLED
     # Negative control: a tangent that the law does not keep
@@ -372,7 +372,7 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     return float(low.max()), float(high.max())
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(6))
 def test_between_checkpoints_convex_curves_stay_in_the_ranges(seed: int) -> None:
     for apart in (0.05, 0.1, 0.3):
         assert max(outside_between_checkpoints(convex_law(seed), apart)) < 1e-9
@@ -386,7 +386,7 @@ def test_between_checkpoints_a_wavy_law_leaves_the_ranges() -> None:
     assert min(below, above) > 1e-4
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(6))
 def test_between_checkpoints_a_law_stays_as_near_as_its_tangent_lets_it(seed: int) -> None:
     law = Turning(seed, 0.6)
     own = exact_demands(AT_SIXTY, law).steepness

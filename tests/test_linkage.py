@@ -66,7 +66,7 @@ def crank_pins_mm(linkage: CrankSlider, crank_angle_rad: Array) -> Array:
 @pytest.mark.judges("mechanisms")
 @every_linkage
 def test_displacement_and_four_derivatives_against_the_vector_loop(lengths: Lengths) -> None:
-    points = np.concatenate([np.linspace(0.0, 2.0 * pi, 25), [1e-9, 1e-5, 0.01, 3.0, 3.3, 6.2]])
+    points = np.concatenate([np.linspace(0.0, 2.0 * pi, 9), [1e-9, 0.01, 3.0, 3.3, 6.2]])
     series = CrankSlider(*lengths).displacement(Jet.variable(points, 4))
     with mp.workdps(40):
         for k, exact in enumerate(loop_derivatives(lengths)):

@@ -59,7 +59,7 @@ LIMITS = {
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.tiers(quick=["rms_torque_n_m"], slow=["flywheel_kg_mm2"], rest="long")
+@pytest.mark.tiers(slow=["rms_torque_n_m", "flywheel_kg_mm2"], rest="long")
 @pytest.mark.parametrize("name", LIMITS)
 def test_a_limit_is_kept_by_exact_figures_and_pressed_against(name: str) -> None:
     """The search keeps back what is between its places, which is under a thousandth with 96 knots."""

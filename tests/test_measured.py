@@ -115,7 +115,7 @@ def solved(levers: np.ndarray, errors: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.judges("metrology")
-@pytest.mark.parametrize("rigid", [False, pytest.param(True, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("rigid", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_what_was_done_to_a_gear_is_found(rigid: bool) -> None:
     """Turning, shift and the error of every flank, within 4.5 standard deviations of the noise, sigma / sqrt(n).
 
@@ -175,7 +175,7 @@ def astray(points: np.ndarray, flank: np.ndarray, given: np.ndarray) -> float:
     return float(np.abs(found.mean_mm - left).max() / (SIGMA_MM / np.sqrt(10)))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 class TestPointsThatStandAlone:
     def test_they_are_named_and_the_gear_is_as_without_them(self) -> None:
         points, flank, given, rows = spiked()
@@ -388,8 +388,9 @@ class TestForeignPoints:
     def test_of_the_other_gear_mirrored_or_in_inches(self) -> None:
         at, _, _ = flank_points(outline_of("asymmetric-ellipse").gear)
         assert "they fit the driving gear; give the file as --driving" in self.said_of(at, Gear.DRIVEN)
-        assert "p.csv: " in self.said_of(at.conj() * np.exp(0.4j))
-        assert "mirror image" in self.said_of(at.conj() * np.exp(0.4j))
+        mirrored = self.said_of(at.conj() * np.exp(0.4j))
+        assert "p.csv: " in mirrored
+        assert "mirror image" in mirrored
         assert "in inches" in self.said_of(at / 25.4)
 
     def test_too_few(self) -> None:

@@ -46,7 +46,7 @@ def best(text: str) -> BestLaw:
     return BestLaw(drive_of_text(text).design)
 
 
-@pytest.mark.tiers(slow=["convex-0", "dented-7"], rest="long")
+@pytest.mark.tiers(slow=["convex-0"], rest="long")
 @pytest.mark.parametrize("seed", range(15))
 @pytest.mark.parametrize("convex", [True, False], ids=["convex", "dented"])
 def test_no_law_of_heavy_gears_is_below_the_limit(seed: int, convex: bool) -> None:

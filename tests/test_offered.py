@@ -91,7 +91,8 @@ TOGETHER: dict[str, tuple[MachineName, Keys, Keys, set[str]]] = {
 """Machines, their wishes, other keys, and limits that are known to stand in the way, which must be named at once."""
 
 
-@pytest.mark.tiers(slow=["an early place"], rest="long")
+@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("case", TOGETHER)
 def test_all_limits_that_have_to_give_way_are_named_at_once_and_are_enough(case: str) -> None:
     machine, wishes, more, named = TOGETHER[case]

@@ -245,6 +245,7 @@ def brute_force(found: ToothedPair, curves: PitchPair, count: int) -> tuple[floa
 
 
 @pytest.mark.judges("teeth")
+@pytest.mark.tiers(quick=["spiral", "rising spiral"], rest="slow")
 @every_law
 def test_outlines_mesh_without_overlap_over_the_whole_range(name: str) -> None:
     found = teeth(name)

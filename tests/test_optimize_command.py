@@ -173,6 +173,7 @@ def test_how_near_the_limit_was_brought_to_the_law_is_said(
     assert not_closed(BestLaw(load(path).design)) == said
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_starts_are_apart_and_the_same_again() -> None:
     """Ratios of other starts are up to twice and three times the usual ones, and never these themselves."""

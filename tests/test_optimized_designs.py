@@ -42,7 +42,7 @@ def test_the_samples_of_the_law_keep_them_too(name: str) -> None:
     assert (table["force_n"] * speed).max() / 1000.0 <= power * (1.0 + 1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["baler-half"], rest="long")
 @every_design
 def test_the_gears_are_convex_free_of_undercut_and_in_contact(name: str) -> None:
     summary = built(name).summary

@@ -75,7 +75,7 @@ def judged(number: int) -> str:
     return "made"
 
 
-@pytest.mark.tiers(quick=["1001-1"], thorough=["1002-4"], rest="long")
+@pytest.mark.tiers(quick=["1001-1"], slow=["1002-4"], rest="long")
 @pytest.mark.parametrize(("first", "count"), [(1001, 1), (1002, 4), (0, 1000)], ids=["1001-1", "1002-4", "0-1000"])
 def test_deep_designs_are_made_or_refused(first: int, count: int) -> None:
     found = Counter(judged(number) for number in range(first, first + count))
@@ -192,7 +192,7 @@ def with_teeth(data: Data, teeth: int) -> Data:
     return {**data, "gears": {**gears, "teeth": teeth, "module_mm": gears["module_mm"] * gears["teeth"] / teeth}}
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(long=["notches"], rest="slow")
 @pytest.mark.parametrize(
     "data",
     [
@@ -257,7 +257,7 @@ def test_a_search_ends_when_its_time_is_over_and_says_so(monkeypatch: pytest.Mon
 # --- open gears
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_few_pitches_do_not_keep_an_open_curve_from_going_on() -> None:
     """Each whole curve is a whole number of pitches long, by Gauss's rule on each piece; one takes a great wave."""
     rng = np.random.default_rng([6, 3])

@@ -80,7 +80,7 @@ def test_middles_of_lands_reach_less_far() -> None:
     assert farthest_mm(toothed) == pytest.approx(42.0677, abs=5e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["oval-flow-meter"], rest="long")
 @pytest.mark.parametrize("name", ["oval-flow-meter", "helical-ellipse"])
 def test_sheet_housing_and_written_solid_have_one_greatest_radius(name: str) -> None:
     data = loaded(name).data

@@ -137,6 +137,7 @@ def test_the_same_design_gives_the_same_bytes(hostile: str, tmp_path: Path) -> N
     assert reports.page_of(path) == hostile
 
 
+@pytest.mark.slow
 def test_the_page_is_small() -> None:
     assert len(reports.page("baler").encode()) < 1e6
 

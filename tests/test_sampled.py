@@ -60,14 +60,14 @@ def test_a_function_that_is_not_there_does_not_count() -> None:
 def test_the_highest_top_is_found_among_functions_that_nearly_reach_it(count: int) -> None:
     """Nine waves whose tops differ by less than what samples miss of them, against the values at very many places."""
     random = np.random.default_rng(5)
-    turns, phase = random.uniform(0.5, count / 12.0, (300, 9, 1)), random.uniform(0.0, 6.3, (300, 9, 1))
-    size = 1.0 + 1e-4 * random.standard_normal((300, 9, 1))
+    turns, phase = random.uniform(0.5, count / 12.0, (80, 9, 1)), random.uniform(0.0, 6.3, (80, 9, 1))
+    size = 1.0 + 1e-4 * random.standard_normal((80, 9, 1))
 
     def at(places: Array) -> Array:
         return size * np.cos(turns * 2.0 * np.pi * places + phase)
 
     assert (tails(at(shares(count)))[0] < 1e-7).all()
-    both = extremes([at(shares(count)), at(shares(count))[:, :4]], np.ones((300, 9), dtype=bool))
+    both = extremes([at(shares(count)), at(shares(count))[:, :4]], np.ones((80, 9), dtype=bool))
     assert (both[1][1] <= both[0][1] + 1e-12).all()
     low, high = both[0]
     many = at(np.linspace(0.0, 1.0, 4001))

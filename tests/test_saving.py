@@ -99,6 +99,56 @@ def test_a_read_only_file_is_saved_only_when_that_is_said(path: Path, soon: None
     assert (path.read_text(encoding="utf-8"), path.stat().st_mode & 0o777) == (OWN, mode)
 
 
+def test_a_hard_link_is_parted_only_when_that_is_said(path: Path, soon: None) -> None:
+    """The other name keeps what it has, also after kills; a symbolic link goes on to lead to the file."""
+    other, link = path.with_name("other.yaml"), path.with_name("link.yaml")
+    os.link(path, other)
+    link.symlink_to(other)
+    file = design_on_disk(link)
+    with pytest.raises(NotSaved, match=r"has another name, a hard link, which keeps the former text") as asked:
+        file.saved(OWN)
+    assert (asked.value.found, path.samefile(other)) == (OLD.encode(), True)
+    path.chmod(0o444)
+    with pytest.raises(NotSaved, match="is read-only and has another name"):
+        file.saved(OWN)
+    path.chmod(0o644)
+    saved = file.saved(OWN, protected_too=True)
+    assert [one.read_text(encoding="utf-8") for one in (path, other, link)] == [OLD, OWN, OWN]
+    assert (link.is_symlink(), saved.saved(THEIRS).text) == (True, other.read_text(encoding="utf-8"))
+    assert names(path) == ["d.yaml", "link.yaml", "other.yaml"]
+
+
+@pytest.mark.parametrize("protected_too", [False, True])
+def test_a_save_of_a_hard_link_that_is_killed_at_any_call_loses_neither_name(
+    path: Path, soon: None, protected_too: bool
+) -> None:
+    def save() -> None:
+        with suppress(NotSaved):
+            design_on_disk(path).saved(OWN, protected_too=protected_too)
+
+    other = path.with_name("other.yaml")
+    os.link(path, other)
+    calls, texts = len(calls_of(save)), set()
+    for call in range(1, calls + 1):
+        path.write_text(OLD, encoding="utf-8")
+        other.unlink()
+        os.link(path, other)
+        with Disk(Fault.DEATH, call).used():
+            save()
+        found = design_on_disk(path)
+        texts.add(found.text)
+        assert (other.read_text(encoding="utf-8"), found.kept) == (OLD, ())
+        found.saved("name: next\n", protected_too=True)
+        assert names(path) == ["d.yaml", "other.yaml"]
+    assert texts == ({OLD, OWN} if protected_too else {OLD})
+
+
+def test_a_second_name_that_a_killed_run_has_left_is_no_hard_link(path: Path, soon: None) -> None:
+    os.link(path, path.with_name(".d.yaml.part"))
+    design_on_disk(path).saved(OWN)
+    assert (path.read_text(encoding="utf-8"), names(path)) == (OWN, ["d.yaml"])
+
+
 def test_a_design_that_cannot_be_saved_is_not_advised_another_folder(
     path: Path, soon: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:

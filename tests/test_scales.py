@@ -173,7 +173,7 @@ def apart(one: Any, other: Any, factor: float, path: str = "", key: str = "") ->
     return [] if one == other else [f"{path}: {one} and {other}"]
 
 
-@pytest.mark.tiers(thorough=["1e-06-oval", "1000.0-sector"], long=["0.02-*"], rest="slow")
+@pytest.mark.tiers(thorough=["1e-06-oval"], slow=["1e-06-*", "1000.0-ring", "1000.0-machine"], rest="long")
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("factor", [1e-6, 0.02, 1000.0], ids=["1e-06", "0.02", "1000.0"])
 def test_a_scaled_design_has_the_same_figures_scaled(name: str, factor: float) -> None:
@@ -236,7 +236,7 @@ def read_back(drive: Drive) -> dict[str, tuple[Polygon, Polygon]]:
     return {"stl": stl, "dxf": dxf, "csv": table}  # type: ignore[dict-item]
 
 
-@pytest.mark.tiers(thorough=["0.02"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("module", [1e-6, 1e-3, 0.02, 0.1, 2.0, 1e3], ids="{:g}".format)
 def test_written_gears_overlap_by_their_tolerance_at_most(module: float) -> None:
     """1.1 chord tolerances of 0.002 modules, and what single precision adds."""

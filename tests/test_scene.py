@@ -54,7 +54,7 @@ def test_the_linkage_stays_joined(name: str) -> None:
     assert np.ptp(slider.angle_rad) == 0.0
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(slow=["baler-66-two-stage"], rest="thorough")
 @every_scene
 def test_the_slider_moves_as_the_drive_says(name: str) -> None:
     found, motion = scene(name), drive_of(name).motion
@@ -154,7 +154,7 @@ def gap_mm(pair: ScenePair, poses: Poses, row: int, ahead_rad: float = 0.0) -> f
     return driving.distance(driven) if depth == 0.0 else -depth
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(slow=["baler-66-two-stage", "internal-1-2"], rest="thorough")
 @every_geared
 def test_teeth_touch_and_do_not_overlap(name: str) -> None:
     """As far as chords on both sides may stray; turned by half a tooth they would overlap by far."""

@@ -463,6 +463,7 @@ def frames_left_by(function: Callable[[], object]) -> int:
         gc.enable()
 
 
+@pytest.mark.tiers(slow=["wide"], rest="quick")
 @pytest.mark.parametrize(
     ("box", "refusals"),
     [(BORDER, 2), (WIDE, 5), ({"linkage.crank_mm": (300.0, 1200.0)}, 2)],

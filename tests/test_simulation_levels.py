@@ -258,6 +258,7 @@ IMPOSSIBLE = {"0.002": "so soft", "5e7": "so stiff", "5e13": "so stiff", "1e280"
 """Stiffnesses in N of a pair 1 mm deep in each other that no teeth have: steel has some 1e5."""
 
 
+@pytest.mark.tiers(quick=["dynamic-*", "quasi_static-0.002"], rest="slow")
 @pytest.mark.parametrize("given", IMPOSSIBLE)
 @pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
 def test_a_stiffness_that_no_teeth_have_is_refused_before_teeth_are_made(

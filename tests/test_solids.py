@@ -7,6 +7,7 @@ from math import asin, hypot, pi, sqrt
 
 import numpy as np
 import pytest
+import shapely
 import trimesh.creation
 from shapely import Point, Polygon
 from trimesh.exchange.stl import export_stl
@@ -19,8 +20,9 @@ from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import gear_solid
 from ncgear.solids.mesh.slabs import slab_mesh
 from ncgear.solids.mesh.triangles import TriangleMesh, merged
-from ncgear.solids.plan.body import Blank, Bore, Keyway, Slab, bore_points, circle_points
+from ncgear.solids.plan.body import Blank, Bore, Keyway, RoundHole, Slab, bore_points, circle_points, hole_points
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, OUTER_WALL_IN_MODULES, full_disc, index_hole, largest_bore_mm
+from ncgear.tolerances.iso286 import standard_tolerance_mm
 from plane import wave_ring
 
 TOLERANCE = 0.005
@@ -110,6 +112,19 @@ def test_circles_keep_the_chord_tolerance(radius: float, tolerance: float) -> No
     np.testing.assert_allclose(np.hypot(*points.T), radius, rtol=1e-14)
     assert radius - np.hypot(*middles.T).min() <= tolerance
     assert len(points) >= 24
+
+
+@pytest.mark.parametrize("diameter", [0.4, 2.0, 10.0, 49.0, 400.0])
+@pytest.mark.parametrize("tolerance", [1e-5, 0.005, 0.5])
+def test_polygons_of_holes_are_within_their_narrowest_fit(diameter: float, tolerance: float) -> None:
+    """What fits the least hole of H6 goes through, and what is greater than the greatest does not touch all round."""
+    polygon = Polygon(hole_points(RoundHole(0.0, 0.0, diameter), tolerance))
+    fitting = Polygon(bore_points(Bore(diameter, Keyway(diameter / 4.0, diameter / 8.0)), tolerance))
+    width = standard_tolerance_mm(6, diameter)
+    assert width is not None
+    for hole in (polygon, fitting):
+        assert hole.exterior.distance(Point(0.0, 0.0)) >= diameter / 2.0 * (1.0 - 1e-14)
+    assert 2.0 * np.hypot(*shapely.get_coordinates(polygon).T).max() <= diameter + min(width, 2.1 * tolerance)
 
 
 def test_keyway_points_along_x() -> None:

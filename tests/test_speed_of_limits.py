@@ -128,6 +128,7 @@ def test_laws_stay_over_the_certified_limit() -> None:
     assert bound.value < least_mm_s2() < 1.01 * bound.value
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_laws_come_down_at_the_rate_of_smeared_corners() -> None:
     """To where quintic splines did, of another program, as their coefficients were extrapolated: 18 944 mm/s2."""
@@ -140,6 +141,7 @@ def test_laws_come_down_at_the_rate_of_smeared_corners() -> None:
     assert finished[-1].error < makeable_laws.ENOUGH < finished[1].error
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_is_left_between_places_falls_with_their_square() -> None:
     measured = found("makeable-places", makeable_laws.PROGRAMME, 2, 4, 8)

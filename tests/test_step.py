@@ -109,6 +109,7 @@ def test_ellipse_sections_are_the_exact_outlines() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_baler_sections_are_the_exact_outlines() -> None:
     require_both("baler")
 
@@ -120,6 +121,7 @@ def test_the_ring_s_section_is_its_exact_outline() -> None:
     require_agreement(files("internal-1-2")["driven.step"], gear, 5e-4, 14.0, ring=True)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_concave_sections_are_the_exact_outlines() -> None:
     own = drive_of_text(CONCAVE)
@@ -306,6 +308,7 @@ def test_hub_screw_and_holes_are_cylinders_of_one_face_each(bodied: tuple[Drive,
     assert sum(abs(radius - holes[0].diameter_mm / 2.0) < 1e-9 for radius, _ in driven) == 3
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_helical_gears_have_bodies_too() -> None:
     """Hub, screw and holes of straight gears, of one face each, on teeth that go round."""

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -19,6 +20,7 @@ from drives import DESIGNS
 from ncgear.design.reading.design_file import parsed
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.project.drive import Drive
+from ncgear.studio.drafts import DRAFT
 from scenes import in_a_browser
 from studios import Studio, running
 
@@ -28,12 +30,33 @@ WIDE, PHONE = {"width": 1440, "height": 900}, {"width": 390, "height": 844}
 LONGEST_MS = 120_000
 
 
-@pytest.fixture
-def studio(tmp_path: Path) -> Iterator[Studio]:
-    path = tmp_path / "baler-86.yaml"
-    shutil.copy(DESIGNS / "baler-86.yaml", path)
-    with running(path, tmp_path / "export") as made:
+@contextmanager
+def studio_of(name: str, folder: Path) -> Iterator[Studio]:
+    path = folder / f"{name}.yaml"
+    shutil.copy(DESIGNS / path.name, path)
+    with running(path, folder / "export") as made:
         yield made
+
+
+def as_begun(studio: Studio) -> Studio:
+    """A studio that others have used, with its file as it was: a page that is opened then knows of no other one."""
+    shutil.copy(DESIGNS / studio.path.name, studio.path)
+    for draft in studio.path.parent.glob(f"*{DRAFT}*"):
+        draft.unlink()
+    shutil.rmtree(studio.out, ignore_errors=True)
+    return studio
+
+
+@pytest.fixture(scope="module")
+def baler_86(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    """To begin takes several seconds, which the tests of this file need not take each."""
+    with studio_of("baler-86", tmp_path_factory.mktemp("baler-86")) as made:
+        yield made
+
+
+@pytest.fixture
+def studio(baler_86: Studio) -> Studio:
+    return as_begun(baler_86)
 
 
 class Opened:
@@ -141,7 +164,12 @@ def test_a_point_that_is_dragged_moves_the_law_as_python_computes_it(opened: Ope
 
 
 @pytest.mark.long
-def test_five_hundred_quick_changes_leave_the_last_one_shown(browser: Any, studio: Studio) -> None:
+def test_five_hundred_quick_changes_leave_the_last_one_shown(browser: Any, tmp_path: Path) -> None:
+    with studio_of("baler-86", tmp_path) as studio:
+        hundreds_of_changes(browser, studio)
+
+
+def hundreds_of_changes(browser: Any, studio: Studio) -> None:
     opened = Opened(browser, studio)
     page = opened.page
     processes = studio.workers
@@ -318,29 +346,33 @@ OVER_EACH_OTHER = """[...document.querySelectorAll("#facts tr")].filter((row) =>
 """Rows of figures whose texts lie over each other."""
 
 
-@pytest.mark.parametrize("width", [1280, 390])
-def test_no_value_of_any_design_is_cut(browser: Any, studio: Studio, width: int) -> None:
-    opened = Opened(browser, studio, viewport={"width": width, "height": 720})
+def test_no_value_of_any_design_is_cut(browser: Any, studio: Studio) -> None:
+    opened = Opened(browser, studio)
     page = opened.page
     for path in sorted(DESIGNS.glob("*.yaml")):
         before = int(page.evaluate("document.body.dataset.asked"))
         page.evaluate("text => ncgear.send({ do: 'text', text })", path.read_text(encoding="utf-8"))
         page.wait_for_function("n => Number(document.body.dataset.asked) > n", arg=before)
         page.evaluate("document.querySelectorAll('#form details').forEach((one) => (one.open = true))")
-        assert page.evaluate(CUT) == [], path.name
-        assert page.evaluate(CLIPPED) == [], path.name
+        for width in (1280, 390):
+            page.set_viewport_size({"width": width, "height": 720})
+            assert page.evaluate(CUT) == [], (path.name, width)
+            assert page.evaluate(CLIPPED) == [], (path.name, width)
     narrow = "document.querySelectorAll('.value input').forEach((one) => (one.style.minWidth = '0'))"
     page.evaluate(narrow + "; document.querySelectorAll('.value').forEach((one) => (one.style.width = '9rem'))")
     assert page.evaluate(CUT) != []
     page.context.close()
 
 
-@pytest.fixture
-def pusher(tmp_path: Path) -> Iterator[Studio]:
-    path = tmp_path / "pusher.yaml"
-    shutil.copy(DESIGNS / "pusher.yaml", path)
-    with running(path, tmp_path / "export") as made:
+@pytest.fixture(scope="module")
+def carton_pusher(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    with studio_of("pusher", tmp_path_factory.mktemp("pusher")) as made:
         yield made
+
+
+@pytest.fixture
+def pusher(carton_pusher: Studio) -> Studio:
+    return as_begun(carton_pusher)
 
 
 def field_of(opened: Opened, key: str) -> Any:
@@ -560,6 +592,8 @@ def test_a_point_of_the_frontier_that_is_clicked_becomes_the_design(opened: Open
 def test_the_best_law_is_found_and_taken_over(opened: Opened) -> None:
     pytest.importorskip("casadi", reason="the optimiser is not installed")
     page = opened.page
+    coarse = f"{opened.text}\noptimize: {{knots: 16}}\n"
+    opened.step(lambda: page.evaluate("text => ncgear.send({ do: 'text', text })", coarse))
     page.locator("[data-run=optimize]").click()
     page.locator("#jobs button:text-is('take over')").wait_for()
     before = opened.fact("peak power"), opened.fact("peak acceleration")

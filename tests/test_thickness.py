@@ -179,7 +179,7 @@ def with_chords(band: tuple[float, float], chord_mm: float | None, module_mm: fl
 
 
 @pytest.mark.judges("files")
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["band1"], rest="long")
 @pytest.mark.parametrize("band", [(-0.062, -0.047), (-0.031, -0.027)])
 def test_chords_that_are_left_out_keep_pins_in_the_middle_half_of_the_band(band: tuple[float, float]) -> None:
     drive, folder = with_chords(band, None), new_folder()
@@ -216,11 +216,17 @@ def test_chords_too_coarse_for_the_band_are_refused(band: tuple[float, float], c
     assert "too narrow for chords" in said.what
 
 
+@cache
+def drawn() -> Path:
+    folder = new_folder()
+    build(changed("ellipse", BANDS["ellipse"]), folder, lambda step: None, [Format.DRAWING])
+    return folder
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("gear", ["driving", "driven"])
 def test_the_picture_dimensions_the_band_of_the_table(gear: str) -> None:
-    folder = new_folder()
-    build(changed("ellipse", BANDS["ellipse"]), folder, lambda step: None, [Format.DRAWING])
+    folder = drawn()
     (found,) = re.findall(r"([\d.]+) to ([\d.]+) over 2 pins \u00d8([\d.]+) \((\d+), (\d+)\)", _texts(folder, gear))
     diameter, _, rows = told(folder, gear)
     (row,) = (row for row in rows if tuple(row[:2]) == (float(found[3]), float(found[4])))
@@ -273,7 +279,7 @@ def test_play_over_the_band_is_what_shapely_finds_by_turning() -> None:
     assert thinnest > 1.5 * thickest
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_pushing_flanks_keep_the_law_over_the_whole_band() -> None:
     for at in changed("ellipse", BANDS["ellipse"]).thickness_band:
         assert at.extremes.pushing_error_rad.width < 1e-9
@@ -283,7 +289,7 @@ def test_pushing_flanks_keep_the_law_over_the_whole_band() -> None:
         assert at.play.least_normal_mm.value == pytest.approx(least, rel=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_strength_simulation_and_assemblies_are_those_of_the_middle() -> None:
     """One truth: whoever asks the drive for teeth has those that are written."""
     one, same = changed("ellipse", (-0.09, -0.03)), changed("ellipse", (-0.06, -0.06))
@@ -308,7 +314,7 @@ def test_teeth_that_would_jam_or_vanish_are_refused(band: tuple[float, float], k
     assert remedy in str(refused.value)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_that_just_do_not_jam_are_made() -> None:
     """0.06 mm of backlash along the normal is 0.0319 mm along the pitch curve of each gear."""
     band = changed("ellipse", (-0.02, 0.0319)).thickness_band

@@ -491,7 +491,7 @@ def test_helical_teeth_without_any_lean_are_straight_ones() -> None:
     assert mesh.leads(of) == pytest.approx(straight.leads(of), abs=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("tolerances")
 def test_a_helical_tooth_that_stands_out_carries_longer_by_the_overlap() -> None:
     """And displaced gears touch as straight ones do, by the common tangents of their base circles."""
@@ -914,7 +914,7 @@ DECIDES = {"index_driven": {"motion_error", "peak_acceleration"}}
 """What a single source makes vary, where it is not everything: the driven keyway only sets off the output."""
 
 
-@pytest.mark.tiers(thorough=["wear"], rest="slow")
+@pytest.mark.tiers(long=["index_driven", "eccentricity_driven", "tilt_driven"], rest="slow")
 @pytest.mark.parametrize("source", SINGLE)
 def test_all_of_the_variance_is_that_of_a_single_source(source: str, run: Run, tmp_path: Path) -> None:
     """By definition of the total index; and the spread of the play by first order is that source's alone."""

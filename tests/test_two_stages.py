@@ -131,7 +131,7 @@ def test_the_written_stages_in_series_are_the_written_law() -> None:
     assert np.max(np.abs(curves[1](curves[0](law["phi1_rad"])) - law["phi2_rad"])) <= 2e-6
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_sliding_is_at_the_speed_of_the_shaft_between() -> None:
     """It does not turn evenly: 2 pi/s times the derivative of the first stage's written angles."""
     first = built().table(1, "contact.csv")
@@ -345,6 +345,7 @@ def test_a_given_law_shared_has_far_less_angle(tmp_path: Path) -> None:
     assert min(pairs) == pytest.approx(max(pairs), rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_law_of_baler_66_shared_as_it_is() -> None:
     """A little over half of its one pair's angle, the rack's apart, and the same motion."""

@@ -121,7 +121,8 @@ def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name:
     assert cut_area(data).symmetric_difference(section(name, gear)).buffer(-0.003).is_empty
 
 
-@pytest.mark.tiers(slow=["ellipse"], rest="long")
+@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["ellipse", "internal-1-2"])
 def test_gears_cut_as_drawn_keep_the_law_closer_than_the_table_s(name: str) -> None:
     """Contact of the written arcs, sampled off their ends: their errors are a third of those of chords, or less."""
@@ -523,7 +524,7 @@ def test_files_of_all_kinds_do_not_hang_on_how_a_process_orders_words(tmp_path: 
 
 
 def test_every_kind_writes_what_it_is_said_to_write() -> None:
-    written = files("baler")
+    written = files("ellipse")
     assert set(written) == {name for kind in USUAL for name in WRITERS[kind].names}
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import ceil, floor, isfinite, log10
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+from math import floor, isfinite, log10
 
 DIGITS = 5
 """Significant digits of a bound."""
@@ -11,19 +11,26 @@ DIGITS = 5
 
 def shown_above(value: float, digits: int = DIGITS) -> str:
     """The value rounded up to so many digits: as text it is never below the value."""
-    return _rounded(value, ceil, 1, digits)
+    return _shown(value, digits, ROUND_CEILING)
 
 
 def shown_below(value: float, digits: int = DIGITS) -> str:
     """The value rounded down to so many digits: as text it is never above the value."""
-    return _rounded(value, floor, -1, digits)
+    return _shown(value, digits, ROUND_FLOOR)
 
 
-def _rounded(value: float, to: Callable[[float], int], way: int, digits: int) -> str:
+def rounded_up(value: float, step: float) -> float:
+    """The least multiple of a step that is not below the value, both as they are written."""
+    return _rounded(value, Decimal(str(step)), ROUND_CEILING)
+
+
+def _shown(value: float, digits: int, way: str) -> str:
     if value == 0.0 or not isfinite(value):
         return f"{value + 0.0:g}"
-    scale = 10.0 ** (digits - 1 - floor(log10(abs(value))))
-    whole = to(value * scale)
-    # The product may have been rounded to a whole number from the other side.
-    on_time = way * (float(f"{whole / scale:.{digits + 1}g}") - value) >= 0.0
-    return f"{(whole if on_time else whole + way) / scale:.{digits + 1}g}"
+    last = Decimal(1).scaleb(floor(log10(abs(value))) - digits + 1)
+    return f"{_rounded(value, last, way):.{digits + 1}g}"
+
+
+def _rounded(value: float, step: Decimal, way: str) -> float:
+    # Decimals are exact, so that a multiple of the step stays itself.
+    return float((Decimal(str(float(value))) / step).to_integral_value(way) * step)

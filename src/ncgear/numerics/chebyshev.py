@@ -175,6 +175,23 @@ def halves(degree: int) -> tuple[Array, Array]:
     return both[0], both[1]
 
 
+def falls_below(series: Array, level: float) -> bool:
+    """Whether a function falls below a level somewhere; its coefficients on panels have shape (degree + 1, m).
+
+    Panels are halved until their coefficients prove them above it, or an end is below it.  What is neither after
+    ``HALVINGS`` touches the level but for rounding errors, and counts as above.
+    """
+    both = halves(len(series) - 1)
+    for _ in range(HALVINGS):
+        series = series[:, ~(series[0] - np.abs(series[1:]).sum(axis=0) >= level)]
+        if not series.size:
+            return False
+        if series.sum(axis=0).min() < level:
+            return True
+        series = np.concatenate([half @ series for half in both], axis=1)
+    return False
+
+
 @cache
 def _to_powers(degree: int) -> Array:
     """Matrix from Chebyshev coefficients to those of powers; all numbers are whole."""

@@ -7,6 +7,8 @@ splines.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from ncgear.errors import Unanswered
@@ -40,7 +42,7 @@ class TurnIntegral:
     def at(self, arguments: Array) -> Array:
         """F at arguments in [0, 2 pi], shape (n,), with the same relative accuracy at 1e-9 as at 1."""
         node = np.searchsorted(self.starts, arguments, side="right") - 1
-        swing, _ = _integral_and_rate(self.coefficients[:, node], arguments - self.nodes[node])
+        swing, _ = _integral_and_rate(self._pairs[..., node], arguments - self.nodes[node])
         there: Array = self.values[node] + swing
         return there
 
@@ -53,12 +55,17 @@ class TurnIntegral:
         start = np.interp(values, self.values, self.nodes)
         node = np.searchsorted(self.starts, start, side="right") - 1
         base: Array = self.nodes[node]
-        return base + self._local_inverse(self.coefficients[:, node], values - self.values[node], start - base)
+        return base + self._local_inverse(self._pairs[..., node], values - self.values[node], start - base)
 
-    def _local_inverse(self, coefficients: Array, target: Array, distance: Array) -> Array:
+    @cached_property
+    def _pairs(self) -> Array:
+        """Coefficients of the integral from each node on over the distance, and of its rate; (DEGREE + 1, 2, N + 1)."""
+        return np.stack([self.coefficients * INTEGRATING, self.coefficients], axis=1)
+
+    def _local_inverse(self, pairs: Array, target: Array, distance: Array) -> Array:
         """Distance from the node at which the integral from the node on is ``target``."""
         for _ in range(NEWTON_STEPS):
-            integral, rate = _integral_and_rate(coefficients, distance)
+            integral, rate = _integral_and_rate(pairs, distance)
             step = (integral - target) / rate
             distance = distance - step
             # Newton's next step is the square of this one times half the bend of the function, or less.
@@ -72,12 +79,13 @@ def closed(periodic: Array) -> Array:
     return np.concatenate([periodic, periodic[..., :1]], axis=-1)
 
 
-def _integral_and_rate(coefficients: Array, distance: Array) -> tuple[Array, Array]:
-    """The integral from the node to ``distance`` beyond it, and the function there."""
-    powers = np.ones_like(coefficients)
-    np.cumprod(np.broadcast_to(distance, (DEGREE, distance.size)), axis=0, out=powers[1:])
-    terms = coefficients * powers
-    return (terms * INTEGRATING).sum(axis=0) * distance, terms.sum(axis=0)
+def _integral_and_rate(pairs: Array, distance: Array) -> tuple[Array, Array]:
+    """The integral from the node to ``distance`` beyond it, and the function there, by Horner's rule."""
+    both = pairs[-1].copy()
+    for row in pairs[-2::-1]:
+        both *= distance
+        both += row
+    return both[0] * distance, both[1]
 
 
 INTEGRATING = 1.0 / np.arange(1.0, DEGREE + 2.0)[:, None]

@@ -152,11 +152,14 @@ class PitchCurve:
         spread = np.abs(coefficients[1:]).sum(axis=0)
         return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
 
-    @property
-    def curvature_at_joints(self) -> Array:
-        """The curvature in 1/mm where two panels of the Chebyshev forms meet, shape (n,)."""
-        at_end: Array = self._by_length.coefficients[..., 4].sum(axis=0) / self.center_distance_mm
-        return at_end
+    def bends_below(self, curvature: float) -> bool:
+        """Whether the curvature is anywhere less than one in 1/mm; as a rule that takes no extreme to tell."""
+        return chebyshev.falls_below(self._by_length.coefficients[..., 4], curvature * self.center_distance_mm)
+
+    @cached_property
+    def is_dented(self) -> bool:
+        """Whether the curvature is negative anywhere."""
+        return self.bends_below(0.0)
 
     def curvature_between(self, first_mm: Array, last_mm: Array) -> tuple[Array, Array]:
         """Lower and upper bounds of the curvature in 1/mm from one arc length to another one beyond; shape (n,) each.
@@ -183,9 +186,10 @@ class PitchCurve:
     def _cells(self) -> Cells:
         """All columns of ``CurvePoints`` by the arc length in mm over one turn of this gear."""
         form, size = self._by_length, self.center_distance_mm
-        position, tangent, curvature = np.split(form.coefficients, [2, 4], axis=-1)
-        columns = [position * size, tangent, _normal(self.gear, tangent), curvature / size]
-        return cells_of(PiecewiseChebyshev(form.breaks * size, np.concatenate(columns, axis=-1)))
+        cells = cells_of(PiecewiseChebyshev(form.breaks * size, form.coefficients * [size, size, 1.0, 1.0, 1.0 / size]))
+        position, tangent, curvature = np.split(cells.powers, [2, 4], axis=-1)
+        columns = [position, tangent, _normal(self.gear, tangent), curvature]
+        return Cells(cells.ends, np.concatenate(columns, axis=-1))
 
     @cached_property
     def _by_length(self) -> PiecewiseChebyshev:

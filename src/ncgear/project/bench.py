@@ -274,14 +274,15 @@ def _teeth(drive: Drive) -> Stage:
     )
 
 
-PER_TOOTH, REFERENCE_PER_TOOTH = (4.0, 8.0, 16.0, 32.0), 96
-"""Positions per tooth that are tried, and of what they are held against."""
+PER_TOOTH, MOST_PER_TOOTH = (4.0, 8.0, 16.0, 32.0), 64.0
+"""Positions per tooth that are tried at first, and at most."""
 
 
 def _contact(drive: Drive) -> Stage:
-    """The extremes of the contact of the outlines, which lie between positions, beside many more positions."""
+    """The extremes of the contact of the outlines among positions, beside those searched between them."""
     from ncgear.contact.placement import placed
     from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
+    from ncgear.contact.written.extremes import play_extremes
 
     pitch, teeth, asked = drive.pitch, drive.teeth, drive.chord_tolerance_mm
     reach = reach_mm(pitch, teeth)
@@ -290,25 +291,25 @@ def _contact(drive: Drive) -> Stage:
     def compute(per_tooth: float) -> AsWritten:
         return as_written(outlines, teeth, placed(pitch, int(per_tooth)), reach)
 
-    finest = compute(REFERENCE_PER_TOOTH)
-    arm = float(placed(pitch, 2).driven_radius_mm.max())
+    exact = play_extremes(outlines, pitch, compute(placed(pitch).per_tooth), placed(pitch), reach)
+    radius_mm = pitch.radius_range_mm(Gear.DRIVEN)[1]
 
     def judge(found: AsWritten) -> tuple[float, int]:
-        error = abs(found.transmission_error_rad - finest.transmission_error_rad)
-        missed = error, abs(float(found.backlash_rad.min() - finest.backlash_rad.min()))
-        return arm * max(missed), found.pushing_rad.size
+        error = abs(found.transmission_error_rad - exact.transmission_error_rad)
+        missed = error, abs(float(found.backlash_rad.min()) - exact.backlash_rad.low.value)
+        return radius_mm * max(missed), found.pushing_rad.size
 
     def finer(per_tooth: float) -> float | None:
-        return 2.0 * per_tooth if 2.0 * per_tooth <= REFERENCE_PER_TOOTH / 1.5 else None
+        return 2.0 * per_tooth if 2.0 * per_tooth <= MOST_PER_TOOTH else None
 
     return Stage(
         "contact",
         "positions a tooth",
         "",
         "positions",
-        "transmission error and least play of the outlines, at the driven pitch radius",
+        "transmission error and least play of the outlines among the positions, at the largest driven pitch radius",
         "mm",
-        f"{REFERENCE_PER_TOOTH} positions per tooth",
+        "the extremes searched between positions",
         asked,
         "output.chord_tolerance_mm",
         placed(pitch).per_tooth,

@@ -173,7 +173,7 @@ class BestLaw(Comparison, Shown):
         from ncgear.optimum.makeable.law import makeable_law
 
         begun, design = self.begun, self.design
-        law, task, inertia = min(self._laws, key=lambda law: law.goal), begun.task, begun.inertia
+        law, task, inertia = self._laws[self._costs.index(min(self._costs))], begun.task, begun.inertia
         if design.masses is None:
             return Settled(law, task)
         for _ in range(MOST_ROUNDS):
@@ -211,9 +211,14 @@ class BestLaw(Comparison, Shown):
     @property
     def starts(self) -> Starts:
         """What the search found from all its starts."""
-        goals = [law.goal for law in self._laws]
-        apart = max(goals) - min(goals)
-        return Starts(self._starts, self._starts - len(goals), apart / abs(max(goals)) if apart else 0.0)
+        most = max(self._costs)
+        apart = most - min(self._costs)
+        return Starts(self._starts, self._starts - len(self._costs), apart / abs(most) if apart else 0.0)
+
+    @property
+    def _costs(self) -> list[float]:
+        """What is to be least of every law found, with what soft wishes cost where it is that of the usual start."""
+        return [law.cost(self._laws[0].goal) for law in self._laws]
 
     @cached_property
     def train(self) -> Train:

@@ -29,8 +29,7 @@ from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.measured import measured_section
-from ncgear.teeth.backlash import play_of
-from ncgear.teeth.form import Backlash
+from ncgear.teeth.backlash import idle_arms_mm
 from ncgear.teeth.gear import ToothedPair
 
 
@@ -121,9 +120,8 @@ def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, pr
     ]
     contact = [_contact(one, teeth, placement, reach) for one in both]
     extremes = [play_extremes(one, pitch, at, placement, reach) for one, at in zip(both, contact, strict=True)]
-    angle = 1e-6
-    lever = play_of(pitch, drive.rack, Backlash(0.0, angle, drive.gears.backlash_share)).least_normal_mm.value / angle
-    return ComparedPair(gears, teeth, placement, contact[0], contact[1], extremes[0], extremes[1], lever)
+    lever_mm = idle_arms_mm(pitch, drive.rack)[0].value
+    return ComparedPair(gears, teeth, placement, contact[0], contact[1], extremes[0], extremes[1], lever_mm)
 
 
 NEIGHBOURS = 5

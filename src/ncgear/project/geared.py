@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,12 +11,14 @@ import numpy as np
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.kinematics.check import KinematicCheck, at_speed
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
@@ -77,10 +80,37 @@ class Geared(Moving):
     def chord_tolerance_mm(self) -> float:
         """How far chords of outlines may be from the exact curves.
 
-        Raises WrongInput where that is no gear any more, or outside the band of tooth thickness.
+        Raises WrongInput where that is no gear any more, outside the band of tooth thickness, or lost in rounding.
         """
         lower, upper = thickness_limits_mm(self.gears) or (0.0, 0.0)
-        return self.design.output.chord_mm(self.pitch.size.module_mm, upper - lower if upper > lower else None)
+        module_mm = self.pitch.size.module_mm
+        chord_mm = self.design.output.chord_mm(module_mm, upper - lower if upper > lower else None)
+        if chord_mm < FINEST_IN_MODULES * module_mm:
+            said = f"{chord_mm:g} mm are {chord_mm / module_mm:.3g} of the module of {module_mm:.4g} mm"
+            raise self._too_fine(said, FINEST_IN_MODULES * module_mm)
+        return chord_mm
+
+    def _too_fine(self, said: str, from_mm: float) -> WrongInput:
+        """That chords are too fine, with the finest from a tolerance on that all gears are made with."""
+        from ncgear.project.finest_chords import finest_chords_mm
+
+        made = [
+            (pair.pitch, form, pair.helix)
+            for pair in self.whole.by_stage
+            for form in (pair.tooth_form, *pair.forms_at_limits)
+        ]
+        finest = shown_above(finest_chords_mm(made, from_mm), 4)
+        return WrongInput(f"{said}; {finest} mm or more is right", key="output.chord_tolerance_mm")
+
+    @contextmanager
+    def telling_the_finest(self) -> Iterator[None]:
+        """A context in which chords too many for teeth or for their sections are refused with the finest there are."""
+        from ncgear.teeth.chords import TooManyChords
+
+        try:
+            yield
+        except TooManyChords as refused:
+            raise self._too_fine(refused.said, self.chord_tolerance_mm) from refused
 
     @property
     def moves_output(self) -> bool:
@@ -129,13 +159,19 @@ class Geared(Moving):
         with self.stopwatch("teeth"):
             return with_even_tips(pitch, form, self.helix)
 
+    @property
+    def forms_at_limits(self) -> tuple[ToothForm, ...]:
+        """The form of the teeth at both limits of their thickness, first the thinnest; empty without limits."""
+        form, limits = self.tooth_form, thickness_limits_mm(self.gears) or ()
+        return tuple(replace(form, backlash=replace(form.backlash, thickness_mm=(one, one))) for one in limits)
+
     @computed
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
         from ncgear.teeth.gear import toothed_pair
 
         pitch, form = self.pitch, self.tooth_form
-        with self.stopwatch("teeth"):
+        with self.stopwatch("teeth"), self.telling_the_finest():
             return toothed_pair(pitch, form, self.chord_tolerance_mm)
 
     @computed
@@ -182,7 +218,8 @@ class Geared(Moving):
 
         assert self.helix is not None
         pitch, form, tolerance = self.pitch, self.tooth_form, self.chord_tolerance_mm
-        return least_section_contact(Sections(pitch, form, self.helix, tolerance))
+        with self.telling_the_finest():
+            return least_section_contact(Sections(pitch, form, self.helix, tolerance))
 
     @computed
     def solids(self) -> SolidPair:
@@ -193,7 +230,7 @@ class Geared(Moving):
         crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
         if self.helix is not None:
             form = self.tooth_form
-            with self.stopwatch("solids"):
+            with self.stopwatch("solids"), self.telling_the_finest():
                 return helical_solids(gears, pitch, form, self.helix, tolerance, crank_pin)
         teeth = self.teeth
         with self.stopwatch("solids"):

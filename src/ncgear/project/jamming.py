@@ -8,11 +8,11 @@ from math import sqrt
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
-from ncgear.numerics.bounds import shown_below
+from ncgear.numerics.bounds import rounded_up, shown_below
 from ncgear.project.alternatives import Changes
 from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
-from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING, backlash_key, left_of_backlash, limits_of, rounded_up
+from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING, backlash_key, left_of_backlash, limits_of
 from ncgear.project.usual_tolerances import Process, tolerances_of
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 
@@ -118,7 +118,7 @@ def _needed(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Needed:
         pair.gears.drives == "both_ways",
     )
     plays = plays_of(teeth, seed)
-    return needed(-left_of_backlash(pair, plays.least_rad, plays.least_arm_mm), plays.shared)
+    return needed(-left_of_backlash(pair, plays.least_rad), plays.shared)
 
 
 def _leaves_teeth(whole: Drive, changes: dict[str, float]) -> bool:

@@ -7,7 +7,7 @@ backlash that assemblies need is that of the thickest teeth, and so is the share
 
 from __future__ import annotations
 
-from dataclasses import replace
+from functools import partial
 
 from ncgear.contact.designed.as_designed import AsDesigned, as_designed
 from ncgear.contact.designed.extremes import ContactExtremes
@@ -17,6 +17,7 @@ from ncgear.frozen import dataclass
 from ncgear.project.geared import Geared
 from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.teeth.backlash import Play, play_of
+from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import toothed_pair
 
 
@@ -39,15 +40,15 @@ def thickness_band(pair: Geared, contact: AsDesigned, extremes: ContactExtremes)
     if limits is None:
         return ()
     middle = AtThickness(sum(limits) / 2.0, pair.play, contact, extremes)
-    thinnest, thickest = (_at(pair, limit) for limit in limits)
+    thinnest, thickest = map(partial(_at, pair), limits, pair.forms_at_limits)
     return thinnest, middle, thickest
 
 
-def _at(pair: Geared, deviation_mm: float) -> AtThickness:
-    pitch, form, tolerance_mm = pair.pitch, pair.tooth_form, pair.chord_tolerance_mm
-    backlash = replace(form.backlash, thickness_mm=(deviation_mm, deviation_mm))
-    teeth = toothed_pair(pitch, replace(form, backlash=backlash), tolerance_mm)
+def _at(pair: Geared, deviation_mm: float, form: ToothForm) -> AtThickness:
+    pitch, tolerance_mm = pair.pitch, pair.chord_tolerance_mm
+    with pair.telling_the_finest():
+        teeth = toothed_pair(pitch, form, tolerance_mm)
     contact = as_designed(teeth, placed(pitch))
     refuse_overlap(contact, tolerance_mm)
     extremes = sound_extremes(pitch, teeth, contact, pair.pair_speed_rad_s, tolerance_mm)
-    return AtThickness(deviation_mm, play_of(pitch, pair.rack, backlash), contact, extremes)
+    return AtThickness(deviation_mm, play_of(pitch, pair.rack, form.backlash), contact, extremes)

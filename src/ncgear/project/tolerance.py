@@ -7,13 +7,14 @@ from math import ceil
 
 import numpy as np
 
-from ncgear.contact.placement import BACK, Placement, placed
+from ncgear.contact.placement import Placement, placed
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.bounds import rounded_up
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, nothing, rounded_up
+from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, nothing
 from ncgear.project.usual_tolerances import Process, tolerances_of
 from ncgear.solids.helical.sections import said_of_section
 from ncgear.teeth.gear import ToothedPair, toothed_pair
@@ -332,10 +333,7 @@ def _needed(
     """The backlash that is needed; play by turning adds the same angle everywhere, so that the quantile tells it."""
     gears = drive.gears
     key, decimals = backlash_key(gears), 4 if gears.backlash_deg is not None else 3
-    left = [
-        left_of_backlash(pair, own.least_play_rad, float(lot_of_pair.mesh.arm_mm[BACK].min()))
-        for pair, lot_of_pair, own in zip(drive.by_stage, lot.pairs, found.pairs, strict=True)
-    ]
+    left = [left_of_backlash(pair, own.least_play_rad) for pair, own in zip(drive.by_stage, found.pairs, strict=True)]
 
     def enough(values: Array) -> float | None:
         lost = surpassed(values, TURNING)

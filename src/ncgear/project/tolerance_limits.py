@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil, cos, degrees, radians
+from math import cos, degrees, radians
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import thickness_limits_mm
+from ncgear.teeth.backlash import idle_arms_mm
 from ncgear.teeth.gear import ToothedGear
 from ncgear.tolerances.drawn import Limits
 from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
@@ -97,18 +98,14 @@ def backlash_key(gears: Gears) -> str:
     return "backlash_mm" if gears.backlash_deg is None else "backlash_deg"
 
 
-def left_of_backlash(pair: Drive, least_play_rad: Array, least_arm_mm: float) -> Array:
+def left_of_backlash(pair: Drive, least_play_rad: Array) -> Array:
     """What the least plays of assemblies would leave of a backlash of 0, in the unit of its key.
 
     The plays are those of teeth in the middle of their thickness, and what is left that of the thickest teeth that the
-    file allows.  ``least_arm_mm`` is the least arm of the idle flanks' normal about the driven axis.
+    file allows.  Along the normal they count where its arm is least, as the key does.
     """
+    least_arm_mm = idle_arms_mm(pair.pitch, pair.rack)[0].value
     unit = degrees(1.0) if pair.gears.backlash_deg is not None else least_arm_mm
     lower, upper = thickness_limits_mm(pair.gears) or (0.0, 0.0)
     thicker_rad = (upper - lower) * cos(pair.rack.angles_rad[1]) / least_arm_mm
     return np.asarray(unit * (least_play_rad - pair.play.driven_rad - thicker_rad))
-
-
-def rounded_up(value: float, step: float) -> float:
-    """The least multiple of a step that is not below a value, as far as six digits of it tell."""
-    return float(f"{step * ceil(round(value / step, 6)):.12g}")

@@ -23,7 +23,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import chebyshev, jet
-from ncgear.numerics.arrays import Array, Number, distinct
+from ncgear.numerics.arrays import Array, Mask, Number, distinct
 from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
@@ -145,11 +145,15 @@ class ReturnLaw:
         return self._driven_integral.final - self.ends.driven_length_rad
 
 
+PLACES = np.linspace(0.0, 1.0, 65)
+"""Places of the return at which its polynomial is looked at, beside those where it is level."""
+
+
 def _lowest(polynomial: Polynomial) -> tuple[float, float]:
     """Smallest value on [0, 1] and where."""
     inner = polynomial.deriv().roots()
     candidates = np.clip(inner.real[np.abs(inner.imag) < 1e-9], 0.0, 1.0)
-    points = np.concatenate([candidates, np.linspace(0.0, 1.0, 65)])
+    points = np.concatenate([candidates, PLACES])
     values = polynomial(points)
     index = int(np.argmin(values))
     return float(values[index]), float(points[index])
@@ -381,12 +385,13 @@ class _InverseReturns:
         """1/i12 and its slope by phi1, shape (2, k, n), NaN where it is not positive."""
         even, skewed = self._parts
         slopes = even[:, None] + skewness[:, None] * skewed[:, None]
-        for number, one in enumerate(skewness.tolist()):
-            try:
-                self.law(one)
-            except NoSuchMechanism:
-                slopes[:, number] = np.nan
+        slopes[:, ~_are_positive(self._powers[0] + skewness[:, None] * self._powers[1])] = np.nan
         return slopes
+
+    @cached_property
+    def _powers(self) -> tuple[Array, Array]:
+        """The coefficients of both parts of ``_parts``, shape (6,) each."""
+        return _powers(self._even), _powers(SKEWED)
 
     @cached_property
     def _even(self) -> Polynomial:
@@ -408,13 +413,27 @@ def _closing_inverse(ends: ReturnEnds, base: Polynomial, direction: Polynomial) 
 
 def _positive_inverse(ends: ReturnEnds, polynomial: Polynomial) -> ReturnLaw:
     """The return whose inverse ratio a polynomial is; raises NoSuchMechanism where that is not positive."""
-    coefficients = np.asarray(polynomial.coef, dtype=float)
-    # A polynomial on [0, 1] is no less than its least coefficient in Bernstein's form.
-    if not np.min(_to_bernstein(coefficients.size - 1) @ coefficients) > 0.0:
-        least, at = _lowest(polynomial)
-        if not least > 0.0:
-            raise _not_positive(ends.start_rad + at * ends.length_rad, ends)
+    if not _are_positive(_powers(polynomial)[None]).all():
+        raise _not_positive(ends.start_rad + _lowest(polynomial)[1] * ends.length_rad, ends)
     return ReturnLaw(ends, polynomial, inverse=True)
+
+
+def _powers(polynomial: Polynomial) -> Array:
+    """The coefficients of tau^0 to tau^5, shape (6,)."""
+    return np.pad(np.asarray(polynomial.coef, dtype=float), (0, SKEWED.coef.size - polynomial.coef.size))
+
+
+def _are_positive(coefficients: Array) -> Mask:
+    """Which of k polynomials of m powers, shape (k, m), are positive on all of [0, 1]; NaN are not."""
+    # A polynomial on [0, 1] is no less than its least coefficient in Bernstein's form.
+    positive: Mask = np.min(coefficients @ _to_bernstein(coefficients.shape[1] - 1).T, axis=1) > 0.0
+    doubtful = np.nonzero(~positive)[0]
+    if doubtful.size:
+        at_places = coefficients[doubtful] @ np.vander(PLACES, coefficients.shape[1], increasing=True).T
+        doubtful = doubtful[(at_places > 0.0).all(axis=1)]
+    for row in doubtful:
+        positive[row] = _lowest(Polynomial(coefficients[row]))[0] > 0.0
+    return positive
 
 
 @cache

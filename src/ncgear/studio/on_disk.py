@@ -72,22 +72,24 @@ class DesignOnDisk:
     def saved(self, text: str, *, protected_too: bool = False) -> DesignOnDisk:
         """The file with another text, written at one instant: a process that is killed leaves the old file or the new.
 
-        Raises NotSaved where another program has changed it, and unless ``protected_too`` where it is read-only;
-        WrongInput where it cannot be written.
+        Raises NotSaved where another program has changed it, and unless ``protected_too`` where it is read-only or a
+        hard link, which a new file parts from its other names; WrongInput where it cannot be written.
         """
         # Some editors begin a file with a byte order mark, and look for it.
         mark = BOM_UTF8 if (self.content or b"").startswith(BOM_UTF8) else b""
         content = mark + text.encode()
         with _in_its_own_folder(), opened(self.path.parent):
             kept = _clear_up(self.path)
+            # Of a file that a killed run has just made it is a second name
+            hidden(self.path, UNFINISHED).unlink(missing_ok=True)
             if self._found() != content:
                 self._require_same()
                 if self.content is None:
                     self._create(content)
-                elif protected_too or self._is_writable():
+                elif protected_too or not (why := self._protected()):
                     self._replace(self.content, content)
                 else:
-                    raise NotSaved("is read-only", self.path, self.content)
+                    raise NotSaved(why, self.path, self.content)
         return replace(self, content=content, kept=kept)
 
     def _found(self) -> bytes | None:
@@ -103,11 +105,15 @@ class DesignOnDisk:
 
     def _changed(self, found: bytes | None) -> NotSaved:
         what = "has been removed" if found is None else "has been changed by another program"
-        also = "" if found is None or self._is_writable() else ", and is read-only"
-        return NotSaved(f"{what} since it was opened{also}", self.path, found)
+        why = "" if found is None else self._protected()
+        return NotSaved(f"{what} since it was opened{why and f', and {why}'}", self.path, found)
 
-    def _is_writable(self) -> bool:
-        return bool(self.path.stat().st_mode & 0o222) and os.access(self.path, os.W_OK)
+    def _protected(self) -> str:
+        """Why a person is asked before the file is replaced; empty where nobody is."""
+        status = self.path.stat()
+        writable = status.st_mode & 0o222 and os.access(self.path, os.W_OK)
+        linked = "has another name, a hard link, which keeps the former text and is parted from it"
+        return " and ".join(why for why, yes in (("is read-only", not writable), (linked, status.st_nlink > 1)) if yes)
 
     def _create(self, content: bytes) -> None:
         try:

@@ -75,10 +75,7 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
     lower, upper = asked.thickness_mm
     if not (asked.least_normal_mm or asked.driven_rad or lower or upper):
         return NO_PLAY
-    least, largest = (
-        Extremum(arm.value * pitch.center_distance_mm, arm.at)
-        for arm in pitch.transmission.extremes(_idle_arm(pitch, rack.angles_rad[1]), 1)
-    )
+    least, largest = idle_arms_mm(pitch, rack)
     angle = asked.driven_rad or asked.least_normal_mm / least.value
     cosine = cos(rack.angles_rad[1])
     setback = asked.driving_share * angle * least.value / cosine
@@ -114,6 +111,15 @@ def _too_much(asked: Backlash, most: float) -> WrongInput:
         f"under {shown_below(given * most, 3)} {unit} is right",
         key=key,
     )
+
+
+def idle_arms_mm(pitch: PitchPair, rack: BasicRack) -> tuple[Extremum, Extremum]:
+    """The least and the largest arm of the idle flanks' normal about the driven axis, L above, at driving angles."""
+    low, high = (
+        Extremum(arm.value * pitch.center_distance_mm, arm.at)
+        for arm in pitch.transmission.extremes(_idle_arm(pitch, rack.angles_rad[1]), 1)
+    )
+    return low, high
 
 
 def _idle_arm(pitch: PitchPair, angle_rad: float) -> OfSlope:

@@ -256,19 +256,27 @@ def _placed(stretch: Stretch, tolerance: Array) -> _Chords:
     return _chords(stretch, row, share)
 
 
+class TooManyChords(WrongInput):
+    """A tolerance is out of all proportion to the curves of a kind: they need ``times`` as large a one, or more."""
+
+    def __init__(self, needed: float, most: int) -> None:
+        self.times = (needed / most) ** 2
+        self.said = (
+            f"the teeth are so large for it that flanks, fillets or lands need {needed:.3g} points; at most {most} are "
+            "made"
+        )
+        super().__init__(
+            f"{self.said}: at least {shown_above(self.times, 2)} times the tolerance is right",
+            key="output.chord_tolerance_mm",
+        )
+
+
 def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
-    """Raise WrongInput where a tolerance is out of all proportion to the curves of a kind."""
+    """Raise TooManyChords for the kind of curves that needs the most beyond what is made."""
     most = np.maximum(MOST_CHORDS, MOST_OF_ONE * rows)
-    if not np.any(needed > most):
-        return
-    first = int(np.argmax(needed > most))
-    share = needed[first] / most[first]
-    raise WrongInput(
-        f"the teeth are so large for it that flanks, fillets or lands need {needed[first]:.3g} points; at most "
-        f"{most[first]} are made: at least {shown_above(share**2, 2)} times the tolerance, or so much less "
-        "module_mm, is right",
-        key="output.chord_tolerance_mm",
-    )
+    worst = int(np.argmax(needed / most))
+    if needed[worst] > most[worst]:
+        raise TooManyChords(float(needed[worst]), int(most[worst]))
 
 
 def _left(direction: ComplexArray) -> ComplexArray:

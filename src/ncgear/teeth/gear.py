@@ -19,6 +19,7 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.shown import Shown
 from ncgear.teeth.backlash import play_of
+from ncgear.teeth.chords import TooManyChords
 from ncgear.teeth.fitting import fitted_pair
 from ncgear.teeth.flank import Flanks, flanks_of
 from ncgear.teeth.form import MOST_SHIFT, BasicRack, CutterKind, ToothForm
@@ -34,6 +35,10 @@ MOST_ASTRAY = 3.0
 
 LEAST_COSINE = 0.1
 """Least cosine of the pressure angle that chords are fitted to: beyond 84 degrees no gear can be driven anyway."""
+
+
+NEXT = 1.0 + 1e-4
+"""Least factor from one tolerance that is tried to the next."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +121,18 @@ def toothed_pair(
     finer = flank_tolerance_mm or tolerance_mm * flank_share
     driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm, straddling)) for side in tips)
     return ToothedPair(driving, driven, kind)
+
+
+def finest_tolerance_mm(pitch: PitchPair, form: ToothForm, from_mm: float) -> float:
+    """The finest tolerance from one on, to a ten-thousandth, for which ``toothed_pair`` makes the points."""
+    tolerance_mm = from_mm
+    while True:
+        try:
+            toothed_pair(pitch, form, tolerance_mm)
+        except TooManyChords as refused:
+            tolerance_mm *= max(refused.times, NEXT)
+        else:
+            return tolerance_mm
 
 
 def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[CutterKind, tuple[Tips, Tips]]:

@@ -84,7 +84,7 @@ def _never_folds(flanks: Flanks) -> bool:
     """
     below = flanks.flank_depth_mm > flanks.root_radius_mm * flanks.slant.sine
     mated = isinstance(flanks.tool, PitchCurve)
-    straight = isinstance(flanks.tool, RackLine) and flanks.curve.curvature_bounds[0] >= 0.0
+    straight = isinstance(flanks.tool, RackLine) and not flanks.curve.is_dented
     return bool(below.all()) and (mated or straight)
 
 

@@ -211,13 +211,8 @@ def least_concave_radius_mm(pitch: PitchPair) -> float | None:
 
 
 def _is_concave(pitch: PitchPair) -> bool:
-    """Whether ``least_concave_radius_mm`` is one; as a rule bounds or a single place tell, without the least radius."""
-    flat = -STRAIGHT / pitch.center_distance_mm
-    curves = [pitch.of(gear) for gear in Gear]
-    if all(curve.curvature_bounds[0] >= flat for curve in curves):
-        return False
-    dented = any(curve.curvature_at_joints.min() < flat for curve in curves)
-    return dented or least_concave_radius_mm(pitch) is not None
+    """Whether ``least_concave_radius_mm`` is one."""
+    return any(pitch.of(gear).bends_below(-STRAIGHT / pitch.center_distance_mm) for gear in Gear)
 
 
 def most_teeth(pitch: PitchPair, rack: BasicRack) -> int:
@@ -242,7 +237,7 @@ def gouged_mm(curve: PitchCurve, rack: BasicRack, curvature: float = 0.0) -> flo
     point that is touched at y by sin(alpha) times the integral of (y - z) (-K(z)) from x to y.  Both places lie between
     the tip and the end of the straight edge, which takes a way of height / (sin(alpha) cos(alpha)).
     """
-    if curve.curvature_bounds[0] + curvature >= 0.0:
+    if not curve.bends_below(-curvature):
         return 0.0
     step, depths = rack.module_mm / PER_MODULE, [0.0]
     for angle in dict.fromkeys(rack.angles_rad):

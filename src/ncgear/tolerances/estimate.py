@@ -18,7 +18,7 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import AsDesigned
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.placement import BACK, Placement
+from ncgear.contact.placement import Placement
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, counted_up
 from ncgear.teeth.gear import ToothedPair
@@ -63,12 +63,11 @@ class Plays:
     """The least plays of N assemblies in rad of the driven gear, ``least_rad`` (shape (N,)).
 
     ``shared`` (shape (3, N)) are the numbers of theirs that all positions have alike: those of the centre distance, the
-    temperature and the wear.  ``least_arm_mm`` is the least arm of the idle flanks' normal about the driven axis.
+    temperature and the wear.
     """
 
     least_rad: Array
     shared: Array
-    least_arm_mm: float
 
 
 def plays_of(teeth: Teeth, seed: int) -> Plays:
@@ -84,7 +83,7 @@ def plays_of(teeth: Teeth, seed: int) -> Plays:
     of = deviating(teeth.limits, pair, flanks)
     play = -mesh.leads(_in_short(of)).sum(axis=0).max(axis=0)
     shared = np.stack([of.rigid[0], pair[rows_of("temperature")][0], pair[rows_of("wear")][0]])
-    return Plays(play.astype(float), shared, float(mesh.arm_mm[BACK].min()))
+    return Plays(play.astype(float), shared)
 
 
 def _mesh_of(teeth: Teeth) -> Mesh:

@@ -317,7 +317,7 @@ class Output(Model):
         Raises WrongInput where what is given is out of proportion to either.
         """
         given, band = self.chord_tolerance_mm, inf if band_mm is None else band_mm
-        finest, coarsest = FINEST_IN_MODULES * module_mm, COARSEST_IN_MODULES * module_mm
+        coarsest = COARSEST_IN_MODULES * module_mm
         in_band, narrowest = COARSEST_IN_BAND * band, NARROWEST_IN_MODULES * module_mm
         if band < narrowest:
             raise WrongInput(
@@ -327,10 +327,10 @@ class Output(Model):
             )
         if given is None:
             return min(CHORD_MM, CHORD_IN_MODULES * module_mm, in_band / 2.0)
-        if not finest <= given <= coarsest:
+        if given > coarsest:
             raise WrongInput(
                 f"{given:g} mm are {given / module_mm:.3g} of the module of {module_mm:.4g} mm; "
-                f"{shown_above(finest, 3)} to {shown_below(min(coarsest, in_band), 3)} mm is right",
+                f"{shown_below(min(coarsest, in_band), 3)} mm or less is right",
                 key="output.chord_tolerance_mm",
             )
         if given > in_band:

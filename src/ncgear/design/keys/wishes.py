@@ -51,7 +51,7 @@ class Wish(Model):
     weight: Positive | None = Field(
         default=None,
         description="of a soft wish: 1 percent missed, of the speed, the deceleration or the cycle's driving angle, "
-        "counts like so many percent of what is to be least, of a deceleration over both strokes on each; left out: 1",
+        "counts like so many percent of what is to be least; left out: 1",
     )
 
     def place(self, quantity: str) -> float:

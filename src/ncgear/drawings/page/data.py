@@ -7,7 +7,7 @@ the samples of each chart and the places of its scales in its SVG.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import ceil, degrees, log10, pi
 from typing import Any
 
@@ -21,10 +21,10 @@ from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.numbers import shown
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.mechanism import Link, Mechanism
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.transmission import JetFunction, Transmission
+from ncgear.ratio.transmission import Piece, Transmission
 
 READABLE_DEG_S = 30.0
 """A pace at which the eye follows a tooth through the mesh: one turn of the driving gear in twelve seconds."""
@@ -59,10 +59,12 @@ Nowhere is the error twice as large (tests/test_scene_page.py).
 """
 
 LOOKED_AT = (0.25, 0.5, 0.75)
-"""Shares of every step at which the error is computed.
+"""Shares of every step at which the error is computed, the middle second.
 
 The error of the cubics is greatest in the middle, or beside it where the law changes fast.
 """
+
+SHARES = np.array(LOOKED_AT)[:, None]
 
 FIRST_STEPS = 16
 """Number of steps on each piece of a law before any step is halved."""
@@ -101,8 +103,8 @@ def angle_table(transmission: Transmission) -> dict[str, Any]:
 
     Joints of the law are in it twice, with the slopes on both sides.
     """
-    columns = [_table(piece.driven_angle, piece.start_rad, piece.end_rad) for piece in transmission.pieces]
-    at, value, slope = (np.concatenate(parts).tolist() for parts in zip(*columns, strict=True))
+    columns = [_tables(partial(_law, piece), piece.start_rad, piece.end_rad)[0] for piece in transmission.pieces]
+    at, value, slope = np.concatenate(columns, axis=1).tolist()
     lobes = transmission.lobes
     return {
         "period": lobes.driving_period_rad,
@@ -113,30 +115,50 @@ def angle_table(transmission: Transmission) -> dict[str, Any]:
     }
 
 
-def _table(curve: JetFunction, start_rad: float, end_rad: float) -> tuple[Array, Array, Array]:
-    """Places, values and slopes of a curve for Hermite's cubics.
+def _law(piece: Piece, phi1: Array) -> Array:
+    return piece.driven_angle(phi1, 1).coefficients[:, None]
 
-    A step is halved where its error exceeds TABLE_ERROR_RAD at any of the places of LOOKED_AT.
+
+Curves = Callable[[Array], Array]
+"""From places, shape (n,), to the values and slopes of k curves there, shape (2, k, n)."""
+
+
+def _tables(curves: Curves, start_rad: float, end_rad: float) -> list[Array]:
+    """Places, values and slopes of each of several curves for Hermite's cubics, shape (3, m) each.
+
+    A step is halved where its error exceeds TABLE_ERROR_RAD at any of the places of LOOKED_AT.  The steps of all curves
+    are looked at together, since these have much in common.
     """
     at = np.linspace(start_rad, end_rad, FIRST_STEPS + 1)
-    while True:
-        found = curve(at, 1)
-        value, slope = found.value, found.derivative(1)
-        off = np.any(_errors(curve, at, value, slope) > TABLE_ERROR_RAD, axis=0)
-        if not off.any():
-            return at, value, slope
-        at = np.union1d(at, (at[1:] + at[:-1])[off] / 2.0)
+    found = curves(at)
+    count = found.shape[1]
+    first = np.concatenate([np.broadcast_to(at, (1, count, at.size)), found])
+    known, owners = [first.reshape(3, -1)], [np.repeat(np.arange(count), at.size)]
+    low, high = (ends.reshape(3, -1) for ends in (first[..., :-1], first[..., 1:]))
+    owner = np.repeat(np.arange(count), FIRST_STEPS)
+    while owner.size:
+        places = low[0] + SHARES * (high[0] - low[0])
+        exact = curves(places.ravel()).reshape(2, count, *places.shape)[:, owner, :, np.arange(owner.size)]
+        off = np.any(np.abs(_cubics(low, high) - exact[:, 0].T) > TABLE_ERROR_RAD, axis=0)
+        low, high, owner = low[:, off], high[:, off], owner[off]
+        middle = np.array([(low[0] + high[0]) / 2.0, *exact[off, :, 1].T])
+        known.append(middle)
+        owners.append(owner)
+        low, high, owner = np.hstack([low, middle]), np.hstack([middle, high]), np.tile(owner, 2)
+    columns, owner = np.hstack(known), np.concatenate(owners)
+    order = np.lexsort((columns[0], owner))
+    return np.split(columns[:, order], np.searchsorted(owner[order], np.arange(1, count)), axis=1)
 
 
-def _errors(curve: JetFunction, at: Array, value: Array, slope: Array) -> Array:
-    """The error of Hermite's cubics at each of the shares of LOOKED_AT of each step, shape (shares, steps)."""
-    share = np.array(LOOKED_AT)[:, None]
-    width, rise, rest = np.diff(at), np.diff(value), 1.0 - share
-    straight = value[:-1] + rise * share**2 * (3.0 - 2.0 * share)
-    bent = width * share * rest * (slope[:-1] * rest - slope[1:] * share)
-    exact = curve((at[:-1] + share * width).ravel(), 1).value
-    error: Array = np.abs(straight + bent - exact.reshape(straight.shape))
-    return error
+def _cubics(low: Array, high: Array) -> Array:
+    """Hermite's cubics at each of the shares of LOOKED_AT of each step, shape (shares, steps).
+
+    The steps go from ``low`` to ``high``: places, values and slopes, shape (3, steps).
+    """
+    (width, rise, _), rest = high - low, 1.0 - SHARES
+    straight = low[1] + rise * SHARES**2 * (3.0 - 2.0 * SHARES)
+    cubics: Array = straight + width * SHARES * rest * (low[2] * rest - high[2] * SHARES)
+    return cubics
 
 
 def _chamber(chamber: Chamber) -> dict[str, Any]:
@@ -189,7 +211,7 @@ def _pair(pair: ScenePair) -> dict[str, Any]:
 def _linkage(scene: Scene) -> dict[str, Any]:
     linkage = scene.machine.linkage
     return {
-        "links": {name: _link_tables(linkage, name) for name in linkage.links(Jet(np.zeros((1, 1))))},
+        "links": _link_tables(linkage),
         "pins": dict(linkage.PINS),
         "output": linkage.OUTPUT.name,
         "offset": linkage.offset_mm,
@@ -199,32 +221,33 @@ def _linkage(scene: Scene) -> dict[str, Any]:
     }
 
 
-@lru_cache(maxsize=64)
-def _link_tables(linkage: Mechanism, name: str) -> dict[str, Any]:
-    """Tables of the place and the angle of a link over a turn of the crank.
+@lru_cache(maxsize=16)
+def _link_tables(linkage: Mechanism) -> dict[str, Any]:
+    """Tables of the places and the angles of all links over a turn of the crank.
 
     Divided by the length of the crank, the lengths are as exact as the angles.  They are those of the mechanism alone,
     and are kept while its law changes.
     """
+    names = tuple(linkage.links(Jet(np.zeros((1, 1)))))
+    scales = {"x": linkage.crank_mm, "y": linkage.crank_mm, "angle": 1.0}
+    shares = 1.0 / np.array(list(scales.values()) * len(names))
 
-    def along(of: Callable[[Link], Jet], scale: float) -> dict[str, Any]:
-        def curve(angle: Array, order: int) -> Jet:
-            return of(linkage.links(Jet.variable(angle, order))[name]) * (1.0 / scale)
+    def curves(angle: Array) -> Array:
+        links = linkage.links(Jet.variable(angle, 1))
+        found = [jet.coefficients for link in links.values() for jet in (link.origin.x, link.origin.y, link.angle)]
+        return np.reshape(found, (shares.size, 2, angle.size)).swapaxes(0, 1) * shares[:, None]
 
-        at, value, slope = _table(curve, 0.0, 2.0 * pi)
-        if not slope.any():
-            at, value, slope = (column[[0, -1]] for column in (at, value, slope))
-        value, slope = scale * value, scale * slope
-        rise = float(value[-1] - value[0])
-        values, slopes = (_rounded(column, LINK_DECIMALS + _more(scale)) for column in (value, slope))
-        return {"period": 2.0 * pi, "rise": rise, "at": at.tolist(), "value": values, "slope": slopes}
+    tables = iter(_tables(curves, 0.0, 2.0 * pi))
+    return {name: {key: _link_table(next(tables), scale) for key, scale in scales.items()} for name in names}
 
-    crank = linkage.crank_mm
-    return {
-        "x": along(lambda link: link.origin.x, crank),
-        "y": along(lambda link: link.origin.y, crank),
-        "angle": along(lambda link: link.angle, 1.0),
-    }
+
+def _link_table(table: Array, scale: float) -> dict[str, Any]:
+    """A table of a link with the places and slopes times ``scale``; of what stays both ends are enough."""
+    at, value, slope = table if table[2].any() else table[:, [0, -1]]
+    value, slope = scale * value, scale * slope
+    rise = float(value[-1] - value[0])
+    values, slopes = (_rounded(column, LINK_DECIMALS + _more(scale)) for column in (value, slope))
+    return {"period": 2.0 * pi, "rise": rise, "at": at.tolist(), "value": values, "slope": slopes}
 
 
 ANGLE_DECIMALS = 9

@@ -21,7 +21,7 @@ from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.driving_ranges import best_held, held_as, ranges
 from ncgear.optimum.makeable.levels import OF_LIMITS, Level
 from ncgear.optimum.makeable.programme import Solution
-from ncgear.optimum.makeable.search import Kept, Search, goal_weights, kept, searched
+from ncgear.optimum.makeable.search import Kept, Search, cost, goal_weights, kept, searched
 from ncgear.optimum.makeable.wishes import CONVEX, Wishes
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
@@ -92,8 +92,7 @@ class MakeableLaw:
 
     def cost(self, first: float) -> float:
         """What was to be least with what soft wishes cost where it is ``first``."""
-        least = np.array([level.least for level in self.levels])
-        return float(goal_weights(self.levels, first) @ np.maximum(self.reached, least))
+        return cost(self.levels, goal_weights(self.levels, first), self.reached)
 
 
 def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:

@@ -11,6 +11,7 @@ share of the speed (the logarithm's small differences) or of the cycle's driving
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from math import degrees, exp, inf, log, tanh
 
 from ncgear.frozen import dataclass
@@ -27,12 +28,10 @@ from ncgear.kinematics.wishes import (
     Position,
     SpeedAt,
     SpeedWithin,
-    Stroke,
     TimeRatio,
     TimeWithin,
     Wish,
     WorkingStroke,
-    by_stroke,
 )
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
@@ -65,9 +64,12 @@ def of_motion_wishes(machine: WishedMachine, wishes: Sequence[Wish]) -> Iterator
                 case SpeedWithin():
                     yield _speed(machine, wish, asked)
                 case DecelerationWithin():
-                    yield from _decelerations(machine, wish, asked)
+                    yield _deceleration(machine, wish, asked)
                 case TimeWithin():
-                    yield from _times(machine, wish, asked)
+                    # Those of a gentle stretch only say where it is, so that a soft one counts by its bound alone
+                    yield from _times(
+                        machine, replace(wish, weight=None) if isinstance(wish, GentleStretch) else wish, asked
+                    )
 
 
 def _level(
@@ -137,19 +139,17 @@ def _speed(machine: WishedMachine, wish: Wish, asked: SpeedWithin) -> Level:
     return _level(wish, Kind.PEAK, asked.stretch, sides, shown)
 
 
-def _decelerations(machine: WishedMachine, wish: Wish, asked: DecelerationWithin) -> Iterator[Level]:
-    """A level for each stroke: on the return the speed falls where the acceleration is positive."""
-    for stretch, stroke in by_stroke(machine.linkage, asked.stretch):
-        per_most = (1.0 if stroke is Stroke.RETURN else -1.0) / asked.most_mm_s2
-        yield _level(
-            wish,
-            Kind.PEAK,
-            stretch,
-            lambda at, slider, _, per_most=per_most: (  # type: ignore[misc]
-                per_most * acceleration(at, slider, machine.speed_rad_s) - 1.0,
-            ),
-            lambda level: deceleration_offer(wish, asked, 1.0 + level),
-        )
+def _deceleration(machine: WishedMachine, wish: Wish, asked: DecelerationWithin) -> Level:
+    """Deceleration over ``most_mm_s2``, less one; the speed falls where acceleration is against velocity.
+
+    One level for both strokes.  x' has the sign of the stroke at every place, since those at dead centres are moved in.
+    """
+
+    def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+        forwards = slider.first / abs(slider.first)
+        return (-forwards * acceleration(at, slider, machine.speed_rad_s) / asked.most_mm_s2 - 1.0,)
+
+    return _level(wish, Kind.PEAK, asked.stretch, sides, lambda level: deceleration_offer(wish, asked, 1.0 + level))
 
 
 def deceleration_offer(wish: Wish, asked: DecelerationWithin, factor: float) -> Offer:

@@ -36,11 +36,13 @@ AHEAD = 0.1
 class Solution:
     """A local optimum: coefficients of every spline, shape (pairs n,); all variables and multipliers, to go on from.
 
-    ``excess`` is by how much all caps are overstepped; ``pressing`` holds each cap's multiplier, shape (levels,).
+    ``excess`` is by how much all caps are overstepped; ``levels`` has what every level is at the programme's places,
+    ``pressing`` each cap's multiplier, shape (levels,).
     """
 
     coefficients: Array
     excess: float
+    levels: Array
     pressing: Array
     variables: Any
     of_bounds: Any
@@ -118,7 +120,13 @@ class Programme:
             return None
         values, pressing = np.array(answer["x"])[:, 0], np.array(answer["lam_x"])[of_levels, 0]
         return Solution(
-            values[:size], float(values[of_excess]), pressing, answer["x"], answer["lam_x"], answer["lam_g"]
+            values[:size],
+            float(values[of_excess]),
+            values[of_levels],
+            pressing,
+            answer["x"],
+            answer["lam_x"],
+            answer["lam_g"],
         )
 
     def _row_bounds(

@@ -56,6 +56,9 @@ the caps, or less."""
 MARGIN = 1e-6
 """How much more terms are kept back, in their units, for what is left between the places of the finer grid."""
 
+TOLD = 1e-4
+"""Share of what is wished by which a soft wish may be missed more than the places say: what tells of it has digits for."""
+
 DECIMALS = 10
 """Decimals of the ratios at the knots, so that the law that is judged is the one that a design file holds."""
 
@@ -156,6 +159,11 @@ def goal_weights(wanted: Sequence[Level], goal: float) -> Array:
     return np.array([level.weight + level.share_of_goal * goal for level in wanted])
 
 
+def cost(wanted: Sequence[Level], weights: Array, reached: Array) -> float:
+    """What reached levels cost together, shape (levels,) each; below its least a level costs no less."""
+    return float(weights @ np.maximum(reached, [level.least for level in wanted]))
+
+
 def scales(task: Task) -> Scales:
     """Units of the order of what a uniform crank feels."""
     turning = task.speed_rad_s * 2.0 * pi / task.cycle_rad
@@ -171,22 +179,26 @@ def kept(search: Search, start: Array | Solution) -> Kept | None:
     """The best law from one start, solved again until all limits hold on the finer grid; None where none do.
 
     Every term is kept back at each place by as much as it rises beside the place.  Each round leaves less excess; in
-    the last rounds, what is left is taken off the caps as well.
+    the last rounds, what is left is taken off the caps as well.  Soft wishes are told so, too: a law that misses one by
+    more than its places say is solved again, and the one that costs least is taken.
     """
     programme = search.programme
-    blocks, coarse = programme.rows.blocks, programme.rows.at
-    exact = np.concatenate([np.full(b.places.size, programme.levels[b.level].kind is Kind.DEVIATION) for b in blocks])
-    room = np.array([0.0 if level.kind is Kind.DEVIATION else ROOM for level in programme.levels])
-    caps, kept_back = search.caps.copy(), np.zeros(exact.size)
+    blocks, coarse, levels = programme.rows.blocks, programme.rows.at, programme.levels
+    exact = np.concatenate([np.full(b.places.size, levels[b.level].kind is Kind.DEVIATION) for b in blocks])
+    room = np.array([0.0 if level.kind is Kind.DEVIATION else ROOM for level in levels])
+    soft = np.array([level.share_of_goal > 0.0 for level in levels]) & (search.weights > 0.0)
+    caps, kept_back, laws = search.caps.copy(), np.zeros(exact.size), []
     found = programme.solved(caps, search.weights, start, kept_back)
     for tried in range(ROUNDS):
         if found is None:
-            return None
+            break
         ratio = search.rounded(found.coefficients)
         judged = search.judged(ratio)
         over = np.maximum(judged.reached - search.caps + room, 0.0)
         if not np.any(over):
-            return Kept(ratio, judged.reached)
+            laws.append(Kept(ratio, judged.reached))
+            if not np.any((judged.reached - found.levels)[soft] > TOLD):
+                break
         beyond = judged.beyond(blocks, coarse)
         kept_back = np.where(exact, beyond, np.maximum(kept_back, beyond + MARGIN))
         if tried >= PATIENCE:
@@ -195,4 +207,4 @@ def kept(search: Search, start: Array | Solution) -> Kept | None:
         missed = judged.missed(coarse)
         onwards = programme.solved(caps, search.weights, found, kept_back, missed)
         found = onwards or programme.solved(caps, search.weights, found.coefficients, kept_back, missed)
-    return None
+    return min(laws, key=lambda law: cost(levels, search.weights, law.reached), default=None)

@@ -83,8 +83,12 @@ class Sections:
 
     def steps_within(self, sagitta_mm: float) -> int:
         """Even steps from z = 0 to where the teeth stop advancing, so that no land is cut across by more."""
+        return max(1, ceil(sqrt(self.sagitta_mm(1) / sagitta_mm)))
+
+    def sagitta_mm(self, steps: int) -> float:
+        """How far lands are cut across by even steps over as much of the height."""
         turning = max(self._turning(gear) for gear in Gear)
-        return max(1, ceil(self.helix.largest_advance_mm * sqrt(turning / (8.0 * sagitta_mm))))
+        return turning * (self.helix.largest_advance_mm / steps) ** 2 / 8.0
 
     def _turning(self, gear: Gear) -> float:
         """1 / rho, the largest of both lands, as high and as deep as they are at z = 0."""

@@ -16,6 +16,7 @@ import shapely
 from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.sections import PER_TOOTH, Pieces, Sections
@@ -88,14 +89,18 @@ def close_stacks(sections: Sections, tolerance_mm: float) -> dict[Gear, Stack]:
 def _first_heights(sections: Sections, tolerance: float) -> Array:
     steps = sections.steps_within(RISE * tolerance)
     if steps > MOST_STEPS:
-        coarser = tolerance * (steps / MOST_STEPS) ** 2
         raise WrongInput(
             f"teeth that advance by {sections.helix.largest_advance_mm:.4g} mm take {steps} steps from section to "
             f"section for a solid within {tolerance:g} mm, more than {MOST_STEPS}; a smaller angle, a narrower face or "
-            f"an output.chord_tolerance_mm of {coarser:.2g} helps",
+            f"an output.chord_tolerance_mm of {shown_above(finest_in_steps_mm(sections), 3)} helps",
             key="gears.helix.angle_deg",
         )
     return np.linspace(0.0, sections.helix.rise_mm, steps + 1)
+
+
+def finest_in_steps_mm(sections: Sections) -> float:
+    """The finest chord tolerance of a solid that takes no more steps from section to section than are made."""
+    return sections.sagitta_mm(MOST_STEPS) / RISE
 
 
 @dataclass(frozen=True, eq=False)

@@ -317,28 +317,34 @@ def body_kg_mm2(plan: BodyPlan, density_kg_m3: float) -> float:
     return KG_MM3 * density_kg_m3 * sum(polar)
 
 
+HOLES_MM = 0.0025
+"""Most that the points of holes stand off their circles.  The narrowest fit that a file may give them, H6 up to 3 mm,
+lets a diameter be 0.006 mm greater and none less: polygons of solids are within it too."""
+
+
 def bore_points(bore: Bore, chord_tolerance_mm: float) -> Array:
     """The bore's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
-    Its points lie on the circle and no chord is farther from it than ``chord_tolerance_mm``.
+    What fits the circle fits the polygon: its chords touch the circle or stay off it, its points stand off it by
+    ``chord_tolerance_mm``, or by HOLES_MM where that is less.
     """
-    radius = bore.diameter_mm / 2.0
+    tolerance_mm = min(chord_tolerance_mm, HOLES_MM)
+    radius = bore.diameter_mm / 2.0 + tolerance_mm
     if bore.keyway is None:
-        return circle_points(radius, chord_tolerance_mm)
+        return circle_points(radius, tolerance_mm)
     half_width = bore.keyway.width_mm / 2.0
     start = asin(half_width / radius)
     floor = np.array([[bore.reach_mm, -half_width], [bore.reach_mm, half_width]])
-    return np.concatenate([_arc(radius, start, 2.0 * pi - start, chord_tolerance_mm), floor])
+    return np.concatenate([_arc(radius, start, 2.0 * pi - start, tolerance_mm), floor])
 
 
 def hole_points(hole: RoundHole, chord_tolerance_mm: float) -> Array:
     """The hole's polygon in mm, like ``bore_points``."""
-    center = np.array([hole.x_mm, hole.y_mm])
-    return center + circle_points(hole.diameter_mm / 2.0, chord_tolerance_mm)
+    return np.array([hole.x_mm, hole.y_mm]) + bore_points(Bore(hole.diameter_mm), chord_tolerance_mm)
 
 
 def slot_points(slot: ArcSlot, chord_tolerance_mm: float) -> Array:
-    """The slot's polygon in mm, like ``bore_points``."""
+    """The slot's polygon in mm, with its points on the arcs."""
     half = slot.width_mm / 2.0
 
     def end(angle: float, start: float) -> Array:
@@ -351,7 +357,7 @@ def slot_points(slot: ArcSlot, chord_tolerance_mm: float) -> Array:
 
 
 def circle_points(radius_mm: float, chord_tolerance_mm: float) -> Array:
-    """A circle about the origin as a polygon in mm, like ``bore_points``."""
+    """A circle about the origin as a polygon in mm with its points on it, no chord farther off than the tolerance."""
     return _arc(radius_mm, 0.0, 2.0 * pi, chord_tolerance_mm)[:-1]
 
 

@@ -1,0 +1,29 @@
+"""The finest chord tolerance with which the gears of a design are made, for refusals to tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ncgear.pitch.pair import PitchPair
+from ncgear.solids.helical.helix import Helix
+from ncgear.solids.helical.sections import Sections
+from ncgear.solids.helical.stack import OUTLINE, finest_in_steps_mm
+from ncgear.teeth.form import ToothForm
+from ncgear.teeth.gear import finest_tolerance_mm
+
+SPARE = 1.05
+"""Sections of helical teeth are told a twentieth more than the one at z = 0 takes: with the height points come and go
+by a few per cent at most, and the tolerance by twice that."""
+
+
+def finest_chords_mm(made: Iterable[tuple[PitchPair, ToothForm, Helix | None]], from_mm: float) -> float:
+    """The finest tolerance from one on with which pairs are made, each with a form and the helix of its teeth."""
+    finest_mm = from_mm
+    for pitch, form, helix in made:
+        if helix is None:
+            finest_mm = finest_tolerance_mm(pitch, form, finest_mm)
+        else:
+            within_mm = finest_tolerance_mm(pitch, form, SPARE * OUTLINE * finest_mm)
+            in_steps_mm = finest_in_steps_mm(Sections(pitch, form, helix, within_mm))
+            finest_mm = max(within_mm / OUTLINE, in_steps_mm)
+    return finest_mm
