@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.laws.three_segment_stroke import THETAS
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanisms
@@ -169,7 +168,10 @@ class _Strokes:
         """What the files ask for."""
         batch = self.batch
         return StrokeRequests(
-            *map(batch.angle_rad, THETAS),
+            theta1_rad=batch.angle_rad("theta1"),
+            theta2_rad=batch.angle_rad("theta2"),
+            theta3_rad=batch.angle_rad("theta3"),
+            theta4_rad=batch.angle_rad("theta4"),
             v1_mm_s=batch.given("motion.v1_mm_s"),
             v2_mm_s=batch.given("motion.v2_mm_s"),
             a1_mm_s2=batch.given("motion.a1_mm_s2"),
