@@ -9,7 +9,7 @@ from drives import drive, loaded
 from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.motion_charts import motion_charts
+from ncgear.drawings.page.charts import motion_charts
 from ncgear.drawings.page.page import report_page
 from ncgear.figures.advice.verdict import together
 from ncgear.files.build import contacts_as_written, verdicts_of

@@ -22,7 +22,7 @@ from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.build_summary import bodies_summary
-from ncgear.files.meshes import outline_of_stl, read_back, section_rings, stl_bytes, written_outlines
+from ncgear.files.read_back import outline_of_stl, read_back, section_rings, stl_bytes, written_outlines
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import take_over
@@ -421,13 +421,13 @@ def test_what_moves_in_comes_back() -> None:
 def test_moments_of_inertia_count_all_that_is_cut(blank: Blank) -> None:
     """Slab by slab, against the mesh's own volume integrals."""
     solid = made(blank, TOLERANCE, drive("printed-pump").teeth.driving.outline_mm)
-    assert body_kg_mm2(solid.plan, 7850.0) == pytest.approx(mesh_body(solid.mesh, 7850.0).inertia_kg_mm2, rel=1e-9)
+    assert body_kg_mm2(solid.plan, 7850.0) == pytest.approx(mesh_body(solid.triangles, 7850.0).inertia_kg_mm2, rel=1e-9)
 
 
 @pytest.mark.slow
 def test_chamfer_and_set_screw_that_are_not_counted_are_small() -> None:
     solid = drive("printed-pump").solids.driving
-    counted, whole = body_kg_mm2(solid.plan, 7850.0), mesh_body(solid.mesh, 7850.0).inertia_kg_mm2
+    counted, whole = body_kg_mm2(solid.plan, 7850.0), mesh_body(solid.triangles, 7850.0).inertia_kg_mm2
     assert 0.0 < counted - whole < 0.01 * whole
 
 

@@ -18,8 +18,8 @@ from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, over_displacement, slider_chart
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
-from ncgear.drawings.plots.balance_plots import spread
 from ncgear.drawings.plots.canvas import JOINT
+from ncgear.files.balance import spread
 
 JOINTS = np.array([90.0, 180.0])
 

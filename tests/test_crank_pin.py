@@ -86,7 +86,7 @@ def test_files_have_the_hole() -> None:
     made = pinned()
     plan = made.solids.driven.plan
     hole, place = plan.crank_pin, Point(plan.crank_pin.x_mm, plan.crank_pin.y_mm)
-    mesh = trimesh.load(io.BytesIO(made.solids.driven.mesh.as_trimesh().export(file_type="stl")), file_type="stl")
+    mesh = trimesh.load(io.BytesIO(made.solids.driven.mesh.export(file_type="stl")), file_type="stl")
     section = mesh.section(plane_origin=[0.0, 0.0, 5.0], plane_normal=[0.0, 0.0, 1.0]).to_2D(to_2D=np.eye(4))[0]
     (found,) = [ring for ring in section.polygons_closed if Point(ring.centroid).distance(place) < 1e-3]
     assert found.exterior.hausdorff_distance(place) == pytest.approx(3.0, abs=3e-3)

@@ -23,14 +23,13 @@ from svgelements import SVG, Matrix, Shape
 from svgelements import Text as SvgText
 
 from drives import design_of, drive, drive_of_text, loaded
-from ncgear.drawings.plots.coloured_teeth import tooth_rows
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
+from ncgear.files.strength import tooth_rows
+from ncgear.files.workshop.pdf import sheet_pdf
 from ncgear.files.workshop.sheets.board import Board
-from ncgear.files.workshop.sheets.files import drawing_files
-from ncgear.files.workshop.sheets.pair_sheets import sheets_of
-from ncgear.files.workshop.sheets.pdf import pdf_bytes
 from ncgear.files.workshop.sheets.sheet import Dimension, Ring, Sheet, Text, text_width_mm
+from ncgear.files.workshop.sheets.sheets import drawing_files, sheets_of
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -406,7 +405,7 @@ def test_a_pdf_file_has_one_page_of_a4_with_the_same_texts(name: str, sheet: str
 def test_texts_of_any_letters_are_written() -> None:
     """Brackets and strokes have a meaning in the file; letters that the font lacks are told as missing."""
     odd = Text("a (b) \\ \u00d85 \u4e2d", (20.0, 20.0))
-    data = pdf_bytes(Sheet("(odd", (210.0, 297.0), 1.0, (0.0, 0.0), (odd,)))
+    data = sheet_pdf(Sheet("(odd", (210.0, 297.0), 1.0, (0.0, 0.0), (odd,)))
     reader = PdfReader(BytesIO(data), strict=True)
     assert reader.pages[0].extract_text().strip() == "a (b) \\ \u00d85 ?"
     assert reader.metadata is not None

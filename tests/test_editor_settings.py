@@ -17,8 +17,7 @@ from ruamel.yaml import YAML
 from commands import ROOT
 from documented.shell import run_line
 from ncgear.errors import WrongInput
-from ncgear.files.jsonc import NotEditable, parsed, plain, with_member
-from ncgear.files.vscode import editor_files
+from ncgear.files.editor import NotEditable, editor_files, parsed, plain, with_member
 
 DESIGN = "name: x\nmotion: {law: uniform_crank}\n"
 BALANCE = "name: y\nspeed_rpm: 20\nmechanisms: []\n"

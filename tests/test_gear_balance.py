@@ -72,7 +72,7 @@ def test_the_outline_and_the_mesh_agree(name: str, gear: str) -> None:
     """Green's theorem in the plane against trimesh's integrals over the solid that is written."""
     made = drive(name)
     plate = plate_body(section(name, gear), made.gears.face_width_mm, STEEL)
-    mesh = mesh_body(getattr(made.solids, gear).mesh, STEEL)
+    mesh = mesh_body(getattr(made.solids, gear).triangles, STEEL)
     assert plate.mass_kg == pytest.approx(mesh.mass_kg, rel=1e-10)
     assert plate.unbalance_kg_mm == pytest.approx(mesh.unbalance_kg_mm, rel=1e-10)
     assert plate.inertia_kg_mm2 == pytest.approx(mesh.inertia_kg_mm2, rel=1e-10)

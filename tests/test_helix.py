@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 import shapely
 from shapely import Polygon, affinity
+from trimesh import Trimesh
 
 from drives import drive_of_text
 from ncgear.contact.designed.as_designed import SideContact, as_designed
 from ncgear.contact.placement import placed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.files.build import build
-from ncgear.files.meshes import read_back, stl_bytes
+from ncgear.files.read_back import read_back, stl_bytes
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -34,7 +35,6 @@ from ncgear.solids.helical.mesh import helical_pair
 from ncgear.solids.helical.sections import Sections, pieces_of
 from ncgear.solids.helical.stack import MOST_STEPS, Limits, close_stacks, spread_columns, stacked
 from ncgear.solids.mesh.pair import SolidPair
-from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.body import Blank, Bore, Keyway
 from ncgear.solids.plan.room import full_disc, largest_bore_mm
 from ncgear.teeth.form import TipLimits, ToothForm
@@ -66,7 +66,7 @@ class Made:
     helix: Helix
     solids: SolidPair
 
-    def mesh(self, gear: str) -> TriangleMesh:
+    def mesh(self, gear: str) -> Trimesh:
         solid = self.solids.driving if gear == "driving" else self.solids.driven
         return solid.mesh
 
@@ -97,7 +97,7 @@ def exact(name: str, advance_mm: float, tolerance: float = 1e-4) -> ToothedPair:
     return toothed_pair(pitch_of(name), ToothForm(rack()), tolerance, advance_mm=advance_mm)
 
 
-def section(mesh: TriangleMesh, height: float) -> Polygon:
+def section(mesh: Trimesh, height: float) -> Polygon:
     """Outer boundary of a mesh's section, by following its edges."""
     rings = meshing.section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height)
     return max((Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
@@ -392,7 +392,7 @@ def test_bore_and_index_hole_go_straight_through(bore: Bore | None, herringbone:
         hole = solid.index_hole
         assert hole is not None
         assert solid.mesh.is_watertight
-        assert solid.mesh.as_trimesh().euler_number == (-2 if bore else 0)
+        assert solid.mesh.euler_number == (-2 if bore else 0)
         for height in HEIGHTS:
             rings = meshing.section_rings(np.asarray(solid.mesh.vertices), np.asarray(solid.mesh.faces), height)
             assert len(rings) == (3 if bore else 2)

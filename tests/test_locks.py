@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ncgear.files.locks import _locked_on_windows, alone_in, locked
+from ncgear.files.one_file import _locked_on_windows, alone_in, locked
 
 
 class Windows:
@@ -80,7 +80,7 @@ def test_on_windows_a_file_system_without_locks_keeps_nobody_waiting(
     assert all(_locked_on_windows(handle, wait=wait) for handle in two)
 
 
-TAKES = "import os, sys; from ncgear.files.locks import locked; print(locked(os.open(sys.argv[1], 2), wait=False))"
+TAKES = "import os, sys; from ncgear.files.one_file import locked; print(locked(os.open(sys.argv[1], 2), wait=False))"
 
 
 def test_here_another_process_has_no_lock_until_this_one_lets_it_go(two: tuple[int, int], tmp_path: Path) -> None:

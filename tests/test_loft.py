@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from shapely import Polygon
 
 from ncgear.errors import Unanswered
-from ncgear.files.meshes import read_back, stl_bytes
+from ncgear.files.read_back import read_back, stl_bytes
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.pair import sized_pair
@@ -73,7 +73,7 @@ def test_a_prism_with_points_in_line(points: int, holes: list[Array]) -> None:
     assert mesh.volume == pytest.approx(5.0 * (16.0 - cut), rel=1e-12)
     assert mesh.as_trimesh().euler_number == 2 - 2 * len(holes)
     np.testing.assert_allclose(mesh.bounds, [[-2.0, -2.0, 0.0], [2.0, 2.0, 5.0]], rtol=0.0, atol=0.0)
-    assert read_back(stl_bytes(mesh), mesh).is_watertight
+    assert read_back(stl_bytes(mesh.as_trimesh()), mesh).is_watertight
 
 
 def test_a_twisted_prism_holds_what_its_turning_corners_leave() -> None:
@@ -109,7 +109,7 @@ def test_points_that_coincide_become_one() -> None:
     assert len(mesh.vertices) == len(plain.vertices)
     assert len(mesh.faces) == len(plain.faces)
     assert mesh.volume == pytest.approx(plain.volume, rel=1e-7)
-    assert read_back(stl_bytes(mesh), mesh).is_watertight
+    assert read_back(stl_bytes(mesh.as_trimesh()), mesh).is_watertight
 
 
 def test_a_land_may_vanish_with_height() -> None:
@@ -118,7 +118,7 @@ def test_a_land_may_vanish_with_height() -> None:
     upper[4:9] = upper[4]
     mesh = lofted(np.stack([lower, lower, upper, lower]), np.arange(4.0), [HOLE])
     assert mesh.as_trimesh().euler_number == 0
-    assert read_back(stl_bytes(mesh), mesh).is_watertight
+    assert read_back(stl_bytes(mesh.as_trimesh()), mesh).is_watertight
 
 
 def test_a_lost_triangle_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,8 +12,7 @@ import drives
 import ncgear
 from commands import ROOT, modules_after
 from ncgear.design.reading.balance_file import load_balance
-from ncgear.drawings.notebook.frame import framed, made, refusal
-from ncgear.drawings.notebook.running import running
+from ncgear.drawings.notebook.pieces import framed, made, refusal, running
 from ncgear.drawings.page.tables import typeset
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.figures.answers.machine import machine_facts

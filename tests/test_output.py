@@ -43,6 +43,7 @@ from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.units import label_and_unit
+from ncgear.pitch.shape import Gear
 from ncgear.project.frontier_run import POINTS_FILE
 from plane import wave_ring
 from tiers import long_but
@@ -538,7 +539,9 @@ def test_tooth_pair_shows_every_position() -> None:
 
 
 def test_gears_turn_opposite_ways() -> None:
-    np.testing.assert_allclose(gears.turned(np.array([[1.0, 0.0]]), pi / 2.0), [[0.0, 1.0]], atol=1e-15)
+    pair, at = gears.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), gears.Position(pi / 2.0, pi / 2.0, 50.0)
+    for gear, place in ((Gear.DRIVING, [0.0, 1.0]), (Gear.DRIVEN, [100.0, -1.0])):
+        np.testing.assert_allclose(pair.placed(gear, np.array([[1.0, 0.0]]), at), [place], atol=1e-13)
 
 
 CRANK_SLIDER = CrankSlider(380.0, 960.0)
@@ -665,7 +668,7 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
     from shapely import Polygon
 
     from ncgear.files import build as build_module
-    from ncgear.files.meshes import stl_bytes
+    from ncgear.files.read_back import stl_bytes
     from ncgear.solids.mesh.slabs import slab_mesh
     from ncgear.solids.plan.body import Slab
 
@@ -678,7 +681,7 @@ def test_gears_that_are_written_wrong_never_replace_good_ones(tmp_path: Path, mo
             return stl_bytes(mesh)
         outline = drive.teeth.driving.outline_mm
         section = Polygon(outline).buffer(0.02, join_style="mitre")
-        return stl_bytes(slab_mesh((Slab(section, 0.0, 20.0),)))
+        return stl_bytes(slab_mesh((Slab(section, 0.0, 20.0),)).as_trimesh())
 
     monkeypatch.setattr(build_module, "stl_bytes", thick)
     with pytest.raises(NoSuchMechanism, match="run into each other"):

@@ -36,7 +36,7 @@ from ncgear.errors import DesignError
 from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files import build as build_module
-from ncgear.files.meshes import outline_of_csv
+from ncgear.files.read_back import outline_of_csv
 from ncgear.files.workshop.formats import USUAL, WRITTEN
 from ncgear.project.drive import Drive
 from ncgear.ratio.transmission import Range

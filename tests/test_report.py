@@ -26,8 +26,7 @@ from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.assets import scene_style
 from ncgear.drawings.page.chart_figure import DIGITS, PageChart
 from ncgear.drawings.page.chart_svg import drawn
-from ncgear.drawings.page.motion_charts import SIDE_RAD, split_angles
-from ncgear.drawings.page.page_charts import gear_charts
+from ncgear.drawings.page.charts import SIDE_RAD, gear_charts, split_angles
 from ncgear.drawings.palette import style_of_colors
 from ncgear.drawings.plots import canvas
 from ncgear.files.manifest import MANIFEST

@@ -16,7 +16,7 @@ import drives
 import reports
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.page_charts import gear_charts
+from ncgear.drawings.page.charts import gear_charts
 from scenes import in_a_browser
 
 pytestmark = [pytest.mark.slow, in_a_browser]

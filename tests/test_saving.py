@@ -15,7 +15,7 @@ from disk import Disk, Fault, calls_of
 from ncgear.cli.arguments import opened as opened_by_a_command
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.files import one_file
-from ncgear.files.locks import locked
+from ncgear.files.one_file import locked
 from ncgear.files.publish import _new_staging, exchange, opened, real_place
 from ncgear.studio import on_disk
 from ncgear.studio.drafts import Draft, draft_left

@@ -27,7 +27,7 @@ from ncgear.design.keys import machine
 from ncgear.errors import WrongInput
 from ncgear.figures.answers.answer import COLUMNS
 from ncgear.files.build import contacts_as_written, summaries_without_files, verdicts_of
-from ncgear.files.meshes import stl_bytes
+from ncgear.files.read_back import stl_bytes
 from ncgear.files.workshop.dxf import dxf_files
 from ncgear.files.workshop.gear_drawing import pair_drawings
 from ncgear.pitch.shape import Gear

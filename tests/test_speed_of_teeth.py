@@ -9,11 +9,11 @@ import mpmath
 import numpy as np
 import pytest
 from shapely import Polygon
+from trimesh import Trimesh
 
 from ncgear.contact.placement import PER_TOOTH
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import gear_solid
-from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.teeth.gear import toothed_pair
 from speed_against_error import contact, outlines, solids
 from speed_against_error.exact_gears import area_mm2
@@ -273,7 +273,7 @@ def test_a_solid_without_one_of_its_teeth_is_told() -> None:
 @pytest.mark.parametrize("share", [1e-3, -1e-3])
 def test_a_solid_of_another_size_or_another_helix_is_told(share: float) -> None:
     solid = study("solid-volume").method(solids.STRAIGHT).run(TOLERANCE_MM)
-    other = TriangleMesh((1.0 + share) * solid.mesh.vertices, solid.mesh.faces)
+    other = Trimesh((1.0 + share) * solid.mesh.vertices, solid.mesh.faces, process=False)
     assert solids.volume_error(solids.Solid(other)) == pytest.approx(3.0 * abs(share), rel=0.1)
     helical = study("solid-surface").method(solids.HELICAL).run(0.05)
     assert solids.surface_error_mm(replace(helical, advance=(1.0 + 20.0 * share) * helical.advance)) > 0.05

@@ -19,10 +19,11 @@ pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs
 from closeness import farthest, farthest_from_pieces
 from commands import Run
 from drives import DESIGNS, drive, drive_of_text, loaded
+from ncgear.drawings.beside import HERE
 from ncgear.errors import Unanswered, WrongInput
-from ncgear.files.outline_errors import error_of_step_mm
-from ncgear.files.workshop.step import step_files
-from ncgear.files.workshop.step_kernel import VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same
+from ncgear.files.read_back import error_of_step_mm
+from ncgear.files.workshop.formats import Format, begun_workshop_files
+from ncgear.files.workshop.step import VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same, step_files
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -241,7 +242,7 @@ def test_helical_teeth_that_do_not_go_up_smoothly_are_refused(monkeypatch: pytes
 def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ncgear.extras.find_spec", lambda library: None)
     with pytest.raises(WrongInput, match=r"python -m pip install 'ncgear\[step\]' installs it"):
-        step_files(drive("ellipse"))
+        begun_workshop_files(drive("ellipse"), [Format.STEP], HERE, None)
 
 
 @pytest.mark.slow
@@ -319,7 +320,7 @@ def test_helical_gears_have_bodies_too() -> None:
     found = cylinders(made["driving.step"])
     assert found.count((1.0, [1.0, 0.0, 0.0])) == found.count((3.0, UP)) == found.count((5.5, UP)) == 1
     mesh = own.solids.driving.mesh
-    assert abs(volume_mm3(read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.as_trimesh().area
+    assert abs(volume_mm3(read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.slow
@@ -341,7 +342,7 @@ def test_bodies_hold_what_their_meshes_hold(bodied: tuple[Drive, dict[str, bytes
     own, made = bodied
     for gear, mesh in (("driving", own.solids.driving.mesh), ("driven", own.solids.driven.mesh)):
         found = volume_mm3(read_back(made[f"{gear}.step"]))
-        assert abs(found - mesh.volume) <= own.chord_tolerance_mm * mesh.as_trimesh().area
+        assert abs(found - mesh.volume) <= own.chord_tolerance_mm * mesh.area
 
 
 def levels(data: bytes, height: float, samples: int) -> Array:
@@ -371,7 +372,7 @@ def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
         # The teeth a hundredth of a millimetre farther up stand elsewhere by a third of it.
         assert farthest(levels(data, height + 0.01, DENSE).reshape(-1, 2), exact) > 2e-3
         mesh = own.solids.of(gear).mesh
-        assert abs(volume_mm3(read_back(data)) - mesh.volume) <= 0.005 * mesh.as_trimesh().area
+        assert abs(volume_mm3(read_back(data)) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.tiers(slow=["baler"], rest="long")
@@ -382,7 +383,7 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
     meshes = own.solids.driving.mesh, own.solids.driven.mesh
     shapes = [read_back(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
     for volume, mesh, shape in zip(volumes(name), meshes, shapes, strict=True):
-        assert abs(volume - mesh.volume) <= own.chord_tolerance_mm * mesh.as_trimesh().area
+        assert abs(volume - mesh.volume) <= own.chord_tolerance_mm * mesh.area
         assert volume_mm3(shape) == pytest.approx(volume, rel=VOLUME_TOLERANCE)
 
 
@@ -398,6 +399,6 @@ def test_a_build_writes_the_kind_that_is_asked_for(run: Run, tmp_path: Path) -> 
 
 @pytest.mark.slow
 def test_nothing_but_steps_needs_the_library() -> None:
-    """The module that others import loads it only when it is asked for files."""
-    code = "import sys, ncgear.files.build, ncgear.files.workshop.step; sys.exit('OCP' in sys.modules)"
+    """Its module is loaded only when these files are asked for."""
+    code = "import sys, ncgear.files.build, ncgear.files.workshop.formats; sys.exit('OCP' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -15,10 +15,10 @@ import pytest
 from commands import ROOT, Run, on_text
 from drives import built, drive_of_text
 from ncgear.design.reading.design_file import load
-from ncgear.drawings.charts.strength_charts import strength_charts
-from ncgear.drawings.plots.coloured_teeth import tooth_rows
+from ncgear.drawings.charts.teeth_charts import strength_charts
 from ncgear.dynamics.level import Level
 from ncgear.files.simulation import simulate, simulation_text
+from ncgear.files.strength import tooth_rows
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.strength import life

@@ -16,7 +16,7 @@ from ncgear.design.laws.formula_numbers import numbers_of
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.drawings.page.chart_svg import TEXT_SIZE, drawn
-from ncgear.drawings.page.motion_charts import motion_charts
+from ncgear.drawings.page.charts import motion_charts
 from ncgear.drawings.scene.scene import scene_without_gears
 from ncgear.drawings.scene.standing import hatches_mm, walls_mm
 from ncgear.errors import WrongInput

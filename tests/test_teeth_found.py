@@ -14,7 +14,7 @@ import pytest
 
 import reports
 from drives import drive
-from ncgear.drawings.page.teeth import ToothLinks
+from ncgear.drawings.page.tables import ToothLinks
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Scene
 from ncgear.figures.advice.verdict import Known, judged

@@ -15,8 +15,8 @@ from drives import design_of, drive, drive_of_text
 from ncgear.figures.advice.law_advice import NO_BORE
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind
 from ncgear.figures.advice.verdict import CONDITIONS, Judged, Known, State, Verdict, judged, together
-from ncgear.files.workshop.sheets.pair_sheet import pair_sheet
 from ncgear.files.workshop.sheets.sheet import Text
+from ncgear.files.workshop.sheets.sheets import pair_sheet
 from ncgear.project.drive import Drive
 
 pytestmark = pytest.mark.judges("figures")

@@ -9,7 +9,6 @@ import sys
 from functools import cache
 from io import BytesIO, StringIO
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 from zipfile import ZipFile
 
@@ -29,12 +28,9 @@ from drives import drive
 from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings.beside import HERE
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
-from ncgear.files.outline_errors import exact_outlines, outline_errors_mm
-from ncgear.files.workshop import dxf as workshop_dxf
-from ncgear.files.workshop.drawing import Layer, Use
+from ncgear.files.read_back import exact_outlines, outline_errors_mm
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
-from ncgear.files.workshop.gear_drawing import pitch_points
-from ncgear.files.workshop.sheets import dxf as sheet_dxf
+from ncgear.files.workshop.gear_drawing import Layer, Use, pitch_points
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -156,24 +152,6 @@ def test_the_told_errors_of_files_are_those_found_here(name: str) -> None:
     for kind, rings in read.items():
         found = max(strayed_mm(ring, name, gear) for ring, gear in zip(rings, Gear, strict=True))
         assert told[kind] == pytest.approx(found, rel=0.1)
-
-
-@pytest.mark.slow
-def test_chains_written_as_one_text_are_those_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The library's own polylines, point by point, give the same bytes: teeth with bulges, open and closed lines."""
-
-    def slowly(
-        space: Any, points: Array, attributes: dict[str, Any], bulges: Array | float = 0.0, *, closed: bool
-    ) -> None:
-        rows = np.column_stack([points, np.broadcast_to(bulges, len(points))]).tolist()
-        space.add_lwpolyline(rows, format="xyb", close=closed, dxfattribs=attributes)
-
-    for module in (workshop_dxf, sheet_dxf):
-        monkeypatch.setattr(module, "add_chain", slowly)
-    found = all_made(begun_workshop_files(drive("baler"), [Format.DXF, Format.DRAWING], HERE, None)).files
-    names = [name for name in found if name.endswith(".dxf")]
-    assert len(names) == 6
-    assert all(found[name] == files("baler")[name] for name in names)
 
 
 @pytest.mark.slow
@@ -464,7 +442,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
 SMALL_DRAWING = """
 import sys
 import numpy as np
-from ncgear.files.workshop.drawing import Circle, Drawing, Layer, polygon
+from ncgear.files.workshop.gear_drawing import Circle, Drawing, Layer, polygon
 from ncgear.files.workshop.dxf import dxf_bytes
 triangle = polygon(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]))
 drawing = Drawing("triangle", {Layer.OUTLINE: (triangle,), Layer.BORE: (Circle(0.5, 0.5, 0.1),)}, ("note",))

@@ -11,7 +11,7 @@ from shapely import Polygon
 from trimesh.exchange.stl import export_stl
 
 from ncgear.figures.csv_text import outline_csv
-from ncgear.files.meshes import FOOT, outline_of_csv, outline_of_stl, section_rings, stl_bytes, written_outlines
+from ncgear.files.read_back import FOOT, outline_of_csv, outline_of_stl, section_rings, stl_bytes, written_outlines
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair, gear_solid
 from ncgear.solids.mesh.triangles import TriangleMesh
@@ -56,7 +56,7 @@ def test_the_foot_of_twisted_teeth_keeps_its_points() -> None:
     vertices = straight.vertices
     turn = np.exp(0.01j * (vertices[:, 2] > 5.0)) * (vertices[:, 0] + 1j * vertices[:, 1])
     twisted = TriangleMesh(np.column_stack([turn.real, turn.imag, vertices[:, 2]]), straight.faces)
-    found = Polygon(outline_of_stl(stl_bytes(twisted), FOOT))
+    found = Polygon(outline_of_stl(stl_bytes(twisted.as_trimesh()), FOOT))
     assert found.boundary.hausdorff_distance(Polygon(wavy()).boundary) <= 1e-5
 
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from math import radians, tan
 
 import numpy as np
+from trimesh import Trimesh
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
 from ncgear.solids.mesh.pair import gear_solid
-from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.body import Blank
 from ncgear.teeth.gear import toothed_pair
 from speed_against_error.exact_gears import area_mm2
@@ -45,7 +45,7 @@ TOLERANCE = "tolerance in mm"
 class Solid:
     """A mesh of the driving gear, and how far its teeth advance along the pitch circle per unit of height."""
 
-    mesh: TriangleMesh
+    mesh: Trimesh
     advance: float = 0.0
 
 
@@ -96,7 +96,7 @@ def volume_error(solid: Solid) -> float:
 def surface_error_mm(solid: Solid) -> float:
     """The largest distance of the facets between the ends from the gear's closed form, in the transverse section."""
     gear = circular_gear()
-    corners = solid.mesh.triangles[np.abs(solid.mesh.normals[:, 2]) < END_NORMAL]
+    corners = solid.mesh.triangles[np.abs(solid.mesh.face_normals[:, 2]) < END_NORMAL]
     places = np.concatenate([np.einsum("c,tcx->tx", weight / weight.sum(), corners) for weight in SPREAD])
     # A right-hand helix rises counter-clockwise: its places are turned back clockwise.
     turned = places[:, 2] * solid.advance / gear.pitch_radius_mm

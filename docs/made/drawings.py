@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 import ncgear
 from ncgear.drawings.pictures import assembled_teeth, positions_at
-from ncgear.drawings.plots.assembled_pair import draw_mesh, turned
+from ncgear.drawings.plots.assembled_pair import draw_mesh
 from ncgear.drawings.plots.canvas import (
     DRIVEN,
     DRIVING,
@@ -28,6 +28,7 @@ from ncgear.drawings.plots.canvas import (
 )
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import turned
 from ncgear.numerics.units import RAD_S_PER_RPM
 
 DESIGNS = Path(__file__).parents[2] / "designs"
@@ -256,7 +257,7 @@ def contact() -> bytes:
     draw_mesh(axes, assembled_teeth(drive), 3.2 * drive.rack.module_mm, stands)
     here = touching.kept((touching.position == position) & touching.flanks)
     points = np.column_stack([here.point.real, here.point.imag])
-    points = turned(points, -stands.phi2_rad) + np.array([drive.pitch.center_distance_mm, 0.0])
+    points = turned(points, np.asarray(-stands.phi2_rad)) + np.array([drive.pitch.center_distance_mm, 0.0])
     for point in points:
         axes.plot([stands.pitch_point_mm, point[0]], [0.0, point[1]], **DOTTED)
         axes.plot(*point, "o", color=HIGHLIGHT, markersize=6.0, zorder=5)

@@ -141,7 +141,7 @@ CAPABILITIES: dict[str, Callable[[str], object]] = {
     "motion in time": lambda kind: tried(kind, "resistance", "masses").course,
     "wishes of the motion": lambda kind: _wished(tried(kind, "wish")),
     "best law with its limit": lambda kind: BestLaw(tried(kind, "optimize").design).bound,
-    "balance of the gears": lambda kind: mesh_body(tried(kind).solids.driving.mesh, 7850.0),
+    "balance of the gears": lambda kind: mesh_body(tried(kind).solids.driving.triangles, 7850.0),
     "balance of the mechanism": lambda kind: require_rod(tried(kind).linkage, "balance", "linkage"),
     "helical teeth": lambda kind: _built(
         tried(kind, gears={"helix": {"angle_deg": 10, "kind": "helical", "hand": "right"}})

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from ncgear.drawings.charts import contact_charts
+from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.chart import Chart
 from ncgear.drawings.charts.drawer import CONTACT_LOOK, MOTION_LOOK, Look, angle_scale, draw
 from ncgear.drawings.charts.slider_charts import Quantity, slider_chart
@@ -27,9 +27,9 @@ from ncgear.drawings.plots.assembled_pair import (
     draw_pitch_curves,
     draw_whole,
 )
-from ncgear.drawings.side_by_side import draw_side_by_side
 from ncgear.errors import WrongInput
 from ncgear.figures.side_by_side import SideBySide
+from ncgear.files.side_by_side import draw_side_by_side
 from ncgear.project.drive import Drive
 
 __all__ = [
@@ -89,22 +89,22 @@ def compared(found: SideBySide, quantity: str = "acceleration", axes: Axes | Non
 
 def backlash(drive: Drive, axes: Axes | None = None) -> Axes:
     """Play of the driven gear over the driving angle, as designed."""
-    return _drawn(contact_charts.backlash(drive.designed_contact), CONTACT_LOOK, axes)
+    return _drawn(teeth_charts.backlash(drive.designed_contact), CONTACT_LOOK, axes)
 
 
 def flanks_in_contact(drive: Drive, axes: Axes | None = None) -> Axes:
     """How many pairs of flanks touch over the driving angle, as designed."""
-    return _drawn(contact_charts.flanks_in_contact(drive.designed_contact), CONTACT_LOOK, axes)
+    return _drawn(teeth_charts.flanks_in_contact(drive.designed_contact), CONTACT_LOOK, axes)
 
 
 def pressure_angles(drive: Drive, axes: Axes | None = None) -> Axes:
     """Pressure angle of the flanks that carry, over the driving angle, as designed."""
-    return _drawn(contact_charts.pressure_angle(drive.designed_contact), CONTACT_LOOK, axes)
+    return _drawn(teeth_charts.pressure_angle(drive.designed_contact), CONTACT_LOOK, axes)
 
 
 def sliding(drive: Drive, axes: Axes | None = None) -> Axes:
     """Speed of sliding of the flanks that carry, divided by the driving gear's speed, over the driving angle."""
-    return _drawn(contact_charts.sliding(drive.designed_contact), CONTACT_LOOK, axes)
+    return _drawn(teeth_charts.sliding(drive.designed_contact), CONTACT_LOOK, axes)
 
 
 def pitch_curves(drive: Drive, axes: Axes | None = None) -> Axes:

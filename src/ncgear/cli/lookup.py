@@ -60,8 +60,8 @@ NAMED = 4
 def _into_settings(folder: Path) -> None:
     """Write the schemas and the settings that name them; say what was written and which files they are for."""
     from ncgear.errors import WrongInput
+    from ncgear.files.editor import SETTINGS_FOLDER, editor_files
     from ncgear.files.publish import exchange, opened
-    from ncgear.files.vscode import SETTINGS_FOLDER, editor_files
 
     if not folder.is_dir():
         raise WrongInput("is no folder; the one that is opened in VS Code is right", location=str(folder))

@@ -57,8 +57,8 @@ def measured(
         from ncgear.figures.answers.compared import compared_answer
         from ncgear.figures.compared import compared_figures, compared_text
         from ncgear.figures.terminal import written_lines
-        from ncgear.files.compared import compared_files
         from ncgear.files.manifest import publish_run
+        from ncgear.files.measured import compared_files
         from ncgear.pitch.shape import Gear
         from ncgear.project.compared import Fit, compared_pair, read_files
         from ncgear.project.drive import Drive

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import Chart
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import turned
+from ncgear.pitch.shape import Gear
 
 SLACK = 1.03
 """Size of the whole view divided by the reach of the gears."""
@@ -34,6 +35,16 @@ class Assembled:
     center_distance_mm: float
     ring_radius_mm: float | None = None
 
+    def placed(self, gear: Gear, points_mm: Array, position: Position) -> Array:
+        """Points of a gear's own frame (shape (n, 2)) in a position: turned by +phi1, the driven gear by -phi2, or a
+        ring by +phi2.
+        """
+        if gear is Gear.DRIVING:
+            return turned(points_mm, np.asarray(position.phi1_rad))
+        sense = -1.0 if self.ring_radius_mm is None else 1.0
+        center = np.array([self.center_distance_mm, 0.0])
+        return np.asarray(turned(points_mm, np.asarray(sense * position.phi2_rad)) + center)
+
     @property
     def frame(self) -> tuple[float, float, float]:
         """Least and largest x and the largest y that the gears reach in any position."""
@@ -50,39 +61,3 @@ class Assembled:
             distance, radius = self.center_distance_mm, self.ring_radius_mm
             points.append(np.array([[distance - radius, -radius], [distance + radius, radius]]))
         return np.vstack(points)
-
-
-@dataclass(frozen=True, eq=False)
-class MotionPicture:
-    """What the picture of the machine's motion shows."""
-
-    title: str
-    charts: list[Chart]
-
-
-@dataclass(frozen=True, eq=False)
-class GearPictures:
-    """What the pictures of the pitch curves and of the teeth of a pair show."""
-
-    pair: str
-    pitch_curves: tuple[Assembled, tuple[Mask, Mask]]
-    teeth: Assembled
-    module_mm: float
-    positions: list[Position]
-
-
-@dataclass(frozen=True, eq=False)
-class LoadPictures:
-    """What the pictures of contact and load show; charts of the load are pairs, over the driving angle and over
-    displacement.
-    """
-
-    pair: str
-    contact: list[Chart]
-    load_title: str
-    load: list[tuple[Chart, Chart]]
-
-
-def heading(name: str, what: str, speed_rpm: float) -> str:
-    """The heading of a picture of a machine at a speed."""
-    return f"{name}: {what} at {speed_rpm:.4g} r/min"

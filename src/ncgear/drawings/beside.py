@@ -21,9 +21,9 @@ from ncgear.workers import Pool, free_cores, one_thread_each
 
 LIBRARY = "matplotlib"
 
-MOTION_PICTURE = "ncgear.drawings.plots.pair_pictures:motion_drawn"
-GEAR_PICTURES = "ncgear.drawings.plots.pair_pictures:gears_drawn"
-LOAD_PICTURES = "ncgear.drawings.plots.pair_pictures:load_drawn"
+MOTION_PICTURE = "ncgear.drawings.plots.assembled_pair:motion_drawn"
+GEAR_PICTURES = "ncgear.drawings.plots.assembled_pair:gears_drawn"
+LOAD_PICTURES = "ncgear.drawings.plots.assembled_pair:load_drawn"
 PAGE_CHARTS = "ncgear.drawings.page.chart_svg:all_drawn"
 """The drawings: of a build's pictures, and of the report's charts."""
 

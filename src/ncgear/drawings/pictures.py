@@ -8,8 +8,8 @@ from math import pi
 import numpy as np
 
 from ncgear.contact.pair import PairContact
-from ncgear.drawings.assembled import Assembled, GearPictures, LoadPictures, MotionPicture, Position, heading
-from ncgear.drawings.charts import contact_charts
+from ncgear.drawings.assembled import Assembled, Position
+from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
 from ncgear.numerics.arrays import Array, Mask
@@ -26,34 +26,31 @@ CURVE_POINTS = 1500
 """Points of a drawn pitch curve; on a gear of 300 mm that fills a screen they are 0.2 mm apart on the screen."""
 
 
-def motion_picture(drive: Drive) -> MotionPicture:
-    """The picture of a build that shows the machine's motion."""
-    return MotionPicture(titled(drive, "motion"), [slider_chart(drive, quantity) for quantity in MOTION])
+def motion_picture(drive: Drive) -> tuple[list[Chart], str]:
+    """What the picture of the machine's motion shows: its charts and its heading."""
+    return [slider_chart(drive, quantity) for quantity in MOTION], titled(drive, "motion")
 
 
-def gear_pictures(drive: Drive) -> GearPictures:
-    """The pictures of a build that show the gears, whose contact is not known yet."""
+def gear_pictures(drive: Drive) -> tuple[str, tuple[Assembled, tuple[Mask, Mask]], Assembled, float, list[Position]]:
+    """What the pictures of the gears show, whose contact is not known yet: the pair's name, pitch curves with masks of
+    their concave points, teeth, module in mm, positions.
+    """
     covered = drive.pair.transmission.lobes.range
     turn = np.arange(POSITIONS) * 2.0 * pi / POSITIONS
-    return GearPictures(
-        pair=_name_of_pair(drive),
-        pitch_curves=assembled_pitch_curves(drive),
-        teeth=assembled_teeth(drive),
-        module_mm=drive.pitch.size.module_mm,
-        positions=positions_at(drive, np.linspace(0.0, covered.driving_rad, POSITIONS) if covered else turn),
-    )
+    positions = positions_at(drive, np.linspace(0.0, covered.driving_rad, POSITIONS) if covered else turn)
+    shown = assembled_pitch_curves(drive), assembled_teeth(drive), drive.pitch.size.module_mm, positions
+    return _name_of_pair(drive), *shown
 
 
-def load_pictures(drive: Drive, contact: PairContact) -> LoadPictures:
-    """The pictures of a build that show contact and load."""
+def load_pictures(drive: Drive, contact: PairContact) -> tuple[str, list[Chart], list[tuple[Chart, Chart]], str]:
+    """What the pictures of contact and load show: the pair's name, charts of the contact, those of the load over the
+    driving angle and over displacement, and their heading.
+    """
     load = [slider_chart(drive, quantity) for quantity in LOAD]
     motions = drive.motion, drive.uniform_motion
-    return LoadPictures(
-        pair=_name_of_pair(drive),
-        contact=_contact_charts(drive, contact),
-        load_title=titled(drive, f"{drive.linkage.OUTPUT.load_name} and power"),
-        load=[(chart, over_displacement(chart, drive.linkage.OUTPUT, motions)) for chart in load],
-    )
+    pairs = [(chart, over_displacement(chart, drive.linkage.OUTPUT, motions)) for chart in load]
+    title = titled(drive, f"{drive.linkage.OUTPUT.load_name} and power")
+    return _name_of_pair(drive), _contact_charts(drive, contact), pairs, title
 
 
 def _name_of_pair(drive: Drive) -> str:
@@ -63,7 +60,7 @@ def _name_of_pair(drive: Drive) -> str:
 
 def titled(drive: Drive, what: str) -> str:
     """The heading of a picture of the machine: design, content and speed."""
-    return heading(drive.design.name, what, drive.design.operation.speed_rpm)
+    return f"{drive.design.name}: {what} at {drive.design.operation.speed_rpm:.4g} r/min"
 
 
 def assembled_pitch_curves(drive: Drive) -> tuple[Assembled, tuple[Mask, Mask]]:
@@ -98,12 +95,12 @@ def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
 def _contact_charts(drive: Drive, contact: PairContact) -> list[Chart]:
     """All charts of the contact, with the joints of the law; the chart of backlash only where there is any."""
     designed = contact.as_designed
-    kinds = [contact_charts.flanks_in_contact, contact_charts.pressure_angle, contact_charts.sliding]
+    kinds = [teeth_charts.flanks_in_contact, teeth_charts.pressure_angle, teeth_charts.sliding]
     if np.max(np.abs(designed.backlash_rad)) >= NO_BACKLASH_RAD:
-        kinds.insert(0, contact_charts.backlash)
-    errors = contact_charts.transmission_error(contact)
+        kinds.insert(0, teeth_charts.backlash)
+    errors = teeth_charts.transmission_error(contact)
     # The legend is above the first row, which has no line of the backs: an empty line there names them.
     pushing, written = errors.lines
-    errors = replace(errors, lines=(pushing, Line(Role.OTHER, contact_charts.BACKS, EMPTY, EMPTY), written))
+    errors = replace(errors, lines=(pushing, Line(Role.OTHER, teeth_charts.BACKS, EMPTY, EMPTY), written))
     joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))
     return [replace(chart, joints_deg=joints) for chart in (errors, *(kind(designed) for kind in kinds))]

@@ -26,9 +26,8 @@ from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build_summary import build_summary, with_files
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files.manifest import publish_run
-from ncgear.files.meshes import stl_bytes, written_outlines
-from ncgear.files.outline_errors import ERRORS, error_of_step_mm, exact_outlines
 from ncgear.files.publish import prepare
+from ncgear.files.read_back import ERRORS, error_of_step_mm, exact_outlines, stl_bytes, written_outlines
 from ncgear.files.workshop.formats import WRITERS, Format, all_made, begun_workshop_files
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
@@ -91,13 +90,7 @@ def build(
             files[REPORT_FILE] = report_page(drive, reported, contacts, verdict, drawer)
     run = publish_run(folder, files, "build")
     found = pairs.values()
-    return Built(
-        run.paths,
-        run.kept,
-        [pair.summary for pair in found],
-        [pair.contact for pair in found],
-        verdict,
-    )
+    return Built(run.paths, run.kept, [pair.summary for pair in found], [pair.contact for pair in found], verdict)
 
 
 def step_count(drive: Drive, *, report: bool) -> int:
@@ -163,9 +156,9 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     # What can be drawn already is drawn beside while the rest is computed.
     for step in _computed(drive, on_step):
         if step == "motion":
-            drawn.append(drawer.begun(MOTION_PICTURE, motion_picture(drive)))
+            drawn.append(drawer.begun(MOTION_PICTURE, *motion_picture(drive)))
         if step == "teeth":
-            drawn.append(drawer.begun(GEAR_PICTURES, gear_pictures(drive)))
+            drawn.append(drawer.begun(GEAR_PICTURES, *gear_pictures(drive)))
     with drive.stopwatch("workshop files"):
         exact = exact_outlines(drive.teeth)
         # A process that takes its clearance from outlines makes parallels of them.
@@ -173,7 +166,7 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
         slow = [kind for kind in formats if WRITERS[kind].is_slow]
         slow_files = begun_workshop_files(drive, slow, *shared)
     files, contact, outlines = _written(drive, on_step)
-    drawn.append(drawer.begun(LOAD_PICTURES, load_pictures(drive, contact)))
+    drawn.append(drawer.begun(LOAD_PICTURES, *load_pictures(drive, contact)))
     with drive.stopwatch("workshop files"):
         other_files = begun_workshop_files(drive, set(formats).difference(slow), *shared)
         both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}

@@ -18,7 +18,7 @@ from stat import S_ISREG
 from ncgear import __version__
 from ncgear.errors import WrongInput
 from ncgear.files.one_file import REMEDY, is_there, kept_names
-from ncgear.files.publish import exchange, is_inside, opened, require_inside
+from ncgear.files.publish import exchange, is_inside, opened
 from ncgear.frozen import dataclass
 
 MANIFEST = "manifest.json"
@@ -49,7 +49,10 @@ def publish_run(folder: Path, files: Mapping[str, bytes], command: str) -> Run:
     ``command`` wrote earlier and does not write now are removed.  Raises WrongInput when the folder cannot be written,
     ValueError when a name has another form; in both cases the folder is as it was.
     """
-    require_inside(files)
+    for name in files:
+        # It could lead out of the folder, or into a staging folder.
+        if not is_inside(name):
+            raise ValueError(f"{name!r} is not a plain file name")
     with opened(folder):
         earlier = entries_in(folder)
         still = {name: earlier[name] for name in _as_written(folder, earlier) if name not in files}
@@ -121,11 +124,7 @@ def _kept(folder: Path, files: Mapping[str, bytes], earlier: Mapping[str, Entry]
         if found is None or found == content or (name == MANIFEST and earlier):
             continue
         if name not in earlier or earlier[name].sha256 != _digest(found):
-            kept[_free_name(folder, name, {*files, *kept})] = found
+            names = (path.as_posix() for path in kept_names(Path(name)))
+            taken = {*files, *kept}
+            kept[next(new for new in names if new not in taken and not os.path.lexists(folder / new))] = found
     return kept
-
-
-def _free_name(folder: Path, name: str, taken: set[str]) -> str:
-    """``law-kept.csv``, or ``law-kept-2.csv`` where that is taken."""
-    names = (path.as_posix() for path in kept_names(Path(name)))
-    return next(name for name in names if name not in taken and not os.path.lexists(folder / name))

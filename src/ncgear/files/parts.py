@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ncgear.errors import WrongInput, going_on
-from ncgear.files.locks import locked
-from ncgear.files.one_file import UNFINISHED, is_there, put_in_place
+from ncgear.files.one_file import UNFINISHED, is_there, locked, put_in_place
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.screening.designs import Designs

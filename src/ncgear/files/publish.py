@@ -23,8 +23,17 @@ from pathlib import Path
 from stat import S_ISDIR, S_ISLNK
 
 from ncgear.errors import WrongInput
-from ncgear.files.locks import alone_in
-from ncgear.files.one_file import REMEDY, WITHOUT_LINKS, is_there, refused, replace_by, second, sync_folder, write
+from ncgear.files.one_file import (
+    REMEDY,
+    WITHOUT_LINKS,
+    alone_in,
+    is_there,
+    refused,
+    replace_by,
+    second,
+    sync_folder,
+    write,
+)
 from ncgear.interrupts import uninterrupted
 
 STAGING_PREFIX = ".ncgear-"
@@ -60,13 +69,6 @@ def prepare_file(path: Path) -> None:
         raise WrongInput(f"cannot be written ({error.strerror}); choose another name", location=str(path)) from error
     if in_the_way:
         raise WrongInput("is a folder; choose another name", location=str(path))
-
-
-def require_inside(names: Iterable[str]) -> None:
-    """Raise ValueError at a name that could lead out of the folder, or into a staging folder."""
-    for name in names:
-        if not is_inside(name):
-            raise ValueError(f"{name!r} is not a plain file name")
 
 
 def is_inside(name: str) -> bool:
@@ -213,11 +215,8 @@ def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
     """
     try:
         _point(staging, OLD)
-    except NotImplementedError:
-        _exchange_one_by_one(folder, staging, list(names))
-        return
-    except OSError as error:
-        if error.errno not in WITHOUT_LINKS and os.name == "posix":
+    except (NotImplementedError, OSError) as error:
+        if isinstance(error, OSError) and error.errno not in WITHOUT_LINKS and os.name == "posix":
             raise
         _exchange_one_by_one(folder, staging, list(names))
         return
@@ -270,12 +269,8 @@ def _settle(folder: Path, staging: Path) -> None:
     names = {file.relative_to(side) for side in (staging / OLD, staging / NEW) for file in _files_below(side)}
     for name in sorted(names):
         place = folder / name
-        if not _leads_into(staging, place):
-            continue
-        if is_there(shown / name):
-            (shown / name).replace(place)
-        else:
-            place.unlink()
+        if is_there(place) and S_ISLNK(place.lstat().st_mode) and staging.name in place.readlink().parts:
+            _put(shown / name, place)
 
 
 def _files_below(folder: Path) -> Iterator[Path]:
@@ -286,8 +281,3 @@ def _files_below(folder: Path) -> Iterator[Path]:
                 yield from _files_below(folder / name)
             else:
                 yield folder / name
-
-
-def _leads_into(staging: Path, place: Path) -> bool:
-    """Whether a place has a link of an exchange; raises OSError where the disk gives no answer."""
-    return is_there(place) and S_ISLNK(place.lstat().st_mode) and staging.name in place.readlink().parts

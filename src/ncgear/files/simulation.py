@@ -1,23 +1,29 @@
-"""A simulation of any level: its table, figures and pictures, as files and as text."""
+"""A simulation of any level: its table, figures, and charts over the driving angle, as files and as text."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import degrees
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ncgear.drawings.simulation_pictures import dynamic_pictures, quasi_static_pictures, rigid_pictures
-from ncgear.dynamics.history import PER_TURN, even_times_s, history
+from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.drawer import LOAD_LOOK, SIMULATION_COLUMN, TIME_LOOK, Look, column_png
+from ncgear.drawings.charts.slider_charts import MOTION
+from ncgear.drawings.pictures import titled
+from ncgear.dynamics.history import PER_TURN, History, even_times_s, history
 from ncgear.dynamics.level import Level
+from ncgear.dynamics.loaded_machine import Loads
 from ncgear.dynamics.peaks import motion_peaks
 from ncgear.dynamics.touching import pushing_parted_s
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
 from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures
-from ncgear.figures.numbers import json_text
+from ncgear.figures.numbers import MICRORAD, json_text
 from ncgear.figures.simulated import (
     dynamic_figures,
     dynamic_table,
@@ -29,9 +35,141 @@ from ncgear.figures.simulated import (
 from ncgear.figures.summary.check_summary import verdict_summary
 from ncgear.figures.terminal import SIDE_BY_SIDE, beside_lines, summary_text, written_lines
 from ncgear.frozen import dataclass
+from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.drive import Drive
+
+
+def simulated_chart(
+    name: str,
+    unit: str,
+    phi1_rad: Array,
+    own: tuple[str, Array],
+    compared: tuple[str, Array] | None = None,
+    joints_deg: Array = EMPTY,
+    apart_deg: Array = NO_STRETCHES,
+) -> Chart:
+    """A quantity at driving angles in rad, shape (n,); ``own`` and ``compared`` are a label and values, shape (n,).
+
+    ``joints_deg`` (shape (k,)) are joints of the law, ``apart_deg`` (shape (k, 2)) stretches in which no pushing flanks
+    touch.
+    """
+    angle = np.degrees(phi1_rad)
+    lines = [Line(Role.OWN, own[0], angle, own[1])]
+    if compared is not None:
+        lines.append(Line(Role.UNIFORM, compared[0], angle, compared[1]))
+    return Chart(name, unit, tuple(lines), degrees(phi1_rad[-1]), None, joints_deg, apart_deg, names_extreme=True)
+
+
+def driving_torque(drive: Drive, own: Loads, uniform: Loads) -> Chart:
+    """The torque that the driving shaft needs, with its mean."""
+    torques = (N_M_PER_N_MM * loads.driving_torque.value for loads in (own, uniform))
+    chart = _load_chart(drive, "driving torque", "N m", *torques)
+    mean = np.full(2, N_M_PER_N_MM * drive.rigid.fluctuation.mean_torque_n_mm)
+    return replace(chart, lines=(*chart.lines, Line(Role.MEAN, "mean", np.array([0.0, chart.end]), mean)))
+
+
+def joint_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
+    """Forces in the bearing of the crank, in the mechanism's joints from the crank on, and in the guide."""
+    joints = reversed([*drive.linkage.JOINTS.items()])
+    return [
+        _load_chart(
+            drive, f"{drive.linkage.CRANK} bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)
+        ),
+        *(
+            _load_chart(drive, words, "N", _size(own.joints[name]), _size(uniform.joints[name]))
+            for name, words in joints
+        ),
+        *([_load_chart(drive, "guide", "N", own.guide.value, uniform.guide.value)] if drive.linkage.GUIDED else []),
+    ]
+
+
+def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
+    """Force between the teeth and pressure angle; empty where there are no gears."""
+    if own.mesh is None or uniform.mesh is None:
+        return []
+    angles = (np.degrees(mesh.pressure_angle_rad.value) for mesh in (own.mesh, uniform.mesh))
+    return [
+        _load_chart(drive, "mesh force", "N", own.mesh.size_n.value, uniform.mesh.size_n.value),
+        replace(_load_chart(drive, "pressure angle", "deg", *angles), names_extreme=False),
+    ]
+
+
+def _load_chart(drive: Drive, name: str, unit: str, own: Array, uniform: Array) -> Chart:
+    """A load of the rigid level at the driving angles of the drive's motion, beside the uniform crank's."""
+    phi1 = drive.motion.phi1_rad
+    joints = np.degrees(joints_up_to(drive.transmission, float(phi1[-1])))
+    lines = ("this design", own), (f"{drive.linkage.UNIFORM}, same speed", uniform)
+    return simulated_chart(name, unit, phi1, *lines, joints_deg=joints)
+
+
+def _size(force: Vector) -> Array:
+    size: Array = (force.x.value**2 + force.y.value**2) ** 0.5
+    return size
+
+
+def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:
+    """Driving torque, tooth force, and lead over the law; ``rigid_n_m``, shape (n,), is the torque of rigid teeth."""
+    loaded, phi1, own = drive.loaded_contact, drive.motion.phi1_rad, "teeth give way"
+    torque = N_M_PER_N_MM * loaded.driving_torque_n_mm
+    return [
+        simulated_chart("driving torque", "N m", phi1, (own, torque), ("rigid", rigid_n_m)),
+        simulated_chart("force of one pair", "N", phi1, (own, loaded.tooth_force_n)),
+        simulated_chart("ahead of the law", MICRORAD, phi1, (own, 1e6 * loaded.error_rad)),
+    ]
+
+
+SIMULATED = "simulated"
+
+
+def output_in_time(shown: History, output: Output, apart_deg: Array) -> list[Chart]:
+    """The output's motion beside that of the law; ``apart_deg`` (shape (k, 2)) is that of ``Chart``."""
+    charts = []
+    for quantity in MOTION:
+        own, law = (quantity.values(slide, output) for slide in (shown.slide, shown.law))
+        lines, unit = ((SIMULATED, own), ("law", law)), quantity.unit_of(output).text
+        charts.append(simulated_chart(quantity.name_of(output), unit, shown.phi1_rad, *lines, apart_deg=apart_deg))
+    return charts
+
+
+def teeth_in_time(shown: History, apart_deg: Array) -> list[Chart]:
+    """Forces of the most loaded pair on both sides of the teeth, and the driving torque."""
+    return [
+        simulated_chart(name, unit, shown.phi1_rad, (SIMULATED, values), apart_deg=apart_deg)
+        for name, unit, values in (
+            ("pushing force, one pair", "N", shown.pushing_n),
+            ("back force, one pair", "N", shown.back_n),
+            ("driving torque", "N m", N_M_PER_N_MM * shown.torque_n_mm),
+        )
+    ]
+
+
+def bearings_in_time(drive: Drive, shown: History, apart_deg: Array) -> list[Chart]:
+    """Forces in the joints of the mechanism and between the teeth."""
+    forces = {
+        **{words: shown.joints.joints[name] for name, words in drive.linkage.JOINTS.items()},
+        f"{drive.linkage.CRANK} bearing": shown.crank_bearing,
+        "force of all pairs": shown.mesh,
+    }
+    return [
+        simulated_chart(name, "N", shown.phi1_rad, (SIMULATED, np.hypot(force.x, force.y)), apart_deg=apart_deg)
+        for name, force in forces.items()
+    ]
+
+
+Columns = Mapping[str, tuple[Sequence[Chart], str]]
+"""Charts below one another, which may be none, and their title, by file name."""
+
+
+def _pictures(drive: Drive, look: Look, columns: Columns) -> dict[str, bytes]:
+    """A picture for each column of charts, by file name."""
+    return {
+        file: column_png(charts, titled(drive, what), look, SIMULATION_COLUMN)
+        for file, (charts, what) in columns.items()
+        if charts
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,10 +211,16 @@ def _at_level(drive: Drive, level: Level) -> Results:
             figures = rigid_figures(drive)
             if drive.design.drivetrain is not None:
                 figures |= {"drivetrain": drivetrain_figures(drive.drivetrain)}
-            return rigid_table(drive, *loads), figures, rigid_pictures(drive, *loads)
+            charts: Columns = {
+                "driving_torque.png": ([driving_torque(drive, *loads)], "driving torque"),
+                "bearing_forces.png": (joint_forces(drive, *loads), "forces in the joints"),
+                "mesh_force.png": (mesh_forces(drive, *loads), "force between the teeth"),
+            }
+            return rigid_table(drive, *loads), figures, _pictures(drive, LOAD_LOOK, charts)
         case Level.QUASI_STATIC:
             rigid = N_M_PER_N_MM * drive.rigid.machine.at(drive.motion.phi1_rad).driving_torque.value
-            pictures = quasi_static_pictures(drive, rigid)
+            charts = {"loaded_contact.png": (teeth_under_load(drive, rigid), "teeth under load")}
+            pictures = _pictures(drive, TIME_LOOK, charts)
             return quasi_static_table(drive, rigid), quasi_static_figures(drive), pictures
         case Level.DYNAMIC:
             return _dynamic(drive)
@@ -108,6 +252,11 @@ def _dynamic(drive: Drive) -> Results:
     course, rigid = drive.course, drive.rigid.machine
     peaks = motion_peaks(course, rigid)
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
-    apart_rad = np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1)
-    table = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage)
-    return table, dynamic_figures(drive, peaks), dynamic_pictures(drive, drawn, apart_rad)
+    apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1))
+    table, output = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage), drive.linkage.OUTPUT
+    charts = {
+        f"{output.name.replace(' ', '_')}_motion.png": (output_in_time(drawn, output, apart_deg), output.name),
+        "tooth_force.png": (teeth_in_time(drawn, apart_deg), "teeth and torque"),
+        "bearing_forces.png": (bearings_in_time(drive, drawn, apart_deg), "bearings"),
+    }
+    return table, dynamic_figures(drive, peaks), _pictures(drive, TIME_LOOK, charts)

@@ -1,16 +1,251 @@
-"""The strength of a pair of gears as files: figures, a table with a row per tooth, pictures."""
+"""The strength of a pair of gears as files: figures, a table with a row per tooth, pictures.
+
+Pictures show both gears in mesh in colours: each tooth by how far it holds, with its number, or by the stress in it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from ncgear.drawings.strength_pictures import strength_pictures
-from ncgear.figures.numbers import json_text
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
+from matplotlib.figure import Figure
+
+from ncgear.drawings.assembled import Assembled, Position
+from ncgear.drawings.charts.chart import joints_up_to
+from ncgear.drawings.charts.drawer import STRENGTH_COLUMN, STRENGTH_LOOK, column_png
+from ncgear.drawings.charts.teeth_charts import strength_charts
+from ncgear.drawings.palette import HOLDING, STRESS
+from ncgear.drawings.pictures import assembled_teeth, positions_at, titled
+from ncgear.drawings.plots import canvas
+from ncgear.drawings.plots.assembled_pair import draw_body
+from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.strong import strength_csv
 from ncgear.files.build import folder_of
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, IndexArray, largest_rows
+from ncgear.numerics.plane import as_points, signed_area
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Rating
+from ncgear.strength.holding import lives_of, worst
+from ncgear.teeth.gear import ToothedGear
+
+if TYPE_CHECKING:
+    from ncgear.strength.elements.teeth import Painted
+
+SPREAD = 4.0
+"""The scale of colours ends where a safety is this many times the wanted one, and at its inverse."""
+
+ROOM_IN = 0.2
+"""Where teeth stand less than so many inches apart, only every fifth has its number, and the one that is named."""
+
+BELOW_IN = 0.13
+"""Distance in inches of a number from the root of its tooth."""
+
+HOLDING_SCALE = LinearSegmentedColormap.from_list("holding", HOLDING)
+STRESS_SCALE = LinearSegmentedColormap.from_list("stress", STRESS)
+
+SIZE_IN, REST_IN = (9.6, 7.0), 1.55
+"""Width and greatest height of the picture, and the height of its heading and scale."""
+
+
+@dataclass(frozen=True, eq=False)
+class ColouredGear:
+    """The safety of each tooth of a gear as a share of the wanted one, shape (z,), and the tooth that is named.
+
+    A share may be infinite, of a tooth that bears no load.
+    """
+
+    share: Array
+    named: int
+
+
+def coloured_teeth_png(drive: Drive, gears: dict[Gear, ColouredGear], position: Position, title: str) -> bytes:
+    """Both gears in a position, coloured by how far each tooth holds; the named teeth have a mark."""
+    view = View.of(drive, title)
+    norm = LogNorm(1.0 / SPREAD, SPREAD)
+    for gear, coloured in gears.items():
+        _draw(view, drive.teeth.of(gear), gear, position, coloured, norm)
+    bar = view.with_scale(
+        norm, HOLDING_SCALE, "least safety of a tooth, as a share of the wanted one (under 1: too weak)"
+    )
+    ticks = [1.0 / SPREAD, 0.5, 1.0, 2.0, SPREAD]
+    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    bar.minorticks_off()
+    return canvas.png(view.made)
+
+
+def stress_field_png(
+    drive: Drive, fields: Mapping[Gear, Painted], largest_mpa: float, position: Position, title: str
+) -> bytes:
+    """Both gears in a position, coloured by von Mises' stress up to ``largest_mpa``."""
+    view, norm = View.of(drive, title), Normalize(0.0, largest_mpa)
+    for gear, field in fields.items():
+        placed = view.body(drive.teeth.of(gear), gear, position, 0.3)
+        colors = STRESS_SCALE(norm(field.von_mises_mpa[field.triangles].mean(axis=1)))
+        triangles = list(placed(as_points(field.place_mm))[field.triangles])
+        # Edges of their own colour, since gaps between triangles would shine through.
+        view.axes.add_collection(
+            PolyCollection(triangles, facecolors=colors, edgecolors=colors, linewidths=0.2), autolim=False
+        )
+    view.with_scale(norm, STRESS_SCALE, "von Mises' stress in MPa, each tooth alone at its worst place of contact")
+    return canvas.png(view.made)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A picture of both gears that fills its width, unless that makes it higher than a screen."""
+
+    made: Figure
+    axes: Axes
+    pair: Assembled
+    height_in: float
+    mm_per_in: float
+
+    @classmethod
+    def of(cls, drive: Drive, title: str) -> View:
+        """The empty picture, with the axes of both gears."""
+        pair = assembled_teeth(drive)
+        left, right, top = pair.frame
+        width, most = SIZE_IN
+        height = min(most, REST_IN + width * 2.0 * top / (right - left))
+        made = canvas.figure(width, height, title)
+        axes = made.add_axes((0.0, 1.05 / height, 1.0, 1.0 - REST_IN / height))
+        axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=canvas.INK, markersize=9, zorder=5.0)
+        axes.set_xlim(left, right)
+        axes.set_ylim(-top, top)
+        axes.set_aspect("equal")
+        axes.set_axis_off()
+        return cls(made, axes, pair, height, max((right - left) / width, 2.0 * top / (height - REST_IN)))
+
+    def body(self, gear: ToothedGear, which: Gear, position: Position, line: float) -> Callable[[Array], Array]:
+        """Draw a gear's body, and return what moves points of the gear's own frame (shape (n, 2)) to their place."""
+        placed = partial(self.pair.placed, which, position=position)
+        draw_body(self.axes, self.pair, which, placed(gear.outline_mm), canvas.REFERENCE, line)
+        return placed
+
+    def with_scale(self, norm: Normalize, scale: Colormap, label: str) -> Colorbar:
+        """The scale of colours below the gears."""
+        bar = self.made.colorbar(
+            ScalarMappable(norm, scale),
+            cax=self.made.add_axes((0.2, 0.62 / self.height_in, 0.6, 0.16 / self.height_in)),
+            orientation="horizontal",
+            extend="both" if isinstance(norm, LogNorm) else "max",
+        )
+        bar.ax.tick_params(labelsize=canvas.SMALL, colors=canvas.INK)
+        bar.set_label(label, size=canvas.NORMAL, color=canvas.INK)
+        return bar
+
+
+def _draw(
+    view: View, gear: ToothedGear, which: Gear, position: Position, coloured: ColouredGear, norm: LogNorm
+) -> None:
+    """One gear in its place: its body, its teeth in their colours, their numbers below the roots."""
+    placed = view.body(gear, which, position, 0.5)
+    teeth = [placed(gear.outline_mm[rows]) for rows in tooth_rows(gear)]
+    colors = HOLDING_SCALE(norm(np.clip(coloured.share, 1.0 / SPREAD, SPREAD)))
+    view.axes.add_collection(
+        PolyCollection(teeth, facecolors=colors, edgecolors=canvas.INK, linewidths=0.4), autolim=False
+    )
+    crowded = gear.flanks.curve.length_mm / len(teeth) < ROOM_IN * view.mm_per_in
+    for number, tooth in enumerate(teeth, 1):
+        named = number == coloured.named
+        if not crowded or number % 5 == 0 or named:
+            root, (back, down) = (tooth[0] + tooth[-1]) / 2.0, tooth[0] - tooth[-1]
+            # Closed by this chord, the tooth lies to the left of it where its outline runs counter-clockwise.
+            inwards = np.sign(signed_area(tooth)) * np.array([down, -back]) / np.hypot(back, down)
+            place = root + BELOW_IN * view.mm_per_in * inwards
+            box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": canvas.INK, "linewidth": 1.0}
+            view.axes.text(
+                float(place[0]),
+                float(place[1]),
+                str(number),
+                size=canvas.SMALL - 1.0,
+                color=canvas.INK,
+                ha="center",
+                va="center",
+                weight="bold" if named else "normal",
+                bbox=box if named else None,
+                zorder=4.0,
+            )
+
+
+def tooth_rows(gear: ToothedGear) -> list[IndexArray]:
+    """The rows of the outline that belong to each tooth, from the middle of one space to that of the next.
+
+    The middle of a space is halfway along the pitch curve between the flanks that bound it.
+    """
+    flanks, outline = gear.flanks, gear.outline_mm
+    back, front = flanks.crossing_mm[0::2], flanks.crossing_mm[1::2]
+    before = (back + np.roll(front, 1)) / 2.0
+    before[0] = (back[0] + front[-1] - flanks.curve.length_mm) / 2.0
+    middles = flanks.curve.at_length(before).position @ np.array([1.0, 1.0j])
+    points = outline @ np.array([1.0, 1.0j])
+    rows = np.argmin(np.abs(np.angle(points[None, :] / middles[:, None])), axis=1)
+    ends = np.roll(rows, -1)
+    # Arc length grows against the outline's sense on one of the two gears.
+    along = np.sum(np.angle(np.roll(middles, -1) / middles)) > 0.0
+    pairs = zip(rows, ends, strict=True) if along else zip(ends, rows, strict=True)
+    return [(start + np.arange((end - start) % len(outline) + 1)) % len(outline) for start, end in pairs]
+
+
+def strength_pictures(drive: Drive, rating: Rating) -> dict[str, bytes]:
+    """The gears coloured by how far each tooth holds, and loads and stresses over the cycle."""
+    charts = strength_charts(rating.strength, rating.weakest)
+    joints = np.degrees(joints_up_to(drive.pair.transmission, np.radians(charts[0].end)))
+    charts = [replace(chart, joints_deg=joints) for chart in charts]
+    pictures = {
+        "strength.png": _gears(drive, rating),
+        "strength-cycle.png": column_png(charts, _titled(drive, "loads of the teeth"), STRENGTH_LOOK, STRENGTH_COLUMN),
+    }
+    return pictures if rating.strength.method == "estimate" else {**pictures, "strength-stress.png": _field(drive)}
+
+
+def _field(drive: Drive) -> bytes:
+    """The stress by finite elements, each tooth at the place of contact with its largest root stress."""
+    from ncgear.strength.elements.teeth import Elements
+
+    judged = drive.judged_teeth("elements")
+    contacts, roots = judged.strength.contacts, judged.strength.stresses.tension_mpa
+    fields = {}
+    for place, (gear, method) in enumerate(zip(Gear, judged.methods, strict=True)):
+        assert isinstance(method, Elements)
+        places = contacts.on(gear)
+        worst_of_tooth = largest_rows(roots[place], places.tooth - 1, drive.teeth.of(gear).teeth)
+        rows = worst_of_tooth[worst_of_tooth >= 0]
+        chosen = places.kept(rows)
+        load_n_mm = roots[place, rows] / method.root_stress(chosen).tension_mpa
+        fields[gear] = method.painted(chosen, load_n_mm)
+    row = int(np.argmax(roots.max(axis=0)))
+    (position,) = positions_at(drive, contacts.phi1_rad[[row]])
+    return stress_field_png(drive, fields, float(roots.max()), position, _titled(drive, "stress in the teeth"))
+
+
+def _gears(drive: Drive, rating: Rating) -> bytes:
+    """The pair at the driving angle at which its weakest tooth has its largest stress."""
+    strength, found = rating.strength, rating.weakest
+    wanted = {(one.gear, one.damage): one.wanted for one in found}
+    gears = {}
+    for gear in Gear:
+        shares = [life.safety / wanted[gear, damage] for damage, life in lives_of(strength, gear).items()]
+        gears[gear] = ColouredGear(np.min(shares, axis=0), worst([one for one in found if one.gear is gear]).tooth)
+    weakest = worst(found)
+    (position,) = positions_at(drive, np.array([weakest.phi1_rad]))
+    least, tooth = to_digits(weakest.safety, 3), f"tooth {weakest.tooth} of the {weakest.gear.value} gear"
+    what = f"least safety {least} against {weakest.damage.words}, {tooth},"
+    return coloured_teeth_png(drive, gears, position, _titled(drive, what))
+
+
+def _titled(drive: Drive, what: str) -> str:
+    return titled(drive, what if drive.stage is None else f"stage {drive.stage}, {what}")
 
 
 def strength_files(drive: Drive, rating: Rating, figures: Mapping[str, Any]) -> dict[str, bytes]:

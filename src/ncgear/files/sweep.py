@@ -8,18 +8,189 @@ from math import isnan
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
-from ncgear.drawings.plots.sweep_plots import MOST_KEYS, Axis, Effect, Named, effects, pareto, scatter_matrix
+from ncgear.drawings.plots import canvas
+from ncgear.drawings.plots.canvas import Style
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.quantities import name_of
 from ncgear.figures.sweep import effects_csv, front_csv, values_of
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.units import label_and_unit
 from ncgear.screening.designs import Designs
 from ncgear.screening.overview import Overview, rank_correlations
+
+CELL_IN = 1.75
+"""Width and height of a small picture among many."""
+
+MOST_KEYS = 6
+"""Keys that a picture has room for; those that explain most of the first objective are shown."""
+
+TICKS = 4
+TICKS_OF_A_CELL = 3
+LABEL = 0.05
+"""Designs nearer to each other than this share of the picture have one number between them, the first one's."""
+
+TITLE_IN = 0.62
+
+ROUNDING = 1e-9
+"""Share of a figure by which it differs from design to design only as numbers are rounded."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A key or an objective: its heading with the unit, and its values of designs by lot and of the Pareto set."""
+
+    head: str
+    drawn: Array
+    front: Array
+
+
+def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
+    """PNG of every pair of keys and objectives below the diagonal, on which there is each one's distribution."""
+    count = len(axes)
+    size = CELL_IN * count + 0.9
+    width, height = max(size, 5.0), size + TITLE_IN
+    made = canvas.figure(width, height, title)
+    margins = canvas.Margins(left=0.95, right=0.2, bottom=0.75, top=TITLE_IN + 0.15).shares(width, height)
+    made.subplots_adjust(**margins, hspace=0.12, wspace=0.12)
+    for row, up in enumerate(axes):
+        for column, along in enumerate(axes[: row + 1]):
+            cell = made.add_subplot(count, count, row * count + column + 1)
+            if row == column:
+                _distribution(cell, up)
+            else:
+                _points(cell, along, up)
+            canvas.dress(
+                cell, _broken(along.head) if row == count - 1 else "", _broken(up.head) if column == 0 and row else ""
+            )
+            for axis, values in ((cell.xaxis, along.drawn), (cell.yaxis, up.drawn)):
+                axis.set_major_locator(_ticks(values, TICKS_OF_A_CELL))
+                axis.get_major_formatter().set_useOffset(False)  # type: ignore[attr-defined]
+            cell.tick_params(labelbottom=row == count - 1, labelleft=column == 0 and row > 0)
+            _small_labels(cell)
+    note: Style = {"size": canvas.SMALL, "ha": "right", "va": "top"}
+    made.text(0.985, 1.0 - 0.40 / height, "blue: designs by lot", color=canvas.DRIVING, **note)
+    made.text(0.985, 1.0 - 0.56 / height, "purple: best designs", color=canvas.HIGHLIGHT, **note)
+    return canvas.png(made)
+
+
+def _points(cell: Axes, along: Axis, up: Axis) -> None:
+    cell.plot(along.drawn, up.drawn, color=canvas.DRIVING, marker=".", markersize=1.8, alpha=0.35, linestyle="none")
+    cell.plot(along.front, up.front, color=canvas.HIGHLIGHT, marker="o", markersize=2.8, linestyle="none", zorder=3)
+
+
+def _distribution(cell: Axes, axis: Axis) -> None:
+    if len(axis.drawn):
+        # Values that differ by rounding alone leave no room for bars.
+        differ = np.ptp(axis.drawn) > ROUNDING * np.abs(axis.drawn).max()
+        cell.hist(axis.drawn, bins=24 if differ else 1, color=canvas.DRIVING, alpha=0.55)
+    cell.set_yticks([])
+
+
+def _broken(head: str) -> str:
+    """A heading in two lines, the unit in the second one."""
+    return head.replace(", ", ",\n", 1)
+
+
+def _ticks(values: Array, most: int = TICKS) -> MaxNLocator:
+    """A few ticks, at whole numbers where all values are whole."""
+    return MaxNLocator(most, integer=bool(np.all(values == np.round(values))))
+
+
+def _small_labels(cell: Axes) -> None:
+    cell.xaxis.label.set_fontsize(canvas.SMALL)
+    cell.yaxis.label.set_fontsize(canvas.SMALL)
+
+
+Named = tuple[str, float, float]
+"""A design by its number, and its place in the picture."""
+
+
+def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
+    """PNG of two objectives: designs by lot, the Pareto set, and the designs of it that are written as files."""
+    width, height = 8.2, 5.8
+    made = canvas.figure(width, height, title)
+    made.subplots_adjust(**canvas.Margins(left=0.95, right=0.3, top=0.8).shares(width, height))
+    axes = made.add_subplot()
+    axes.plot(along.drawn, up.drawn, color=canvas.REFERENCE, marker=".", markersize=2.5, alpha=0.4, linestyle="none")
+    order = np.argsort(along.front)
+    axes.plot(
+        along.front[order], up.front[order], color=canvas.DRIVING, linewidth=1.0, marker="o", markersize=3.0, zorder=3
+    )
+    axes.ticklabel_format(useOffset=False)
+    _near_the_front(axes, along, up)
+    labelled: list[Array] = []
+    for name, x, y in named:
+        axes.plot([x], [y], color=canvas.HIGHLIGHT, marker="D", markersize=6.0, linestyle="none", zorder=4)
+        place = axes.transAxes.inverted().transform(axes.transData.transform((x, y)))
+        if all(np.abs(place - other).max() > LABEL for other in labelled):
+            note: Style = {"size": canvas.SMALL, "color": canvas.INK, "zorder": 5}
+            axes.annotate(name, (x, y), xytext=(5.0, 5.0), textcoords="offset points", **note)
+            labelled.append(place)
+    canvas.dress(axes, along.head, up.head)
+    said: Style = {"size": canvas.SMALL, "ha": "right", "va": "bottom", "transform": axes.transAxes}
+    axes.text(1.0, 1.04, "grey: designs by lot", color=canvas.REFERENCE, **said)
+    axes.text(0.82, 1.04, "blue: Pareto set", color=canvas.DRIVING, **said)
+    axes.text(0.68, 1.04, "purple: written as files, by number", color=canvas.HIGHLIGHT, **said)
+    return canvas.png(made)
+
+
+def _near_the_front(axes: Axes, along: Axis, up: Axis) -> None:
+    """Show the front, and about it as much again, or the quarter of the other designs that is nearest to it."""
+    for axis, limits in ((along, axes.set_xlim), (up, axes.set_ylim)):
+        low, high = axis.front.min(), axis.front.max()
+        every = np.concatenate([axis.drawn, axis.front])
+        away = np.maximum(low - every, every - high).clip(0.0)
+        room = max(high - low, np.quantile(away, 0.25), 1e-9 * abs(high), 1e-300)
+        limits(max(low - room, every.min() - 0.05 * room), min(high + room, every.max() + 0.05 * room))
+
+
+def _effects_picture(name: str, overview: Overview) -> bytes:
+    """PNG with a row for each key: the mean of each objective, and the share refused, over the key's values."""
+    known, ranks = overview.effects, rank_correlations(overview)
+    keys = _foremost(overview)
+    places = [overview.space.keys.index(key) for key in keys]
+    bins = [known.designs[place] > 0.0 for place in places]
+    heads = [*(f"mean {_head(one.name)}" for one in overview.wanted.objectives), "refused, %"]
+    columns = len(heads)
+    width, height = 2.75 * columns + 0.9, 1.75 * len(keys) + TITLE_IN + 0.4
+    made = canvas.figure(width, height, f"{name}: what each key does to {overview.count} designs")
+    margins = canvas.Margins(left=0.95, right=0.2, bottom=0.6, top=TITLE_IN + 0.35).shares(width, height)
+    made.subplots_adjust(**margins, hspace=0.85, wspace=0.42)
+    # Of an objective, all keys have the same scale, so that what matters looks large.
+    for row, (key, place, counted) in enumerate(zip(keys, places, bins, strict=True)):
+        middles = known.places[place][counted]
+        for column, head in enumerate(heads):
+            cell = made.add_subplot(len(keys), columns, row * columns + column + 1)
+            last = column == columns - 1
+            values = (100.0 * known.refused_share[place] if last else known.means[place][:, column])[counted]
+            color = canvas.DRIVEN if last else canvas.DRIVING
+            finite = np.isfinite(values)
+            cell.plot(middles[finite], values[finite], color=color, marker="o", markersize=3.0, linewidth=1.4)
+            canvas.dress(cell, _head(key), "")
+            _small_labels(cell)
+            cell.xaxis.set_major_locator(_ticks(middles))
+            cell.yaxis.set_major_locator(MaxNLocator(TICKS))
+            if last:
+                cell.set_ylim(-4.0, 104.0)
+            else:
+                of_all = zip(places, bins, strict=True)
+                means = np.concatenate([known.means[other][some][:, column] for other, some in of_all])
+                low, high = np.nanmin(means), np.nanmax(means)
+                room = max(0.06 * (high - low), 1e-6 * abs(high), 1e-300)
+                cell.set_ylim(low - room, high + room)
+                said = _said(known.explained[place, column], ranks[place, column])
+                cell.text(0.02, 1.03, said, transform=cell.transAxes, size=canvas.SMALL, color=canvas.INK)
+            if row == 0:
+                cell.set_title(head, size=canvas.SMALL + 1.0, color=color, pad=18.0, loc="left", weight="bold")
+    return canvas.png(made)
+
 
 DESIGNS = 8
 """Designs of the Pareto set that are written as files: the ends of the set, and others between them."""
@@ -52,7 +223,8 @@ def sweep_files(
         values = {key: whole(value) for key, value in values_of(front, row).items()}
         files[f"{BEST}/{copy}.yaml"] = design_copy(loaded, {"name": copy, **values}).encode()
     files["effects.png"] = _effects_picture(name, shown)
-    files["scatter.png"] = _scatter(name, shown, front)
+    names = dict.fromkeys([*_foremost(shown), *(one.name for one in shown.wanted.objectives)])
+    files["scatter.png"] = scatter_matrix([_axis(one, shown, front) for one in names], f"{name}: {shown.kept} designs")
     for first, second in combinations(range(len(wanted.objectives)), 2):
         ending = "" if len(wanted.objectives) == 2 else f"-{first + 1}-{second + 1}"
         files[f"pareto{ending}.png"] = _pareto_picture(name, shown, overview, chosen, first, second)
@@ -91,11 +263,6 @@ def _foremost(overview: Overview) -> list[str]:
     return [keys[place] for place in sorted(first.tolist())]
 
 
-def _scatter(name: str, shown: Overview, front: Designs) -> bytes:
-    names = dict.fromkeys([*_foremost(shown), *(one.name for one in shown.wanted.objectives)])
-    return scatter_matrix([_axis(one, shown, front) for one in names], f"{name}: {shown.kept} designs")
-
-
 def _pareto_picture(
     name: str, shown: Overview, overview: Overview, chosen: IndexArray, first: int, second: int
 ) -> bytes:
@@ -106,25 +273,6 @@ def _pareto_picture(
     screened = f", out of {shown.kept} screened" if shown is not overview and shown.kept > overview.kept else ""
     title = f"{name}: Pareto set, {len(front.numbers)} of {overview.kept} designs{screened}"
     return pareto(along, up, named, title)
-
-
-def _effects_picture(name: str, overview: Overview) -> bytes:
-    keys, explained, ranks = overview.space.keys, overview.effects.explained, rank_correlations(overview)
-    rows = []
-    for key in _foremost(overview):
-        place = keys.index(key)
-        known = overview.effects.designs[place] > 0.0
-        rows.append(
-            Effect(
-                _head(key),
-                overview.effects.places[place][known],
-                overview.effects.refused_share[place][known],
-                overview.effects.means[place][known],
-                [_said(*one) for one in zip(explained[place], ranks[place], strict=True)],
-            )
-        )
-    heads: Sequence[str] = [_head(one.name) for one in overview.wanted.objectives]
-    return effects(rows, heads, f"{name}: what each key does to {overview.count} designs")
 
 
 def _said(explained: float, rank: float) -> str:

@@ -174,7 +174,7 @@ def swept(
     with ExitStack() as held:
         known = wanted.of((*screening.figures, *screening.space.keys))
         compute = partial(_screened_bytes, screening, parts.digest)
-        _computed(parts, counts, compute, _Sampled(screening), on, on_done, held)
+        _computed(parts, counts, compute, screening.values, on, on_done, held)
         overview, choice = _gathered(parts, len(counts), screening.space, known, chosen=_is_deep(order.stage))
         if not _is_deep(order.stage):
             return Swept(overview, parts)
@@ -183,7 +183,7 @@ def swept(
         deep_plan = {**plan, "stage": order.stage, "chosen": len(numbers), "chosen_sha256": _digest(numbers.tolist())}
         deep = Parts(folder / f"{order.stage}.parquet", {**deep_plan, "designs_in_a_part": rows}, parts.keys)
         taken = [numbers[first : first + rows] for first in range(0, len(numbers), rows)]
-        tasks = _Chosen(parts, screening.rows, taken)
+        tasks = partial(_chosen, parts, screening.rows, taken)
         compute = partial(_deeper_bytes, screening.data, loaded.design.stages, order.stage, deep.digest)
         _computed(deep, [len(one) for one in taken], compute, tasks, on, on_done, held)
         below, _ = _gathered(deep, len(taken), screening.space, wanted)
@@ -198,38 +198,21 @@ def _deeper_bytes(data: dict[str, Any], pairs: int, stage: str, digest: str, tas
     return table_bytes(deepened(data, pairs, stage, task[1]), digest, task[0])
 
 
-@dataclass(frozen=True)
-class _Sampled:
-    """The values of all designs' keys, part by part, sampled as they are asked for."""
-
-    screening: Screening
-
-    def __getitem__(self, part: int) -> Array:
-        return self.screening.values(part)
-
-
-@dataclass(frozen=True)
-class _Chosen:
-    """The designs that go deeper, part by part, read from the table of all as they are asked for."""
-
-    parts: Parts
-    rows: int
-    taken: Sequence[Any]
-
-    def __getitem__(self, part: int) -> Designs:
-        numbers = self.taken[part]
-        found = []
-        for screened in np.unique(numbers // self.rows).tolist():
-            designs = self.parts.designs(screened)
-            found.append(designs.at(np.isin(designs.numbers, numbers)))
-        return joined(found)
+def _chosen(parts: Parts, rows: int, taken: Sequence[Any], part: int) -> Designs:
+    """The designs of a part that go deeper, read from the table of all."""
+    numbers = taken[part]
+    found = []
+    for screened in np.unique(numbers // rows).tolist():
+        designs = parts.designs(screened)
+        found.append(designs.at(np.isin(designs.numbers, numbers)))
+    return joined(found)
 
 
 def _computed(
     parts: Parts,
     counts: Sequence[int],
     compute: Callable[[tuple[int, Any]], bytes],
-    tasks: Any,
+    tasks: Callable[[int], Any],
     on: Callable[..., Iterator[tuple[tuple[int, Any], bytes]]],
     on_done: Counted,
     held: ExitStack,
@@ -242,7 +225,7 @@ def _computed(
     if len(missing) <= 1 and on.keywords["scheduler"] is None:  # type: ignore[attr-defined]
         # A process of its own would take longer to begin than a single part takes.
         on = partial(on, processes=1)
-    for (part, _), content in on(compute, ((part, tasks[part]) for part in missing)):
+    for (part, _), content in on(compute, ((part, tasks(part)) for part in missing)):
         parts.add(part, content)
         done += counts[part]
         on_done(done, total)

@@ -110,10 +110,12 @@ class Balancing(Shown):
         if drive.helix is not None:
             if correction is not None:
                 raise WrongInput("helical gears are not corrected; leave it out", key=f"gears.{gear}")
-            return BalancedGear(mesh_body(getattr(drive.solids, gear).mesh, asked.density_kg_m3), speed_rad_s, None)
+            return BalancedGear(
+                mesh_body(getattr(drive.solids, gear).triangles, asked.density_kg_m3), speed_rad_s, None
+            )
         solid, width, density = getattr(drive.solids, gear), drive.gears.face_width_mm, asked.density_kg_m3
         plan = solid.plan
-        body = plate_body(plan.section, width, density) if plan.is_plate else mesh_body(solid.mesh, density)
+        body = plate_body(plan.section, width, density) if plan.is_plate else mesh_body(solid.triangles, density)
         if correction is None:
             return BalancedGear(body, speed_rad_s, None)
         if not plan.is_plate:

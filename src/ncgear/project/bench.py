@@ -27,9 +27,10 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
+    from trimesh import Trimesh
+
     from ncgear.contact.written.as_written import AsWritten
     from ncgear.solids.mesh.pair import SolidPair
-    from ncgear.solids.mesh.triangles import TriangleMesh
     from ncgear.strength.elements.teeth import Elements
     from ncgear.teeth.gear import ToothedPair
 
@@ -364,11 +365,11 @@ def _solids(drive: Drive) -> Stage:
     )
 
 
-def _section_error_mm(exact: Array, mesh: TriangleMesh, height_mm: float) -> float:
+def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
     """The farthest of exact points of a tooth outline from a section of a mesh, from its line that is nearest."""
     from ncgear.metrology.chord_error import farthest_mm
 
-    section = mesh.as_trimesh().section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
+    section = mesh.section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
     if section is None:
         raise Unanswered(f"a gear's mesh has no section at z = {height_mm:g} mm")
     return min(farthest_mm(exact, np.asarray(line)[:-1, :2]) for line in section.discrete)

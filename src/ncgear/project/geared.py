@@ -204,7 +204,8 @@ class Geared(Moving):
         if self.helix is not None:
             solids = self.solids
             return {
-                gear: max(radii[gear], float(np.hypot(*solids.of(gear).mesh.vertices.T[:2]).max())) for gear in Gear
+                gear: max(radii[gear], float(np.hypot(*solids.of(gear).triangles.vertices.T[:2]).max()))
+                for gear in Gear
             }
         if self.pitch.driven.is_ring:
             rim_mm = rim_mm_of(self.gears, self.pitch.size.module_mm)

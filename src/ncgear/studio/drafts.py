@@ -12,8 +12,7 @@ import secrets
 from contextlib import suppress
 from pathlib import Path
 
-from ncgear.files.locks import locked
-from ncgear.files.one_file import UNFINISHED, hidden, write_all
+from ncgear.files.one_file import UNFINISHED, hidden, locked, write_all
 from ncgear.studio.on_disk import DesignOnDisk
 
 DRAFT = ".unsaved-"

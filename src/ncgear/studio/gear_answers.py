@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.page.charts import motion_charts
 from ncgear.drawings.page.data import scene_data
-from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_without_gears
 from ncgear.errors import DesignError
@@ -36,8 +36,8 @@ def gear_answers(drive: Drive) -> Iterator[Answer]:
 
 def contact_answers(drive: Drive) -> Iterator[Answer]:
     """What the teeth do: ``teeth``, ``strength``, ``chart`` for each chart of teeth, ``verdict``."""
+    from ncgear.drawings.page.charts import charts_of_pair
     from ncgear.drawings.page.page import stage_name
-    from ncgear.drawings.page.page_charts import charts_of_pair
     from ncgear.drawings.page.tables import strength_tables, typeset
     from ncgear.figures.advice.verdict import Known, judged
     from ncgear.figures.answers.machine import gear_facts

@@ -14,8 +14,8 @@ import numpy as np
 from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_figure import PageChart
+from ncgear.drawings.page.charts import motion_charts, quantities_of
 from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
-from ncgear.drawings.page.motion_charts import motion_charts, quantities_of
 from ncgear.drawings.scene.scene import scene_without_gears
 from ncgear.project.drive import Drive
 from ncgear.studio.answers import Answer

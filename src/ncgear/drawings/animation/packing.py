@@ -1,4 +1,4 @@
-"""The moving picture packed as the bytes of a file: an endless GIF by Pillow, or an MP4 by ffmpeg."""
+"""The moving picture packed as the bytes of a file: an endless GIF by Pillow in few colours, or an MP4 by ffmpeg."""
 
 from __future__ import annotations
 
@@ -9,13 +9,51 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from matplotlib.colors import to_rgb
 from PIL import Image
 
 from ncgear.drawings.animation import AnimationFormat
-from ncgear.drawings.animation.images import drawn, in_colors, palette_found
-from ncgear.drawings.animation.moving_picture import picture
+from ncgear.drawings.animation import artists as looks
+from ncgear.drawings.animation.moving_picture import Picture, picture
 from ncgear.drawings.scene.scene import Scene
 from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+
+COLORS = 128
+"""Colours of a GIF's palette beside those of lines: enough for shades at edges, with half the bytes of 256 colours."""
+
+PAPER = 244
+"""Colours whose red, green and blue are at least this become white.
+
+Pillow finds the colour of a palette to 4 of 255, and the median of many shades of white is also off by up to 4.
+"""
+
+SAMPLES = 4
+"""Number of frames, spread over the loop, from which the colours of a GIF are taken; so memory never holds them all."""
+
+
+EVERY = 2
+"""Of these frames every second pixel of every second row is looked at: a quarter of the time, and colours as near."""
+
+
+def palette_found(made: Picture, scene: Scene) -> Image.Image:
+    """An image of one pixel with the colours of a picture's frames and of lines as its palette.
+
+    Nearly white colours become white, so that the paper stays white.
+    """
+    some = list(made.frames(scene.poses(scene.evenly_in_time(SAMPLES))))
+    found = Image.fromarray(np.concatenate(some)[::EVERY, ::EVERY]).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
+    colors = np.array(found.getpalette()).reshape(-1, 3)
+    colors[colors.min(axis=1) >= PAPER] = 255
+    pure = [round(255 * part) for color in looks.PURE for part in to_rgb(color)]
+    found.putpalette([*colors[:COLORS].ravel().tolist(), *pure])
+    return found.crop((0, 0, 1, 1))
+
+
+def drawn(made: Picture, scene: Scene, phi1_rad: Array) -> Iterator[Image.Image]:
+    """Images of a picture that is made, in full colours, one after the other."""
+    return map(Image.fromarray, made.frames(scene.poses(phi1_rad)))
+
 
 TICK_MS = 10
 """The unit of time of GIF files: a hundredth of a second."""
@@ -73,9 +111,11 @@ PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
     """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
     made = picture(scene, loop.width_px)
-    palette = palette_found(made, scene) if kind is AnimationFormat.GIF else None
     # Without the end of the loop, which looks like its beginning.
-    images = (in_colors(image, palette) for image in drawn(made, scene, scene.evenly_in_time(loop.frames)))
+    images = drawn(made, scene, scene.evenly_in_time(loop.frames))
+    if kind is AnimationFormat.GIF:
+        palette = palette_found(made, scene)
+        images = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
     return PACKERS[kind](_counted(images, loop.frames, on_frame), loop)
 
 

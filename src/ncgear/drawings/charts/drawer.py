@@ -9,23 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ncgear.drawings.charts.chart import DRIVING_ANGLE, Chart, Line, Role
-from ncgear.drawings.plots.canvas import (
-    DRIVEN,
-    DRIVING,
-    HIGHLIGHT,
-    INK,
-    JOINT,
-    NORMAL,
-    REFERENCE,
-    SMALL,
-    Margins,
-    Style,
-    dress,
-    figure,
-    legend_above,
-    place_note,
-    png,
-)
+from ncgear.drawings.plots import canvas
+from ncgear.drawings.plots.canvas import Style
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -44,7 +29,7 @@ class Look:
     styles: Mapping[Role, Style]
     label_break: str = " "
     marks_extremes: bool = True
-    finish: Callable[[Axes, Chart, str], None] = lambda axes, _, label: dress(axes, "", label)
+    finish: Callable[[Axes, Chart, str], None] = lambda axes, _, label: canvas.dress(axes, "", label)
 
     def label(self, chart: Chart) -> str:
         """The label of the vertical axis."""
@@ -52,49 +37,49 @@ class Look:
 
 
 MOTION_LINES: dict[Role, Style] = {
-    Role.OWN: {"color": DRIVING, "linewidth": 2.0},
+    Role.OWN: {"color": canvas.DRIVING, "linewidth": 2.0},
     # The uniform crank is drawn on top: where the two agree, both show.
-    Role.UNIFORM: {"color": REFERENCE, "linewidth": 1.2, "linestyle": DASHED},
-    Role.MEAN: {"color": INK, "linewidth": 0.9, "linestyle": (0, (1.5, 1.5))},
+    Role.UNIFORM: {"color": canvas.REFERENCE, "linewidth": 1.2, "linestyle": DASHED},
+    Role.MEAN: {"color": canvas.INK, "linewidth": 0.9, "linestyle": (0, (1.5, 1.5))},
 }
 
 MOTION_LOOK = Look(MOTION_LINES)
 LOAD_LOOK = Look(MOTION_LINES, label_break="\n")
 TIME_LOOK = Look(
     {
-        Role.OWN: {"color": DRIVING, "linewidth": 1.6},
-        Role.UNIFORM: {"color": REFERENCE, "linewidth": 1.1, "linestyle": DASHED},
+        Role.OWN: {"color": canvas.DRIVING, "linewidth": 1.6},
+        Role.UNIFORM: {"color": canvas.REFERENCE, "linewidth": 1.1, "linestyle": DASHED},
     },
     label_break="\n",
 )
 CONTACT_LOOK = Look(
     {
-        Role.OWN: {"color": DRIVING, "linewidth": 1.6},
-        Role.OTHER: {"color": REFERENCE, "linewidth": 1.1},
-        Role.WRITTEN: {"color": HIGHLIGHT, "linewidth": 0.8, "zorder": 1.9},
+        Role.OWN: {"color": canvas.DRIVING, "linewidth": 1.6},
+        Role.OTHER: {"color": canvas.REFERENCE, "linewidth": 1.1},
+        Role.WRITTEN: {"color": canvas.HIGHLIGHT, "linewidth": 0.8, "zorder": 1.9},
     },
     label_break="\n",
 )
 
 
 def _dress_with_legend(axes: Axes, _: Chart, label: str) -> None:
-    dress(axes, "", label)
-    legend_above(axes)
+    canvas.dress(axes, "", label)
+    canvas.legend_above(axes)
 
 
 STRENGTH_LOOK = Look(
     {
-        Role.OWN: {"color": DRIVING, "linewidth": 1.4},
-        Role.OTHER: {"color": DRIVEN, "linewidth": 1.1},
-        Role.LIMIT: {"color": INK, "linewidth": 1.0, "linestyle": (0, (1.5, 1.5))},
+        Role.OWN: {"color": canvas.DRIVING, "linewidth": 1.4},
+        Role.OTHER: {"color": canvas.DRIVEN, "linewidth": 1.1},
+        Role.LIMIT: {"color": canvas.INK, "linewidth": 1.0, "linestyle": (0, (1.5, 1.5))},
     },
     label_break="\n",
     # The lines of each chart have names of their own.
     finish=_dress_with_legend,
 )
 
-AT_JOINTS: Style = {"color": JOINT, "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
-APART: Style = {"color": HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
+AT_JOINTS: Style = {"color": canvas.JOINT, "linewidth": 0.8, "linestyle": (0, (1.5, 2.5)), "zorder": 0.8}
+APART: Style = {"color": canvas.HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
 
 MOST_JOINTS = 12
 """Joints are not marked if there are more than these, as in a table: the marks would look like a grid."""
@@ -142,19 +127,23 @@ def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
     x, y = float(line.x[place]), float(line.values[place])
     if y == 0.0:
         axes.set_ylim(0.0, 1.0)
-        axes.text(0.5, 0.5, "zero throughout", transform=axes.transAxes, size=NORMAL, color=INK, ha="center")
+        axes.text(
+            0.5, 0.5, "zero throughout", transform=axes.transAxes, size=canvas.NORMAL, color=canvas.INK, ha="center"
+        )
         return
     axes.margins(y=0.16)
     axes.autoscale_view(scalex=False)
     curves = [curve for curve in axes.lines if _is_curve(curve)]
-    axes.plot(x, y, "o", color=DRIVING, markersize=4.5)
+    axes.plot(x, y, "o", color=canvas.DRIVING, markersize=4.5)
     text = f"{to_digits(y, 4)} {unit} at {fixed(x, 0)}\u00b0".replace("-", "\u2212")
-    note = axes.annotate(text, (x, y), xytext=(0.0, 0.0), textcoords="offset points", size=SMALL, color=INK)
+    note = axes.annotate(
+        text, (x, y), xytext=(0.0, 0.0), textcoords="offset points", size=canvas.SMALL, color=canvas.INK
+    )
     # Where no place is clear, the note covers a curve with the paper: a line through digits makes them another number.
     note.set_bbox({"facecolor": axes.get_facecolor(), "edgecolor": "none", "alpha": 0.85, "pad": 0.8})
     note.set_zorder(5.0)
     up = 1.0 if y > 0.0 else -1.0
-    place_note(axes, note, [(across, along, up * away) for across, along, away in NOTE_PLACES], curves)
+    canvas.place_note(axes, note, [(across, along, up * away) for across, along, away in NOTE_PLACES], curves)
 
 
 NOTE_PLACES = (
@@ -176,7 +165,7 @@ from the point along the axis and upwards.  For a lowest point upwards is downwa
 
 def _is_curve(line: Line2D) -> bool:
     """Whether a line has points to be read, other than the marks of joints."""
-    return line.get_color() != JOINT and np.size(line.get_xdata()) > 0
+    return line.get_color() != canvas.JOINT and np.size(line.get_xdata()) > 0
 
 
 def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
@@ -185,8 +174,8 @@ def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
     step = 45 * max(round(end_deg / 360.0), 1)
     column[-1].set_xlim(0.0, end_deg)
     column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
-    column[-1].set_xlabel(DRIVING_ANGLE, size=NORMAL, color=INK)
-    legend_above(column[0])
+    column[-1].set_xlabel(DRIVING_ANGLE, size=canvas.NORMAL, color=canvas.INK)
+    canvas.legend_above(column[0])
 
 
 def align(column: Sequence[Axes], width_in: float) -> None:
@@ -220,21 +209,21 @@ STRENGTH_COLUMN = ColumnSizes(row_in=2.2, rest_in=1.4, left_in=1.0, gap=0.22)
 def column_png(charts: Sequence[Chart], title: str, look: Look, sizes: ColumnSizes) -> bytes:
     """PNG of charts below one another over the same driving angle, with one legend above them."""
     size = COLUMN_IN, sizes.row_in * len(charts) + sizes.rest_in
-    made = figure(*size, title)
-    spaces = {**Margins(left=sizes.left_in).shares(*size), "hspace": sizes.gap}
+    made = canvas.figure(*size, title)
+    spaces = {**canvas.Margins(left=sizes.left_in).shares(*size), "hspace": sizes.gap}
     column = list(made.subplots(len(charts), 1, sharex=True, squeeze=False, gridspec_kw=spaces)[:, 0])
     for axes, chart in zip(column, charts, strict=True):
         draw(axes, chart, look)
     angle_scale(column, charts[0].end)
     align(column, COLUMN_IN)
-    return png(made)
+    return canvas.png(made)
 
 
 def beside_png(pairs: Sequence[tuple[Chart, Chart]], title: str) -> bytes:
     """PNG with a row for each pair of charts, the left one over the driving angle, the right one over displacement."""
     size = 10.2, 5.6
-    made = figure(*size, title)
-    spaces = {**Margins().shares(*size), "hspace": 0.12, "wspace": 0.06}
+    made = canvas.figure(*size, title)
+    spaces = {**canvas.Margins().shares(*size), "hspace": 0.12, "wspace": 0.06}
     grid = made.subplots(len(pairs), 2, sharex="col", sharey="row", squeeze=False, gridspec_kw=spaces)
     left = list(grid[:, 0])
     for row, pair in zip(grid, pairs, strict=True):
@@ -245,5 +234,5 @@ def beside_png(pairs: Sequence[tuple[Chart, Chart]], title: str) -> bytes:
         row[1].set_ylabel("")
     angle_scale(left, pairs[0][0].end)
     align(left, size[0])
-    grid[-1, 1].set_xlabel(pairs[-1][1].across, size=NORMAL, color=INK)
-    return png(made)
+    grid[-1, 1].set_xlabel(pairs[-1][1].across, size=canvas.NORMAL, color=canvas.INK)
+    return canvas.png(made)

@@ -17,15 +17,27 @@ from markupsafe import Markup
 from ncgear.contact.designed.as_designed import AsDesigned
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
-from ncgear.drawings.charts import contact_charts
+from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
-from ncgear.drawings.charts.strength_charts import strength_charts
-from ncgear.drawings.notebook.frame import NOTHING, charts, facts, figures, framed, made, not_made, refusal, table
-from ncgear.drawings.notebook.running import running
-from ncgear.drawings.notebook.shapes import picture, pitch_outlines, section_outline, tooth_outline, tooth_outlines
+from ncgear.drawings.notebook.pieces import (
+    NOTHING,
+    charts,
+    facts,
+    figures,
+    framed,
+    made,
+    not_made,
+    picture,
+    pitch_outlines,
+    refusal,
+    running,
+    section_outline,
+    table,
+    tooth_outline,
+    tooth_outlines,
+)
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.motion_charts import motion_charts
-from ncgear.drawings.page.page_charts import ratio_chart
+from ncgear.drawings.page.charts import motion_charts, ratio_chart
 from ncgear.drawings.page.tables import comparison_tables, typeset
 from ncgear.drawings.plots.frontier_plot import frontier
 from ncgear.drawings.scene.scene import scene_of
@@ -223,7 +235,7 @@ def _contact(contact: AsDesigned) -> Iterator[Markup]:
         }
     )
     yield facts([("error and greatest values", f"at {contact.placement.count} positions")])
-    drawn = contact_charts.pressure_angle(contact), contact_charts.sliding(contact), contact_charts.backlash(contact)
+    drawn = teeth_charts.pressure_angle(contact), teeth_charts.sliding(contact), teeth_charts.backlash(contact)
     yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
 
 
@@ -257,7 +269,7 @@ def _strength(strength: Strength) -> Iterator[Markup]:
         for one in found
     )
     yield table(Table("The weakest teeth", STRENGTH_COLUMNS, rows, (METHODS[strength.method],)))
-    drawn = strength_charts(strength, found)
+    drawn = teeth_charts.strength_charts(strength, found)
     yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
 
 

@@ -10,8 +10,9 @@ from ncgear.drawings.palette import style_of_colors, with_fallbacks
 
 PACKAGE = "ncgear.drawings.page"
 
-SCENE_SCRIPTS = ("angles", "places", "gestures", "teeth", "scene")
-SHARED_SCRIPTS = ("shafts", "clock", "charts", "views", "find", "readouts", "controls")
+SCENE_SCRIPTS = ("places", "gestures", "teeth", "scene")
+SHARED_SCRIPTS = ("clock", "charts", "find", "controls")
+"""Files of scene/ and of script/; each may use those before it.  The studio has them too."""
 
 
 def scene_script() -> str:

@@ -15,7 +15,6 @@ import numpy as np
 
 from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.page.chart_figure import ChartFigure
-from ncgear.drawings.scene.bodies import Chamber
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import views
@@ -45,11 +44,9 @@ class Pace:
 
 def paces(speed_rpm: float) -> list[Pace]:
     """The paces of a machine, the readable one first."""
-    made = [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S)]
-    for times in PACES:
-        speed = times * speed_rpm
-        made.append(Pace(f"{times:g}\u00d7 ({shown(speed)} r/min)", speed * DEG_S_PER_RPM))
-    return made
+    speeds = {times: times * speed_rpm for times in PACES}
+    multiples = (Pace(f"{n:g}\u00d7 ({shown(speed)} r/min)", speed * DEG_S_PER_RPM) for n, speed in speeds.items())
+    return [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S), *multiples]
 
 
 TABLE_ERROR_RAD = 1e-7
@@ -87,7 +84,7 @@ def scene_data(scene: Scene) -> dict[str, Any]:
         "gears": [_gear(gear, pair.module_mm) for pair in scene.pairs for gear in (pair.driving, pair.driven)],
         "pairs": [_pair(pair) for pair in scene.pairs],
         "linkage": _linkage(scene),
-        "chamber": None if scene.chamber is None else _chamber(scene.chamber),
+        "chamber": scene.chamber and {name: getattr(scene.chamber, f"{name}_mm") for name in CHAMBER},
         "views": {name: list(box) for name, box in views(scene).items()},
     }
 
@@ -106,13 +103,8 @@ def angle_table(transmission: Transmission) -> dict[str, Any]:
     columns = [_tables(partial(_law, piece), piece.start_rad, piece.end_rad)[0] for piece in transmission.pieces]
     at, value, slope = np.concatenate(columns, axis=1).tolist()
     lobes = transmission.lobes
-    return {
-        "period": lobes.driving_period_rad,
-        "rise": lobes.driven_period_rad,
-        "at": at,
-        "value": value,
-        "slope": slope,
-    }
+    periods = {"period": lobes.driving_period_rad, "rise": lobes.driven_period_rad}
+    return {**periods, "at": at, "value": value, "slope": slope}
 
 
 def _law(piece: Piece, phi1: Array) -> Array:
@@ -161,16 +153,8 @@ def _cubics(low: Array, high: Array) -> Array:
     return cubics
 
 
-def _chamber(chamber: Chamber) -> dict[str, Any]:
-    return {
-        "face": chamber.face_mm,
-        "start": chamber.start_mm,
-        "end": chamber.end_mm,
-        "begins": chamber.begins_mm,
-        "behind": chamber.behind_mm,
-        "level": chamber.level_mm,
-        "pushed": chamber.pushed_mm,
-    }
+CHAMBER = ("face", "start", "end", "begins", "behind", "level", "pushed")
+"""What scene.js knows of a chamber, in mm."""
 
 
 def _gear(gear: SceneGear, module_mm: float) -> dict[str, Any]:
@@ -191,8 +175,7 @@ def _gear(gear: SceneGear, module_mm: float) -> dict[str, Any]:
 
 
 def _places(points_mm: Array, module_mm: float) -> list[list[float]]:
-    rounded: list[list[float]] = np.round(points_mm, TOOTH_DECIMALS + _more(module_mm)).tolist()
-    return rounded
+    return [_rounded(place, TOOTH_DECIMALS + _more(module_mm)) for place in points_mm]
 
 
 def _more(size: float) -> int:
@@ -293,16 +276,8 @@ def _chart(figure: ChartFigure, numbers: Mapping[GridKey, int]) -> dict[str, Any
         {"grid": numbers[_grid_key(line, period)], "values": _rounded(line.values, decimals + MORE_DECIMALS)}
         for line in page_chart.chart.lines
     ]
-    return {
-        "key": page_chart.key,
-        "angle": page_chart.shaft,
-        "decimals": decimals,
-        "angle_deg": figure.angle_deg,
-        "x": figure.x,
-        "values": figure.values,
-        "y": figure.y,
-        "lines": lines,
-    }
+    scales = {name: getattr(figure, name) for name in ("angle_deg", "x", "values", "y")}
+    return {"key": page_chart.key, "angle": page_chart.shaft, "decimals": decimals, **scales, "lines": lines}
 
 
 def _rounded(values: Array, decimals: int) -> list[float]:

@@ -18,12 +18,12 @@ from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.beside import HERE, PAGE_CHARTS, Drawer
 from ncgear.drawings.page.assets import PACKAGE, asset, hash_of, in_own_scope, page_style, shared_script
+from ncgear.drawings.page.charts import gear_charts, motion_charts
 from ncgear.drawings.page.data import paces, page_data
-from ncgear.drawings.page.motion_charts import motion_charts
-from ncgear.drawings.page.page_charts import gear_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.solid_view import solid_view
 from ncgear.drawings.page.tables import (
+    ToothLinks,
     comparison_tables,
     contact_tables,
     sheet_tables,
@@ -31,7 +31,6 @@ from ncgear.drawings.page.tables import (
     typeset,
     versions,
 )
-from ncgear.drawings.page.teeth import ToothLinks
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.advice.verdict import Verdict
@@ -41,17 +40,11 @@ from ncgear.figures.numbers import shown
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 
-"""Files of scene/ and of script/; each may use those before it.  The studio has them too."""
-
 JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 
 
 def report_page(
-    drive: Drive,
-    loaded: LoadedDesign,
-    contacts: Sequence[PairContact],
-    verdict: Verdict,
-    drawer: Drawer = HERE,
+    drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact], verdict: Verdict, drawer: Drawer = HERE
 ) -> bytes:
     """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
 
@@ -124,7 +117,7 @@ def _rendered(content: Mapping[str, Any]) -> bytes:
     environment = Environment(loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined)
     environment.policies["json.dumps_kwargs"] = JSON_FORM
     template = environment.get_template("template.html.j2")
-    css, script = page_style(), in_own_scope(shared_script(), asset("script/solid.js"), asset("script/page.js"))
+    css, script = page_style(), in_own_scope(shared_script(), asset("script/page.js"))
     policy = _policy([hash_of(script), *(view.script_hash for view in content["solids"])])
     return template.render(**content, css=Markup(css), script=Markup(script), policy=policy).encode()
 

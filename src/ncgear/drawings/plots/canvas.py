@@ -115,13 +115,7 @@ def area(axes: Axes, points: Array, color: str, line_width: float, label: str = 
 
 
 def ring_area(
-    axes: Axes,
-    hole: Array,
-    center: tuple[float, float],
-    radius: float,
-    color: str,
-    line_width: float,
-    label: str = "",
+    axes: Axes, hole: Array, center: tuple[float, float], radius: float, color: str, line_width: float, label: str = ""
 ) -> None:
     """Draw the area between a circle and a closed outline within it (shape (n, 2)), with a faint filling."""
     # Agg fills by winding: the outline is a hole if it runs in the sense opposite to the circle.

@@ -9,21 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ncgear.drawings.plots.canvas import (
-    DRIVEN,
-    DRIVING,
-    HIGHLIGHT,
-    INK,
-    REFERENCE,
-    SMALL,
-    Margins,
-    Style,
-    dress,
-    figure,
-    legend_above,
-    place_note,
-    png,
-)
+from ncgear.drawings.plots import canvas
+from ncgear.drawings.plots.canvas import Style
 from ncgear.numerics.arrays import Array
 
 WIDTH_IN, HEIGHT_IN = 8.2, 5.8
@@ -46,17 +33,17 @@ def frontier(
     """
     standing = rows([mechanism[1:] for mechanism in mechanisms])
     shown = np.vstack([limit, laws, standing])
-    made = figure(WIDTH_IN, HEIGHT_IN, title)
-    made.subplots_adjust(**Margins(left=0.8, right=0.25, top=0.8).shares(WIDTH_IN, HEIGHT_IN))
+    made = canvas.figure(WIDTH_IN, HEIGHT_IN, title)
+    made.subplots_adjust(**canvas.Margins(left=0.8, right=0.25, top=0.8).shares(WIDTH_IN, HEIGHT_IN))
     axes = made.add_subplot()
     _draw_curves(axes, limit, laws, family)
     _set_scales(axes, shown)
     curves = list(axes.lines)
     for (name, *_), (power, acceleration) in zip(mechanisms, standing, strict=True):
         _draw_mechanism(axes, name, power, acceleration, curves)
-    dress(axes, "peak power in W", f"peak acceleration in {unit[:-1]}\u00b2")
-    legend_above(axes)
-    return png(made)
+    canvas.dress(axes, "peak power in W", f"peak acceleration in {unit[:-1]}\u00b2")
+    canvas.legend_above(axes)
+    return canvas.png(made)
 
 
 def rows(points: Sequence[tuple[float, float]]) -> Array:
@@ -68,16 +55,16 @@ def _draw_curves(axes: Axes, limit: Array, laws: Array, family: Array) -> None:
     # More power never needs more acceleration: so each point of the limit holds for all smaller powers, up to the point
     # before it.  Straight lines between points would lie above a curve that is hollow.
     powers, heights = np.append(WEAKEST, limit[:, 0]), np.append(limit[:1, 1], limit[:, 1])
-    axes.fill_between(powers, heights, 1e-3, step="pre", color=REFERENCE, alpha=0.14, linewidth=0.0)
-    note: Style = {"transform": axes.transAxes, "size": SMALL, "color": REFERENCE, "style": "italic"}
+    axes.fill_between(powers, heights, 1e-3, step="pre", color=canvas.REFERENCE, alpha=0.14, linewidth=0.0)
+    note: Style = {"transform": axes.transAxes, "size": canvas.SMALL, "color": canvas.REFERENCE, "style": "italic"}
     axes.text(0.03, 0.05, "impossible for any law", **note)
-    axes.plot(*limit.T, color=INK, linewidth=1.6, label="certified limit")
+    axes.plot(*limit.T, color=canvas.INK, linewidth=1.6, label="certified limit")
     # A single law may coincide with a mechanism and must still show on top of it.
     size = 3.5 if len(laws) > 1 else 8.0
-    style: Style = {"color": DRIVING, "linewidth": 1.8, "marker": "o", "markersize": size, "zorder": 4}
+    style: Style = {"color": canvas.DRIVING, "linewidth": 1.8, "marker": "o", "markersize": size, "zorder": 4}
     axes.plot(*laws.T, label="laws that can be made" if len(laws) > 1 else "this law", **style)
     if family.size:
-        axes.plot(*family.T, color=DRIVEN, linewidth=1.4, marker="s", markersize=3.0, label="published family")
+        axes.plot(*family.T, color=canvas.DRIVEN, linewidth=1.4, marker="s", markersize=3.0, label="published family")
 
 
 NOTE_PLACES = (
@@ -89,11 +76,11 @@ NOTE_PLACES = (
 
 
 def _draw_mechanism(axes: Axes, name: str, power: float, acceleration: float, curves: Sequence[Line2D]) -> None:
-    axes.plot([power], [acceleration], color=HIGHLIGHT, marker="D", markersize=6.0, linestyle="none")
+    axes.plot([power], [acceleration], color=canvas.HIGHLIGHT, marker="D", markersize=6.0, linestyle="none")
     # Names may contain dollar signs, which are not formulas.
-    note: Style = {"size": SMALL, "color": INK, "parse_math": False}
+    note: Style = {"size": canvas.SMALL, "color": canvas.INK, "parse_math": False}
     words = axes.annotate(name, (power, acceleration), xytext=(6.0, 5.0), textcoords="offset points", **note)
-    place_note(axes, words, NOTE_PLACES, curves)
+    canvas.place_note(axes, words, NOTE_PLACES, curves)
 
 
 def _set_scales(axes: Axes, shown: Array) -> None:

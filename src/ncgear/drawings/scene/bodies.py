@@ -1,18 +1,15 @@
 """The moving bodies of the mechanism with their shapes, and the chamber in which the slider works.
 
-Each link has a shape in its own frame.  A design file gives only lengths, so the shapes are drawn for the picture.  The
-crank lies along +x from its axis.  A slider has its pin at the origin and its face in front of it in +x.  The
-mechanism says where the bars, eyes and slots of the other links are.
+A design file gives only lengths, and the force, so shapes and the chamber are drawn for the picture, in proportion to
+crank and stroke.  The crank lies along +x from its axis, a slider has its pin at the origin and its face in front of it
+in +x, and the mechanism says where the bars, eyes and slots of the other links are.
 
-A slider moves in a guide.  Where it works against a force, the guide is a chamber with a load in it: a plain block, or
-straw where a design file says so; both are called material here.  A carton or a sheet is not pressed but pushed along a
-table: it stands where the force reaches half of its greatest, goes with the slider to the extended end, and stays there
-until the next stroke begins with a new one.  A design file gives the force, but not the chamber.
-So the height of the chamber, the length of the slider and the least depth of the material are chosen in proportion to
-the stroke.  The material reaches from the place where the force first acts to the end of the chamber.  On its way back
-the slider leaves it pressed; the next stroke begins with new material.  Where a force acts on the way back, there is
-material behind the slider then, which ends at the open end of the chamber; it is new at the extended end, and nothing
-is left of it at the retracted one.  Friction is not drawn.
+Where a slider works against a force, its guide is a chamber with a load in it, called material: a plain block, or straw
+where a design file says so.  It reaches from the place where the force first acts to the end of the chamber.  On its
+way back the slider leaves it pressed; the next stroke begins with new material.  Where a force acts on the way back,
+there is material behind the slider then, up to the open end of the chamber.  A carton or a sheet is pushed along a
+table instead: it stands where the force reaches half of its greatest, goes with the slider to the extended end, and
+stays there until the next stroke begins with a new one.  Friction is not drawn.
 """
 
 from __future__ import annotations

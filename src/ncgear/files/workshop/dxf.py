@@ -1,24 +1,30 @@
-"""DXF files (AutoCAD 2010 and later) in mm: closed contours on named layers."""
+"""DXF files (AutoCAD 2010 and later) in mm: drawings of gears, closed contours on named layers, and sheets.
+
+Of a sheet everything is at true size about the origin of the main view, so its frame is as much larger as the scale
+asks; the layout ``A4`` shows it on paper.  Its dimensions are dimensions; one in a view of another scale has the factor
+that makes its text right.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from io import StringIO
-from typing import Any
+from math import ceil, degrees, log10
 
 import ezdxf
 import numpy as np
 from ezdxf import units
 from ezdxf.document import Drawing as Document
-from ezdxf.entities.lwpolyline import LWPolylinePoints
+from ezdxf.entities import Dimension as DimensionEntity
 from ezdxf.layouts import BlockLayout, Modelspace
-from ezdxf.lldxf.types import DXFTag
 from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.errors import Unanswered
-from ncgear.files.workshop.drawing import (
+from ncgear.figures.numbers import drawn
+from ncgear.files.workshop import gear_drawing
+from ncgear.files.workshop.gear_drawing import (
     BULGE_DECIMALS,
+    DECIMALS,
     Circle,
     Cross,
     Drawing,
@@ -26,10 +32,10 @@ from ncgear.files.workshop.drawing import (
     Polyline,
     Shape,
     Use,
-    box_around,
-    decimals_for,
     written,
 )
+from ncgear.files.workshop.sheets import sheet as paper
+from ncgear.files.workshop.sheets.sheet import NARROW, Anchor, Dimension, Line, Measured, Pen, Ring, Sheet, Text
 from ncgear.numerics.arrays import Array
 
 VERSION = "R2010"
@@ -67,36 +73,40 @@ def dxf_files(shown: PairDrawings) -> dict[str, bytes]:
 def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
     """One file with drawings, each by the prefix of its layers' names; the same drawings give the same bytes.
 
-    The notes are below the drawings, and among the properties of the file.  Raises Unanswered for
-    a file in which the library's audit finds a fault.
+    The notes are below the drawings, and among the properties of the file.  Raises Unanswered for a file with faults.
     """
-    with without_clock():
-        document = ezdxf.new(VERSION, units=units.MM)
+
+    def fill(document: Document) -> None:
         document.linetypes.add("CENTER", CENTER_LINE, description="Center ____ _ ____")
-        decimals = decimals_for(drawings.values())
+        decimals = gear_drawing.decimals_for(drawings.values())
         for prefix, drawing in drawings.items():
             _draw(document, drawing, prefix, decimals)
-        _write(document, notes, *box_around(drawings.values()), decimals)
-        if document.audit().has_issues:
-            raise Unanswered(f"the DXF file of {notes[0]} has faults")
-        # Otherwise the library lists the classes in the order of a set, which differs from process to process.
-        for name in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
-            document.classes.add_class(name)
-        text = StringIO()
-        document.write(text)
-    return document.encode(text.getvalue())
+        _write(document, notes, *gear_drawing.box_around(drawings.values()), decimals)
+
+    return _file(notes[0], fill)
 
 
-@contextmanager
-def without_clock() -> Iterator[None]:
-    """A context in which files get no time of writing and no random identities."""
+def _file(name: str, fill: Callable[[Document], None]) -> bytes:
+    """A file of what fills it, with no time of writing and no random identities.
+
+    Raises Unanswered for a file in which the library's audit finds a fault.
+    """
     options = ezdxf.options
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:
-        yield
+        document = ezdxf.new(VERSION, units=units.MM)
+        fill(document)
+        if document.audit().has_issues:
+            raise Unanswered(f"the DXF file of {name} has faults")
+        # Otherwise the library lists the classes in the order of a set, which differs from process to process.
+        for kind in (*REQ_R2004, *sorted(document.entitydb.dxf_types_in_use())):
+            document.classes.add_class(kind)
+        text = StringIO()
+        document.write(text)
     finally:
         options.write_fixed_meta_data_for_testing = before
+    return document.encode(text.getvalue())
 
 
 def _draw(document: Document, drawing: Drawing, prefix: str, decimals: int) -> None:
@@ -114,47 +124,14 @@ def _add(space: Modelspace, shape: Shape, layer: str, decimals: int) -> None:
     match shape:
         case Polyline():
             bulges = written(shape.bulges, BULGE_DECIMALS)
-            add_chain(
-                space, written(shape.points, decimals), {**attributes, "flags": WHOLE_PATTERN}, bulges, closed=True
-            )
+            chain = np.column_stack([written(shape.points, decimals), bulges]).tolist()
+            space.add_lwpolyline(chain, "xyb", close=True, dxfattribs={**attributes, "flags": WHOLE_PATTERN})
         case Circle():
             x, y, radius = written(np.array([shape.x_mm, shape.y_mm, shape.radius_mm]), decimals).tolist()
             space.add_circle((x, y), radius, dxfattribs=attributes)
         case Cross():
             for start, end in written(shape.lines, decimals).tolist():
                 space.add_line(start, end, dxfattribs=attributes)
-
-
-class _ChainPoints(LWPolylinePoints):
-    """The points of a polyline, whose tags are one text: the library would make an object of every number."""
-
-    __slots__ = ()
-
-    def dxftags(self) -> Iterator[DXFTag]:
-        rows = ((x, y, f" 42\n{bulge}\n" if bulge else "") for x, y, _, _, bulge in self.values.tolist())
-        yield _TagText(0, "".join(f" 10\n{x}\n 20\n{y}\n{more}" for x, y, more in rows))
-
-
-class _TagText(DXFTag):
-    """Tags as the text that a file has of them."""
-
-    def dxfstr(self) -> str:
-        return str(self._value)
-
-
-def add_chain(
-    space: BlockLayout | Modelspace,
-    points: Array,
-    attributes: dict[str, Any],
-    bulges: Array | float = 0.0,
-    *,
-    closed: bool,
-) -> None:
-    """Add a polyline through points (n, 2) with bulges (n,), all at once: the library copies them point by point."""
-    chain, rows = space.add_lwpolyline([], close=closed, dxfattribs=attributes), np.zeros((len(points), 5))
-    rows[:, :2], rows[:, 4] = points, bulges
-    chain.lwpoints = _ChainPoints()
-    chain.lwpoints.set(rows)
 
 
 def _write(document: Document, notes: Sequence[str], low: Array, high: Array, decimals: int) -> None:
@@ -175,3 +152,137 @@ def _write(document: Document, notes: Sequence[str], low: Array, high: Array, de
     )
     center = tuple(written((foot + high) / 2.0, decimals).tolist())
     document.set_modelspace_vport(float(written(SLACK * (high[1] - foot[1]), decimals)), center)
+
+
+LETTERS, DIMENSIONS = "LETTERS", "DIMENSIONS"
+"""Layers beside those of the pens; the style of texts and that of dimensions have the same names."""
+
+TYPES = {Measured.LENGTH: 1, Measured.DIAMETER: 3, Measured.RADIUS: 4}
+OWN_BLOCK = 32
+"""Types of dimensions in DXF, and the flag that no other dimension uses its block."""
+
+
+def sheet_dxf(sheet: Sheet) -> bytes:
+    """A sheet as a file; the same sheet gives the same bytes.  Raises Unanswered for a file with faults."""
+
+    def fill(document: Document) -> None:
+        _prepare(document, sheet)
+        space = document.modelspace()
+        for item in sheet.items:
+            if isinstance(item, Dimension):
+                _measure(document, space, item, sheet)
+            else:
+                _put(space, item, sheet)
+        _show(document, sheet)
+
+    return _file(sheet.title, fill)
+
+
+def _prepare(document: Document, sheet: Sheet) -> None:
+    """Layers, styles, and the title among the properties."""
+    for pen in Pen:
+        line = "Continuous"
+        if pen.dashes_mm:
+            gaps = [length if place % 2 == 0 else -length for place, length in enumerate(pen.dashes_mm)]
+            document.linetypes.add(pen.name, [sum(pen.dashes_mm), *gaps])
+            line = pen.name
+        document.layers.add(pen.name, color=7, linetype=line, lineweight=round(100.0 * pen.width_mm))
+    document.layers.add(LETTERS, color=7, lineweight=25)
+    document.layers.add(DIMENSIONS, color=7, lineweight=25)
+    document.styles.add(LETTERS, font="arial.ttf").dxf.width = NARROW
+    sizes = {
+        "dimtxt": paper.LETTER_MM,
+        "dimasz": paper.ARROW_MM,
+        "dimexe": paper.BEYOND_MM,
+        "dimexo": paper.FREE_MM,
+        "dimgap": paper.FREE_MM,
+    }
+    looks = {"dimdec": 4, "dimzin": 8, "dimtad": 1, "dimtih": 0, "dimtoh": 0, "dimtxsty": LETTERS}
+    document.dimstyles.add(DIMENSIONS, dxfattribs={**sizes, **looks, "dimscale": 1.0 / sheet.scale})
+    # Dashes are in mm of paper.
+    document.header["$LTSCALE"], document.header["$PSLTSCALE"] = 1.0 / sheet.scale, 0
+    document.header.custom_vars.append("title", sheet.title)
+    document.header["$LWDISPLAY"] = 1
+
+
+def _true(points: Array, sheet: Sheet) -> Array:
+    """Points of the sheet (..., 2) at true size about the origin of the main view."""
+    return written((points - np.asarray(sheet.origin)) / sheet.scale, _decimals(sheet))
+
+
+def _decimals(sheet: Sheet) -> int:
+    """Decimals of coordinates of true size: as many on paper as any drawing has."""
+    return DECIMALS + max(0, ceil(log10(sheet.scale)))
+
+
+def _put(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet) -> None:
+    match item:
+        case Text():
+            place = tuple(_true(np.asarray(item.place), sheet).tolist())
+            # Programs place texts that do not begin at their place by the second point.
+            aligned = (
+                {"halign": [*Anchor].index(item.anchor), "align_point": place}
+                if item.anchor is not Anchor.START
+                else {}
+            )
+            turned = {"rotation": degrees(item.turned_rad)} if item.turned_rad else {}
+            attributes = {"layer": LETTERS, "style": LETTERS, "width": NARROW, "insert": place, **turned, **aligned}
+            space.add_text(item.words, height=item.letter_mm / sheet.scale, dxfattribs=attributes)
+        case Ring():
+            center = _true(np.asarray(item.center), sheet).tolist()
+            space.add_circle(
+                center, float(written(item.radius / sheet.scale, _decimals(sheet))), dxfattribs={"layer": item.pen.name}
+            )
+        case Line():
+            points, layer = _true(item.points, sheet), {"layer": item.pen.name}
+            if item.filled:
+                # A triangle, whose third corner a solid has twice.
+                space.add_solid(points[[0, 1, 2, 2]].tolist(), dxfattribs=layer)
+            elif len(points) == 2:
+                start, end = points.tolist()
+                space.add_line(start, end, dxfattribs=layer)
+            else:
+                flags = WHOLE_PATTERN | item.closed
+                space.add_lwpolyline(points.tolist(), "xy", close=item.closed, dxfattribs={**layer, "flags": flags})
+
+
+def _measure(document: Document, space: Modelspace, item: Dimension, sheet: Sheet) -> None:
+    """A dimension with the block that shows it; so it looks the same whatever fonts a program has."""
+    block = document.blocks.new_anonymous_block(type_char="D")
+    for part in paper.parts_of(item):
+        _put(block, part, sheet)
+    (one, other), base = _true(item.ends, sheet).tolist(), _true(item.base, sheet).tolist()
+    points = {"defpoint": base, "defpoint2": one, "defpoint3": other}
+    if item.measured is not Measured.LENGTH:
+        points = {"defpoint": one, "defpoint4": other}
+    dimension = space.new_entity(
+        "DIMENSION",
+        {
+            **{name: (*place, 0.0) for name, place in points.items()},
+            "layer": DIMENSIONS,
+            "dimstyle": DIMENSIONS,
+            "dimtype": TYPES[item.measured] | OWN_BLOCK,
+            "text": item.text.words.replace(drawn(item.value_mm, "mm"), "<>", 1),
+            "text_midpoint": (*_true(item.text.corners.mean(axis=0), sheet).tolist(), 0.0),
+            "actual_measurement": float(written(item.value_mm, _decimals(sheet))),
+            "geometry": block.name,
+        },
+    )
+    assert isinstance(dimension, DimensionEntity)
+    if item.view != sheet.scale:
+        style = dimension.override()
+        style["dimlfac"] = sheet.scale / item.view
+        style.commit()
+
+
+def _show(document: Document, sheet: Sheet) -> None:
+    """The view at opening, and the sheet on paper."""
+    size = np.asarray(sheet.size_mm)
+    low, high = _true(np.zeros(2), sheet), _true(size, sheet)
+    document.header["$EXTMIN"], document.header["$EXTMAX"] = (*low.tolist(), 0.0), (*high.tolist(), 0.0)
+    middle, height = tuple(((low + high) / 2.0).tolist()), float(high[1] - low[1])
+    document.set_modelspace_vport(height, middle)
+    document.layouts.rename("Layout1", "A4")
+    paper = document.paperspace("A4")
+    paper.page_setup(size=sheet.size_mm, margins=(0, 0, 0, 0), units="mm")
+    paper.add_viewport(tuple((size / 2.0).tolist()), sheet.size_mm, middle, height)

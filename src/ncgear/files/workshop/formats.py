@@ -6,11 +6,12 @@ from collections.abc import Callable, Collection, Iterable
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
+from ncgear.extras import require
 from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
     from ncgear.drawings.beside import Drawer
-    from ncgear.files.outline_errors import ExactOutlines
+    from ncgear.files.read_back import ExactOutlines
     from ncgear.project.drive import Drive
 
 
@@ -37,13 +38,14 @@ class Writer:
     """The function that makes the files of a kind, by its module in this package and its name, and the files' names.
 
     It takes a drive, or what ``shown``, a function of a drive, tells of it: values that a second process can be given.
-    ``is_slow`` says that it needs a library that takes long to load.
+    ``is_slow`` says that it needs a library that takes long to load; ``library`` is an optional one that it needs.
     """
 
     function: str
     names: tuple[str, ...]
     shown: str | None = None
     is_slow: bool = False
+    library: str | None = None
 
 
 DRAWINGS = "gear_drawing:pair_drawings"
@@ -51,13 +53,13 @@ DRAWINGS = "gear_drawing:pair_drawings"
 WRITERS = {
     Format.DXF: Writer("dxf:dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), DRAWINGS, is_slow=True),
     Format.SVG: Writer("svg:svg_files", ("driving.svg", "driven.svg"), DRAWINGS),
-    Format.THREEMF: Writer("threemf:threemf_files", ("gears.3mf", "pair.3mf"), "threemf:placed_meshes"),
-    Format.GLB: Writer("glb:glb_files", ("pair.glb",)),
-    Format.STEP: Writer("step:step_files", ("driving.step", "driven.step", "pair.step")),
+    Format.THREEMF: Writer("solid_files:threemf_files", ("gears.3mf", "pair.3mf"), "solid_files:placed_meshes"),
+    Format.GLB: Writer("solid_files:glb_files", ("pair.glb",)),
+    Format.STEP: Writer("step:step_files", ("driving.step", "driven.step", "pair.step"), library="OCP"),
     Format.DRAWING: Writer(
-        "sheets.files:drawing_files",
+        "sheets.sheets:drawing_files",
         tuple(f"{name}_drawing.{kind}" for name in ("driving", "driven", "pair") for kind in ("pdf", "svg", "dxf")),
-        "sheets.pair_sheets:sheets_of",
+        "sheets.sheets:sheets_of",
         is_slow=True,
     ),
 }
@@ -94,9 +96,11 @@ def begun_workshop_files(
 
 
 def _begun(drive: Drive, kind: Format, drawer: Drawer, exact_mm: ExactOutlines | None) -> Making:
-    from ncgear.files.workshop.read_back import READERS
+    from ncgear.files.read_back import READERS
 
     writer = WRITERS[kind]
+    if writer.library is not None:
+        require(writer.library, kind, f"--format {kind}")
     if writer.shown is None:
         return lambda: written_and_measured(kind, drive, None)
     shown = _function(writer.shown)(drive)
@@ -117,8 +121,7 @@ WRITTEN = f"{__name__}:written_and_measured"
 
 def written_and_measured(kind: Format, shown: Any, exact_mm: ExactOutlines | None) -> Written:
     """The files of a kind from a drive or from what is shown of it; see ``begun_workshop_files``."""
-    from ncgear.files.outline_errors import outline_errors_mm
-    from ncgear.files.workshop.read_back import read_outlines
+    from ncgear.files.read_back import outline_errors_mm, read_outlines
 
     files = _function(WRITERS[kind].function)(shown)
     return Written(files, {} if exact_mm is None else outline_errors_mm(exact_mm, read_outlines(files)))

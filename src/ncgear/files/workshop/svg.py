@@ -1,25 +1,16 @@
-"""SVG files at 1:1: one user unit is one millimetre, and y points up as in the gear's frame."""
+"""SVG files: drawings of gears at 1:1, a user unit a millimetre and y up, and sheets of their size on paper."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi
+from math import cos, pi, sin
 from xml.etree import ElementTree as Xml
 
 import numpy as np
 
-from ncgear.files.workshop.drawing import (
-    Circle,
-    Cross,
-    Drawing,
-    PairDrawings,
-    Polyline,
-    Shape,
-    Use,
-    box_around,
-    decimals_for,
-    written,
-)
+from ncgear.files.workshop import gear_drawing
+from ncgear.files.workshop.gear_drawing import Circle, Cross, Drawing, PairDrawings, Polyline, Shape, Use
+from ncgear.files.workshop.sheets.sheet import CAPITAL, NARROW, Line, Pen, Ring, Sheet, Text
 from ncgear.numerics.arrays import Array
 
 NAMESPACE = "http://www.w3.org/2000/svg"
@@ -39,9 +30,8 @@ def svg_files(shown: PairDrawings) -> dict[str, bytes]:
 
 def svg_bytes(drawing: Drawing) -> bytes:
     """A drawing with a group for each layer, as large on paper as the gear is."""
-    decimals = decimals_for([drawing])
-    root = Xml.Element("svg", {"xmlns": NAMESPACE, "version": "1.1", **_size(drawing, decimals)})
-    Xml.SubElement(root, "title").text = drawing.notes[0]
+    decimals = gear_drawing.decimals_for([drawing])
+    root = _root(drawing.notes[0], _size(drawing, decimals))
     Xml.SubElement(root, "desc").text = "; ".join(drawing.notes[1:])
     upward = Xml.SubElement(root, "g", {"transform": "scale(1,-1)", "fill": "none", "stroke-width": f"{HAIRLINE_MM}"})
     for layer, shapes in drawing.layers.items():
@@ -49,6 +39,17 @@ def svg_bytes(drawing: Drawing) -> bytes:
         Xml.SubElement(group, "title").text = layer.words
         for shape in shapes:
             Xml.SubElement(group, "path", {"d": _path(shape, decimals)})
+    return _bytes(root)
+
+
+def _root(title: str, attributes: dict[str, str]) -> Xml.Element:
+    """The element of a file, with its title."""
+    root = Xml.Element("svg", {"xmlns": NAMESPACE, "version": "1.1", **attributes})
+    Xml.SubElement(root, "title").text = title
+    return root
+
+
+def _bytes(root: Xml.Element) -> bytes:
     Xml.indent(root)
     text: bytes = Xml.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
@@ -56,7 +57,7 @@ def svg_bytes(drawing: Drawing) -> bytes:
 
 def _size(drawing: Drawing, decimals: int) -> dict[str, str]:
     """Attributes that give a drawing with its margin its true size on paper."""
-    box_low, box_high = box_around([drawing])
+    box_low, box_high = gear_drawing.box_around([drawing])
     low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
     width, height = high - low
     box = " ".join(_numbers(np.array([low[0], -high[1], width, height]), decimals))
@@ -96,4 +97,65 @@ def _coordinates(points: Array, decimals: int) -> list[str]:
 
 def _numbers(values: Array, decimals: int) -> list[str]:
     """Numbers without needless zeros, and without a minus before a zero."""
-    return [f"{value:.{decimals}f}".rstrip("0").rstrip(".") for value in written(values, decimals).tolist()]
+    return [
+        f"{value:.{decimals}f}".rstrip("0").rstrip(".") for value in gear_drawing.written(values, decimals).tolist()
+    ]
+
+
+PAPER_DECIMALS = 3
+"""Decimals of coordinates: a micrometre of paper."""
+
+MATRIX_DECIMALS = 6
+"""Decimals of sines and cosines, so that turned letters keep their height."""
+
+FONT = "Arial, Helvetica, 'Liberation Sans', sans-serif"
+
+
+def sheet_svg(sheet: Sheet) -> bytes:
+    """A sheet as a file, whose unit is a millimetre of paper, from the upper left corner."""
+    width, height = sheet.size_mm
+    size = {"width": f"{width:g}mm", "height": f"{height:g}mm", "viewBox": f"0 0 {width:g} {height:g}"}
+    root = _root(sheet.title, {**size, "font-family": FONT, "fill": "none", "stroke-linejoin": "round"})
+    Xml.SubElement(root, "rect", {"width": f"{width:g}", "height": f"{height:g}", "fill": "#ffffff"})
+    groups = {pen: Xml.SubElement(root, "g", _pen(pen)) for pen in Pen}
+    texts = Xml.SubElement(root, "g", {"fill": "#000000"})
+    for item in sheet.plain():
+        named = {"id": item.name} if item.name else {}
+        match item:
+            case Text():
+                Xml.SubElement(texts, "text", {**named, **_text(item, height)}).text = item.words
+            case Ring():
+                (x, y), radius = item.center, item.radius
+                place = {"cx": _number(x), "cy": _number(height - y), "r": _number(radius)}
+                Xml.SubElement(groups[item.pen], "circle", {**named, **place})
+            case Line():
+                black = {"fill": "#000000", "stroke": "none"} if item.filled else {}
+                path = {**named, "d": _line(item, height), **black}
+                Xml.SubElement(groups[item.pen], "path", path)
+    return _bytes(root)
+
+
+def _pen(pen: Pen) -> dict[str, str]:
+    dashes = {"stroke-dasharray": " ".join(f"{one:g}" for one in pen.dashes_mm)} if pen.dashes_mm else {}
+    return {"id": pen.name, "stroke": "#000000", "stroke-width": f"{pen.width_mm:g}", **dashes}
+
+
+def _line(line: Line, height: float) -> str:
+    points = np.round(np.array([0.0, height]) + line.points * np.array([1.0, -1.0]), PAPER_DECIMALS) + 0.0
+    return "M" + "L".join(f"{x:g},{y:g}" for x, y in points.tolist()) + ("Z" if line.closed else "")
+
+
+def _text(text: Text, height: float) -> dict[str, str]:
+    """Letters are narrowed along their line, wherever it leads."""
+    (x, y), cosine, sine = text.place, cos(text.turned_rad), sin(text.turned_rad)
+    matrix = (NARROW * cosine, -NARROW * sine, sine, cosine, x, height - y)
+    numbers = " ".join(f"{round(value, MATRIX_DECIMALS) + 0.0:g}" for value in matrix)
+    return {
+        "transform": f"matrix({numbers})",
+        "font-size": _number(text.letter_mm / CAPITAL),
+        "text-anchor": text.anchor.name.lower(),
+    }
+
+
+def _number(value: float) -> str:
+    return f"{round(float(value), PAPER_DECIMALS) + 0.0:g}"

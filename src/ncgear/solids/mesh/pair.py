@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import TYPE_CHECKING
+
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
@@ -12,15 +15,23 @@ from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.body import Blank, BodyPlan, RingBlank, RoundHole
 from ncgear.solids.plan.plan import planned, planned_ring
 
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
 CHAMFER_KEY = "gears.first_layer_chamfer_mm"
 
 
 @dataclass(frozen=True, eq=False)
 class GearSolid(Shown):
-    """One gear's mesh in its own frame at phi1 = 0, and the plan that it was made by."""
+    """One gear's triangles in its own frame at phi1 = 0, and the plan that it was made by."""
 
-    mesh: TriangleMesh
+    triangles: TriangleMesh
     plan: BodyPlan
+
+    @cached_property
+    def mesh(self) -> Trimesh:
+        """The solid in mm as a mesh of trimesh, which is loaded when it is first asked for."""
+        return self.triangles.as_trimesh()
 
     @property
     def index_hole(self) -> RoundHole | None:
@@ -28,9 +39,9 @@ class GearSolid(Shown):
         return self.plan.index_hole
 
     def __repr__(self) -> str:
-        size = " x ".join(f"{length:.4g}" for length in self.mesh.extents)
+        size = " x ".join(f"{length:.4g}" for length in self.triangles.extents)
         mark = "with" if self.index_hole else "no"
-        return f"GearSolid({size} mm, {len(self.mesh.faces)} triangles, {mark} index hole)"
+        return f"GearSolid({size} mm, {len(self.triangles.faces)} triangles, {mark} index hole)"
 
 
 @dataclass(frozen=True, eq=False)

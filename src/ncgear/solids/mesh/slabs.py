@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import mapbox_earcut
 import numpy as np
@@ -24,6 +25,9 @@ from ncgear.numerics.plane import as_complex, signed_area
 from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.areas import moved_inwards, parallel, polygons, rings
 from ncgear.solids.plan.body import Slab
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 UNEVEN = 1e-9
 """How unevenly points are shifted, relative to their distance from the axis, to choose the triangles of an end: far
@@ -76,7 +80,7 @@ def slab_mesh(slabs: Sequence[Slab], bevel: Bevel | None = None) -> TriangleMesh
     return mesh
 
 
-def require_sound(mesh: TriangleMesh, volume_mm3: float, tolerance: float) -> None:
+def require_sound(mesh: TriangleMesh | Trimesh, volume_mm3: float, tolerance: float) -> None:
     """Raise Unanswered unless a mesh is closed, evenly wound, and of the volume given to a relative tolerance."""
     if not mesh.is_watertight:
         raise Unanswered("a gear's mesh is not watertight")

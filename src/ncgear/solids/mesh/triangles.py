@@ -1,4 +1,4 @@
-"""A mesh of triangles as two arrays, and what they say of the body within: closed or not, volume, box, normals.
+"""A mesh of triangles as two arrays, and what they say of the body within: closed or not, volume, box.
 
 To find that a body is closed, edges are counted and no coordinates are compared.  Whoever needs more of a mesh than
 that asks for it as one of trimesh, which takes long to load and judges these figures in the tests.
@@ -24,10 +24,6 @@ MERGED = 1e-10
 TINY = 1e-200
 """Less than any length; a mesh of one point has a grain by it."""
 
-FLAT = 1e-16
-"""A triangle of less than half this share of the square of the largest coordinate has no normal: rounding alone would
-point it."""
-
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:
@@ -49,14 +45,6 @@ class TriangleMesh:
         """Twice the area of each triangle times its normal, shape (t, 3)."""
         first, second = (self.triangles[:, corner + 1] - self.triangles[:, corner] for corner in (0, 1))
         return np.asarray(np.cross(first, second))
-
-    @cached_property
-    def normals(self) -> Array:
-        """Unit normals, shape (t, 3); zero for a triangle without area."""
-        length = np.sqrt(np.dot(self._crosses * self._crosses, np.ones(3)))
-        real = length > FLAT * float(np.abs(self.bounds).max()) ** 2
-        share = np.where(real, 1.0 / np.where(real, length, 1.0), 0.0)
-        return np.asarray(self._crosses * share[:, None])
 
     @cached_property
     def volume(self) -> float:

@@ -1,3 +1,17 @@
+// The buttons that choose what the picture shows; `sceneNow` gives the scene that is shown at the moment.
+
+function listenToViews(sceneNow) {
+  for (const choice of document.querySelectorAll('input[name="view"]')) {
+    choice.addEventListener("change", () => sceneNow().view(choice.value));
+  }
+  const zooms = {
+    nearer: () => sceneNow().zoom(1.5),
+    farther: () => sceneNow().zoom(1 / 1.5),
+    whole: () => sceneNow().reset(),
+  };
+  for (const [id, zoom] of Object.entries(zooms)) document.getElementById(id).addEventListener("click", zoom);
+}
+
 // Teeth looked up: by the links in the page's words and tables, or by gear and number beside the scene that `sceneNow`
 // gives; `fit` takes the gears of another scene.
 

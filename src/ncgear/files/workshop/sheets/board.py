@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 import shapely
-from shapely import LineString, Polygon
+from shapely import LineString, Polygon, STRtree
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Ring, Text, leader, parts_of
@@ -29,27 +29,21 @@ TURNS_RAD = tuple(np.radians([0.0, 12.0, -12.0, 25.0, -25.0, 40.0, -40.0, 60.0, 
 
 
 class _Shapes:
-    """Shapes on a board, which are asked far more often than added to: those whose boxes are apart need no look."""
+    """Shapes on a board, which are asked far more often than added to."""
 
     def __init__(self) -> None:
-        self._shapes = np.empty(0, dtype=object)
-        self._bounds = np.empty((0, 4))
-        self._new: list[BaseGeometry] = []
+        self._shapes: list[BaseGeometry] = []
+        self._tree = STRtree([])
 
     def add(self, shapes: list[BaseGeometry]) -> None:
         """Put shapes on the board."""
-        self._new += shapes
+        self._shapes += shapes
+        self._tree = STRtree(self._shapes)
 
     def meet(self, others: Sequence[BaseGeometry]) -> Mask:
         """Whether any shape touches each of others, shape (n,)."""
-        if self._new:
-            self._shapes = np.append(self._shapes, self._new)
-            self._bounds = np.vstack([self._bounds, shapely.bounds(self._new)])
-            self._new = []
-        (left, low, right, high), own = shapely.bounds(others).T[..., None], self._bounds.T
-        other, shape = np.nonzero((own[0] <= right) & (own[2] >= left) & (own[1] <= high) & (own[3] >= low))
         met = np.zeros(len(others), dtype=bool)
-        met[other[shapely.intersects(self._shapes[shape], np.asarray(others)[other])]] = True
+        met[self._tree.query(others, predicate="intersects")[0]] = True
         return met
 
 

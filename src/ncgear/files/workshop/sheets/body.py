@@ -10,8 +10,8 @@ import shapely
 from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.files.workshop.drawing import Circle, Cross, Layer, Polyline, Shape
-from ncgear.files.workshop.gear_drawing import body_shapes, pitch_points
+from ncgear.files.read_back import as_chords
+from ncgear.files.workshop.gear_drawing import Circle, Cross, Layer, Polyline, Shape, body_shapes, pitch_points
 from ncgear.files.workshop.sheets.sheet import Line, Pen, Ring
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -75,6 +75,19 @@ def finished(drive: Drive, gear: Gear) -> BodyPlan:
     )
 
 
+def title_of(drive: Drive) -> str:
+    """The name of the design, with the number of the pair where there are two."""
+    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
+
+
+def material_of(drive: Drive, gear: Gear) -> str:
+    """The name of a gear's material; or that the design names none."""
+    if drive.gears.material is None:
+        return "not given"
+    driving, driven = drive.gears.material.each
+    return (driving if gear is Gear.DRIVING else driven).name
+
+
 def drawn_body(drive: Drive, gear: Gear, plan: BodyPlan, view: View, name: str = "") -> Iterator[Line | Ring]:
     """All edges seen from above, the pitch curve, and the mark of the axis; the tooth outline is named ``name``."""
     for layer, shapes in body_shapes(plan).items():
@@ -98,7 +111,8 @@ def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[
     """The lines of a shape."""
     match shape:
         case Polyline():
-            ring = shapely.simplify(shapely.LinearRing(flattened(shape)), STRAY_MM / max(view.scale, 1.0))
+            chords = as_chords(shape.points, shape.bulges, np.abs(4.0 * np.arctan(shape.bulges)) / ARC_STEP_RAD)
+            ring = shapely.simplify(shapely.LinearRing(chords), STRAY_MM / max(view.scale, 1.0))
             yield Line(view.on_paper(shapely.get_coordinates(ring)[:-1]), pen, closed=True, name=name)
         case Circle():
             x, y = view.on_paper(np.array([shape.x_mm, shape.y_mm])).tolist()
@@ -106,20 +120,6 @@ def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[
         case Cross():
             for ends in shape.lines:
                 yield Line(view.on_paper(ends), Pen.CHAIN)
-
-
-def flattened(chain: Polyline) -> Array:
-    """A chain of lines and arcs as points (n, 2) of a closed polygon."""
-    points = []
-    for start, end, bulge in zip(chain.points, np.roll(chain.points, -1, axis=0), chain.bulges.tolist(), strict=True):
-        points.append(start[None, :])
-        if bulge:
-            angle = 4.0 * np.arctan(bulge)
-            middle, half = (start + end) / 2.0, (end - start) / 2.0
-            center = middle + np.array([-half[1], half[0]]) / np.tan(angle / 2.0)
-            steps = int(np.ceil(abs(angle) / ARC_STEP_RAD))
-            points.append(center + turned(start - center, angle * np.arange(1, steps)[:, None].ravel() / steps))
-    return np.vstack(points)
 
 
 def tooth_places(gear: ToothedGear, height_mm: float) -> Array:

@@ -11,18 +11,8 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from ncgear import __version__
-from ncgear.files.workshop.sheets.sheet import (
-    LETTER_MM,
-    TITLE_MM,
-    Anchor,
-    Item,
-    Line,
-    Pen,
-    Ring,
-    Text,
-    scale_text,
-    text_width_mm,
-)
+from ncgear.files.workshop.sheets import sheet as paper
+from ncgear.files.workshop.sheets.sheet import Anchor, Item, Line, Pen, Ring, Text
 from ncgear.frozen import dataclass
 
 BINDING_MM, MARGIN_MM = 20.0, 10.0
@@ -101,10 +91,10 @@ def framed(size_mm: tuple[float, float], titles: Titles) -> Iterator[Item]:
         (titles.view, "Date", f"ncgear {__version__}"),
         (f"Material {titles.material}", "Drawn", "Checked"),
         (titles.design, f"mm, {titles.general}", "Sheet A4"),
-        (titles.part, f"Scale {scale_text(titles.scale)}", ""),
+        (titles.part, f"Scale {paper.scale_text(titles.scale)}", ""),
     ]
     for row, (words, y) in enumerate(zip(cells, rows[:-1], strict=True)):
-        letter = TITLE_MM if row == 3 else LETTER_MM
+        letter = paper.TITLE_MM if row == 3 else paper.LETTER_MM
         for text, x, right in zip(words, columns[:-1], columns[1:], strict=True):
             if text:
                 fitting = fitted(text, float(right - x) - 3.0, letter)
@@ -127,13 +117,13 @@ def _first_angle(x: float, y: float) -> Iterator[Item]:
 CUT = "..."
 
 
-def fitted(words: str, width_mm: float, letter_mm: float = LETTER_MM) -> str:
+def fitted(words: str, width_mm: float, letter_mm: float = paper.LETTER_MM) -> str:
     """A text, or as much of its beginning as has room on a line, with three points for the rest."""
-    if text_width_mm(words, letter_mm) <= width_mm:
+    if paper.text_width_mm(words, letter_mm) <= width_mm:
         return words
-    room = width_mm - text_width_mm(CUT, letter_mm)
+    room = width_mm - paper.text_width_mm(CUT, letter_mm)
     kept = len(words)
-    while kept and text_width_mm(words[:kept].rstrip(), letter_mm) > room:
+    while kept and paper.text_width_mm(words[:kept].rstrip(), letter_mm) > room:
         kept -= 1
     return words[:kept].rstrip() + CUT
 
@@ -143,7 +133,7 @@ def wrapped(words: str, width_mm: float) -> list[str]:
     lines = [""]
     for word in words.split():
         longer = f"{lines[-1]} {word}".strip()
-        if text_width_mm(longer) <= width_mm or not lines[-1]:
+        if paper.text_width_mm(longer) <= width_mm or not lines[-1]:
             lines[-1] = longer
         else:
             lines.append(word)
@@ -152,7 +142,7 @@ def wrapped(words: str, width_mm: float) -> list[str]:
 
 def width_for(texts: Iterable[str]) -> float:
     """Width of a column that has room for texts, each on one line."""
-    return max(map(text_width_mm, texts)) + 2.0 * PAD_MM + SPARE_MM
+    return max(map(paper.text_width_mm, texts)) + 2.0 * PAD_MM + SPARE_MM
 
 
 @dataclass(frozen=True)

@@ -15,31 +15,13 @@ from ncgear.figures.data_sheet.measured_tables import allowed_texts, one_pin_tab
 from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Table, cell_text
-from ncgear.files.workshop.drawing import Circle, Cross
-from ncgear.files.workshop.gear_drawing import bore_shape
+from ncgear.files.workshop.gear_drawing import Circle, Cross, bore_shape
+from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import Board
-from ncgear.files.workshop.sheets.body import (
-    View,
-    drawn_shape,
-)
-from ncgear.files.workshop.sheets.frame import (
-    ROW_MM,
-    Box,
-    Columns,
-    PaperTable,
-    evenly,
-    width_for,
-)
+from ncgear.files.workshop.sheets.body import View, drawn_shape
+from ncgear.files.workshop.sheets.frame import ROW_MM, Box, Columns, PaperTable, evenly, width_for
 from ncgear.files.workshop.sheets.gear_view import point_at_circle
-from ncgear.files.workshop.sheets.sheet import (
-    LETTER_MM,
-    SCALES,
-    Item,
-    Pen,
-    Text,
-    length,
-    scale_text,
-)
+from ncgear.files.workshop.sheets.sheet import Item, Pen, Text
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.measured import MeasuredGear
@@ -215,24 +197,26 @@ def _bore_view(drive: Drive, bore: Bore, box: Box) -> list[Item]:
     """The bore with its keyway in a scale of its own, with its dimensions."""
     room = min(box.width - 30.0, box.height - 20.0)
     size = bore.diameter_mm / 2.0 + bore.reach_mm
-    scale = next((scale for scale in SCALES if scale * size <= room), SCALES[-1])
+    scale = next((scale for scale in paper.SCALES if scale * size <= room), paper.SCALES[-1])
     shift = scale * (bore.reach_mm - bore.diameter_mm / 2.0) / 2.0
     view = View(
         scale, ((box.left + box.right) / 2.0 - 1.0 - shift, box.low + 9.0 + scale * bore.diameter_mm / 2.0 + 1.5)
     )
     board = Board((box.left, box.low, box.right, box.high))
-    board.add(Text(f"Bore {scale_text(scale)}", (box.left + 1.0, box.high - ROW_MM - 0.5), letter_mm=LETTER_MM))
+    board.add(
+        Text(f"Bore {paper.scale_text(scale)}", (box.left + 1.0, box.high - ROW_MM - 0.5), letter_mm=paper.LETTER_MM)
+    )
     board.add(*drawn_shape(bore_shape(bore), view, Pen.VISIBLE))
     board.add(*drawn_shape(Cross(0.0, 0.0, 1.2 * bore.diameter_mm), view, Pen.CHAIN))
     radius = bore.diameter_mm / 2.0
     if bore.keyway:
         half, reach = bore.keyway.width_mm / 2.0, bore.reach_mm
         width = view.on_paper(np.array([[reach, -half], [reach, half]]))
-        board.add(length(width, -6.0, drawn(bore.keyway.width_mm, "mm"), scale))
+        board.add(paper.length(width, -6.0, drawn(bore.keyway.width_mm, "mm"), scale))
         across = np.array([view.on_paper(np.array([-radius, 0.0])), view.on_paper(np.array([reach, -half]))])
         across[1, 1] = across[0, 1]
         apart = scale * radius + 5.0
-        board.add(length(across, -apart, drawn(radius + reach, "mm"), scale))
+        board.add(paper.length(across, -apart, drawn(radius + reach, "mm"), scale))
     words = f"\u00d8{drawn(bore.diameter_mm, 'mm')} {bore_text(drive, bore.diameter_mm)}"
     point_at_circle(board, view, [Circle(0.0, 0.0, radius)], words, AGAINST_KEYWAY_RAD)
     return board.items

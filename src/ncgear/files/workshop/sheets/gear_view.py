@@ -13,8 +13,8 @@ from ncgear.figures.assembly import outline_radius_mm
 from ncgear.figures.data_sheet.measured_tables import allowed_texts, two_pin_table
 from ncgear.figures.data_sheet.sheet import rows_found
 from ncgear.figures.numbers import drawn
-from ncgear.files.workshop.drawing import Circle, Cross, Layer
-from ncgear.files.workshop.gear_drawing import body_shapes
+from ncgear.files.workshop.gear_drawing import Circle, Cross, Layer, body_shapes
+from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import LENGTHS_MM, Board, centered
 from ncgear.files.workshop.sheets.body import (
     Section,
@@ -25,24 +25,8 @@ from ncgear.files.workshop.sheets.body import (
     section_of,
     tooth_places,
 )
-from ncgear.files.workshop.sheets.frame import (
-    Box,
-)
-from ncgear.files.workshop.sheets.sheet import (
-    LETTER_MM,
-    SCALES,
-    TITLE_MM,
-    Anchor,
-    Dimension,
-    Item,
-    Line,
-    Measured,
-    Pen,
-    Ring,
-    Text,
-    arrow,
-    length,
-)
+from ncgear.files.workshop.sheets.frame import Box
+from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Measured, Pen, Ring, Text
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear, meeting_direction_rad
 from ncgear.project.drive import Drive
@@ -90,7 +74,7 @@ def gear_views(drive: Drive, measured: MeasuredGear, plan: BodyPlan, area: Box) 
         wide = scale * (size[0] + section.height_mm) + 2.0 * SIDE_MM + CUT_MM
         return bool(wide <= area.width and scale * size[1] + 2.0 * ABOVE_MM <= area.height)
 
-    scale = next((scale for scale in SCALES if fits(scale)), SCALES[-1])
+    scale = next((scale for scale in paper.SCALES if fits(scale)), paper.SCALES[-1])
     spare = area.width - scale * (size[0] + section.height_mm) - 2.0 * SIDE_MM - CUT_MM
     x = area.left + spare / 2.0 + SIDE_MM - scale * low[0]
     y = (area.low + area.high) / 2.0 - scale * (low[1] + high[1]) / 2.0
@@ -109,7 +93,9 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     gear, module = measured.gear, drive.pitch.size.module_mm
     board.add(*drawn_body(drive, gear, plan, view, "outline"))
     board.keep_clear(drawn_holes(plan, view))
-    board.add(*drawn_shape(Cross(0.0, 0.0, _cross_mm(plan, module)), view, Pen.CHAIN))
+    # The mark of the axis is a little longer than the bore.
+    mark_mm = 2.0 * module if plan.bore is None else 1.25 * plan.bore.diameter_mm
+    board.add(*drawn_shape(Cross(0.0, 0.0, mark_mm), view, Pen.CHAIN))
     _mark_plane(board, plan, view)
     for words, own_rad in _directions(drive, gear):
         _point_along(board, plan, view, words, own_rad)
@@ -123,11 +109,6 @@ def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPla
     draw_turning(board, view, sense, free_radius_mm(plan, view))
 
 
-def _cross_mm(plan: BodyPlan, module_mm: float) -> float:
-    """Length of the mark of the axis: a little more than the bore."""
-    return 2.0 * module_mm if plan.bore is None else 1.25 * plan.bore.diameter_mm
-
-
 def _mark_plane(board: Board, plan: BodyPlan, view: View) -> None:
     """The plane of the section A-A, by its ends over and under the gear, with arrows in the direction of view."""
     _, low, _, high = plan.disc.bounds
@@ -135,8 +116,8 @@ def _mark_plane(board: Board, plan: BodyPlan, view: View) -> None:
         x, edge = view.on_paper(np.array([0.0, y])).tolist()
         start, end = np.array([x, edge + 1.5 * sense]), np.array([x, edge + 6.0 * sense])
         tip = end + np.array([5.0, 0.0])
-        board.add(Line(np.array([start, end]), Pen.VISIBLE), Line(np.array([end, tip])), arrow(tip, tip - end))
-        board.add(Text("A", (x - 3.5, float(end[1]) - 1.2), letter_mm=TITLE_MM))
+        board.add(Line(np.array([start, end]), Pen.VISIBLE), Line(np.array([end, tip])), paper.arrow(tip, tip - end))
+        board.add(Text("A", (x - 3.5, float(end[1]) - 1.2), letter_mm=paper.TITLE_MM))
 
 
 def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fifths: bool = False) -> None:
@@ -153,7 +134,7 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
     teeth = len(middles)
     apart = gear.flanks.curve.length_mm * view.scale / (gear.flanks.count // 2)
     crowded = fifths or apart < FIFTH_UNDER_MM
-    depth = view.scale * gear.flanks.rack.dedendum_mm + LETTER_MM / 2.0
+    depth = view.scale * gear.flanks.rack.dedendum_mm + paper.LETTER_MM / 2.0
     shifts = np.array([shift for shift in ASIDE_MM if abs(shift) < ASIDE_SHARE * apart])
     tries = np.concatenate([-(depth + np.arange(0.6, 6.0, 0.4)), depth + np.arange(0.0, 6.0, 0.4)])
     for row in [row for row in range(teeth) if not crowded or row == 0 or row % 5 == 4]:
@@ -161,7 +142,7 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
         places = (middles[row] + tries[:, None] * outwards[row] + shifts[:, None, None] * aside).reshape(-1, 2)
         parts = (places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER))
         own = (part[_is_nearest(trees, row, part)] for part in parts)
-        board.put_text_at(centered(str(row + 1), np.zeros(2), LETTER_MM, f"{name}-{row + 1}"), own)
+        board.put_text_at(centered(str(row + 1), np.zeros(2), paper.LETTER_MM, f"{name}-{row + 1}"), own)
 
 
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
@@ -206,7 +187,7 @@ def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
         circles = [Ring(tuple(view.on_paper(place).tolist()), view.scale * radius, Pen.THIN) for place in (low, high)]
         if not all(board.is_free([Line(ring.points, closed=True)]) for ring in circles):
             continue
-        if board.put_dimension(length(ends, apart, words, view.scale) for apart in offsets):
+        if board.put_dimension(paper.length(ends, apart, words, view.scale) for apart in offsets):
             board.add(*circles)
             return
 
@@ -310,7 +291,7 @@ def draw_turning(board: Board, view: View, sense: float, least_mm: float) -> Non
         for start in np.radians(np.arange(40.0, 400.0, 20.0)):
             turned = start + sense * np.linspace(0.0, TURNING_RAD, 25)
             points = axis + radius * np.column_stack([np.cos(turned), np.sin(turned)])
-            head = arrow(
+            head = paper.arrow(
                 points[-1],
                 sense * np.array([-sin(turned[-1] - sense * 1.25 / radius), cos(turned[-1] - sense * 1.25 / radius)]),
             )
@@ -327,8 +308,8 @@ def _draw_section(board: Board, section: Section, view: View, left: float) -> No
     low, high = middle + view.scale * float(corners[:, 1].min()), middle + view.scale * float(corners[:, 1].max())
     board.add(Line(np.array([[left - 2.0, middle], [left + view.scale * section.height_mm + 2.0, middle]]), Pen.CHAIN))
     center = left + view.scale * section.height_mm / 2.0
-    board.add(Text("A-A", (center, high + 4.0), Anchor.MIDDLE, TITLE_MM))
+    board.add(Text("A-A", (center, high + 4.0), Anchor.MIDDLE, paper.TITLE_MM))
     widths = sorted({section.width_mm, section.height_mm})
     for row, width in enumerate(widths):
         ends = np.array([[left, low], [left + view.scale * width, low]])
-        board.add(length(ends, -(6.0 + 6.5 * row), drawn(width, "mm"), view.scale))
+        board.add(paper.length(ends, -(6.0 + 6.5 * row), drawn(width, "mm"), view.scale))

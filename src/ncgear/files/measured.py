@@ -1,9 +1,12 @@
-"""A measured gear: its deviations, enlarged, on the exact outline, and the mean of every flank as bars."""
+"""Measured gears as files: figures, a table with a row per flank, all points with their deviations, pictures.
+
+A picture shows a gear's deviations, enlarged, on the exact outline, and the mean of every flank as bars.
+"""
 
 from __future__ import annotations
 
 from itertools import pairwise
-from math import floor, log10
+from math import degrees, floor, log10
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,26 +15,16 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
+from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.drawings.charts.drawer import CONTACT_COLUMN, CONTACT_LOOK, column_png
 from ncgear.drawings.palette import EXCESS
-from ncgear.drawings.plots.canvas import (
-    DRIVEN,
-    DRIVING,
-    INK,
-    NORMAL,
-    REFERENCE,
-    SMALL,
-    area,
-    dress,
-    figure,
-    legend_above,
-    png,
-    ring_area,
-)
-from ncgear.figures.numbers import micrometres
+from ncgear.drawings.plots import canvas
+from ncgear.figures.compared import compared_csv, compared_figures, points_csv
+from ncgear.figures.csv_text import outline_csv
+from ncgear.figures.numbers import MICRORAD, json_text, micrometres
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_points
-from ncgear.pitch.shape import Gear
-from ncgear.project.compared import ComparedGear
+from ncgear.project.compared import ComparedGear, ComparedPair
 
 WIDTH_IN, HEIGHT_IN = 8.6, 10.6
 
@@ -52,12 +45,12 @@ NOISE_IN_MODULES = 3e-7
 
 def deviations_png(one: ComparedGear, title: str) -> bytes:
     """The gear in its own frame, points on working flanks coloured by their deviation, and bars for every flank."""
-    made = figure(WIDTH_IN, HEIGHT_IN, title)
+    made = canvas.figure(WIDTH_IN, HEIGHT_IN, title)
     counted = one.fit.feet.kept(one.fit.counted)
     worst = max(float(np.abs(counted.distance_mm).max()), NOISE_IN_MODULES * one.outline.gear.flanks.rack.module_mm)
     _draw_gear(made, one, worst)
     _draw_bars(made.add_axes((0.1, 0.06, 0.86, 0.2)), one)
-    return png(made)
+    return canvas.png(made)
 
 
 def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
@@ -68,9 +61,9 @@ def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
     module = one.outline.gear.flanks.rack.module_mm
     if one.outline.gear.flanks.curve.is_ring:
         size += 2.0 * module
-        ring_area(axes, outline, (0.0, 0.0), size - module / 2.0, REFERENCE, 0.8)
+        canvas.ring_area(axes, outline, (0.0, 0.0), size - module / 2.0, canvas.REFERENCE, 0.8)
     else:
-        area(axes, outline, REFERENCE, 0.8)
+        canvas.area(axes, outline, canvas.REFERENCE, 0.8)
     counted, norm = one.fit.feet.kept(one.fit.counted), Normalize(-worst_mm, worst_mm)
     factor = _round_factor(ENLARGED_IN_MODULES * module / worst_mm)
     drawn = counted.foot + factor * counted.distance_mm * counted.outwards
@@ -78,8 +71,8 @@ def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
     spikes = np.stack([as_points(counted.foot), as_points(drawn)], axis=1)
     axes.add_collection(LineCollection(list(spikes), colors=colors, linewidths=0.9), autolim=False)
     for line in _along_flanks(one, as_points(drawn)):
-        axes.plot(*line.T, color=INK, linewidth=0.6)
-    axes.plot([0.0], [0.0], "+", color=INK, markersize=9)
+        axes.plot(*line.T, color=canvas.INK, linewidth=0.6)
+    axes.plot([0.0], [0.0], "+", color=canvas.INK, markersize=9)
     _number(axes, one, module)
     axes.set_xlim(middle[0] - size, middle[0] + size)
     axes.set_ylim(middle[1] - size, middle[1] + size)
@@ -90,9 +83,11 @@ def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
         cax=made.add_axes((0.25, 0.318, 0.5, 0.013)),
         orientation="horizontal",
     )
-    bar.ax.tick_params(labelsize=SMALL, colors=INK)
+    bar.ax.tick_params(labelsize=canvas.SMALL, colors=canvas.INK)
     bar.set_label(
-        f"deviation in \u00b5m, drawn {factor:g} times as long (right: metal in excess)", size=NORMAL, color=INK
+        f"deviation in \u00b5m, drawn {factor:g} times as long (right: metal in excess)",
+        size=canvas.NORMAL,
+        color=canvas.INK,
     )
 
 
@@ -118,30 +113,80 @@ def _number(axes: Axes, one: ComparedGear, module_mm: float) -> None:
     places, _ = flanks.offset(middle, (1.0 - BELOW_IN_MODULES) * module_mm)
     for number, (x, y) in enumerate(places, 1):
         if teeth < MANY_TEETH or number % 5 == 0:
-            axes.text(float(x), float(y), str(number), size=SMALL - 1.0, color=INK, ha="center", va="center")
+            axes.text(
+                float(x), float(y), str(number), size=canvas.SMALL - 1.0, color=canvas.INK, ha="center", va="center"
+            )
 
 
 def _draw_bars(axes: Axes, one: ComparedGear) -> None:
     """The mean deviation of back and front flank of every tooth, with the range of its points."""
     flanks = one.deviations.flanks
     numbers = np.arange(1, flanks.teeth + 1)
-    for front, (color, name) in enumerate(((DRIVING, "back flanks"), (DRIVEN, "front flanks"))):
+    for front, (color, name) in enumerate(((canvas.DRIVING, "back flanks"), (canvas.DRIVEN, "front flanks"))):
         place = numbers + (0.2 if front else -0.2)
         mean, least, greatest = (
             1e3 * flanks.side(values, bool(front)) for values in (flanks.mean_mm, flanks.least_mm, flanks.greatest_mm)
         )
         axes.bar(place, np.nan_to_num(mean), 0.38, color=color, alpha=0.75, label=name)
-        axes.vlines(place, least, greatest, color=INK, linewidth=0.8)
+        axes.vlines(place, least, greatest, color=canvas.INK, linewidth=0.8)
     unmeasured = one.deviations.missing_teeth
     if unmeasured:
-        axes.plot(unmeasured, np.zeros(len(unmeasured)), "x", color=INK, markersize=6, label="without points")
-    axes.axhline(0.0, color=INK, linewidth=0.8)
+        axes.plot(unmeasured, np.zeros(len(unmeasured)), "x", color=canvas.INK, markersize=6, label="without points")
+    axes.axhline(0.0, color=canvas.INK, linewidth=0.8)
     axes.set_xlim(0.3, flanks.teeth + 0.7)
-    dress(axes, f"tooth of the {one.gear.value} gear", "mean deviation in \u00b5m")
-    legend_above(axes)
+    canvas.dress(axes, f"tooth of the {one.gear.value} gear", "mean deviation in \u00b5m")
+    canvas.legend_above(axes)
 
 
-def heading(one: ComparedGear, name: str) -> str:
-    """The heading of the picture."""
-    gear = "driving" if one.gear is Gear.DRIVING else "driven"
-    return f"{name}: {gear} gear as measured, r.m.s. deviation {micrometres(one.fit.rms_mm)}"
+MEASURED, EXACT = "pair as measured", "exact outlines"
+
+
+def compared_pictures(pair: ComparedPair, name: str) -> dict[str, bytes]:
+    """Each measured gear with its deviations, and play and transmission error of the pair over the cycle."""
+    gears = {
+        f"measured-{one.gear.value}.png": deviations_png(
+            one, f"{name}: {one.gear.value} gear as measured, r.m.s. deviation {micrometres(one.fit.rms_mm)}"
+        )
+        for one in pair.gears
+    }
+    angle, end = np.degrees(pair.placement.phi1_rad), degrees(pair.placement.cycle_rad)
+    charts = [
+        Chart(
+            quantity,
+            unit,
+            (Line(Role.OTHER, EXACT, angle, exact), Line(Role.OWN, MEASURED, angle, measured)),
+            end,
+            axis_label=label,
+        )
+        for quantity, unit, label, measured, exact in (
+            (
+                "play",
+                "mm",
+                "play along the normal\nin \u00b5m (below 0: jams)",
+                1e3 * pair.lever_mm * pair.measured.backlash_rad,
+                1e3 * pair.lever_mm * pair.exact.backlash_rad,
+            ),
+            (
+                "transmission error",
+                MICRORAD,
+                f"error of driven\nangle in {MICRORAD}",
+                1e6 * pair.measured.pushing_rad,
+                1e6 * pair.exact.pushing_rad,
+            ),
+        )
+    ]
+    contact = column_png(charts, f"{name}: contact of the pair as measured", CONTACT_LOOK, CONTACT_COLUMN)
+    return {**gears, "measured-contact.png": contact}
+
+
+def compared_files(pair: ComparedPair, name: str) -> dict[str, bytes]:
+    """The files by their names; outlines as measured have the form of those of a build."""
+    files = {
+        "measured.json": json_text(compared_figures(pair, name)).encode(),
+        "measured.csv": compared_csv(pair).encode(),
+        **compared_pictures(pair, name),
+    }
+    for one in pair.gears:
+        files[f"measured-{one.gear.value}-points.csv"] = points_csv(one).encode()
+        files[f"measured-{one.gear.value}-outline.csv"] = outline_csv(one.outline_mm).encode()
+    return files

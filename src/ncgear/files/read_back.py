@@ -1,26 +1,35 @@
-"""Solids as binary STL, and tooth outlines read back from the files of a build.
+"""Solids as binary STL, and tooth outlines read back from the files of a build: tables, STL files, drawings.
 
-Every STL file is read back: it is used only if it still holds the closed solid that it was made from.  Tooth outlines
-are read back from tables and, as sections, from STL files, so that the contact is judged on the written files.
+Every STL file is read back: it is used only if it still holds the closed solid that it was made from.  The contact is
+judged on outlines as written, and points of the exact curves, that no chord and no arc knows of, are held against them.
+The faces of STEP files are held against those when they are made, between the places that they go through.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from io import StringIO
+import re
+from collections.abc import Callable, Iterator, Mapping
+from io import BytesIO, StringIO
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as Xml
 
 import numpy as np
 from shapely import Polygon
 
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import Unanswered
-from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.plane import signed_area
+from ncgear.metrology.chord_error import exact_points, farthest_mm
+from ncgear.numerics.arrays import Array, IndexArray, counted_up
+from ncgear.numerics.plane import as_complex, as_points, signed_area
+from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
-from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
+from ncgear.teeth.gear import ToothedPair
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 VOLUME_TOLERANCE = 1e-5
 """Largest relative error of the volume by single precision; a millionth is usual, and a lost facet costs more."""
@@ -41,41 +50,41 @@ Two such points arise where a diagonal crosses the section next to a corner.  Ea
 other one and its other neighbour.
 """
 
-STL_HEAD_BYTES = 80
-STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-"""What binary STL has after its head and the number of triangles: this for each of them."""
+STL_HEAD_BYTES, STL_TRIANGLE_BYTES = 84, 50
+"""What binary STL has before its triangles, the last four bytes of it their number; and for each of them."""
 
 FOOT = 1e-7
 """Height of the section of helical teeth, as a share of the face width: here it is the outline, and farther up it has
 turned."""
 
 
-def stl_bytes(mesh: TriangleMesh) -> bytes:
+def stl_bytes(mesh: Trimesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
     Raises Unanswered when the bytes do not hold the same closed solid.
     """
-    packed = np.zeros(len(mesh.faces), dtype=STL_TRIANGLE)
-    packed["normal"], packed["corners"] = mesh.normals, mesh.triangles
-    data = bytes(STL_HEAD_BYTES) + len(packed).to_bytes(4, "little") + packed.tobytes()
+    from trimesh.exchange.stl import export_stl
+
+    data: bytes = export_stl(mesh)
     read_back(data, mesh)
     return data
 
 
-def mesh_of_stl(data: bytes) -> TriangleMesh:
+def mesh_of_stl(data: bytes) -> Trimesh:
     """The triangles of a binary STL file, with corners at the same place as one vertex.
 
     Raises ValueError where the file is not as long as it says.
     """
-    head = STL_HEAD_BYTES + 4
-    count = int.from_bytes(data[STL_HEAD_BYTES:head], "little")
-    if len(data) != head + count * STL_TRIANGLE.itemsize:
+    from trimesh import load_mesh
+
+    count = int.from_bytes(data[STL_HEAD_BYTES - 4 : STL_HEAD_BYTES], "little")
+    if len(data) != STL_HEAD_BYTES + count * STL_TRIANGLE_BYTES:
         raise ValueError(f"an STL file of {len(data)} bytes does not hold {count} triangles")
-    corners = np.frombuffer(data, dtype=STL_TRIANGLE, offset=head)["corners"]
-    return merged(corners.reshape(-1, 3).astype(float), np.arange(3 * count).reshape(-1, 3))
+    mesh: Trimesh = load_mesh(BytesIO(data), file_type="stl")
+    return mesh
 
 
-def read_back(data: bytes, original: TriangleMesh) -> TriangleMesh:
+def read_back(data: bytes, original: Trimesh) -> Trimesh:
     """The solid in an STL file, its vertices merged.
 
     Raises Unanswered unless it is closed and has the volume and the bounds of ``original`` to single precision.
@@ -127,7 +136,7 @@ def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Arra
     closed there.
     """
     mesh = mesh_of_stl(data)
-    found = section_rings(mesh.vertices, mesh.faces, height_mm)
+    found = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
     chosen = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
     return _without_straight_points(chosen)
 
@@ -179,3 +188,94 @@ def _without_straight_points(ring: Array) -> Array:
     whole, arm = after - before, ring - before
     aside = np.abs(whole[:, 0] * arm[:, 1] - whole[:, 1] * arm[:, 0])
     return ring[aside > STRAIGHT * size * np.hypot(whole[:, 0], whole[:, 1])]
+
+
+FLAT = 1e-7
+"""Distance from an arc of the chords by which it is measured, as a share of the largest coordinate: a thousandth of a
+usual chord tolerance."""
+
+
+def read_outlines(files: Mapping[str, bytes]) -> dict[str, tuple[Array, Array]]:
+    """The outlines of both gears, shape (n, 2) each, in the drawings among these files, by their kind."""
+    found = {}
+    for kind, read in READERS.items():
+        names = [f"{gear.value}.{kind}" for gear in Gear]
+        if all(name in files for name in names):
+            found[kind] = (read(files[names[0]]), read(files[names[1]]))
+    return found
+
+
+def outline_of_dxf(data: bytes) -> Array:
+    """The tooth outline of a DXF file of one gear in mm, arcs as fine chords, shape (n, 2)."""
+    import ezdxf
+    from ezdxf.entities.lwpolyline import LWPolyline
+
+    entities = ezdxf.read(StringIO(data.decode())).modelspace()
+    (outline,) = (one for one in entities if isinstance(one, LWPolyline) and one.dxf.layer == "OUTLINE")
+    rows = np.array(outline.get_points("xyb"))
+    return flattened(rows[:, :2], rows[:, 2])
+
+
+STEP = re.compile(r"([MLA])([^MLAZ]*)")
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?")
+
+
+def outline_of_svg(data: bytes) -> Array:
+    """The tooth outline of an SVG file in mm, y up, arcs as fine chords, shape (n, 2)."""
+    space = "{http://www.w3.org/2000/svg}"
+    (path,) = Xml.fromstring(data).iterfind(f".//{space}g[@id='OUTLINE']/{space}path")
+    steps = [(kind, [float(word) for word in NUMBER.findall(rest)]) for kind, rest in STEP.findall(path.attrib["d"])]
+    points = np.array([numbers[-2:] for _, numbers in steps])
+    chord = np.hypot(*np.diff(points, axis=0).T)
+    bulges = np.zeros(len(points))
+    for row, (kind, numbers) in enumerate(steps[1:]):
+        if kind == "A":
+            turned = 2.0 * np.arcsin(min(chord[row] / 2.0 / numbers[0], 1.0))
+            bulges[row] = (1.0 if numbers[4] else -1.0) * np.tan(turned / 4.0)
+    # The path comes back to its first point.
+    return flattened(points[:-1], bulges[:-1])
+
+
+READERS: dict[str, Callable[[bytes], Array]] = {"dxf": outline_of_dxf, "svg": outline_of_svg}
+
+
+def flattened(points_mm: Array, bulges: Array) -> Array:
+    """A closed chain of lines and arcs (see ``ArcOutline``) as chords that stray from arcs by ``FLAT`` at most."""
+    points = as_complex(points_mm)
+    height = np.abs(bulges) * np.abs(np.roll(points, -1) - points) / 2.0
+    return as_chords(points_mm, bulges, np.sqrt(height / (FLAT * np.abs(points).max())))
+
+
+def as_chords(points_mm: Array, bulges: Array, least: Array) -> Array:
+    """A closed chain of lines and arcs (see ``ArcOutline``) as chords, of each of them at least so many, shape (n,)."""
+    start, count = as_complex(points_mm), np.maximum(np.ceil(least), 1).astype(int)
+    chord, turn = np.roll(start, -1) - start, 4.0 * np.arctan(bulges)
+    row, number = counted_up(np.zeros(count.size, dtype=int), count)
+    share, turn = number / count[row], turn[row]
+    bent = turn != 0.0
+    on_arc = share.astype(complex)
+    on_arc[bent] = np.expm1(1j * turn[bent] * share[bent]) / np.expm1(1j * turn[bent])
+    return as_points(start[row] + chord[row] * on_arc)
+
+
+ExactOutlines = tuple[Array, Array]
+"""Points of all exact curves of the driving and of the driven gear, shape (n, 2) each."""
+
+ERRORS = f"{__name__}:outline_errors_mm"
+
+
+def exact_outlines(teeth: ToothedPair) -> ExactOutlines:
+    """The points against which outlines are measured."""
+    return exact_points(teeth.of(Gear.DRIVING)), exact_points(teeth.of(Gear.DRIVEN))
+
+
+def outline_errors_mm(exact_mm: ExactOutlines, outlines_mm: Mapping[str, tuple[Array, Array]]) -> dict[str, float]:
+    """The largest distance of both gears' exact curves from the outlines of each kind of file, by its name."""
+    return {kind: max(map(farthest_mm, exact_mm, both)) for kind, both in outlines_mm.items()}
+
+
+def error_of_step_mm(data: bytes) -> float:
+    """What the head of a STEP file says of its faces, which were held against the exact curves when they were made."""
+    head = b" ".join(data.split(b"ENDSEC", 1)[0].split())
+    (error,) = re.findall(rb"tooth faces within (\S+) mm", head)
+    return float(error)

@@ -1,4 +1,4 @@
-"""Charts of the loads and stresses of teeth over the whole cycle of a pair, beside what its weakest teeth endure."""
+"""Charts of the teeth of a pair over the angle of its own driving gear, a whole cycle: contact, loads and stresses."""
 
 from __future__ import annotations
 
@@ -7,13 +7,74 @@ from math import degrees, lcm, pi
 
 import numpy as np
 
+from ncgear.contact.designed.as_designed import AsDesigned
+from ncgear.contact.pair import PairContact
+from ncgear.contact.written.as_written import AsWritten
 from ncgear.drawings.charts.chart import Chart, Line, Role
-from ncgear.figures.numbers import to_digits
+from ncgear.figures.numbers import MICRORAD, to_digits
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.life import rated_for_pitting
+
+PUSHING, BACKS = "pushing flanks as designed", "backs as designed"
+
+
+def transmission_error(contact: PairContact) -> Chart:
+    """Driven angle less that of the law, as designed and for the worst written outlines."""
+    designed, written = contact.as_designed, worst_written(contact)
+    lines = (
+        Line(Role.OWN, PUSHING, _angle_deg(designed), 1e6 * designed.pushing.error_rad),
+        Line(Role.WRITTEN, "pushing flanks as written", _angle_deg(designed), 1e6 * written.pushing_rad),
+    )
+    label = f"error of driven\nangle in {MICRORAD}"
+    return Chart("transmission error", MICRORAD, lines, _cycle_deg(designed), axis_label=label)
+
+
+def worst_written(contact: PairContact) -> AsWritten:
+    """The form of the written outlines that has the largest transmission error."""
+    return max(contact.as_written, key=lambda outlines: outlines.transmission_error_rad)
+
+
+def backlash(designed: AsDesigned) -> Chart:
+    """Play of the driven gear."""
+    line = Line(Role.OWN, "as designed", _angle_deg(designed), 1e6 * designed.backlash_rad)
+    return Chart("backlash", MICRORAD, (line,), _cycle_deg(designed))
+
+
+def flanks_in_contact(designed: AsDesigned) -> Chart:
+    """How many pairs of flanks touch, on either side of the teeth."""
+    counts = (side.simultaneous.astype(float) for side in (designed.pushing, designed.back))
+    lines = _sides(designed, *counts)
+    return Chart("flanks in contact", "", lines, _cycle_deg(designed), counts=True, axis_label="flanks\nin contact")
+
+
+def pressure_angle(designed: AsDesigned) -> Chart:
+    """Pressure angle of the foremost contact, on either side of the teeth."""
+    angles = (np.degrees(side.first.pressure_angle_rad) for side in (designed.pushing, designed.back))
+    return Chart("pressure angle", "deg", _sides(designed, *angles), _cycle_deg(designed))
+
+
+def sliding(designed: AsDesigned) -> Chart:
+    """Speed of sliding at the foremost contact divided by that of the driving gear, on either side of the teeth."""
+    speeds = (side.first.sliding_mm(designed.placement) for side in (designed.pushing, designed.back))
+    return Chart("sliding", "mm per rad", _sides(designed, *speeds), _cycle_deg(designed))
+
+
+def _sides(designed: AsDesigned, pushing: Array, back: Array) -> tuple[Line, Line]:
+    """The lines of both flanks; that of the pushing flanks is the last one, which is drawn on top."""
+    angle = _angle_deg(designed)
+    return Line(Role.OTHER, BACKS, angle, back), Line(Role.OWN, PUSHING, angle, pushing)
+
+
+def _angle_deg(designed: AsDesigned) -> Array:
+    return np.degrees(designed.placement.phi1_rad)
+
+
+def _cycle_deg(designed: AsDesigned) -> float:
+    return degrees(designed.placement.cycle_rad)
+
 
 SAME_LIMIT = 0.01
 """Relative difference of two endured stresses that are drawn as one line: its width on paper."""
@@ -30,7 +91,7 @@ def strength_charts(strength: Strength, found: Sequence[Weakest]) -> list[Chart]
 
 def _forces(strength: Strength) -> Chart:
     contacts = strength.contacts
-    angle = _angle_deg(strength)
+    angle = _position_deg(strength)
     # By position, and there the greatest force first: the place in its run is the rank of a pair.
     order = np.lexsort((-contacts.force_n, contacts.position))
     position = contacts.position[order]
@@ -43,7 +104,7 @@ def _forces(strength: Strength) -> Chart:
 
 
 def _root_stress(strength: Strength, found: Sequence[Weakest]) -> Chart:
-    angle, tension = _angle_deg(strength), strength.stresses.tension_mpa
+    angle, tension = _position_deg(strength), strength.stresses.tension_mpa
     roles = (Role.OTHER, Gear.DRIVEN, 1), (Role.OWN, Gear.DRIVING, 0)
     lines = [Line(role, f"{gear.value} gear", angle, _largest(strength, tension[row])) for role, gear, row in roles]
     limits = _limits(strength, found, Damage.BENDING)
@@ -52,7 +113,7 @@ def _root_stress(strength: Strength, found: Sequence[Weakest]) -> Chart:
 
 def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
     contacts, pressure = strength.contacts, strength.stresses.pressure_mpa
-    angle = _angle_deg(strength)
+    angle = _position_deg(strength)
     lines = []
     kinds = (Role.OTHER, "of any pair", contacts.flanks), (Role.OWN, "rated", rated_for_pitting(contacts))
     for role, label, counted in kinds:
@@ -80,7 +141,7 @@ def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> lis
     ]
 
 
-def _angle_deg(strength: Strength) -> Array:
+def _position_deg(strength: Strength) -> Array:
     """The driving angle of every position, those without load included, shape (n,)."""
     present, first = np.unique(strength.contacts.position, return_index=True)
     angle: Array = np.degrees(np.interp(np.arange(present[-1] + 1), present, strength.contacts.phi1_rad[first]))

@@ -1,6 +1,7 @@
-"""3MF files, which hold their unit: both gears side by side on one plate for printing, and assembled at phi1 = 0.
+"""Files of solids: GLB (binary glTF), the assembled pair for viewers and web pages, and 3MF, which holds its unit.
 
-Sources: 3MF Consortium, core specification 1.3 and production extension 1.1; parts of the archive by ECMA-376.
+3MF files have both gears side by side on one plate for printing, and assembled at phi1 = 0.  Sources: 3MF Consortium,
+core specification 1.3 and production extension 1.1; parts of the archive by ECMA-376.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from io import BytesIO
 from itertools import count
 from uuid import UUID
 
-from ncgear.frozen import dataclass
+from ncgear.drawings.solid_pair import linear_light, pair_scene
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh.triangles import TriangleMesh
 
@@ -59,25 +60,20 @@ TYPES = "".join(
 )
 
 
-@dataclass(frozen=True, eq=False)
-class PlacedMeshes:
-    """The solids of both gears in mm, and their centre distance in mm."""
-
-    driving: TriangleMesh
-    driven: TriangleMesh
-    center_distance_mm: float
+PlacedMeshes = tuple[TriangleMesh, TriangleMesh, float]
+"""The solids of the driving and of the driven gear in mm, and their centre distance in mm."""
 
 
 def placed_meshes(drive: Drive) -> PlacedMeshes:
     """What the files show: the solids of the STL files."""
-    return PlacedMeshes(drive.solids.driving.mesh, drive.solids.driven.mesh, drive.pitch.center_distance_mm)
+    return drive.solids.driving.triangles, drive.solids.driven.triangles, drive.pitch.center_distance_mm
 
 
 def threemf_files(shown: PlacedMeshes) -> dict[str, bytes]:
     """``gears.3mf`` and ``pair.3mf``: the solids apart from each other and assembled."""
-    apart = float(shown.driving.bounds[1][0] - shown.driven.bounds[0][0]) + GAP_MM
-    places = {"gears.3mf": apart, "pair.3mf": shown.center_distance_mm}
-    gears = {"driving": mesh_text(shown.driving), "driven": mesh_text(shown.driven)}
+    driving, driven, distance_mm = shown
+    places = {"gears.3mf": float(driving.bounds[1][0] - driven.bounds[0][0]) + GAP_MM, "pair.3mf": distance_mm}
+    gears = {"driving": mesh_text(driving), "driven": mesh_text(driven)}
     return {name: archive(gears, {"driving": 0.0, "driven": x_mm}) for name, x_mm in places.items()}
 
 
@@ -112,3 +108,8 @@ def _item(number: int, name: str, x_mm: float, identity: UUID) -> str:
     """A part of the build at its place."""
     place = f"1.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 1.0 {x_mm} 0.0 0.0"
     return f'<item objectid="{number}" transform="{place}" p:UUID="{identity}" partnumber="{name}"/>'
+
+
+def glb_files(drive: Drive) -> dict[str, bytes]:
+    """``pair.glb`` with the nodes ``driving`` and ``driven``."""
+    return {"pair.glb": pair_scene(drive, linear_light).export(file_type="glb")}

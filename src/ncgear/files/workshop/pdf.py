@@ -24,7 +24,7 @@ ROUND = 4.0 / 3.0 * (2.0**0.5 - 1.0)
 """Distance of the handles of a quarter of a circle from its ends, as a share of the radius (within 3e-4 of it)."""
 
 
-def pdf_bytes(sheet: Sheet) -> bytes:
+def sheet_pdf(sheet: Sheet) -> bytes:
     """The file; the same sheet gives the same bytes."""
     drawn = zlib.compress("\n".join(_drawn(sheet)).encode(ENCODING, "replace"))
     width, height = (f"{side * POINTS_PER_MM:.3f}" for side in sheet.size_mm)

@@ -1,4 +1,9 @@
-"""The schemas of ncgear in the settings of a folder that is opened in VS Code, for its extension YAML (Red Hat)."""
+"""The schemas of ncgear in the settings of a folder that is opened in VS Code, for its extension YAML (Red Hat).
+
+Settings are JSON with comments and trailing commas, and are changed without losing a character.  Comments and trailing
+commas become blanks of the same length.  So what is left is JSON whose every value stands where it stood, and a change
+is a replacement of characters in the text as it was.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +12,126 @@ import os
 import re
 from collections.abc import Iterator
 from itertools import islice
+from json.decoder import JSONDecoder
 from pathlib import Path
+from typing import Any
 
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design, json_schema
 from ncgear.errors import WrongInput
-from ncgear.files.jsonc import NotEditable, parsed, with_member
 from ncgear.frozen import dataclass
+
+# --- JSON with comments ----------------------------------------------------------------------------------------------
+
+TOKEN = re.compile(r'"(?:[^"\\\n]|\\.)*"|//[^\n\r]*|/\*.*?\*/|,(?=(?:\s|//[^\n\r]*|/\*.*?\*/)*[\]}])', flags=re.DOTALL)
+"""A string, a comment, or a comma before the end of an object or a list."""
+
+BLANK = re.compile(r"\ufeff?\s*")
+
+INDENT = "    "
+"""What VS Code indents by where nothing else is set."""
+
+Span = tuple[int, int]
+"""Where a value stands in a text: its start and its end."""
+
+
+class NotEditable(ValueError):
+    """The text is not an object of JSON with comments, or has a key more than once; says what is wrong."""
+
+
+def plain(text: str) -> str:
+    """The text as JSON of the same length: comments and trailing commas are blank."""
+    return TOKEN.sub(lambda found: found[0] if found[0][0] == '"' else re.sub(r"[^\r\n]", " ", found[0]), text)
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """The object of a text; raises NotEditable."""
+    bare = plain(text)
+    members, end = _members(bare, _skipped(bare, 0))
+    if bare[end:].strip():
+        raise NotEditable("something stands behind its end")
+    return {key: json.loads(bare[start:end]) for key, (start, end) in members.items()}
+
+
+def with_member(text: str, path: tuple[str, ...], value: Any) -> str:
+    """The text with a value at a path of keys, every other character as it was; objects on the way are made.
+
+    A text without anything is taken for an empty object.  Raises NotEditable where the text is no object, or something
+    on the way is none.
+    """
+    text = text if plain(text).strip() else f"{text}{{\n}}\n"
+    bare, start = plain(text), 0
+    for depth, key in enumerate(path, 1):
+        start = _skipped(bare, start)
+        members, end = _members(bare, start)
+        if key not in members:
+            for further in reversed(path[depth:]):
+                value = {further: value}
+            return _inserted(text, bare[start + 1 : end - 1], start + 1, key, value, depth)
+        start, end = members[key]
+    if json.loads(bare[start:end]) == value:
+        return text
+    return text[:start] + _text(value, len(path), text) + text[end:]
+
+
+def _inserted(text: str, inside: str, start: int, key: str, value: Any, depth: int) -> str:
+    """The text with one more member before what is ``inside`` an object from ``start`` on."""
+    line, rest = _line_break(text), text[start:]
+    comma = "," if inside.strip() else ""
+    # What stood behind the bracket goes to a line of its own.
+    if "\n" not in rest[: _skipped(rest, 0)]:
+        rest = f"{line}{INDENT * (depth if comma else depth - 1)}{rest.lstrip(' ')}"
+    return f"{text[:start]}{line}{INDENT * depth}{json.dumps(key)}: {_text(value, depth, text)}{comma}{rest}"
+
+
+def _text(value: Any, depth: int, text: str) -> str:
+    """A value as JSON at a depth, with the line breaks of the text around it."""
+    written = json.dumps(value, indent=len(INDENT), ensure_ascii=False)
+    return written.replace("\n", f"{_line_break(text)}{INDENT * depth}")
+
+
+def _line_break(text: str) -> str:
+    return "\r\n" if "\r\n" in text else "\n"
+
+
+def _skipped(bare: str, place: int) -> int:
+    """The next place that is not blank."""
+    found = BLANK.match(bare, place)
+    assert found is not None
+    return found.end()
+
+
+def _members(bare: str, start: int) -> tuple[dict[str, Span], int]:
+    """Where the values of an object's members stand, by their keys, and where the object ends; raises NotEditable."""
+    if bare[start : start + 1] != "{":
+        raise NotEditable("it is no object in curly brackets")
+    found: dict[str, Span] = {}
+    decode, place = JSONDecoder().raw_decode, _skipped(bare, start + 1)
+    sign = "}" if bare[place : place + 1] == "}" else ","
+    try:
+        while sign != "}":
+            key, place = decode(bare, place)
+            colon = _skipped(bare, place)
+            if not isinstance(key, str) or bare[colon] != ":":
+                raise NotEditable(f"a key is expected before character {colon}")
+            if key in found:
+                raise NotEditable(f"the key {key!r} is there twice")
+            begin = _skipped(bare, colon + 1)
+            _, end = decode(bare, begin)
+            found[key], place = (begin, end), _skipped(bare, end)
+            sign = bare[place]
+            if sign not in ",}":
+                raise NotEditable(f"a comma is expected at character {place}")
+            place = _skipped(bare, place + 1) if sign == "," else place
+    except NotEditable:
+        raise
+    except (ValueError, IndexError) as error:
+        raise NotEditable(str(error)) from error
+    return found, place + 1
+
+
+# --- settings --------------------------------------------------------------------------------------------------------
 
 SETTINGS_FOLDER, SETTINGS_FILE = ".vscode", "settings.json"
 

@@ -1,13 +1,14 @@
-"""The sheet of the assembly: both gears in mesh and the mechanism at phi1 = 0, and a list of parts.
+"""The sheets of a pair on paper, one for each gear and one for the assembly, as values and as files.
 
-Its frame is that of the mechanism, in which the slider moves to the right and the crank turns clockwise.  So a ring and
-the gear in it are seen from below, as their crank is.  Of two pairs in series, each sheet shows its own, and that of
-the second pair the mechanism.
+The sheet of a gear has its views with numbered teeth above, its tables and its bore below them.  That of the assembly
+has both gears in mesh and the mechanism at phi1 = 0, and a list of parts.  Its frame is that of the mechanism, in which
+the slider moves to the right and the crank turns clockwise.  So a ring and the gear in it are seen from below, as their
+crank is.  Of two pairs in series, each sheet shows its own, and that of the second pair the mechanism.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from math import degrees
 from typing import Any
@@ -19,11 +20,24 @@ from ncgear.drawings.scene.bodies import chamber_of
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import supports_mm
 from ncgear.figures.data_sheet.accuracy import distance_text, general_text
+from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import drawn
 from ncgear.figures.passed import shafts_below
-from ncgear.files.workshop.drawing import Cross
+from ncgear.figures.tables import Table
+from ncgear.files.workshop.dxf import sheet_dxf
+from ncgear.files.workshop.gear_drawing import Cross
+from ncgear.files.workshop.pdf import sheet_pdf
+from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import Board
-from ncgear.files.workshop.sheets.body import View, drawn_body, drawn_holes, drawn_shape, finished
+from ncgear.files.workshop.sheets.body import (
+    View,
+    drawn_body,
+    drawn_holes,
+    drawn_shape,
+    finished,
+    material_of,
+    title_of,
+)
 from ncgear.files.workshop.sheets.frame import (
     TITLE_HEIGHT_MM,
     TITLE_WIDTH_MM,
@@ -35,27 +49,17 @@ from ncgear.files.workshop.sheets.frame import (
     framed,
     inside,
 )
-from ncgear.files.workshop.sheets.gear_sheet import material_of, title_of
+from ncgear.files.workshop.sheets.gear_tables import gear_tables
 from ncgear.files.workshop.sheets.gear_view import (
     draw_turning,
     free_radius_mm,
+    gear_views,
     mounting_of,
     number_teeth,
     turns_crank,
 )
-from ncgear.files.workshop.sheets.sheet import (
-    A4_MM,
-    LETTER_MM,
-    SCALES,
-    Anchor,
-    Item,
-    Line,
-    Pen,
-    Sheet,
-    Text,
-    length,
-    scale_text,
-)
+from ncgear.files.workshop.sheets.sheet import A4_MM, Anchor, Item, Line, Pen, Sheet, Text
+from ncgear.files.workshop.svg import sheet_svg
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import RodMechanism
 from ncgear.numerics.arrays import Array
@@ -63,9 +67,11 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import turned
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.measured import MeasuredGear
 from ncgear.solids.plan.body import BodyPlan
 
 GAP_MM = 2.0
+"""What is left free beside tables and views."""
 
 SIDE_MM, ABOVE_MM = 26.0, 16.0
 """Room left and right of the gears, and above and below them, for leaders and the centre distance."""
@@ -98,7 +104,7 @@ def pair_sheet(drive: Drive) -> Sheet:
     low, high = np.vstack(outlines).min(axis=0), np.vstack(outlines).max(axis=0)
     scene = Scene(drive.design.name, drive.machine, drive.law.train, (), chamber_of(drive.linkage, drive.machine.load))
     bodies = dict(_bodies(scene)) if turns_crank(drive) and scene.links else {}
-    upright, across = (_layout(size, mechanism=bool(bodies)) for size in (A4_MM, A4_MM[::-1]))
+    upright, across = (_layout(size, mechanism=bool(bodies)) for size in (paper.A4_MM, paper.A4_MM[::-1]))
     scale, other = (_scale_in(layout.gears, high - low) for layout in (upright, across))
     layout, scale = (across, other) if other > scale else (upright, scale)
     middle = np.array([layout.gears.left + layout.gears.right, layout.gears.low + layout.gears.high]) / 2.0
@@ -124,11 +130,11 @@ def pair_sheet(drive: Drive) -> Sheet:
 def _scale_in(box: Box, size_mm: Array) -> float:
     """The largest scale in which a size has room in a box, with room around it."""
     room = np.array([box.width - 2.0 * SIDE_MM, box.height - 2.0 * ABOVE_MM])
-    return next((scale for scale in SCALES if (scale * size_mm <= room).all()), SCALES[-1])
+    return next((scale for scale in paper.SCALES if (scale * size_mm <= room).all()), paper.SCALES[-1])
 
 
-PARTS_UPRIGHT_MM, PARTS_ACROSS_MM = 40.0, 85.0
-"""Height of the list of parts above the title block, and its width beside it."""
+PARTS_UPRIGHT_MM = 40.0
+"""Height of the list of parts above the title block."""
 
 
 def _layout(size_mm: tuple[float, float], *, mechanism: bool) -> Layout:
@@ -163,9 +169,9 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     axes = np.array([views[gear].origin for gear in Gear])
     board.add(Line(axes, Pen.CHAIN))
     if all(plans[gear].index_hole for gear in Gear):
-        board.add(Text(FACING, (box.left, box.high - LETTER_MM - 1.0)))
+        board.add(Text(FACING, (box.left, box.high - paper.LETTER_MM - 1.0)))
     if drive.stage is not None and not turns_crank(drive):
-        board.add(Text(FIRST_STAGE, (box.left, box.high - 2.0 * (LETTER_MM + 1.0) - 1.0)))
+        board.add(Text(FIRST_STAGE, (box.left, box.high - 2.0 * (paper.LETTER_MM + 1.0) - 1.0)))
     if turns_crank(drive):
         _draw_crank(board, drive, axes[1], np.vstack([item.points for item in board.items if isinstance(item, Line)]))
     along = (axes[1] - axes[0]) / np.hypot(*(axes[1] - axes[0]))
@@ -178,7 +184,7 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     offsets += [sense * more for more in np.arange(6.0, float(reach.max()), 2.0) for sense in (-1.0, 1.0)]
     scale = views[Gear.DRIVING].scale
     words = f"{drawn(distance, 'mm')} {distance_text(drive) or ''}".strip()
-    board.put_dimension(length(axes, float(apart), words, scale) for apart in offsets)
+    board.put_dimension(paper.length(axes, float(apart), words, scale) for apart in offsets)
     for gear, view in views.items():
         number_teeth(board, drive.teeth.of(gear), view, gear.value, fifths=True)
         sense = mounting.sense(gear)
@@ -189,8 +195,6 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
 
 
 FACING = "The index holes face each other on the line of centres."
-
-
 FIRST_STAGE = "The shaft of the driven gear turns the driving gear of stage 2."
 
 
@@ -199,7 +203,7 @@ def _draw_crank(board: Board, drive: Drive, axis: Array, drawn_mm: Array) -> Non
     angle = drive.linkage.crank_start_rad
     way = np.array([np.cos(angle), np.sin(angle)])
     ahead = (drawn_mm - axis) @ way
-    beside = np.abs((drawn_mm - axis) @ np.array([-way[1], way[0]])) < LETTER_MM
+    beside = np.abs((drawn_mm - axis) @ np.array([-way[1], way[0]])) < paper.LETTER_MM
     end = axis + (float(ahead[beside].max(initial=0.0)) + 6.0) * way
     board.add(Line(np.array([axis, end]), Pen.CHAIN))
     places = [end + more * way + np.array([0.0, lift]) for more in (1.0, 3.0, 6.0) for lift in (1.5, -4.0)]
@@ -257,7 +261,7 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
     )
     low, high = everything.min(axis=0), everything.max(axis=0)
     room = np.array([box.width - 2.0 * MECHANISM_SIDE_MM, box.height - 2.0 * MECHANISM_ABOVE_MM])
-    scale = next((scale for scale in SCALES if (scale * (high - low) <= room).all()), SCALES[-1])
+    scale = next((scale for scale in paper.SCALES if (scale * (high - low) <= room).all()), paper.SCALES[-1])
     origin = np.array([(box.left + box.right) / 2.0, (box.low + box.high) / 2.0 + 1.0]) - scale * (low + high) / 2.0
     view = View(scale, tuple(origin.tolist()))
     board = Board(box.bounds)
@@ -269,13 +273,12 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         if one.name.endswith("_mm")
     )
     crank = drawn(degrees(linkage.crank_start_rad) % 360.0, "deg")
-    words = (
-        f"Mechanism at phi1 = 0, {scale_text(scale)}; lengths: {sizes}; {linkage.CRANK} at {crank} deg, turns clockwise"
-    )
+    at = f"Mechanism at phi1 = 0, {paper.scale_text(scale)}"
+    words = f"{at}; lengths: {sizes}; {linkage.CRANK} at {crank} deg, turns clockwise"
     board.add(Text(fitted(words, box.width - 4.0), (box.left + 2.0, box.high - 4.5)))
     for number, (part, shaft) in enumerate(shafts_below(drive), 1):
         note = f"The {shaft} must end below the {part}."
-        board.add(Text(note, (box.left + 2.0, box.high - 4.5 - number * (LETTER_MM + 1.0))))
+        board.add(Text(note, (box.left + 2.0, box.high - 4.5 - number * (paper.LETTER_MM + 1.0))))
     for name, rings in bodies.items():
         for ring in rings:
             board.add(Line(view.on_paper(ring), Pen.THIN, closed=True, name=name))
@@ -290,12 +293,12 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         below = float(view.on_paper(low)[1]) - 5.0
         apart = [below - float(view.on_paper(ends)[0, 1]) - more for more in (0.0, 2.0, 4.0)]
         board.put_dimension(
-            length(view.on_paper(ends), one, f"{drawn(linkage.stroke_mm, 'mm')} stroke", scale) for one in apart
+            paper.length(view.on_paper(ends), one, f"{drawn(linkage.stroke_mm, 'mm')} stroke", scale) for one in apart
         )
     for points, words in _lengths(drive):
         on_paper = view.on_paper(points)
         board.put_dimension(
-            length(on_paper, sense * apart, words, scale)
+            paper.length(on_paper, sense * apart, words, scale)
             for apart in (7.0, 10.0, 13.0, 5.0, 16.0)
             for sense in (1.0, -1.0)
         )
@@ -333,3 +336,47 @@ def _parts(drive: Drive, links: list[str]) -> PaperTable:
     rows += [(str(number), name, "-", "-") for number, name in enumerate(links, 3)]
     columns = Columns((8.0, 25.0, 34.0, 18.0), (True, False, False, False))
     return PaperTable("Parts", ("", "part", "file", "material"), tuple(rows), columns)
+
+
+WRITERS = {"svg": sheet_svg, "pdf": sheet_pdf, "dxf": sheet_dxf}
+
+TABLES_MM = 108.0
+"""Height of the tables: a title, two lines of heads and 24 rows."""
+
+
+def gear_sheet(drive: Drive, measured: MeasuredGear, pitch_radii: Table) -> Sheet:
+    """The sheet of a gear, in its own frame and in the pose of phi1 = 0, seen from its upper face.
+
+    ``pitch_radii`` is the data sheet's table of both gears.
+    """
+    gear = measured.gear
+    plan = finished(drive, gear)
+    frame = inside(A4_MM)
+    low = frame.low + TITLE_HEIGHT_MM + GAP_MM
+    tables = Box(frame.left, low, frame.right, low + TABLES_MM)
+    area = Box(frame.left + GAP_MM, tables.high + GAP_MM, frame.right - GAP_MM, frame.high - GAP_MM)
+    view, items = gear_views(drive, measured, plan, area)
+    items += gear_tables(drive, measured, plan, pitch_radii, tables)
+    name = title_of(drive)
+    titles = Titles(
+        f"{gear.value.capitalize()} gear",
+        name,
+        material_of(drive, gear),
+        "seen from z > 0, pose of phi1 = 0" + (", section of teeth at z = 0" if drive.helix else ""),
+        view.scale,
+        general_text(drive),
+    )
+    return Sheet(f"{name}: {gear.value} gear", A4_MM, view.scale, view.origin, (*framed(A4_MM, titles), *items))
+
+
+def sheets_of(drive: Drive) -> dict[str, Sheet]:
+    """The sheets of ``driving``, ``driven`` and ``pair``; raises the errors of the drive's solids."""
+    radii = pitch_table(drive)
+    sheets = {gear.gear.value: gear_sheet(drive, gear, radii) for gear in drive.measured}
+    sheets["pair"] = pair_sheet(drive)
+    return sheets
+
+
+def drawing_files(sheets: Mapping[str, Sheet]) -> dict[str, bytes]:
+    """``driving_drawing``, ``driven_drawing`` and ``pair_drawing`` of each kind by their names."""
+    return {f"{name}_drawing.{kind}": write(sheet) for name, sheet in sheets.items() for kind, write in WRITERS.items()}
