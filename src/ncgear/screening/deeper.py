@@ -6,6 +6,7 @@ Nothing is made that no figure needs: no solids, no written outlines, no motion 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import nan
 from typing import Any
 
@@ -16,7 +17,7 @@ from ncgear.design.varied import checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.screening.designs import MADE, Designs, as_in_file, with_figures
+from ncgear.screening.designs import MADE, Designs, as_in_file
 
 
 def _strength_of(gear: Gear) -> dict[str, Callable[[Drive], float]]:
@@ -101,7 +102,8 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
         verdicts.append(as_in_file(data, verdict))
     names = deeper_names(pairs, stage)
     more = {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
-    return with_figures(designs, more, verdicts)
+    told = np.array(verdicts, dtype=object)
+    return replace(designs, figures={**designs.figures, **more}, verdicts=told)
 
 
 def _followed(design: Design | WrongInput, stage: str) -> tuple[dict[str, float], str]:

@@ -7,7 +7,6 @@ of which no batch is sure, or whose kind knows no batch, is computed by itself.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -268,11 +267,6 @@ def _has(data: Any, key: str) -> bool:
         else:
             return False
     return True
-
-
-def with_figures(designs: Designs, more: dict[str, Array], verdicts: Sequence[str]) -> Designs:
-    """The same designs with more figures, and the verdicts of a later stage."""
-    return replace(designs, figures={**designs.figures, **more}, verdicts=np.array(verdicts, dtype=object))
 
 
 Counted = Callable[[int, int], None]

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.laws.three_segment_stroke import THETAS
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanisms
@@ -169,7 +168,10 @@ class _Strokes:
         """What the files ask for."""
         batch = self.batch
         return StrokeRequests(
-            *map(batch.angle_rad, THETAS),
+            theta1_rad=batch.angle_rad("theta1"),
+            theta2_rad=batch.angle_rad("theta2"),
+            theta3_rad=batch.angle_rad("theta3"),
+            theta4_rad=batch.angle_rad("theta4"),
             v1_mm_s=batch.given("motion.v1_mm_s"),
             v2_mm_s=batch.given("motion.v2_mm_s"),
             a1_mm_s2=batch.given("motion.a1_mm_s2"),
@@ -341,7 +343,9 @@ def _harmonics(batch: Batch, count: int) -> Sampled:
     cosine, sine = (np.pad(one, ((0, 0), (0, longest - one.shape[1]))) for one in (cosine, sine))
     linkage, lobes = batch.mechanisms, batch.kind.lobes
     # The mechanisms all have the first one's working angle, as crank-sliders without offset do.
-    phi2, width = _angles(float(linkage.working_angle_rad[0]), count)
+    working = float(linkage.working_angle_rad[0])
+    width = np.repeat([working / HARMONIC_PIECES, (2.0 * pi - working) / HARMONIC_PIECES], HARMONIC_PIECES)
+    phi2 = (np.cumsum(width) - width)[:, None] + width[:, None] * shares(count)
     at = _places(cosine, sine, lobes, phi2, width)
     turning = np.broadcast_to(width[:, None], at.ratio.shape)
     samples = Samples(at, turning, there=np.ones(turning.shape[:2], dtype=bool))
@@ -359,12 +363,6 @@ def _harmonics(batch: Batch, count: int) -> Sampled:
     mean = np.exp(constant[:, None] + cosine @ np.cos(turned) + sine @ np.sin(turned)).mean(axis=1)
     closing = 2.0 * pi * (1.0 - mean * lobes.driving / lobes.driven)
     return Sampled(samples, motion, linkage.stroke_mm, speed, 0.0 * speed, closing)
-
-
-def _angles(working_rad: float, count: int) -> tuple[Array, Array]:
-    """phi2 at the points of the pieces, shape (p, count), and the pieces' widths, shape (p,)."""
-    width = np.repeat([working_rad / HARMONIC_PIECES, (2.0 * pi - working_rad) / HARMONIC_PIECES], HARMONIC_PIECES)
-    return (np.cumsum(width) - width)[:, None] + width[:, None] * shares(count), width
 
 
 def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array) -> Place:

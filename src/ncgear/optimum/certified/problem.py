@@ -8,7 +8,7 @@ from math import inf, sqrt
 from typing import Any
 
 from ncgear.frozen import dataclass
-from ncgear.optimum.certified.cycle import CrankCycle, cycle
+from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
 from ncgear.optimum.certified.proof import least
@@ -68,7 +68,3 @@ class LimitProblem:
     def under(self, **demands: Any) -> LimitProblem:
         """The problem with other values of some demands."""
         return replace(self, asked=replace(self.asked, **demands))
-
-    def on_grid(self, places: int) -> LimitProblem:
-        """The problem on a grid of about so many places."""
-        return replace(self, on=cycle(self.task, places, self.asked.places_rad))

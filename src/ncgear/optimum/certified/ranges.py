@@ -78,10 +78,6 @@ class KnownRanges:
         high[place] = min(high[place], most)
         return KnownRanges(low, high)
 
-    def and_all(self, ranges: Ranges) -> KnownRanges:
-        """What is known together with ranges that hold as well."""
-        return KnownRanges(np.maximum(self.least, ranges.least), np.minimum(self.most, ranges.most))
-
     @property
     def empty(self) -> bool:
         """Whether there is no q at all at some place."""

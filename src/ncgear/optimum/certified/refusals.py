@@ -14,6 +14,7 @@ from typing import Any
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.wishes import EvenSpeed, TimeWithin
 from ncgear.numerics.bounds import shown_above, shown_below
+from ncgear.optimum.certified.cycle import cycle
 from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.offers import Offer, Refused
@@ -270,7 +271,8 @@ def _eased(problem: LimitProblem, demands: Callable[[float], dict[str, Any]], gu
     def turned(on: LimitProblem, guess: float, step: float) -> tuple[float, float] | None:
         return turning_point(lambda value: on.under(**demands(value)).excess, guess, EASED, step)
 
-    few = problem.under(**demands(guess)).on_grid(FEW_PLACES)
+    few = problem.under(**demands(guess))
+    few = replace(few, on=cycle(few.task, FEW_PLACES, few.asked.places_rad))
     near = turned(few, guess, log(2.0)) if few.on.count < problem.on.count else None
     found = turned(problem, near[1], EASED) if near is not None and near[0] > 0.0 else turned(problem, guess, log(2.0))
     return inf if found is None else found[1]

@@ -239,7 +239,7 @@ class Tree:
     def bounded(self, box: MotionBox, target: float) -> MotionBox | None:
         """A box with all that follows between checkpoints, and its least value; None if that is not below a target."""
         ranges = self.ranges(box)
-        known = box.known.and_all(ranges)
+        known = KnownRanges(np.maximum(box.known.least, ranges.least), np.minimum(box.known.most, ranges.most))
         if known.empty:
             return None
         self.budget.spend(1)

@@ -21,7 +21,7 @@ from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.driving_ranges import best_held, held_as, ranges
 from ncgear.optimum.makeable.levels import OF_LIMITS, Level
 from ncgear.optimum.makeable.programme import Solution
-from ncgear.optimum.makeable.search import Kept, Search, cost, goal_weights, kept, searched
+from ncgear.optimum.makeable.search import Kept, LawSearch, cost, goal_weights, kept, searched
 from ncgear.optimum.makeable.wishes import CONVEX, Wishes
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
@@ -135,7 +135,7 @@ def nearest_law(task: Task, wishes: Wishes) -> MakeableLaw:
 def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> MakeableLaw | None:
     """The best law found from another start than a motion, of many that are told apart by numbers; None where none is.
 
-    See ``Search.elsewhere``.
+    See ``LawSearch.elsewhere``.
     """
     return _kept_law(task, held_as(wishes, start, task.cycle_rad), start, number)
 
@@ -148,7 +148,7 @@ def _kept_law(task: Task, wishes: Wishes, start: Motion, number: int | None = No
     return None if found is None else _weighed(search, law_of(search, found))
 
 
-def _weighed(search: Search, law: MakeableLaw) -> MakeableLaw:
+def _weighed(search: LawSearch, law: MakeableLaw) -> MakeableLaw:
     """The law found from another, with soft wishes that count in shares of what the other has of the goal."""
     if not any(level.share_of_goal for level in law.levels):
         return law
@@ -158,7 +158,7 @@ def _weighed(search: Search, law: MakeableLaw) -> MakeableLaw:
     return law if found is None else law_of(search, found)
 
 
-def _kept_at_last(search: Search, start: Array) -> MakeableLaw:
+def _kept_at_last(search: LawSearch, start: Array) -> MakeableLaw:
     """The law found from the one that comes nearest to keeping all limits; raises NoSuchMechanism where none is."""
     near = _nearest(search, start)
     if near.excess > NO_EXCESS:
@@ -167,14 +167,14 @@ def _kept_at_last(search: Search, start: Array) -> MakeableLaw:
     return _kept_between(search, near.coefficients) if found is None else law_of(search, found)
 
 
-def _nearest(search: Search, start: Array) -> Solution:
+def _nearest(search: LawSearch, start: Array) -> Solution:
     near = search.nearest(start)
     if near is None:
         raise NoSuchMechanism("no law was found, not even one that oversteps the limits", key="optimize.limits")
     return near
 
 
-def _kept_between(search: Search, near: Array) -> MakeableLaw:
+def _kept_between(search: LawSearch, near: Array) -> MakeableLaw:
     """A law that keeps all limits between the places too, from coefficients that keep them at the places.
 
     Raises NoSuchMechanism with the least value found of each limit with which a law keeps all others everywhere; where
@@ -194,13 +194,13 @@ def _kept_between(search: Search, near: Array) -> MakeableLaw:
     raise _offered(BETWEEN, eased, each=False)
 
 
-def _kept_without(search: Search, wishes: Sequence[str], *starts: Array | Solution) -> Kept | None:
+def _kept_without(search: LawSearch, wishes: Sequence[str], *starts: Array | Solution) -> Kept | None:
     """Coefficients that keep all limits but some everywhere, and those as nearly as they can, from the first start."""
     freed = _freed(search, wishes)
     return next((found for start in starts if (found := kept(freed, start)) is not None), None)
 
 
-def _freed(search: Search, wishes: Sequence[str]) -> Search:
+def _freed(search: LawSearch, wishes: Sequence[str]) -> LawSearch:
     """The search that keeps all limits but those of these wishes, each of them as nearly as it can, and no nearer.
 
     Of a wish with two sides, such as a place at an angle, no law is better for a side that has room.
@@ -220,14 +220,14 @@ def _freed(search: Search, wishes: Sequence[str]) -> Search:
     )
 
 
-def law_of(search: Search, found: Kept) -> MakeableLaw:
+def law_of(search: LawSearch, found: Kept) -> MakeableLaw:
     """The law that a search has found."""
     first, *second = found.ratio
     programme = search.programme
     return MakeableLaw(programme.knots.angle_rad, first, programme.levels, found.reached, *second)
 
 
-def _cannot_be(search: Search, near: Solution) -> Refused:
+def _cannot_be(search: LawSearch, near: Solution) -> Refused:
     """The refusal: what each limit would have to be with all the others, or several of them together."""
     alone = [
         easing
@@ -252,7 +252,7 @@ def _told(enough: str, said: str, offers: Sequence[Offer]) -> str:
     return f"{said}; {enough}: {', '.join(map(str, offers)) or 'none known'}"
 
 
-def _eased(search: Search, near: Solution) -> Iterator[tuple[str, Solution]]:
+def _eased(search: LawSearch, near: Solution) -> Iterator[tuple[str, Solution]]:
     """Each wish that presses, with the law that keeps all others at the places and it as nearly as it can, if any.
 
     The wishes that press keep up the excess of ``near``, the law that comes nearest to keeping all limits.  Without any
@@ -279,12 +279,12 @@ def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[E
     return next(filter(None, found), [])
 
 
-def _few_knots(task: Task, wishes: Wishes) -> Iterator[Search]:
+def _few_knots(task: Task, wishes: Wishes) -> Iterator[LawSearch]:
     """The searches for laws of few knots, one after the other."""
     return (searched(task, replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))) for most in FEW_KNOTS)
 
 
-def _found_instead(search: Search, over: float) -> Iterator[Eased]:
+def _found_instead(search: LawSearch, over: float) -> Iterator[Eased]:
     near = search.nearest(search.begun(EVEN))
     if near is None or near.excess <= over:
         return
@@ -294,7 +294,7 @@ def _found_instead(search: Search, over: float) -> Iterator[Eased]:
             yield _eased_by(search, [wish], law.reached)
 
 
-def _eased_by(search: Search, wishes: Sequence[str], reached: Array) -> Eased:
+def _eased_by(search: LawSearch, wishes: Sequence[str], reached: Array) -> Eased:
     def eased(room: float) -> list[Offer]:
         levels = reached + room * np.maximum(np.abs(reached), 1.0)
         return list(chain(*(_easing(search, wish, levels) for wish in wishes)))
@@ -303,7 +303,7 @@ def _eased_by(search: Search, wishes: Sequence[str], reached: Array) -> Eased:
 
 
 def _freed_together(
-    search: Search, near: Solution, may_give: Callable[[Level], bool]
+    search: LawSearch, near: Solution, may_give: Callable[[Level], bool]
 ) -> tuple[list[str], Solution | None]:
     """Wishes, of those that may give way, without which a law keeps all others at the places, and that law.
 
@@ -337,7 +337,7 @@ def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Eased |
     return next((one for one in found if one is not None), None)
 
 
-def _found_together(search: Search, limits_alone: bool) -> Eased | None:
+def _found_together(search: LawSearch, limits_alone: bool) -> Eased | None:
     near = search.nearest(search.begun(EVEN))
     if near is None:
         return None
@@ -353,7 +353,7 @@ def keeps_all(task: Task, wishes: Wishes) -> bool:
     return _from_even(searched(task, wishes)) is not None
 
 
-def _from_even(search: Search) -> Kept | None:
+def _from_even(search: LawSearch) -> Kept | None:
     """The law found from an even crank, at once or from the one that comes nearest to keeping all limits."""
     begun = search.begun(EVEN)
     if (found := kept(search, begun)) is not None:
@@ -362,7 +362,7 @@ def _from_even(search: Search) -> Kept | None:
     return None if near is None or near.excess > NO_EXCESS else kept(search, near.coefficients)
 
 
-def _without(search: Search, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
+def _without(search: LawSearch, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
     """The law with these wishes' levels as low as they go; an excess over all other caps costs the price.
 
     Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables; where
@@ -376,12 +376,12 @@ def _without(search: Search, wishes: Sequence[str], price: float, near: Solution
     return found
 
 
-def _shares(search: Search, near: Solution) -> Iterator[tuple[Level, float]]:
+def _shares(search: LawSearch, near: Solution) -> Iterator[tuple[Level, float]]:
     """Every level, with its share in keeping up the excess."""
     return zip(search.programme.levels, near.pressing.tolist(), strict=True)
 
 
-def _easing(search: Search, wish: str, reached: Array) -> Iterator[Offer]:
+def _easing(search: LawSearch, wish: str, reached: Array) -> Iterator[Offer]:
     """The value that a law has reached; none where no file may ask for so wide a limit."""
     levels = zip(reached, search.programme.levels, strict=True)
     value, level = max(((value, level) for value, level in levels if level.wish == wish), key=lambda one: one[0])

@@ -32,7 +32,7 @@ Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 """Place, slider, and length of the driving curve over the centre distance, to the terms of a level."""
 
 
-class Kind(Enum):
+class LevelKind(Enum):
     """What a level bounds, from its terms at the places of its stretch.
 
     An integral is one over the driving angle phi1 in rad, so that of the term 1.0 is the driving angle that a stretch
@@ -78,7 +78,7 @@ class Level:
     shown: Callable[[float], Offer]
     of_pairs: bool = False
     widest: float = inf
-    kind: Kind = Kind.PEAK
+    kind: LevelKind = LevelKind.PEAK
     stretch: CrankStretch = TURN
     target: float = 0.0
     group: str = OF_LIMITS
@@ -93,7 +93,7 @@ class Level:
     @property
     def least(self) -> float:
         """The least value that counts: the floor; a deviation to either side is never negative."""
-        return max(self.floor, 0.0) if self.kind is Kind.DEVIATION else self.floor
+        return max(self.floor, 0.0) if self.kind is LevelKind.DEVIATION else self.floor
 
     @property
     def cap(self) -> float:
@@ -132,9 +132,8 @@ ROUND = 1e-4
 
 @dataclass(frozen=True)
 class MachineScales:
-    """A machine with masses, and units of its driving torque in N mm and of forces in N on bearings and frame."""
+    """Units of a machine's driving torque in N mm and of forces in N on bearings and frame."""
 
-    task: Task
     torque_n_mm: float
     bearing_n: float
     shaking_n: float
@@ -151,21 +150,20 @@ def machine_scales(task: Task, slider: Slider) -> MachineScales:
         return max(largest(np.hypot(*force)), LEAST_N)
 
     return MachineScales(
-        task,
         max(largest(quantities.driving_torque(even, slider, turning_rad_s)), LEAST_N_MM),
         size(quantities.bearing_force(even, slider, turning_rad_s)),
         size(quantities.shaking_force(even, slider, turning_rad_s)),
     )
 
 
-def of_loads(units: MachineScales, limits: Limits, prices: Prices) -> Iterator[Level]:
+def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -> Iterator[Level]:
     """The levels of all limits and prices on what the machine feels: the figures of these names in ``Figures``."""
-    task, speed, torque = units.task, units.task.speed_rad_s, units.torque_n_mm
+    speed, torque = task.speed_rad_s, units.torque_n_mm
 
     def driving(at: Place, slider: Slider, _: Term = 0.0) -> Term:
         return quantities.driving_torque(at, slider, speed) / torque
 
-    def level(name: str, words: str, unit: float, sides: Sides, kind: Kind = Kind.PEAK) -> Iterator[Level]:
+    def level(name: str, words: str, unit: float, sides: Sides, kind: LevelKind = LevelKind.PEAK) -> Iterator[Level]:
         """The level of a figure that has a limit or a price; ``unit`` is what one unit of it is in the figure's."""
         limit, price = getattr(limits, name), getattr(prices, name, 0.0)
         if limit is not None or price:
@@ -193,11 +191,11 @@ def of_loads(units: MachineScales, limits: Limits, prices: Prices) -> Iterator[L
             None if limit is None else (limit / unit) ** 2,
             prices.rms_torque_n_m,
             lambda *at: (driving(*at) ** 2 / task.cycle_rad,),
-            kind=Kind.INTEGRAL,
+            kind=LevelKind.INTEGRAL,
         )
     per_swing = KG_MM2 * torque / (task.speed_fluctuation * speed**2)
     words = "a flywheel of {} kg mm^2"
-    yield from level("flywheel_kg_mm2", words, per_swing, lambda *at: (driving(*at),), Kind.SWING)
+    yield from level("flywheel_kg_mm2", words, per_swing, lambda *at: (driving(*at),), LevelKind.SWING)
     bearing, shaking = units.bearing_n, units.shaking_n
     words = "a force of {} N on the crank's bearings"
     yield from level("bearing_force_n", words, bearing, size(quantities.bearing_force, bearing))

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import degrees, exp, inf, log, tanh
 
-from ncgear.frozen import dataclass
 from ncgear.kinematics.wishes import (
     ConstantSpeed,
     CrankStretch,
@@ -33,48 +32,39 @@ from ncgear.kinematics.wishes import (
     Wish,
     WorkingStroke,
 )
-from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.levels import Level, LevelKind
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, acceleration, log_speed
 from ncgear.optimum.offers import Offer
+from ncgear.optimum.task import Task
 
 EXACT_RAD = 1e-5
 """Tolerance of a driving angle below which the angle itself is held: ten times the margin of the search."""
 
 
-@dataclass(frozen=True)
-class WishedMachine:
-    """The mechanism, its driving speed in rad/s, and the driving angle of its cycle in rad."""
-
-    linkage: Mechanism
-    speed_rad_s: float
-    cycle_rad: float
-
-
-def of_motion_wishes(machine: WishedMachine, wishes: Sequence[Wish]) -> Iterator[Level]:
+def of_motion_wishes(task: Task, wishes: Sequence[Wish]) -> Iterator[Level]:
     """The levels of all wishes, hard and soft."""
     for wish in wishes:
         if isinstance(wish, ExtremeSpeed):
-            yield _extreme(machine, wish)
-        for asked in wish.requirements(machine.linkage, machine.cycle_rad):
+            yield _extreme(task, wish)
+        for asked in wish.requirements(task.linkage, task.cycle_rad):
             match asked:
                 case EvenSpeed(stretch, widest):
-                    yield _even(machine, wish, stretch, widest)
+                    yield _even(task, wish, stretch, widest)
                 case SpeedWithin():
-                    yield _speed(machine, wish, asked)
+                    yield _speed(task, wish, asked)
                 case DecelerationWithin():
-                    yield _deceleration(machine, wish, asked)
+                    yield _deceleration(task, wish, asked)
                 case TimeWithin():
                     # Those of a gentle stretch only say where it is, so that a soft one counts by its bound alone
                     yield from _times(
-                        machine, replace(wish, weight=None) if isinstance(wish, GentleStretch) else wish, asked
+                        task, replace(wish, weight=None) if isinstance(wish, GentleStretch) else wish, asked
                     )
 
 
 def _level(
     wish: Wish,
-    kind: Kind,
+    kind: LevelKind,
     stretch: CrankStretch,
     sides: Callable[[Place, Slider, Term], tuple[Term, ...]],
     shown: Callable[[float], Offer],
@@ -98,48 +88,45 @@ def _level(
     )
 
 
-def _extreme(machine: WishedMachine, wish: ExtremeSpeed) -> Level:
+def _extreme(task: Task, wish: ExtremeSpeed) -> Level:
     sign = -1.0 if wish.fastest else 1.0
     return Level(
         wish.key,
         None,
         0.0,
-        lambda at, slider, _: (sign * log_speed(at, slider, machine.speed_rad_s),),
+        lambda at, slider, _: (sign * log_speed(at, slider, task.speed_rad_s),),
         lambda level: Offer(f"{exp(sign * level):.5g} {wish.output.speed.text}"),
-        stretch=wish.place(machine.linkage),
+        stretch=wish.place(task.linkage),
         group="",
         share_of_goal=wish.weight or 0.0,
     )
 
 
-def _even(machine: WishedMachine, wish: Wish, stretch: CrankStretch, widest: float) -> Level:
+def _even(task: Task, wish: Wish, stretch: CrankStretch, widest: float) -> Level:
     """Twice the tolerance is the spread of the logarithm, but for its third power."""
     return _level(
         wish,
-        Kind.SPREAD,
+        LevelKind.SPREAD,
         stretch,
-        lambda at, slider, _: (log_speed(at, slider, machine.speed_rad_s),),
+        lambda at, slider, _: (log_speed(at, slider, task.speed_rad_s),),
         lambda level: evenness_offer(wish, level),
         most=log(widest),
         per_share=2.0,
     )
 
 
-def _speed(machine: WishedMachine, wish: Wish, asked: SpeedWithin) -> Level:
+def _speed(task: Task, wish: Wish, asked: SpeedWithin) -> Level:
     least, most = asked.least_mm_s, asked.most_mm_s
 
     def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
-        speed = log_speed(at, slider, machine.speed_rad_s)
+        speed = log_speed(at, slider, task.speed_rad_s)
         over = (speed - log(most),) if most < inf else ()
         return (*over, log(least) - speed) if least > 0.0 else over
 
-    def shown(level: float) -> Offer:
-        return speed_offer(wish, asked, level)
-
-    return _level(wish, Kind.PEAK, asked.stretch, sides, shown)
+    return _level(wish, LevelKind.PEAK, asked.stretch, sides, lambda level: speed_offer(wish, asked, level))
 
 
-def _deceleration(machine: WishedMachine, wish: Wish, asked: DecelerationWithin) -> Level:
+def _deceleration(task: Task, wish: Wish, asked: DecelerationWithin) -> Level:
     """Deceleration over ``most_mm_s2``, less one; the speed falls where acceleration is against velocity.
 
     One level for both strokes.  x' has the sign of the stroke at every place, since those at dead centres are moved in.
@@ -147,9 +134,11 @@ def _deceleration(machine: WishedMachine, wish: Wish, asked: DecelerationWithin)
 
     def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
         forwards = slider.first / abs(slider.first)
-        return (-forwards * acceleration(at, slider, machine.speed_rad_s) / asked.most_mm_s2 - 1.0,)
+        return (-forwards * acceleration(at, slider, task.speed_rad_s) / asked.most_mm_s2 - 1.0,)
 
-    return _level(wish, Kind.PEAK, asked.stretch, sides, lambda level: deceleration_offer(wish, asked, 1.0 + level))
+    return _level(
+        wish, LevelKind.PEAK, asked.stretch, sides, lambda level: deceleration_offer(wish, asked, 1.0 + level)
+    )
 
 
 def deceleration_offer(wish: Wish, asked: DecelerationWithin, factor: float) -> Offer:
@@ -191,19 +180,19 @@ def speed_offer(wish: Wish, asked: SpeedWithin, level: float) -> Offer:
     raise TypeError(f"{type(wish).__name__} asks for no speed")
 
 
-def _times(machine: WishedMachine, wish: Wish, asked: TimeWithin) -> Iterator[Level]:
+def _times(task: Task, wish: Wish, asked: TimeWithin) -> Iterator[Level]:
     """A driving angle held, or bounded from above and from below."""
-    cycle, middle = machine.cycle_rad, (asked.least_rad + asked.most_rad) / 2.0
+    cycle, middle = task.cycle_rad, (asked.least_rad + asked.most_rad) / 2.0
     if asked.most_rad - asked.least_rad < 2.0 * EXACT_RAD:
-        yield _time(wish, asked, Kind.DEVIATION, 1.0, middle, cycle)
+        yield _time(wish, asked, LevelKind.DEVIATION, 1.0, middle, cycle)
         return
     if asked.most_rad < inf:
-        yield _time(wish, asked, Kind.INTEGRAL, 1.0, asked.most_rad, cycle)
+        yield _time(wish, asked, LevelKind.INTEGRAL, 1.0, asked.most_rad, cycle)
     if asked.least_rad > 0.0:
-        yield _time(wish, asked, Kind.INTEGRAL, -1.0, -asked.least_rad, cycle)
+        yield _time(wish, asked, LevelKind.INTEGRAL, -1.0, -asked.least_rad, cycle)
 
 
-def _time(wish: Wish, asked: TimeWithin, kind: Kind, sign: float, target: float, cycle: float) -> Level:
+def _time(wish: Wish, asked: TimeWithin, kind: LevelKind, sign: float, target: float, cycle: float) -> Level:
     return _level(
         wish,
         kind,

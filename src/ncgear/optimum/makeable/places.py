@@ -18,7 +18,6 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.optimum.loads import machine_loads
-from ncgear.optimum.makeable.levels import TURN
 from ncgear.optimum.makeable.quantities import Slider
 from ncgear.optimum.task import Task
 
@@ -57,11 +56,6 @@ class Places:
     def count(self) -> int:
         """Number of places."""
         return self.angle_rad.size
-
-    @property
-    def turn_weights(self) -> Array:
-        """Weights of all places in an integral over phi2 over the whole turn, shape (m,)."""
-        return self.integral_weights(TURN)
 
     def cells(self, stretch: CrankStretch) -> IndexArray:
         """Numbers of the cells in a stretch whose ends are ends of cells."""

@@ -17,7 +17,7 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable.assembly import Assembly, local_terms
-from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.levels import Level, LevelKind
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place
 from ncgear.optimum.makeable.reached import JudgedLaw, ratios, running
@@ -50,7 +50,7 @@ class Solution:
 
 
 @dataclass(frozen=True, eq=False)
-class Programme:
+class LawProgramme:
     """A programme to be solved under different caps on its levels; the solvers take the levels' weights as parameters.
 
     ``afresh`` starts from coefficients, ``onwards`` from the solution for caps that were a little different.
@@ -140,7 +140,7 @@ class Programme:
         least[closing] = greatest[closing] = missed
         for block in self.rows.blocks:
             exact = most == 0.0 and caps[block.level] == 0.0
-            if self.levels[block.level].kind is Kind.DEVIATION and exact:
+            if self.levels[block.level].kind is LevelKind.DEVIATION and exact:
                 least[block.rows] = -np.inf if block.sense < 0 else greatest[block.rows]
                 greatest[block.rows] = np.inf if block.sense < 0 else greatest[block.rows]
         return least, greatest
@@ -163,9 +163,9 @@ class Programme:
         for block in self.rows.blocks:
             if block.base is not None:
                 level, term = self.levels[block.level], judged.flat[block.term]
-                values = running(at, term) if level.kind is Kind.SWING else term[at.cells(level.stretch)]
+                values = running(at, term) if level.kind is LevelKind.SWING else term[at.cells(level.stretch)]
                 whole[block.base] = values.min() - AHEAD / 2.0
-                if level.kind is Kind.SWING:
+                if level.kind is LevelKind.SWING:
                     whole[block.running] = values[1:, 0]
         return np.concatenate([self._closed(coefficients, law), whole])
 
@@ -186,7 +186,7 @@ MOST_STEPS = 500
 """Most steps; thirty to sixty are the rule."""
 
 MOST_RESTORING = 10
-"""Most steps in a row that only try to keep the limits; where they do not get there, ``Programme.nearest`` does."""
+"""Most steps in a row that only try to keep the limits; where they do not get there, ``LawProgramme.nearest`` does."""
 
 QUIET: dict[str, Any] = {
     "print_time": False,
@@ -208,7 +208,7 @@ ONWARDS: dict[str, Any] = QUIET | {
 """Options for a start from a solution nearby, with the barrier all but gone: ten steps instead of forty."""
 
 
-def programme(levels: Sequence[Level], knots: Knots, at: Places, cycles_rad: Sequence[float]) -> Programme:
+def programme(levels: Sequence[Level], knots: Knots, at: Places, cycles_rad: Sequence[float]) -> LawProgramme:
     """The programme of one pair or two that turn through ``cycles_rad`` per turn of the crank."""
     local, basis = local_terms(levels, len(cycles_rad)), knots.rows(at.angle_rad)
     rows = rows_of(levels, local.counts, at, cycles_rad)
@@ -217,4 +217,4 @@ def programme(levels: Sequence[Level], knots: Knots, at: Places, cycles_rad: Seq
         casadi.nlpsol(name, "ipopt", problem, options | given)
         for name, options in (("afresh", QUIET), ("onwards", ONWARDS))
     )
-    return Programme(levels, knots, basis, rows, cycles_rad, afresh, onwards)
+    return LawProgramme(levels, knots, basis, rows, cycles_rad, afresh, onwards)

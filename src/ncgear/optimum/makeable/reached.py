@@ -13,7 +13,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.levels import Level, LevelKind
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place, length_rates
 from ncgear.optimum.makeable.rows import RowBlock, closing_terms, level_terms
@@ -92,10 +92,10 @@ class JudgedLaw:
         return np.array([max(self._reached(level, term) for term in terms) for level, terms in each])
 
     def _reached(self, level: Level, term: Array) -> float:
-        if level.kind in (Kind.INTEGRAL, Kind.DEVIATION):
+        if level.kind in (LevelKind.INTEGRAL, LevelKind.DEVIATION):
             found = self.integral(level, term)
-            return found if level.kind is Kind.INTEGRAL else abs(found) if abs(found) > CLOSE_RAD else 0.0
-        if level.kind is Kind.SWING:
+            return found if level.kind is LevelKind.INTEGRAL else abs(found) if abs(found) > CLOSE_RAD else 0.0
+        if level.kind is LevelKind.SWING:
             term = running(self.at, term)
         cells = self.at.cells(level.stretch)
         if not cells.size:
@@ -105,7 +105,7 @@ class JudgedLaw:
             tops, bottoms = inside, inside
         else:
             tops, bottoms = peaks(term[cells]), -peaks(-term[cells])
-        return float(np.max(tops) - (0.0 if level.kind is Kind.PEAK else np.min(bottoms)))
+        return float(np.max(tops) - (0.0 if level.kind is LevelKind.PEAK else np.min(bottoms)))
 
     def integral(self, level: Level, term: Array) -> float:
         """A term's integral over a level's stretch, less the target."""
@@ -133,10 +133,10 @@ class JudgedLaw:
 
     def _beyond(self, block: RowBlock, level: Level, term: Array, coarse: Places) -> Array:
         cells = coarse.cells(level.stretch)
-        if level.kind in (Kind.INTEGRAL, Kind.DEVIATION):
+        if level.kind in (LevelKind.INTEGRAL, LevelKind.DEVIATION):
             roughly = float(np.sum((self._coarsely(coarse, term) * coarse.weight)[cells])) - level.target
             return np.array([block.sense * (self.integral(level, term) - roughly)])
-        if level.kind is Kind.SWING:
+        if level.kind is LevelKind.SWING:
             ends = np.arange(cells.size)
             number = np.column_stack([ends, (ends + 1) % cells.size])
             return _rise(block.sense * running(self.at, term), number, cells.size)

@@ -14,17 +14,17 @@ import numpy as np
 from scipy import sparse
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.makeable.levels import Kind, Level
+from ncgear.optimum.makeable.levels import TURN, Level, LevelKind
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, length_rates
 
-RUNNING = {Kind.INTEGRAL, Kind.DEVIATION, Kind.SWING}
+RUNNING = {LevelKind.INTEGRAL, LevelKind.DEVIATION, LevelKind.SWING}
 """Kinds that are integrals over the driving angle."""
 
-SPANNING = {Kind.SPREAD, Kind.SWING}
+SPANNING = {LevelKind.SPREAD, LevelKind.SWING}
 """Kinds that hold all values between a base and the level above it."""
 
-TWO_SIDED = SPANNING | {Kind.DEVIATION}
+TWO_SIDED = SPANNING | {LevelKind.DEVIATION}
 """Kinds that hold their terms from above and from below."""
 
 
@@ -39,7 +39,7 @@ def level_terms(
     found = []
     for level in levels:
         terms = level.terms(ratios, slider, lengths)
-        if level.kind is Kind.SWING:
+        if level.kind is LevelKind.SWING:
             terms = tuple(term - mean_of(term) for term in terms)
         found.append([term * ratios[0].ratio if level.kind in RUNNING else term for term in terms])
     return found
@@ -131,17 +131,17 @@ def rows_of(
     """The rows of levels, each with so many terms, for pairs that turn through ``cycles_rad`` per turn of the crank."""
     # First come two equations for every pair: its driving angle and its length
     pairs, of_levels = len(cycles_rad), sum(term_counts)
-    swings = sum(count for level, count in zip(levels, term_counts, strict=True) if level.kind is Kind.SWING)
+    swings = sum(count for level, count in zip(levels, term_counts, strict=True) if level.kind is LevelKind.SWING)
     columns = WholeColumns(pairs, pairs + swings, pairs + swings + len(levels))
     rows = ProgrammeRows(at, columns, of_levels + 2 * pairs, columns.excess + 1)
-    everywhere, turn = np.arange(at.count), at.turn_weights
+    everywhere, turn = np.arange(at.count), at.integral_weights(TURN)
     for pair, cycle in enumerate(cycles_rad):
         rows.put_term(rows.new(1, -cycle), everywhere, of_levels + pair, turn)
         row = rows.new(1)
         rows.put_term(row, everywhere, of_levels + pairs + pair, turn)
         rows.put_whole(row, pair, -1.0)
     each = [(number, level) for number, level in enumerate(levels) for _ in range(term_counts[number])]
-    running = {term: _running(rows, term) for term, (_, level) in enumerate(each) if level.kind is Kind.SWING}
+    running = {term: _running(rows, term) for term, (_, level) in enumerate(each) if level.kind is LevelKind.SWING}
     rows.equations = rows.count
     for term, (number, level) in enumerate(each):
         places, base = _places_of(level, at), None
@@ -154,7 +154,7 @@ def rows_of(
 
 def _places_of(level: Level, at: Places) -> IndexArray:
     """Numbers of the places, or ends of cells, at which a level holds its terms."""
-    if level.kind is Kind.SWING:
+    if level.kind is LevelKind.SWING:
         return np.arange(at.number.shape[0])
     return np.zeros(1, dtype=int) if level.kind in RUNNING else at.within(level.stretch)
 
@@ -163,7 +163,7 @@ def _hold(rows: ProgrammeRows, level: Level, block: RowBlock) -> None:
     """Add the rows of a block."""
     at, sense, columns = rows.at, block.sense, rows.columns
     row = rows.new(block.places.size, -sense * level.target)
-    if level.kind is Kind.SWING:
+    if level.kind is LevelKind.SWING:
         rows.put_whole(row[1:], block.running, sense)
     elif level.kind in RUNNING:
         rows.put_term(row, np.arange(at.count), block.term, sense * at.integral_weights(level.stretch))

@@ -15,10 +15,9 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
-from ncgear.optimum.makeable.levels import Kind, Level, machine_scales
-from ncgear.optimum.makeable.motion_wishes import WishedMachine
+from ncgear.optimum.makeable.levels import Level, LevelKind, machine_scales
 from ncgear.optimum.makeable.places import Places, cell_ends, places
-from ncgear.optimum.makeable.programme import Programme, Solution, programme
+from ncgear.optimum.makeable.programme import LawProgramme, Solution, programme
 from ncgear.optimum.makeable.reached import JudgedLaw, ratios
 from ncgear.optimum.makeable.spline import SplineRows, even_knots
 from ncgear.optimum.makeable.wishes import Scales, Wishes, levels
@@ -73,10 +72,10 @@ LEAST_POWER_W = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class LawSearch:
     """A programme, the places that judge it and the splines there, and the caps and weights of its levels."""
 
-    programme: Programme
+    programme: LawProgramme
     finer: Places
     basis: SplineRows
     caps: Array
@@ -127,14 +126,14 @@ class Kept:
     reached: Array
 
 
-def searched(task: Task, wishes: Wishes) -> Search:
+def searched(task: Task, wishes: Wishes) -> LawSearch:
     """The search for the law that a task and wishes ask for."""
     knots = even_knots(wishes.knots)
     wanted = levels(wishes, scales(task))
     ends = cell_ends(task, knots.angle_rad, [level.stretch for level in wanted])
     finer = _judging(task, ends, FINER * max(1, ceil(FINER_TURN / (FINER * wishes.knots))))
     cycles = task.cycle_rad, 2.0 * pi
-    return Search(
+    return LawSearch(
         programme(wanted, knots, places(task, ends, STEPS), cycles[: wishes.pairs]),
         finer,
         knots.rows(finer.angle_rad),
@@ -171,11 +170,10 @@ def scales(task: Task) -> Scales:
     power = float(np.max(slider.force_n * slider.first)) * turning / 1000.0
     acceleration = task.linkage.half_way * turning**2
     loads = None if task.masses is None else machine_scales(task, slider)
-    machine = WishedMachine(task.linkage, task.speed_rad_s, task.cycle_rad)
-    return Scales(task.speed_rad_s, acceleration, max(power, LEAST_POWER_W), machine, loads)
+    return Scales(task, acceleration, max(power, LEAST_POWER_W), loads)
 
 
-def kept(search: Search, start: Array | Solution) -> Kept | None:
+def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
     """The best law from one start, solved again until all limits hold on the finer grid; None where none do.
 
     Every term is kept back at each place by as much as it rises beside the place.  Each round leaves less excess; in
@@ -184,8 +182,8 @@ def kept(search: Search, start: Array | Solution) -> Kept | None:
     """
     programme = search.programme
     blocks, coarse, levels = programme.rows.blocks, programme.rows.at, programme.levels
-    exact = np.concatenate([np.full(b.places.size, levels[b.level].kind is Kind.DEVIATION) for b in blocks])
-    room = np.array([0.0 if level.kind is Kind.DEVIATION else ROOM for level in levels])
+    exact = np.concatenate([np.full(b.places.size, levels[b.level].kind is LevelKind.DEVIATION) for b in blocks])
+    room = np.array([0.0 if level.kind is LevelKind.DEVIATION else ROOM for level in levels])
     soft = np.array([level.share_of_goal > 0.0 for level in levels]) & (search.weights > 0.0)
     caps, kept_back, laws = search.caps.copy(), np.zeros(exact.size), []
     found = programme.solved(caps, search.weights, start, kept_back)

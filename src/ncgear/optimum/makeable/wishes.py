@@ -17,10 +17,10 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.refusals import NOT_CONVEX
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.levels import Level, MachineScales, limit_offer, limited, of_loads
-from ncgear.optimum.makeable.motion_wishes import WishedMachine, of_motion_wishes
+from ncgear.optimum.makeable.motion_wishes import of_motion_wishes
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
 from ncgear.optimum.offers import Offer
-from ncgear.optimum.task import Limits, Prices
+from ncgear.optimum.task import Limits, Prices, Task
 
 
 class Goal(Enum):
@@ -124,16 +124,14 @@ turn the driven gear, and beyond it the force changes its sign."""
 
 @dataclass(frozen=True)
 class Scales:
-    """The machine's driving speed in rad/s, and units of acceleration (mm/s2) and power (W) of its order.
+    """A task, and units of acceleration (mm/s2) and power (W) of the order of what its machine feels.
 
-    ``machine`` is what wishes of the motion are wished of.  ``loads`` has the units of what a machine with
-    masses feels; None where no masses are known.
+    ``loads`` has the units of what it feels with masses; None where no masses are known.
     """
 
-    speed_rad_s: float
+    task: Task
     acceleration_mm_s2: float
     power_w: float
-    machine: WishedMachine
     loads: MachineScales | None = None
 
 
@@ -144,12 +142,12 @@ def levels(wishes: Wishes, scales: Scales) -> list[Level]:
         # Weights that sum to one, as what pressure angles cost is told in units of the goal
         goal = sum(level.weight for level in peaks)
         peaks = [replace(level, weight=level.weight / goal) for level in peaks]
-    motion = of_motion_wishes(scales.machine, wishes.motion)
+    motion = of_motion_wishes(scales.task, wishes.motion)
     return [*peaks, *_of_ratio(wishes, scales), *_of_curves(wishes), *motion]
 
 
 def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
-    limits, prices, speed, output = wishes.limits, wishes.prices, scales.speed_rad_s, scales.machine.linkage.OUTPUT
+    limits, prices, speed, output = wishes.limits, wishes.prices, scales.task.speed_rad_s, scales.task.linkage.OUTPUT
     unit, limit, told = scales.acceleration_mm_s2, limits.peak_acceleration_mm_s2, output.acceleration
     if limit is not None or prices.peak_acceleration_mm_s2:
         yield limited(
@@ -161,7 +159,7 @@ def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
             lambda at, slider, _: _both(quantities.acceleration(at, slider, speed) / unit),
         )
     if scales.loads is not None:
-        yield from of_loads(scales.loads, limits, prices)
+        yield from of_loads(scales.task, scales.loads, limits, prices)
     elif limits.peak_power_w is not None or prices.peak_power_w:
         most, watt = limits.peak_power_w, scales.power_w
         yield limited(
@@ -203,7 +201,7 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
         yield limited("ratio_min", "a least ratio of {}", of_fast, -log(low), free, fast, of_pairs=of_pairs)
         yield limited("ratio_max", "a greatest ratio of {}", of_slow, log(high), free, slow, of_pairs=of_pairs)
     if wishes.driven_speed_rad_s is not None:
-        top, rpm = log(wishes.driven_speed_rad_s / scales.speed_rad_s), scales.speed_rad_s / RAD_S_PER_RPM
+        top, rpm = log(wishes.driven_speed_rad_s / scales.task.speed_rad_s), scales.task.speed_rad_s / RAD_S_PER_RPM
         words = "a driven gear at {} r/min"
         yield limited("driven_speed_rpm", words, lambda level: shown_above(rpm * exp(level)), top, free, fast)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.papers.entry import (
     Computed,
@@ -57,36 +59,10 @@ def _pair() -> PitchPair:
     return sized_pair(ellipse_law(4.0, -4.0).transmission, 47, None, CENTER_DISTANCE_MM)
 
 
-def _radii() -> tuple[np.ndarray, np.ndarray]:
-    """Pitch radii of the driving and the driven gear, in mm, from the points of both curves."""
+def _along(residual: Callable[[Array, Array, Array], Array]) -> Computed:
+    """A residual of both pitch radii in mm, the driving gear's first, and of dphi2/dphi1, at points of both curves."""
     driving, driven = (np.linalg.norm(_pair().of(gear).at_angle(ANGLES).position, axis=-1) for gear in Gear)
-    return driving, driven
-
-
-def _ratio() -> Computed:
-    """Eq. 1: the ratio is the driven radius by the driving one."""
-    driving, driven = _radii()
-    ratio = 1.0 / _pair().transmission.driven_angle(ANGLES, 1).derivative(1)
-    return computed(*(ratio * driving / driven - 1.0))
-
-
-def _sum_of_radii() -> Computed:
-    """Eq. 2: both radii make the centre distance."""
-    driving, driven = _radii()
-    return computed(*((driving + driven) / CENTER_DISTANCE_MM - 1.0))
-
-
-def _ratio_by_distance() -> Computed:
-    """Eq. 3: the ratio from the driving radius and the centre distance."""
-    driving, _ = _radii()
-    slope = _pair().transmission.driven_angle(ANGLES, 1).derivative(1)
-    return computed(*((CENTER_DISTANCE_MM - driving) / driving * slope - 1.0))
-
-
-def _rolling() -> Computed:
-    """Eq. 4: both curves advance alike, since the driven angle grows by r1/r2."""
-    driving, driven = _radii()
-    return computed(*(driving / (driven * _pair().transmission.driven_angle(ANGLES, 1).derivative(1)) - 1.0))
+    return computed(*residual(driving, driven, _pair().transmission.driven_angle(ANGLES, 1).derivative(1)))
 
 
 def _integral() -> Computed:
@@ -109,10 +85,14 @@ PAPER = Paper(
     "A. Pogacnik, Non-circular gears, KISSsoft AG, 2022",
     promised=(*counted("Fig.", 16), *equations(*range(1, 10))),
     entries=(
-        Entry(("eq. 1",), "ratio from both radii", Relation(), Verdict.REPRODUCED, _ratio),
-        Entry(("eq. 2",), "radii that make the centre distance", Relation(), Verdict.REPRODUCED, _sum_of_radii),
-        Entry(("eq. 3",), "ratio from one radius", Relation(), Verdict.REPRODUCED, _ratio_by_distance),
-        Entry(("eq. 4",), "curves that roll on each other", Relation(), Verdict.REPRODUCED, _rolling),
+        Entry(("eq. 1",), "ratio from both radii", Relation(), Verdict.REPRODUCED,
+              lambda: _along(lambda r1, r2, slope: 1.0 / slope * r1 / r2 - 1.0)),
+        Entry(("eq. 2",), "radii that make the centre distance", Relation(), Verdict.REPRODUCED,
+              lambda: _along(lambda r1, r2, slope: (r1 + r2) / CENTER_DISTANCE_MM - 1.0)),
+        Entry(("eq. 3",), "ratio from one radius", Relation(), Verdict.REPRODUCED,
+              lambda: _along(lambda r1, r2, slope: (CENTER_DISTANCE_MM - r1) / r1 * slope - 1.0)),
+        Entry(("eq. 4",), "curves that roll on each other", Relation(), Verdict.REPRODUCED,
+              lambda: _along(lambda r1, r2, slope: r1 / (r2 * slope) - 1.0)),
         Entry(("eq. 5", "eq. 6"), "driven angle as an integral", Relation(), Verdict.REPRODUCED, _integral),
         Entry(("eq. 7",), "period of the ratio and of both gears", Relation(), Verdict.UNDER_READING,
               lambda: computed(_pair().transmission.closure_error_rad / (2.0 * np.pi)),

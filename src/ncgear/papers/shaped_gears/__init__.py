@@ -61,12 +61,6 @@ def _distance_of_the_module() -> Computed:
     return computed(square_law(None, side).center_distance_mm)
 
 
-def _module_by_length() -> Computed:
-    """Eq. 15: the module is the length of the curve, integrated on the gear, by pi z."""
-    module = pair().size.module_mm
-    return computed(*(pair().length_mm(gear) / (pi * TEETH * module) - 1.0 for gear in Gear))
-
-
 def _thickness(module_text: str, *shifts: float, angles_deg: tuple[float, float] = (20.0, 20.0)) -> Computed:
     """Thickness on the pitch curve of teeth with profile shifts, from a module as printed."""
     one, other = map(radians, angles_deg)
@@ -82,7 +76,9 @@ PAPER = Paper(
     entries=(
         Entry(("eq. 4", "eq. 6"), "mate that closes over a lobe", Relation(), Verdict.REPRODUCED,
               lambda: computed(pair().transmission.closure_error_rad / (2.0 * pi))),
-        Entry(("eq. 15",), "module from the length of the curve", Relation(), Verdict.REPRODUCED, _module_by_length),
+        Entry(("eq. 15",), "module from the length of the curve", Relation(), Verdict.REPRODUCED,
+              lambda: computed(*(pair().length_mm(gear) / (pi * TEETH * pair().size.module_mm) - 1.0
+                                for gear in Gear))),
         Entry(("Table 1",), "tooth thickness at the least and the greatest shift", Printed(texts("6.710 8.081"), "mm"),
               Verdict.REPRODUCED, lambda: _thickness("4.71", -0.2, 0.2), of_printed=True),
         Entry(("Table 3",), "tooth thickness without shift", Printed(("7.396",), "mm"), Verdict.REPRODUCED,

@@ -170,22 +170,9 @@ def cranks(phase_deg: float, *masses_kg: float) -> tuple[Crank, Crank]:
     return Crank(own, radians(phase_deg), -1), Crank(other, radians(90.0), 1)
 
 
-def eta1(phase_deg: float) -> Callable[[], Computed]:
-    """Eq. 11 with the pan at a phase in degrees."""
-    return lambda: from_readings(
-        lambda *kg: (reciprocating_share(*cranks(phase_deg, *kg)),), *PAN_PRINTED, *SIEVE_PRINTED
-    )
-
-
-def eta2(phase_deg: float) -> Callable[[], Computed]:
-    """Eq. 16 with the pan at a phase in degrees."""
-    return lambda: from_readings(lambda *kg: (rotating_share(*cranks(phase_deg, *kg)),), *PAN_PRINTED, *SIEVE_PRINTED)
-
-
-def best_phase() -> Computed:
-    """Phase of the pan in degrees that leaves least."""
-    masses = map(float, (*PAN_PRINTED, *SIEVE_PRINTED))
-    return computed(degrees(best_phase_rad(*cranks(0.0, *masses))))
+def eta(share: Callable[[Crank, Crank], float], phase_deg: float) -> Callable[[], Computed]:
+    """The share that eq. 11 or eq. 16 gives with the pan at a phase in degrees."""
+    return lambda: from_readings(lambda *kg: (share(*cranks(phase_deg, *kg)),), *PAN_PRINTED, *SIEVE_PRINTED)
 
 
 def combined(phase_deg: int) -> Callable[[], Computed]:
@@ -207,18 +194,19 @@ BY_FORMULA = "By eq. 8 with each printed share times its mass."
 
 TOGETHER = (
     Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 90 deg", Printed(("0.65",)), Verdict.UNDER_READING,
-          eta1(90.0), SIZES),
+          eta(reciprocating_share, 90.0), SIZES),
     Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 45 deg", Printed(("0.72",)),
-          Verdict.NOT_REPRODUCIBLE, eta1(45.0), f"{SIZES} It is rounded up."),
+          Verdict.NOT_REPRODUCIBLE, eta(reciprocating_share, 45.0), f"{SIZES} It is rounded up."),
     Entry((*equations("9", "10", "11"), "section 2.2.3"), "eta1 at 0 deg", Printed(("0.74",)),
-          Verdict.NOT_REPRODUCIBLE, eta1(0.0), SIZES),
+          Verdict.NOT_REPRODUCIBLE, eta(reciprocating_share, 0.0), SIZES),
     *(
         Entry((*equations("12", "13", "14", "15", "16"), "section 2.2.3"), f"eta2 at {phase:g} deg", Printed((text,)),
-              Verdict.NOT_REPRODUCIBLE, eta2(phase), SAME_ELLIPSE)
+              Verdict.NOT_REPRODUCIBLE, eta(rotating_share, phase), SAME_ELLIPSE)
         for phase, text in ((45.0, "0.86"), (90.0, "0.71"), (0.0, "0.77"))
     ),
     Entry(("section 2.2.3", "section 3.3", "section 4"), "best phase of the pan", Printed(("90",), "deg"),
-          Verdict.REPRODUCED, best_phase),
+          Verdict.REPRODUCED,
+          lambda: computed(degrees(best_phase_rad(*cranks(0.0, *map(float, (*PAN_PRINTED, *SIEVE_PRINTED))))))),
     Entry(("section 2.2.3",), "sieve's counterweight at 90 deg", Printed(("11.4", "13.7"), "kg"),
           Verdict.UNDER_READING, combined(90),
           f"{BY_FORMULA} The upper one comes out only with the rounding of the shares."),

@@ -81,11 +81,6 @@ def track_extent(mechanism: DrivenCrank, *masses_kg: float) -> Computed:
     return computed(*(value for along in zip(*found, strict=True) for value in sorted(along)))
 
 
-def track_area(mechanism: DrivenCrank, mass_kg: float) -> Computed:
-    """Area in mm^2 that the track of the common centre of mass encloses."""
-    return computed(_tried(mechanism, mass_kg).track.area_mm2)
-
-
 def _tried(mechanism: DrivenCrank, mass_kg: float) -> Tried:
     return sweep(mechanism, Counterweight(Carrier.CRANK, 0.0, ARM_MM), [mass_kg])[0]
 
@@ -119,7 +114,7 @@ TRACKS = (
           "The paragraph after it prints 9 to 11 and 0.2 to 0.6 mm with, 21.9 and 11.1 mm without a counterweight.",
           of_printed=True),
     Entry(("Fig. 11", "section 3.1"), "area of the pan's track with 5.9 kg", Printed(("1.7",), "mm2"),
-          Verdict.NEEDS_DATA, lambda: track_area(PAN, 5.9), WHICH_MASSES),
+          Verdict.NEEDS_DATA, lambda: computed(_tried(PAN, 5.9).track.area_mm2), WHICH_MASSES),
 )  # fmt: skip
 
 SPREADS = (
