@@ -9,7 +9,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable.law import MakeableLaw, law_of
-from ncgear.optimum.makeable.programme import Programme
+from ncgear.optimum.makeable.programme import LawProgramme
 from ncgear.optimum.makeable.search import kept, searched
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Task
@@ -19,7 +19,7 @@ HAIR = 1e-7
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class HeldProgramme(Programme):
+class HeldProgramme(LawProgramme):
     """A programme of two pairs in which the coefficients of i12 are held as they are, shape (knots,)."""
 
     held: Array

@@ -18,8 +18,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.places import cell_ends, places
 from ncgear.optimum.makeable.programme import programme
-from ncgear.optimum.makeable.reached import Judged, ratios
-from ncgear.optimum.makeable.search import STEPS, Search, kept, scales, searched
+from ncgear.optimum.makeable.reached import JudgedLaw, ratios
+from ncgear.optimum.makeable.search import STEPS, LawSearch, kept, scales, searched
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Limits, figures
 from ncgear.ratio.laws.spline import spline_ratio_law
@@ -131,13 +131,13 @@ def best_at_places(count: int, steps: int) -> LawAtPlaces:
     if found is None:
         raise ArithmeticError(f"no law of {count} knots was found")
     at, basis = search.programme.rows.at, search.programme.basis
-    judged = Judged(search.programme.levels, at, ratios(at, basis, found.coefficients, [TASK.cycle_rad]))
+    judged = JudgedLaw(search.programme.levels, at, ratios(at, basis, found.coefficients, [TASK.cycle_rad]))
     unit = scales(TASK).acceleration_mm_s2
     largest = max(float(np.max(term)) for term in judged.terms[0])
     return LawAtPlaces(search.rounded(found.coefficients)[0], unit * largest, unit * float(judged.reached[0]))
 
 
-def _in_steps(search: Search, steps: int) -> Search:
+def _in_steps(search: LawSearch, steps: int) -> LawSearch:
     """The search with another number of steps of the programme's places between two knots."""
     old = search.programme
     at = places(TASK, cell_ends(TASK, old.knots.angle_rad, []), steps)

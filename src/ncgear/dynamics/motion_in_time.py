@@ -349,7 +349,7 @@ def _leg(
             raise Unanswered(f"the motion could not be integrated: {said}")
         between, end_s, state, ended = solver.dense_output(), solver.t, solver.y, bool(beyond(solver.y) >= 0.0)
         if ended:
-            end_s = _first_s(lambda at, here=between: beyond(here(at)), before_s, end_s)
+            end_s = _first_s(beyond, between, before_s, end_s)
             state = between(end_s)
         # The polynomials of steps join but for the solver's error: the end may be that of the step before
         if end_s > before_s:
@@ -358,11 +358,17 @@ def _leg(
     return steps[1:]
 
 
-def _first_s(beyond: Callable[[Array], Array], before_s: float, after_s: float) -> float:
-    """When a step gets beyond its end: it is not yet there before, and is after, but for rounding errors."""
+def _first_s(
+    beyond: Callable[[Array], Array], states: Callable[[Array], Array], before_s: float, after_s: float
+) -> float:
+    """When the states of a step get beyond its end: they are not yet there before, and are after, but for rounding."""
+
+    def beyond_at(time_s: Array) -> Array:
+        return beyond(states(time_s))
+
     low, high = np.array([before_s]), np.array([after_s])
-    known = -np.abs(beyond(low)), np.abs(beyond(high))
-    return float(zeros_between(beyond, low, high, known)[0])
+    known = -np.abs(beyond_at(low)), np.abs(beyond_at(high))
+    return float(zeros_between(beyond_at, low, high, known)[0])
 
 
 def _scales(machine: ToothedMachine) -> Array:
