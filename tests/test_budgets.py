@@ -136,7 +136,7 @@ def test_points_do_not_grow_with_the_size_beyond_all_proportion(
         if made:
             toothed_pair(pitch, form, tolerance_mm)
             return
-        with pytest.raises(WrongInput, match=r"times the tolerance, or so much less module_mm") as refused:
+        with pytest.raises(WrongInput, match=r"times the tolerance is right") as refused:
             toothed_pair(pitch, form, tolerance_mm)
         assert refused.value.key == "output.chord_tolerance_mm"
 

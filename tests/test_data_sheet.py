@@ -188,7 +188,7 @@ def test_a_pin_that_measures_in_no_space_is_refused_with_those_that_do() -> None
 @pytest.mark.parametrize(
     ("given", "key"),
     [
-        ({"tooth_thickness_upper_mm": -0.1}, "tooth_thickness_lower_mm"),
+        ({"tooth_thickness_upper_mm": -0.1}, "tooth_thickness_upper_mm"),
         ({"tooth_thickness_upper_mm": -0.1, "tooth_thickness_lower_mm": -0.05}, "tooth_thickness_lower_mm"),
     ],
 )

@@ -19,6 +19,7 @@ from commands import ROOT, Run
 from disk import Disk, Fault, calls_of
 from drives import loaded
 from ncgear.design.keys.design import Design
+from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.best_law import frontier_csv, frontier_figures, frontier_text, other_mechanisms
@@ -317,7 +318,7 @@ def test_small_powers_keep_their_digits_in_the_text() -> None:
 def test_nothing_is_called_impossible_that_the_points_do_not_prove(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a limit that falls and is hollow, each point holds for smaller powers; chords between points lie above it."""
     drawn: list[Axes] = []
-    monkeypatch.setattr(picture, "legend_above", drawn.append)
+    monkeypatch.setattr(canvas, "legend_above", drawn.append)
     powers = np.array([3000.0, 6000.0, 12_000.0])
     picture.frontier(np.column_stack([powers, 9e7 / powers]), picture.rows([(9000.0, 2e4)]), picture.rows([]), [], "x")
     area = drawn[0].collections[0].get_paths()[0]
@@ -331,7 +332,7 @@ def test_nothing_is_called_impossible_that_the_points_do_not_prove(monkeypatch: 
 @pytest.mark.parametrize("times", [1.0, 1e-3])
 def test_the_picture_has_one_unit_whatever_the_size(times: float, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[Axes] = []
-    monkeypatch.setattr(picture, "legend_above", drawn.append)
+    monkeypatch.setattr(canvas, "legend_above", drawn.append)
     points = times * np.array([[6000.0, 30_000.0], [12_000.0, 14_000.0]])
     picture.frontier(points, points, picture.rows([]), [("crank", times * 9000.0, times * 20_000.0)], "both")
     (axes,) = drawn

@@ -201,7 +201,7 @@ REFUSED = [
     (
         "motion: {law: uniform_crank}\nresistance: {table: {angle_deg: [0, 90], torque_n_m: [1, 2, 3]}}",
         "resistance.table.torque_n_m",
-        "3 values for 2 angle",
+        "3 values, but angle_deg has 2",
     ),
     ("motion: {law: uniform_crank}\nlinkage: {crank_mm: 10}", "linkage.rod_mm", "missing"),
 ]

@@ -98,4 +98,4 @@ def test_radii_of_narrow_spaces_are_those_of_bisection(gear: Gear) -> None:
         assert radius == pytest.approx(low, abs=1e-10)
         assert flat_mm(flanks, tooth, 1.001 * radius) < least
         judged += 1
-    assert judged > 5
+    assert judged > 3

@@ -262,7 +262,9 @@ class TestTolerances:
     def test_the_default_is_the_lesser_of_a_length_and_a_share_of_the_module(self, module: float, chord: float) -> None:
         assert drive_of(scaled(OVAL, module)).chord_tolerance_mm == pytest.approx(chord, rel=1e-12)
 
-    @pytest.mark.parametrize(("given", "right"), [(0.03, "5e-08 to 0.025 mm is right"), (1e-8, "to 0.025 mm is right")])
+    @pytest.mark.parametrize(
+        ("given", "right"), [(0.03, "0.025 mm or less is right"), (1e-8, r"\de-07 mm or more is right")]
+    )
     def test_what_is_out_of_proportion_is_refused(self, given: float, right: str) -> None:
         drive = drive_of({**scaled(OVAL, 0.5), "output": {"chord_tolerance_mm": given}})
         with pytest.raises(WrongInput, match=right) as refused:

@@ -274,8 +274,8 @@ class TooManyChords(WrongInput):
 def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
     """Raise TooManyChords for the kind of curves that needs the most beyond what is made."""
     most = np.maximum(MOST_CHORDS, MOST_OF_ONE * rows)
-    worst = int(np.argmax(needed / most))
-    if needed[worst] > most[worst]:
+    if np.any(needed > most):
+        worst = int(np.argmax(needed / most))
         raise TooManyChords(float(needed[worst]), int(most[worst]))
 
 
