@@ -146,7 +146,7 @@ class BestLaw(Comparison, Shown):
         except Refused as refused:
             from ncgear.project.offered import with_what_was_found
 
-            raise with_what_was_found(self.design, task, self.wishes, refused) from refused
+            raise with_what_was_found(self.design, task, self.wishes, refused, _has_law) from refused
 
     @property
     def gap(self) -> float | None:
@@ -258,6 +258,23 @@ figures and the limit are told for the gears that come out, and a law is so much
 
 MOST_ROUNDS = 12
 """Laws that are found one after the other at most; two or three are the rule."""
+
+
+class _WithoutOffers(BestLaw):
+    """The same for designs that are only tried: refusals offer nothing else."""
+
+    @contextmanager
+    def _offering(self, task: Task) -> Iterator[None]:
+        yield
+
+
+def _has_law(design: Design) -> bool:
+    """Whether a law is found for a design; with masses its gears settle the inertia with which all limits hold."""
+    try:
+        _ = _WithoutOffers(design).law
+    except DesignError:
+        return False
+    return True
 
 
 class Begun(NamedTuple):

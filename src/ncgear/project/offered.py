@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -12,6 +12,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import DesignError
 from ncgear.extras import installed
+from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer, Refused
 from ncgear.optimum.task import Task
@@ -61,22 +62,26 @@ def may_be_asked(design: Design, offers: Sequence[Offer]) -> bool:
     return True
 
 
-def with_what_was_found(design: Design, task: Task, wishes: Wishes, refused: Refused) -> Refused:
+def with_what_was_found(
+    design: Design, task: Task, wishes: Wishes, refused: Refused, has_law: Callable[[Design], bool]
+) -> Refused:
     """The refusal with offers that a file may ask for, and behind them those with which laws were found, if any.
 
     Where no limit alone is enough, all limits that together have to give way are named in their place, with values with
-    which a law was found that keeps every wish.  Without the optimiser, all offers only might be enough.
+    which a law was found that keeps every wish; ``has_law`` tries a design.  Without the optimiser, all offers only
+    might be enough.
     """
     refused = refused.among(lambda offers: may_be_asked(design, offers))
     if not installed("casadi"):
         return refused
     from ncgear.optimum.makeable.law import found_instead
 
-    each = [one for eased in found_instead(task, wishes) for one in _done(design, task, eased)]
+    tried = Tried(design, task, has_law)
+    each = [one for eased in found_instead(task, wishes) for one in tried.enough(eased)]
     if not any(map(_is_limit, each)):
-        if limits := _together(design, task, wishes, limits_alone=True):
+        if limits := _together(tried, wishes, limits_alone=True):
             return Refused(refused.said, [*limits, *each], refused.key, _limits, each=False, found=True)
-        if not each and (found := _together(design, task, wishes, limits_alone=False)):
+        if not each and (found := _together(tried, wishes, limits_alone=False)):
             return Refused(refused.said, found, refused.key, _all, each=False, found=True)
     if not each:
         return refused
@@ -85,28 +90,40 @@ def with_what_was_found(design: Design, task: Task, wishes: Wishes, refused: Ref
     return Refused(refused.said if refused.found else refused.problem, each, refused.key, _each, each=True, found=True)
 
 
-def _together(design: Design, task: Task, wishes: Wishes, *, limits_alone: bool) -> list[Offer]:
+def _together(tried: Tried, wishes: Wishes, *, limits_alone: bool) -> list[Offer]:
     """Limits, with values, that all together leave a law which keeps all wishes; wishes too unless ``limits_alone``.
 
     Empty where none were found.
     """
     from ncgear.optimum.makeable.law import found_together
 
-    eased = found_together(task, wishes, limits_alone=limits_alone)
-    return [] if eased is None else _done(design, task, eased, ROOMS[1:])
+    eased = found_together(tried.task, wishes, limits_alone=limits_alone)
+    return [] if eased is None else tried.enough(eased, ROOMS[1:])
 
 
-def _done(design: Design, task: Task, eased: Eased, rooms: Sequence[float] = ROOMS) -> list[Offer]:
-    """The offers, eased until a search with their values finds a law; empty where a file may not ask for them."""
-    from ncgear.optimum.makeable.law import keeps_all
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A design whose wishes are refused, its machine, and what tries a whole design.
 
-    for room in rooms:
-        offers = eased(room)
-        if not offers or not may_be_asked(design, offers):
-            return []
-        if keeps_all(task, wishes_of(asking_for(design, offers))):
-            return offers
-    return []
+    Where masses are given, other wishes have other gears, whose inertia counts: such a design is tried as a whole.
+    """
+
+    design: Design
+    task: Task
+    has_law: Callable[[Design], bool]
+
+    def enough(self, eased: Eased, rooms: Sequence[float] = ROOMS) -> list[Offer]:
+        """The offers, eased until a search with their values finds a law; empty where a file may not ask for them."""
+        from ncgear.optimum.makeable.law import keeps_all
+
+        for room in rooms:
+            offers = eased(room)
+            if not offers or not may_be_asked(self.design, offers):
+                return []
+            asking = asking_for(self.design, offers)
+            if keeps_all(self.task, wishes_of(asking)) and (asking.masses is None or self.has_law(asking)):
+                return offers
+        return []
 
 
 def _is_limit(offer: Offer) -> bool:
