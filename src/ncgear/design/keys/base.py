@@ -10,6 +10,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache, partial, reduce
+from inspect import get_annotations
 from itertools import pairwise
 from math import pi, radians
 from typing import Any, ClassVar, NamedTuple, Self
@@ -75,7 +76,7 @@ class Model(BaseModel):
         """Put the keys of all units in the place of each angle, before pydantic looks for fields."""
         super().__init_subclass__()
         found: dict[str, Any] = {}
-        for name, annotation in vars(cls).get("__annotations__", {}).items():
+        for name, annotation in get_annotations(cls).items():
             mark = vars(cls).get(name)
             if not isinstance(mark, _Angle):
                 found[name] = annotation
@@ -92,7 +93,7 @@ class Model(BaseModel):
     @classmethod
     def __pydantic_init_subclass__(cls, first: bool = False, **kwargs: Any) -> None:
         """Put the keys of a class behind those of its base, or with ``first=True`` before them, as a file has them."""
-        own, base = vars(cls)["__annotations__"], getattr(cls.__bases__[0], "model_fields", {})
+        own, base = cls.__annotations__, getattr(cls.__bases__[0], "model_fields", {})
         fields = cls.__pydantic_fields__
         order = (*own, *base) if first else (*base, *own)
         cls.__pydantic_fields__ = {name: fields[name] for name in order if name in fields}

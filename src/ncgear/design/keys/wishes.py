@@ -70,7 +70,7 @@ class Wish(Model):
         super().__pydantic_init_subclass__(first, **kwargs)
         if turns:
             cls.PLACE, cls.SPEED = "deg", "rad_s"
-            types = vars(cls.__mro__[1])["__annotations__"]
+            types = cls.__mro__[1].__annotations__
             cls.__pydantic_fields__ = dict(
                 _turned(name, field, types.get(name, "")) for name, field in cls.__pydantic_fields__.items()
             )
