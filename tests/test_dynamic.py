@@ -38,6 +38,7 @@ from ncgear.dynamics.motion_in_time import (
     law_torque_n_mm,
     started,
 )
+from ncgear.dynamics.place_by_place import StateByState
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.dynamics.touching import meetings_s, parted_s, pressed_rad, pushing_parted_s
 from ncgear.errors import NoSuchMechanism
@@ -146,7 +147,8 @@ def test_small_vibrations_have_the_closed_forms_frequency() -> None:
     place = phi1 + float(rest.error_rad[0])
     swing = 1e-4 * depth / BASE
     state = np.array([phi1, 0.0, place + swing, 0.0, 0.0, 0.0])
-    out = solve_ivp(found.change, (0.0, 10.0 * 2.0 * pi / frequency), state, rtol=1e-10, atol=1e-13)
+    change = StateByState(found.drive, found.meshing, found.load).change
+    out = solve_ivp(lambda _, at: change(at), (0.0, 10.0 * 2.0 * pi / frequency), state, rtol=1e-10, atol=1e-13)
     assert out.y[2, -1] - place == pytest.approx(swing, rel=1e-3)
     assert np.interp(2.25 * 2.0 * pi / frequency, out.t, out.y[2]) - place == pytest.approx(0.0, abs=0.05 * swing)
 
