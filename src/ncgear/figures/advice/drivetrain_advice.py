@@ -148,10 +148,12 @@ def _of_motor(found: MotorResult, wanted_rad_s: float) -> Iterator[Advice]:
     rms = N_M_PER_N_MM * (course.rms_n_mm if course else found.load.rms_n_mm)
     most = N_M_PER_N_MM * (course.motor_range_n_mm[1] if course else found.load.most_n_mm.value)
     if rms > rated:
+        needed = max(rms, N_M_PER_N_MM * found.load.rms_n_mm)
+        # No file may give a peak torque below the rated one
+        also = "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(most, needed))}"
         yield _advice(
             f"the motor gives {to_digits(rms, 4)} N m in the mean square, more than its rated {rated:g} N m",
-            _at_least("drivetrain.motor.rated_torque_n_m", max(rms, N_M_PER_N_MM * found.load.rms_n_mm))
-            + ", or a larger ratio or flywheel",
+            _at_least("drivetrain.motor.rated_torque_n_m", needed) + also + ", or a larger ratio or flywheel",
         )
     if peak is not None and most > peak:
         yield _advice(

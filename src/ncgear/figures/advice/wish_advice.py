@@ -13,9 +13,11 @@ NAMED = 3
 def missed_wishes(drive: Drive) -> Advice | None:
     """The hard wishes that the motion misses, and by how much."""
     outcomes = drive.achieved.outcomes if drive.achieved else ()
-    missed = [outcome for outcome in outcomes if outcome.wish.hard and not outcome.kept]
+    hard = [outcome for outcome in outcomes if outcome.wish.hard]
+    missed = [outcome for outcome in hard if not outcome.kept]
     if not missed:
         return None
+    count = f"{len(missed)} of {len(hard)} {'' if len(hard) == len(outcomes) else 'hard '}wishes"
     named = ", ".join(f"{outcome.wish.key} (by {missed_by(outcome)})" for outcome in missed)
     shortly = [f"{missed[0].wish.key} by {missed_by(missed[0])}"]
     shortly += [outcome.wish.key.removeprefix("wishes.") for outcome in missed[1:NAMED]]
@@ -23,8 +25,8 @@ def missed_wishes(drive: Drive) -> Advice | None:
     return Advice(
         Kind.MISSED_WISH,
         (Where(),),
-        f"the motion misses {len(missed)} of {len(outcomes)} wishes: {named}",
+        f"the motion misses {count}: {named}",
         f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished",
         (Remedy("let ncgear optimize look for a law that keeps every hard wish", short="ncgear optimize"),),
-        brief=f"{len(missed)} of {len(outcomes)} wishes missed: {', '.join([*shortly, *more])}",
+        brief=f"{count} missed: {', '.join([*shortly, *more])}",
     )

@@ -81,9 +81,13 @@ def row(key: str, *values: object) -> Row:
     return Row(name_of(key), tuple(figure(key, value) for value in values))
 
 
+ROUNDING = 1e-9
+"""Share of a figure below which that of another machine is no more than rounding errors of what it is the sum of."""
+
+
 def difference(own: float, other: float) -> str:
     """Words for how a figure differs from that of another machine; empty where that has none."""
-    if not other:
+    if not max(own, other) or other <= ROUNDING * own:
         return ""
     share = own / other
     if share > 2.0:
