@@ -96,8 +96,20 @@ def test_text_that_is_no_yaml_is_refused() -> None:
         edited("name: [1, 2\n", {"name": "x"})
 
 
-def test_numbers_that_are_dragged_have_no_more_digits_than_a_screen() -> None:
-    assert "speed_rpm: 33.33333}" in edited("operation: {speed_rpm: 20}\n", {"operation.speed_rpm": 100.0 / 3.0})
+@pytest.mark.parametrize(
+    ("typed", "written"), [(1.23456789012, "1.23456789012"), (60.00000001, "60.00000001"), (60.0, "60")]
+)
+def test_numbers_keep_the_digits_that_were_typed(typed: float, written: str) -> None:
+    assert f"speed_rpm: {written}}}" in edited("operation: {speed_rpm: 20}\n", {"operation.speed_rpm": typed})
+
+
+def test_lists_without_end_and_places_before_the_first_are_refused() -> None:
+    deep: list[Any] = []
+    for _ in range(5000):
+        deep = [deep]
+    for changes in ({"gears": deep}, {".".join("a" * 5000): 1}, {"motion.ratio.-1": 1.0}):
+        with pytest.raises(WrongInput, match="no place"):
+            edited("motion: {ratio: [1, 2]}\n", changes)
 
 
 TEXTS = st.lists(st.one_of(st.sampled_from(["undo", "redo"]), st.text("ab", max_size=3)), max_size=30)

@@ -32,7 +32,7 @@ MOST_STEPS = 500
 MOST_CHARACTERS = 16_000_000
 """Characters of all steps together; of texts of a megabyte fewer steps can be undone."""
 DIGITS = 7
-"""Significant digits of a value that was dragged; a pixel of any screen is a thousandth of a chart."""
+"""Significant digits of the lengths of another mechanism, which are in proportion to the crank's."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def in_its_place(key: str) -> Iterator[None]:
         yield
     except WrongInput as error:
         raise WrongInput(f"the text {error.problem}; mend the text first", key=key) from error
-    except (YAMLError, AttributeError, TypeError, ValueError, LookupError) as error:
+    except (YAMLError, AttributeError, TypeError, ValueError, LookupError, RecursionError) as error:
         raise WrongInput("the text has no place for this value; mend the text first", key=key) from error
 
 
@@ -87,9 +87,8 @@ def edited(text: str, changes: Mapping[str, Any]) -> str:
     A number in a key is the place of an item in a list (``motion.ratio.3``).  Another law or mechanism takes the whole
     of its group.  Raises WrongInput where the text has no such places.
     """
-    values = values_of(text, changes)
     with in_its_place(next(iter(changes), "")):
-        return rewritten(text, values)
+        return rewritten(text, values_of(text, changes))
 
 
 def in_line_ends_of(before: str, text: str) -> str:
@@ -107,7 +106,7 @@ def in_line_ends_of(before: str, text: str) -> str:
 
 
 def values_of(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The changes as values by dotted keys: another law or mechanism as the group that it takes, numbers rounded."""
+    """The changes as values by dotted keys: another law or mechanism as the group that it takes."""
     values: dict[str, Any] = {}
     for key, value in changes.items():
         if key == "motion.law":
@@ -128,9 +127,9 @@ def with_values(document: Document, values: Mapping[str, Any]) -> Document:
 
 
 def _written(value: Any) -> Any:
-    """A value in the digits in which a file has it."""
+    """A value as a file has it: whole numbers without a point."""
     if isinstance(value, float):
-        return whole(float(f"{value:.{DIGITS}g}"))
+        return whole(value)
     return [_written(item) for item in value] if isinstance(value, list) else value
 
 
@@ -153,7 +152,7 @@ def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
     document = read_yaml(text, "design")
     own = document.at("linkage.crank_mm") or document.at("linkage.radius_mm") or 40
     unit = float(own) if isinstance(own, int | float) else 40.0
-    lengths = {key: _written(share * unit) for key, share in MECHANISMS[name].proportions.items()}
+    lengths = {key: whole(float(f"{share * unit:.{DIGITS}g}")) for key, share in MECHANISMS[name].proportions.items()}
     usual = name == next(iter(MECHANISMS))
     values: dict[str, Any] = {"linkage": lengths if usual else {"kind": name, **lengths}}
     old = document.at("linkage.kind") or next(iter(MECHANISMS))

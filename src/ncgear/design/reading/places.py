@@ -95,6 +95,8 @@ def with_value(data: Any, key: str, value: Any) -> Any:
     first, _, rest = key.partition(".")
     if isinstance(data, list):
         place = int(first)
+        if place < 0:
+            raise LookupError(first)
         items = [with_value(data[place], rest, value)] if rest else [value][: value is not None]
         return [*data[:place], *items, *data[place + 1 :]]
     group = {} if data is None else data

@@ -21,9 +21,12 @@ function made(tag, attributes, ...children) {
 
 function numbersIn(text) {
   const parts = text.replace(/^\s*\[|\]\s*$/g, "").split(/[\s,;]+/).filter(Boolean);
-  const numbers = parts.map(Number);
+  const numbers = parts.map(numberIn);
   return numbers.every(Number.isFinite) ? numbers : null;
 }
+
+// A decimal number as a design file has it; NaN for any other text, such as 0x3.
+const numberIn = (text) => (/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text) ? Number(text) : NaN);
 
 function textOf(value) {
   if (value === null || value === undefined) return "";
@@ -42,9 +45,9 @@ function valueOf(row, input) {
   if (row.kind === "truth") return text === "true";
   if (row.kind === "numbers") return numbersIn(text) ?? undefined;
   if (row.kind === "choice") return (row.choices ?? []).find((choice) => String(choice) === text);
-  if (row.kind === "other") return text === "true" || text === "false" ? text === "true" : Number.isFinite(Number(text)) ? Number(text) : text;
+  if (row.kind === "other") return text === "true" || text === "false" ? text === "true" : Number.isFinite(numberIn(text)) ? numberIn(text) : text;
   if (row.kind === "text") return text;
-  const number = Number(text);
+  const number = numberIn(text);
   return Number.isFinite(number) ? number : undefined;
 }
 
