@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -19,7 +20,7 @@ from ncgear.files.one_file import locked
 from ncgear.files.publish import _new_staging, exchange, opened, real_place
 from ncgear.studio import on_disk
 from ncgear.studio.drafts import Draft, draft_left
-from ncgear.studio.on_disk import DesignOnDisk, NotSaved, design_on_disk
+from ncgear.studio.on_disk import NotSaved, design_on_disk, require_same_place
 
 OLD, OWN, THEIRS = "name: old\n", "name: own\n", "name: theirs\n"
 
@@ -54,11 +55,32 @@ def test_a_file_is_saved_whole_and_not_over_others_work(path: Path, soon: None) 
     with pytest.raises(NotSaved, match=r"changed by another program.*read-only") as asked:
         saved.saved("name: again\n")
     path.chmod(0o660)
-    assert asked.value.found == THEIRS.encode()
+    assert asked.value.there.content == THEIRS.encode()
     assert path.read_text(encoding="utf-8") == THEIRS
-    DesignOnDisk(saved.path, asked.value.found).saved("name: again\n")
+    asked.value.there.saved("name: again\n")
     assert path.read_text(encoding="utf-8") == "name: again\n"
     assert names(path) == ["d.yaml", "link.yaml"]
+
+
+@pytest.mark.parametrize("kind", ["another link", "a file", "nothing"])
+def test_a_link_that_stands_for_another_file_by_now_is_asked_about(path: Path, kind: str) -> None:
+    link, other = path.with_name("link.yaml"), path.with_name("other.yaml")
+    link.symlink_to(path)
+    opened = design_on_disk(link)
+    require_same_place(opened, link)
+    link.unlink()
+    other.write_text(THEIRS, encoding="utf-8")
+    if kind == "another link":
+        link.symlink_to(other)
+    elif kind == "a file":
+        link.write_text(THEIRS, encoding="utf-8")
+    with pytest.raises(NotSaved, match=f"another file.*, not {re.escape(str(path))}") as asked:
+        require_same_place(opened, link)
+    require_same_place(asked.value.there, link)
+    assert asked.value.there.content == (None if kind == "nothing" else THEIRS.encode())
+    asked.value.there.saved(OWN)
+    assert link.read_text(encoding="utf-8") == OWN
+    assert path.read_text(encoding="utf-8") == OLD
 
 
 @pytest.mark.parametrize("save", range(5))
@@ -85,7 +107,7 @@ def test_a_file_that_was_removed_is_not_made_again_unasked(path: Path, soon: Non
     with pytest.raises(NotSaved, match="removed") as asked:
         file.saved(OWN)
     assert names(path) == []
-    assert DesignOnDisk(path, asked.value.found).saved(OWN).text == path.read_text(encoding="utf-8") == OWN
+    assert asked.value.there.saved(OWN).text == path.read_text(encoding="utf-8") == OWN
 
 
 @pytest.mark.parametrize("mode", [0o444, 0o400])
@@ -107,7 +129,7 @@ def test_a_hard_link_is_parted_only_when_that_is_said(path: Path, soon: None) ->
     file = design_on_disk(link)
     with pytest.raises(NotSaved, match=r"has another name, a hard link, which keeps the former text") as asked:
         file.saved(OWN)
-    assert (asked.value.found, path.samefile(other)) == (OLD.encode(), True)
+    assert (asked.value.there.content, path.samefile(other)) == (OLD.encode(), True)
     path.chmod(0o444)
     with pytest.raises(NotSaved, match="is read-only and has another name"):
         file.saved(OWN)
@@ -207,7 +229,7 @@ def test_an_editor_that_writes_in_the_midst_of_a_save_loses_nothing(
     monkeypatch.setattr(on_disk, moment, meanwhile)
     with pytest.raises(NotSaved, match="another program") as asked:
         design_on_disk(path).saved(OWN)
-    assert asked.value.found == THEIRS.encode()
+    assert asked.value.there.content == THEIRS.encode()
     assert path.read_text(encoding="utf-8") == THEIRS
     assert names(path) == ["d.yaml"]
 

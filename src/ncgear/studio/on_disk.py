@@ -46,11 +46,11 @@ DIGITS = 12
 
 
 class NotSaved(WrongInput):
-    """A save that a person has to decide on; ``found`` is what the file holds, None where there is none."""
+    """A save that a person has to decide on; ``there`` is the file that it would replace, as it is on the disk."""
 
     def __init__(self, problem: str, path: Path, found: bytes | None) -> None:
         super().__init__(problem, location=str(path))
-        self.found = found
+        self.there = DesignOnDisk(path, found)
 
 
 @dataclass(frozen=True)
@@ -194,6 +194,14 @@ def _clear_up(path: Path) -> tuple[Path, ...]:
             kept.append(next(place for place in kept_names(path) if not is_there(place)))
             left.replace(kept[-1])
     return tuple(kept)
+
+
+def require_same_place(file: DesignOnDisk, opened_as: Path) -> None:
+    """Raise NotSaved where the path by which a file was opened, perhaps a link, stands for another file by now."""
+    real = real_place(opened_as)
+    if real != file.path:
+        problem = f"stands for another file than when it was opened: {real}, not {file.path}"
+        raise NotSaved(problem, real, DesignOnDisk(real, None)._found())
 
 
 def design_on_disk(path: Path) -> DesignOnDisk:

@@ -27,7 +27,7 @@ from ncgear.studio.faults import words_of
 from ncgear.studio.form import form
 from ncgear.studio.jobs import COMMANDS, Job, require_command
 from ncgear.studio.messages import read_message
-from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk
+from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk, require_same_place
 
 MOST_CHANGES = 200
 """Keys that one message changes; a remedy changes three."""
@@ -43,6 +43,7 @@ class OpenPage:
     """The state of one page; it outlives a connection, so that a page that is loaded anew goes on where it was."""
 
     def __init__(self, path: Path, out: Path, chains: Chains | None = None) -> None:
+        self._opened_as = path
         self.file: DesignOnDisk = design_on_disk(path)
         self._notices = _kept_words(self.file)
         draft = draft_left(self.file)
@@ -179,14 +180,16 @@ class OpenPage:
         text = self.history.now
         asked_about, self._asked_about = self._asked_about, None
         over = asked_about if message.get("over") is True else None
+        file = over or self.file
         try:
-            self.file = await asyncio.to_thread((over or self.file).saved, text, protected_too=over is not None)
+            await asyncio.to_thread(require_same_place, file, self._opened_as)
+            self.file = await asyncio.to_thread(file.saved, text, protected_too=over is not None)
         except NotSaved as problem:
-            self._asked_about = DesignOnDisk(self.file.path, problem.found)
+            self._asked_about = problem.there
             await self._say(str(problem))
             await self._show()
-            there = difference(self._asked_about.text, text, self.file.path.name, "on disk")
-            question = {"problem": f"{self.file.path.name} {problem.problem}", "difference": there}
+            there = difference(problem.there.text, text, problem.there.path.name, "on disk")
+            question = {"problem": f"{self._opened_as.name} {problem.problem}", "difference": there}
             await self._tell(json.dumps({"is": "question", "content": question}))
             return
         await self._say(" ".join((f"saved {self.file.path.name}", *_kept_words(self.file))))
@@ -194,7 +197,7 @@ class OpenPage:
 
     async def anew(self, _: Mapping[str, Any]) -> None:
         """Open the file as it is on the disk, as one step of the history."""
-        self.file = await asyncio.to_thread(design_on_disk, self.file.path)
+        self.file = await asyncio.to_thread(design_on_disk, self._opened_as)
         await self._step(self.history.kept(self.file.text))
 
     async def run(self, message: Mapping[str, Any]) -> None:
