@@ -198,13 +198,13 @@ def test_pages_do_not_share_what_is_edited(studio: Studio) -> None:
 )
 def test_messages_that_ask_for_nonsense_are_told_so(studio: Studio, message: dict[str, object]) -> None:
     with studio.page(f"nonsense{hash(str(message))}") as page:
-        page.until("state")
+        saved = page.until("state")["content"]["saved"]
         page.socket.send(json.dumps(message))
         said = page.until("said")["content"]
         assert said
         assert "None" not in said or "do" in message
         page.send("redo")
-        assert page.until("state")["content"]["saved"]
+        assert page.until("state")["content"]["saved"] == saved
 
 
 LONE_SURROGATE = '"\\ud800"'
