@@ -217,6 +217,10 @@ def test_every_warning_of_a_check_is_a_fault(name: str) -> None:
         (7.0, 2.0, "3.5 times"),
         (1.0004, 1.0, "the same"),
         (1.0, 0.0, ""),
+        (0.0, 0.0, ""),
+        (0.46, 3.6e-15, ""),
+        (-3.0, -2.0, "50.0 % higher"),
+        (-1.0, -2.0, "50.0 % lower"),
     ],
 )
 def test_words_for_a_difference(own: float, other: float, words: str) -> None:

@@ -82,7 +82,7 @@ class DesignOnDisk:
             kept = _clear_up(self.path)
             # Of a file that a killed run has just made it is a second name
             hidden(self.path, UNFINISHED).unlink(missing_ok=True)
-            if self._found() != content:
+            if _content(self.path) != content:
                 self._require_same()
                 if self.content is None:
                     self._create(content)
@@ -92,14 +92,8 @@ class DesignOnDisk:
                     raise NotSaved(why, self.path, self.content)
         return replace(self, content=content, kept=kept)
 
-    def _found(self) -> bytes | None:
-        try:
-            return self.path.read_bytes()
-        except FileNotFoundError:
-            return None
-
     def _require_same(self) -> None:
-        found = self._found()
+        found = _content(self.path)
         if found != self.content:
             raise self._changed(found)
 
@@ -119,7 +113,7 @@ class DesignOnDisk:
         try:
             put_at_free_place(self.path, content)
         except FileExistsError as error:
-            raise self._changed(self._found()) from error
+            raise self._changed(_content(self.path)) from error
 
     def _replace(self, former: bytes, content: bytes) -> None:
         """Exchange the file for a new one, and look whether what came away is the former one."""
@@ -134,16 +128,24 @@ class DesignOnDisk:
             swap(new, self.path)
         except (NotSaved, FileNotFoundError) as error:
             new.unlink()
-            raise self._changed(self._found()) from error
+            raise self._changed(_content(self.path)) from error
         sleep(LATE_S)
         if new.read_bytes() != former:
             swap(new, self.path)
             _clear_up(self.path)
-            raise self._changed(self._found())
+            raise self._changed(_content(self.path))
         new.unlink()
         sync_folder(self.path.parent)
-        if (found := self._found()) != content:
+        if (found := _content(self.path)) != content:
             raise self._changed(found)
+
+
+def _content(path: Path) -> bytes | None:
+    """What a file holds; None where there is none."""
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        return None
 
 
 def _belong_as(new: Path, former: Path) -> None:
@@ -201,7 +203,7 @@ def require_same_place(file: DesignOnDisk, opened_as: Path) -> None:
     real = real_place(opened_as)
     if real != file.path:
         problem = f"stands for another file than when it was opened: {real}, not {file.path}"
-        raise NotSaved(problem, real, DesignOnDisk(real, None)._found())
+        raise NotSaved(problem, real, _content(real))
 
 
 def design_on_disk(path: Path) -> DesignOnDisk:

@@ -87,7 +87,7 @@ ROUNDING = 1e-9
 
 def difference(own: float, other: float) -> str:
     """Words for how a figure differs from that of another machine; empty where that has none."""
-    if not max(own, other) or other <= ROUNDING * own:
+    if abs(other) <= ROUNDING * abs(own):
         return ""
     share = own / other
     if share > 2.0:
