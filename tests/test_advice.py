@@ -151,7 +151,7 @@ NOT_REMOVED = {Kind.NEGATIVE_RESISTANCE}
         ("concave", Kind.CONCAVE, "driving", "no hob can cut it"),
         ("wide ellipse", Kind.RATIO_RANGE, "", "from 0.163"),
         ("negative resistance", Kind.NEGATIVE_RESISTANCE, "", "0..10 mm"),
-        ("missed wish", Kind.MISSED_WISH, "", "misses 1 of 2 wishes: wishes.time_ratio (by "),
+        ("missed wish", Kind.MISSED_WISH, "", "misses 1 of 1 hard wishes: wishes.time_ratio (by "),
         ("helical", Kind.THRUST, "", "0.213 of the tangential force"),
         ("loses contact", Kind.CONTACT_RATIO, "", "0.857 pitches"),
         ("too weak", Kind.STRENGTH, "driving", "where 1 is wanted"),

@@ -128,7 +128,8 @@ def hausdorff_mm(made: Polygon, exact: Polygon) -> float:
 @pytest.mark.slow
 def test_the_command(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """A screen, and the files; the stages are those computed above."""
-    monkeypatch.setattr(bench, "benched", lambda *_: list(stages().values()))
+    computed = list(stages().values())
+    monkeypatch.setattr(bench, "benched", lambda *_: computed)
     arguments = "bench", str(DESIGNS / f"{NAME}.yaml")
     status, out, err = run(*arguments)
     assert (status, err) == (0, "")
