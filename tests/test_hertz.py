@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from circular_pairs import CylindricalPair, contact_ratio_factor, elasticity_factor, nominal_contact_stress_mpa
 from ncgear.strength.hertz import contact_modulus_mpa, half_width_mm, hertz_pressure_mpa
-from ncgear.strength.iso6336 import CylindricalPair, contact_ratio_factor, elasticity_factor, nominal_contact_stress_mpa
 from tooth_places import STEEL, elastic
 
 POM = elastic(2800.0, 0.35)

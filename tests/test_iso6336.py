@@ -8,23 +8,25 @@ from math import cos, pi, radians, sqrt
 import numpy as np
 import pytest
 
-from ncgear.strength.iso6336 import (
+from circular_pairs import (
     CylindricalPair,
-    RackTip,
     contact_ratio_factor,
     elasticity_factor,
-    lubricant_factor,
     mesh_stiffness,
     nominal_contact_stress_mpa,
-    root_factors,
-    root_section,
-    roughness_factor,
     single_contact_diameter,
     single_contact_factors,
     single_stiffness,
+    zone_factor,
+)
+from ncgear.strength.iso6336 import (
+    RackTip,
+    lubricant_factor,
+    root_factors,
+    root_section,
+    roughness_factor,
     single_stiffness_theoretical,
     speed_factor,
-    zone_factor,
 )
 from ncgear.strength.material import EnduredStress
 

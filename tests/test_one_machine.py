@@ -1,7 +1,7 @@
 """One machine: whatever two commands tell of it is the same, at its speed and at ten times its speed.
 
 Every design and every machine of ``ncgear new`` is asked by check, simulate, sweep, optimize and the drivetrain, and
-each figure is held against the one source that ``ncgear.figures.sources`` names. That these sources are right is
+each figure is held against the one source that ``made.sources`` names. That these sources are right is
 judged elsewhere: by energies and another program (test_felt, test_rigid), by Newton and Euler
 (test_one_machine_judged).
 """
@@ -17,13 +17,13 @@ import numpy as np
 import pytest
 
 from drives import DESIGNS, loaded
+from made.sources import SOURCES, LoadedMachine
 from ncgear.design.keys.design import Design
 from ncgear.design.space import Listed, Space
 from ncgear.design.template import MachineName, machine_template
 from ncgear.errors import DesignError
 from ncgear.figures.csv_text import law_csv
 from ncgear.figures.simulated import rigid_figures
-from ncgear.figures.sources import SOURCES, LoadedMachine
 from ncgear.figures.summary.check_summary import check_summary, uniform_key
 from ncgear.files.sweep_run import Order, screening_of
 from ncgear.numerics.units import KG_M2

@@ -7,6 +7,14 @@ from math import pi, radians
 import numpy as np
 import pytest
 
+from circular_pairs import (
+    CylindricalPair,
+    contact_ratio_factor,
+    elasticity_factor,
+    nominal_contact_stress_mpa,
+    single_contact_diameter,
+    single_contact_factors,
+)
 from commands import Run, on_text
 from drives import drive, drive_of_text
 from ncgear.figures.advice import strength_advice
@@ -19,17 +27,7 @@ from ncgear.project.rough_strength import RoughStrength, beside_refusal, rolled_
 from ncgear.project.strengthening import known_rating, rating_of
 from ncgear.strength.conditions import FASTEST_M_S, Running, VibrationUnknown, dynamic_factor, face_load_factor_of_roots
 from ncgear.strength.holding import Damage
-from ncgear.strength.iso6336 import (
-    CylindricalPair,
-    RackTip,
-    contact_ratio_factor,
-    elasticity_factor,
-    nominal_contact_stress_mpa,
-    root_factors,
-    root_section,
-    single_contact_diameter,
-    single_contact_factors,
-)
+from ncgear.strength.iso6336 import RackTip, root_factors, root_section
 from ncgear.strength.without_teeth import RoughSafety, shared_loads
 
 TEXT = """\

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from circular_pairs import CylindricalPair, elasticity_factor, nominal_contact_stress_mpa
 from commands import Run, on_text
 from drives import drive, drive_of_text
 from ncgear.design.reading.design_file import load
@@ -18,7 +19,6 @@ from ncgear.project.sizing import Space, smallest_gears
 from ncgear.project.strengthening import SERIES_I_MM, rating_of
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor
-from ncgear.strength.iso6336 import CylindricalPair, elasticity_factor, nominal_contact_stress_mpa
 from ncgear.strength.loading import Loading
 from strong import made_up, made_up_loading
 

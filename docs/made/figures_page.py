@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from made.sources import SOURCES
 from ncgear.figures.quantities import name_of
-from ncgear.figures.sources import SOURCES
 from ncgear.figures.tables import markdown
 
 NAME = "figures.md"

@@ -7,7 +7,7 @@ imported where a mechanism is made, so that reading a design file loads no numer
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import field, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -21,8 +21,7 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
-    from ncgear.mechanisms.mechanism import Mechanism, Mechanisms
-    from ncgear.numerics.arrays import Array
+    from ncgear.mechanisms.mechanism import Mechanism
 
 
 @dataclass(frozen=True)
@@ -128,15 +127,6 @@ def mechanism_of_stroke(linkage: Model, stroke_mm_of: Callable[[type[Mechanism]]
         )
     mechanism = entry.load()
     return mechanism.of_stroke(stroke_mm_of(mechanism), **lengths)
-
-
-def mechanisms_of(linkages: Sequence[Model]) -> Mechanisms[Array]:
-    """The mechanisms of many groups of keys of one kind; a mechanism whose crank cannot turn fully is not refused."""
-    import numpy as np
-
-    lengths = [lengths_of(linkage) for linkage in linkages]
-    columns = {name: np.array([one[name] for one in lengths], dtype=float) for name in lengths[0]}
-    return entry_of(linkages[0]).load().many(**columns)
 
 
 def kind_named(linkage: Any) -> str:
