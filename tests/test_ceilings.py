@@ -14,7 +14,7 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.teeth.ceilings import RISE, ceilings_over
+from ncgear.solids.helical.even_tips import RISE, ceilings_over
 from ncgear.teeth.form import Ceiling, TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedPair, pair_tips, toothed_pair
 from ncgear.teeth.tips import Limit, Tips

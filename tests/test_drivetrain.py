@@ -29,7 +29,6 @@ from ncgear.drivetrain.bearings import (
 )
 from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of
 from ncgear.drivetrain.demand import Demand
-from ncgear.drivetrain.keys import Key, key_safety
 from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
@@ -37,10 +36,12 @@ from ncgear.drivetrain.shafts import (
     STEELS,
     TEMPERED,
     Borne,
+    Key,
     Section,
     ShaftSafety,
     Steel,
     fatigue_strengths_mpa,
+    key_safety,
     shaft_safety,
 )
 from ncgear.drivetrain.speed import LineDrive, disc, speed_course

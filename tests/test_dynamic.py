@@ -24,7 +24,7 @@ from loaded import (
     slider_load,
     uneven_meshing,
 )
-from ncgear.dynamics.history import even_times_s, history
+from ncgear.dynamics.history import even_times_s, history, meetings_s, parted_s, pressed_rad, pushing_parted_s
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
 from ncgear.dynamics.meshing import force_on_driven, tangent
@@ -40,7 +40,6 @@ from ncgear.dynamics.motion_in_time import (
 )
 from ncgear.dynamics.place_by_place import StateByState
 from ncgear.dynamics.quasi_static import loaded_contact
-from ncgear.dynamics.touching import meetings_s, parted_s, pressed_rad, pushing_parted_s
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import RodMasses

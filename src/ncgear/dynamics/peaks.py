@@ -11,10 +11,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from ncgear.dynamics.crank_load import crank_angles_rad
-from ncgear.dynamics.history import History, history
+from ncgear.dynamics.history import History, history, meetings_s
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.motion_in_time import Course
-from ncgear.dynamics.touching import meetings_s
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array

@@ -16,12 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.dynamics.history import CRANK_BEARING, History
+from ncgear.dynamics.history import CRANK_BEARING, History, parted_s, pushing_parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.dynamics.peaks import MotionPeaks, Peak, motion_peaks
 from ncgear.dynamics.rigid import Rigid
-from ncgear.dynamics.touching import parted_s, pushing_parted_s
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns
 from ncgear.figures.summary.check_summary import uniform_key

@@ -14,11 +14,10 @@ from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, Line, Role,
 from ncgear.drawings.charts.drawer import LOAD_LOOK, SIMULATION_COLUMN, TIME_LOOK, Look, column_png
 from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.drawings.pictures import titled
-from ncgear.dynamics.history import PER_TURN, History, even_times_s, history
+from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, pushing_parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.dynamics.peaks import motion_peaks
-from ncgear.dynamics.touching import pushing_parted_s
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
 from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.csv_text import csv_text

@@ -5,7 +5,7 @@ missed.  ``zeros_by_slope`` takes functions with their slopes, and Newton's meth
 zeros in brackets, all at once, by the method of T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm for
 finding the zero of a nonlinear function without using derivatives", Advances in Engineering Software 28 (1997),
 145-149.  SciPy has the method too, but its bookkeeping takes ten times as long as the evaluation of this program's
-functions.
+functions.  Zeros of polynomials of one degree are the eigenvalues of their companion matrices.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.polynomial import chebyshev as series
 
 from ncgear.errors import Unanswered
@@ -267,3 +268,25 @@ def zeros_by_slope(
         at, last = np.where(gaining, step, (near + far) / 2.0)[~found], np.abs(missing)[~found]
         row = row[~found]
     raise Unanswered(f"no zero was found in {MOST_STEPS} steps", rows=row.tolist())
+
+
+def real_roots(coefficients: Array, imaginary: float = np.inf) -> Array:
+    """Real parts of the zeros of n polynomials, shape (degree, n), from the constant term upwards (degree + 1, n).
+
+    NaN where a zero is missing, or where its imaginary part is over ``imaginary`` times 1 plus its size.
+    """
+    degree, count = len(coefficients) - 1, coefficients.shape[1]
+    zeros = np.full((degree, count), np.nan, dtype=complex)
+    with np.errstate(all="ignore"):
+        # numpy's companion matrix with its rows and columns turned round, which keeps small zeros accurate.
+        last = -coefficients[-2::-1] / coefficients[-1]
+        regular = np.isfinite(last).all(axis=0)
+        companion = np.zeros((int(regular.sum()), degree, degree))
+        companion[:, np.arange(degree - 1), np.arange(1, degree)] = 1.0
+        companion[:, :, 0] = last[:, regular].T
+        zeros[:, regular] = np.linalg.eigvals(companion).T
+        for number in np.nonzero(~regular & np.isfinite(coefficients).all(axis=0))[0]:
+            found = Polynomial(np.trim_zeros(coefficients[:, number], "b")).roots()
+            zeros[: found.size, number] = found
+    size = imaginary * (1.0 + np.abs(zeros.real))
+    return np.where(np.abs(zeros.imag) <= size, zeros.real, np.nan)

@@ -19,11 +19,20 @@ from ncgear.drivetrain.bearings import (
 )
 from ncgear.drivetrain.cycle import Cycle, cycle_of, rubbing
 from ncgear.drivetrain.demand import Demand
-from ncgear.drivetrain.keys import FREE_HEIGHT_MM, Key, KeySafety, key_safety
 from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, MotorLoad, StraightLine, motor_load
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
-from ncgear.drivetrain.shafts import STEELS, Section, ShaftSafety, Steel, shaft_safety
+from ncgear.drivetrain.shafts import (
+    FREE_HEIGHT_MM,
+    STEELS,
+    Key,
+    KeySafety,
+    Section,
+    ShaftSafety,
+    Steel,
+    key_safety,
+    shaft_safety,
+)
 from ncgear.drivetrain.speed import Disc, LineDrive, SpeedCourse, disc, speed_course
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput

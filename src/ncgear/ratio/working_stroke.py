@@ -26,8 +26,8 @@ from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import SLIDER, Output
 from ncgear.numerics.arrays import Array, Number, chosen
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.numerics.roots import real_roots
 from ncgear.numerics.units import RAD_S_PER_RPM, in_words
+from ncgear.numerics.zeros import real_roots
 
 
 @dataclass(frozen=True)

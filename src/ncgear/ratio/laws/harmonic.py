@@ -14,9 +14,8 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.fourier import turn_integral
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.turn_integral import TurnIntegral
+from ncgear.numerics.turn_integral import TurnIntegral, turn_integral
 from ncgear.ratio.laws.over_driven_angle import WIDEST, LogRatioLaw, StagedLaw
 from ncgear.ratio.transmission import Lobes, Transmission
 
