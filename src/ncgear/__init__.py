@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import ncgear.plots as plots
+    from ncgear.design.examples import examples
     from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
     from ncgear.figures.side_by_side import compare
     from ncgear.project.drive import Drive
@@ -27,6 +28,7 @@ __all__ = [
     "WrongInput",
     "__version__",
     "compare",
+    "examples",
     "load",
     "loads",
     "mending",
@@ -39,6 +41,7 @@ _MODULES = {
     "NoSuchMechanism": "ncgear.errors",
     "WrongInput": "ncgear.errors",
     "compare": "ncgear.figures.side_by_side",
+    "examples": "ncgear.design.examples",
     "load": "ncgear.project.opened",
     "loads": "ncgear.project.opened",
     "mending": "ncgear.project.mending",

@@ -11,7 +11,7 @@ from ncgear.cli.as_given import PlainCommand, PlainGroup
 from ncgear.cli.bench import bench
 from ncgear.cli.compare import compare
 from ncgear.cli.formulas import formulas
-from ncgear.cli.lookup import explain, reproduce, schema
+from ncgear.cli.lookup import examples, explain, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.measured import measured
 from ncgear.cli.new import new
@@ -49,6 +49,7 @@ COMMANDS = (
     bench,
     balance,
     new,
+    examples,
     explain,
     reproduce,
     schema,

@@ -1,10 +1,11 @@
-"""Commands that look things up: explain and schema tell of the keys of files, reproduce of the papers' figures."""
+"""Commands that look things up: keys of files, examples that come with the program, the papers' figures."""
 
 from __future__ import annotations
 
 import json
 from itertools import chain
 from pathlib import Path
+from textwrap import shorten
 from typing import Annotated
 
 import typer
@@ -32,6 +33,20 @@ def explain(
 
     keys = told_keys(of)
     typer.echo(tree(keys) if key is None else told(keys, " ".join([key, *context.args])))
+
+
+SCREEN = 110
+"""Columns of a line."""
+
+
+def examples() -> None:
+    """List the worked designs that come with ncgear; `ncgear new --example NAME` writes one here."""
+    from ncgear.design.examples import description_of, examples
+
+    found = examples()
+    width = max(map(len, found), default=0) + 2
+    for name, path in found.items():
+        typer.echo(f"{name:<{width}}{shorten(description_of(path), SCREEN - width, placeholder=' ...')}")
 
 
 def schema(

@@ -26,6 +26,13 @@ WISHABLE = ("motion_wishes",)
 """Steps that prove the wishes of a design whose sizes are the usual ones."""
 
 
+def examples_to_complete(incomplete: str) -> list[str]:
+    """Examples whose name begins with the typed text."""
+    from ncgear.design.examples import examples
+
+    return [name for name in examples() if name.startswith(incomplete)]
+
+
 def new(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help=f"Name of the design: {NAME_RULE}.")] = None,
     law: Annotated[
@@ -33,6 +40,14 @@ def new(
     ] = None,
     machine: Annotated[
         MachineName | None, typer.Option(help="Begin with a whole machine: its sizes, loads, masses, gears and wishes.")
+    ] = None,
+    example: Annotated[
+        str | None,
+        typer.Option(
+            metavar="EXAMPLE",
+            help="Begin with a worked design as it is, and the files that it names; `ncgear examples` lists them.",
+            autocompletion=examples_to_complete,
+        ),
     ] = None,
     wish: Annotated[
         list[str] | None,
@@ -62,6 +77,10 @@ def new(
         "module_mm": module_mm,
         "face_width_mm": face_width_mm,
     }
+    if example is not None:
+        _require_alone(example, {"law": law, "machine": machine, "wish": wish, **sizes})
+        _write_example(example, name)
+        return
     if machine is not None and law is not None:
         raise WrongInput("a machine begins with its own law; give --machine or --law", key="--machine")
     beginning, wishes = machine or law, wish or []
@@ -72,6 +91,37 @@ def new(
         _ask_and_write(name, beginning, given, wishes)
     else:
         _write(_free(name), beginning or DEFAULT_LAW, given, wishes)
+
+
+def _require_alone(example: str, given: Mapping[str, object]) -> None:
+    """Raise WrongInput for anything that would change an example: it has all of it."""
+    for option, value in given.items():
+        if value is not None and value != []:
+            problem = f"given with --example {example}, which has its own; leave it out, and change it in the file"
+            raise WrongInput(problem, key=f"--{option.replace('_', '-')}")
+
+
+def _write_example(example: str, name: str | None) -> None:
+    """Write the files of an example; raises WrongInput, before any is written, where one would replace another."""
+    from ncgear.design.examples import example_files
+
+    if name is not None:
+        _require_name(name)
+    files = {Path(place): content for place, content in example_files(example, name).items()}
+    first = next(iter(files))
+    for path, content in files.items():
+        # A file of points may be there already, of another example
+        if path.exists() and (path == first or path.read_bytes() != content):
+            raise _taken(path)
+    for path, content in files.items():
+        if not path.exists():
+            _create(path, content.decode())
+
+
+def _require_name(name: str) -> None:
+    """Raise WrongInput for a name that no design can have."""
+    if not is_name(name):
+        raise WrongInput(f"{name!r} cannot name a design; {NAME_RULE}, without .yaml, is right", key="NAME")
 
 
 def _require_wishes(wishes: Sequence[str]) -> None:
@@ -116,8 +166,7 @@ def _free(name: str | None) -> Path:
     """The path of a new design file; raises WrongInput for a wrong name, and where there is a file already."""
     if name is None:
         raise WrongInput("missing; `ncgear new NAME` is right", key="NAME")
-    if not is_name(name):
-        raise WrongInput(f"{name!r} cannot name a design; {NAME_RULE}, without .yaml, is right", key="NAME")
+    _require_name(name)
     path = Path(f"{name}.yaml")
     if path.exists():
         raise _taken(path)
