@@ -13,9 +13,8 @@ from ncgear.design.examples import examples
 from ncgear.design.reading.balance_file import load_balance
 from ncgear.design.reading.design_file import load
 
-NAMES = sorted(
-    path.relative_to(ROOT / "designs").with_suffix("").as_posix() for path in (ROOT / "designs").rglob("*.yaml")
-)
+DESIGNS = ROOT / "designs"
+NAMES = sorted(path.relative_to(DESIGNS).with_suffix("").as_posix() for path in DESIGNS.rglob("*.yaml"))
 
 
 def test_every_design_is_listed_with_what_it_is(run: Run) -> None:
