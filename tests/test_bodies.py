@@ -22,7 +22,7 @@ from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.build_summary import bodies_summary
-from ncgear.files.read_back import outline_of_stl, read_back, section_rings, stl_bytes, written_outlines
+from ncgear.files.read_back import outline_of_stl, read_back, stl_bytes, written_outlines
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.computed import take_over
@@ -31,6 +31,7 @@ from ncgear.solids.mesh import slabs
 from ncgear.solids.mesh.finish import SCREW_TOLERANCE, screw_hole_mm3
 from ncgear.solids.mesh.pair import GearSolid, gear_solid, ring_solid, solid_of_plan
 from ncgear.solids.mesh.slabs import bevel_of, slab_mesh
+from ncgear.solids.mesh.triangles import section_rings
 from ncgear.solids.plan.areas import moved_inwards
 from ncgear.solids.plan.body import (
     Blank,

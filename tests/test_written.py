@@ -11,10 +11,10 @@ from shapely import Polygon
 from trimesh.exchange.stl import export_stl
 
 from ncgear.figures.csv_text import outline_csv
-from ncgear.files.read_back import FOOT, outline_of_csv, outline_of_stl, section_rings, stl_bytes, written_outlines
+from ncgear.files.read_back import FOOT, outline_of_csv, outline_of_stl, stl_bytes, written_outlines
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair, gear_solid
-from ncgear.solids.mesh.triangles import TriangleMesh
+from ncgear.solids.mesh.triangles import TriangleMesh, section_rings
 from ncgear.solids.plan.body import Blank, Bore, Hub, Keyway
 from plane import wave_ring
 

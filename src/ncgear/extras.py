@@ -16,5 +16,6 @@ def require(library: str, extra: str, purpose: str) -> None:
     """Raise WrongInput where a library is not installed; the message names the command that installs it."""
     if not installed(library):
         raise WrongInput(
-            f"needs {library}, which is not installed; python -m pip install 'ncgear[{extra}]' installs it", key=purpose
+            f"needs {library}, which is not installed; python -m pip install 'ncgear[{extra}]' installs it",
+            location=purpose,
         )

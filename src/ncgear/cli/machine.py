@@ -14,7 +14,7 @@ from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended,
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
-from ncgear.files.workshop.formats import USUAL, Format, slow_to_load
+from ncgear.files.workshop.formats import USUAL, Format, require_libraries, slow_to_load
 
 
 def check(
@@ -80,6 +80,7 @@ def build(
     from ncgear.files.publish import prepare
 
     kinds = kinds or list(USUAL)
+    require_libraries(kinds)
     charts = [PAGE_CHARTS] if report else []
     with drawing_beside(MOTION_PICTURE, *charts, *slow_to_load(kinds)) as drawer, opened(design_file) as given:
         prepare(out or EXPORT / given.design.name)

@@ -8,7 +8,7 @@ The faces of STEP files are held against those when they are made, between the p
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from io import BytesIO, StringIO
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
@@ -19,11 +19,12 @@ from shapely import Polygon
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import Unanswered
 from ncgear.metrology.chord_error import exact_points, farthest_mm
-from ncgear.numerics.arrays import Array, IndexArray, counted_up
+from ncgear.numerics.arrays import Array, counted_up
 from ncgear.numerics.plane import as_complex, as_points, signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
+from ncgear.solids.mesh.triangles import section_rings
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedPair
@@ -139,45 +140,6 @@ def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Arra
     found = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
     chosen = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
     return _without_straight_points(chosen)
-
-
-def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Array]:
-    """The rings, shape (n, 2) each, in which a mesh meets the plane at a height; outer rings run counter-clockwise.
-
-    The search goes from facet to facet along the edges of the mesh and compares no coordinates, so rounding can neither
-    open a ring nor join two.  Raises ValueError unless every edge that crosses the plane joins two facets.
-    """
-    above, count = vertices[:, 2] > height, len(vertices)
-    start, end = faces, np.roll(faces, -1, axis=1)
-    falling, rising = above[start] & ~above[end], ~above[start] & above[end]
-    # Seen from outside, a facet's boundary runs down on the left of its section and up again on the right.
-    down, up = (_edge_keys(start[mask], end[mask], count) for mask in (falling, rising))
-    edges, place = np.unique(np.concatenate([down, up]), return_inverse=True)
-    if edges.size != down.size or np.any(np.bincount(place) != 2):
-        raise ValueError(f"the mesh is not closed at a height of {height:g}")
-    following = np.empty(edges.size, dtype=int)
-    following[place[: down.size]] = place[down.size :]
-    one, other = vertices[edges // count], vertices[edges % count]
-    share = (height - one[:, 2]) / (other[:, 2] - one[:, 2])
-    points: Array = one[:, :2] + share[:, None] * (other[:, :2] - one[:, :2])
-    return [points[ring] for ring in _cycles(following.tolist())]
-
-
-def _edge_keys(start: IndexArray, end: IndexArray, count: int) -> IndexArray:
-    """A number for each edge, which is the same in both facets that the edge joins."""
-    keys: IndexArray = np.minimum(start, end) * count + np.maximum(start, end)
-    return keys
-
-
-def _cycles(following: list[int]) -> Iterator[list[int]]:
-    """The cycles of a permutation."""
-    left = set(range(len(following)))
-    while left:
-        ring = [left.pop()]
-        while (place := following[ring[-1]]) != ring[0]:
-            ring.append(place)
-            left.remove(place)
-        yield ring
 
 
 def _without_straight_points(ring: Array) -> Array:

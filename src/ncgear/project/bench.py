@@ -368,11 +368,12 @@ def _solids(drive: Drive) -> Stage:
 def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
     """The farthest of exact points of a tooth outline from a section of a mesh, from its line that is nearest."""
     from ncgear.metrology.chord_error import farthest_mm
+    from ncgear.solids.mesh.triangles import section_rings
 
-    section = mesh.section(plane_origin=[0.0, 0.0, height_mm], plane_normal=[0.0, 0.0, 1.0])
-    if section is None:
+    rings = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
+    if not rings:
         raise Unanswered(f"a gear's mesh has no section at z = {height_mm:g} mm")
-    return min(farthest_mm(exact, np.asarray(line)[:-1, :2]) for line in section.discrete)
+    return min(farthest_mm(exact, ring) for ring in rings)
 
 
 PARTS, REFERENCE_PARTS = (1.0, 2.0, 3.0), 5

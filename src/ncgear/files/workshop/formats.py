@@ -85,6 +85,13 @@ def slow_to_load(formats: Collection[Format]) -> list[str]:
     return [f"{PACKAGE}.{writer.function}" for kind, writer in WRITERS.items() if kind in formats and writer.is_slow]
 
 
+def require_libraries(formats: Collection[Format]) -> None:
+    """Raise WrongInput where a library that writes files of these kinds is not installed."""
+    for kind in formats:
+        if (library := WRITERS[kind].library) is not None:
+            require(library, kind, f"--format {kind}")
+
+
 def begun_workshop_files(
     drive: Drive, formats: Collection[Format], drawer: Drawer, exact_mm: ExactOutlines | None
 ) -> list[Making]:
@@ -99,8 +106,6 @@ def _begun(drive: Drive, kind: Format, drawer: Drawer, exact_mm: ExactOutlines |
     from ncgear.files.read_back import READERS
 
     writer = WRITERS[kind]
-    if writer.library is not None:
-        require(writer.library, kind, f"--format {kind}")
     if writer.shown is None:
         return lambda: written_and_measured(kind, drive, None)
     shown = _function(writer.shown)(drive)

@@ -6,6 +6,7 @@ that asks for it as one of trimesh, which takes long to load and judges these fi
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from math import ceil, log10
 from typing import TYPE_CHECKING
@@ -115,3 +116,42 @@ def merged(vertices: Array, faces: IndexArray) -> TriangleMesh:
     rank[np.argsort(first)] = np.arange(first.size)
     number[order] = rank[np.cumsum(new) - 1]
     return TriangleMesh(np.asarray(mesh.vertices[np.sort(first)]), np.asarray(number[mesh.faces]))
+
+
+def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Array]:
+    """The rings, shape (n, 2) each, in which a mesh meets the plane at a height; outer rings run counter-clockwise.
+
+    The search goes from facet to facet along the edges of the mesh and compares no coordinates, so rounding can neither
+    open a ring nor join two.  Raises ValueError unless every edge that crosses the plane joins two facets.
+    """
+    above, count = vertices[:, 2] > height, len(vertices)
+    start, end = faces, np.roll(faces, -1, axis=1)
+    falling, rising = above[start] & ~above[end], ~above[start] & above[end]
+    # Seen from outside, a facet's boundary runs down on the left of its section and up again on the right.
+    down, up = (_edge_keys(start[mask], end[mask], count) for mask in (falling, rising))
+    edges, place = np.unique(np.concatenate([down, up]), return_inverse=True)
+    if edges.size != down.size or np.any(np.bincount(place) != 2):
+        raise ValueError(f"the mesh is not closed at a height of {height:g}")
+    following = np.empty(edges.size, dtype=int)
+    following[place[: down.size]] = place[down.size :]
+    one, other = vertices[edges // count], vertices[edges % count]
+    share = (height - one[:, 2]) / (other[:, 2] - one[:, 2])
+    points: Array = one[:, :2] + share[:, None] * (other[:, :2] - one[:, :2])
+    return [points[ring] for ring in _cycles(following.tolist())]
+
+
+def _edge_keys(start: IndexArray, end: IndexArray, count: int) -> IndexArray:
+    """A number for each edge, which is the same in both facets that the edge joins."""
+    keys: IndexArray = np.minimum(start, end) * count + np.maximum(start, end)
+    return keys
+
+
+def _cycles(following: list[int]) -> Iterator[list[int]]:
+    """The cycles of a permutation."""
+    left = set(range(len(following)))
+    while left:
+        ring = [left.pop()]
+        while (place := following[ring[-1]]) != ring[0]:
+            ring.append(place)
+            left.remove(place)
+        yield ring
