@@ -19,10 +19,10 @@ pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs
 from closeness import farthest, farthest_from_pieces
 from commands import Run
 from drives import DESIGNS, drive, drive_of_text, loaded
-from ncgear.drawings.beside import HERE
 from ncgear.errors import Unanswered, WrongInput
+from ncgear.files.build import build
 from ncgear.files.read_back import error_of_step_mm
-from ncgear.files.workshop.formats import Format, begun_workshop_files
+from ncgear.files.workshop.formats import Format
 from ncgear.files.workshop.step import VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same, step_files
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
@@ -239,10 +239,15 @@ def test_helical_teeth_that_do_not_go_up_smoothly_are_refused(monkeypatch: pytes
         patches.patches_of(Sections(own.pitch, own.tooth_form, own.helix, 0.005), Gear.DRIVING, 5e-4)
 
 
-def test_a_missing_library_is_named_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_library_is_named_before_the_file_is_read(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By its option, with the command that installs it."""
     monkeypatch.setattr("ncgear.extras.find_spec", lambda library: None)
+    status, out, err = run("build", "none.yaml", "--format", "step")
+    assert (status, out) == (2, "")
+    assert err.startswith("--format step: needs OCP, which is not installed; python -m pip install 'ncgear[step]'")
     with pytest.raises(WrongInput, match=r"python -m pip install 'ncgear\[step\]' installs it"):
-        begun_workshop_files(drive("ellipse"), [Format.STEP], HERE, None)
+        build(drive("ellipse"), Path("out"), print, [Format.STEP])
+    assert not Path("out").exists()
 
 
 @pytest.mark.slow
