@@ -22,6 +22,7 @@ from ncgear.drawings.animation.moving_picture import Frame, Picture, picture
 from ncgear.drawings.animation.packing import Loop, animated
 from ncgear.drawings.scene.bodies import Kind
 from ncgear.drawings.scene.scene import Scene
+from ncgear.files.manifest import entries_in, publish_run
 from ncgear.numerics.arrays import Array
 from scenes import GEARLESS, TWO_STAGES, scene
 
@@ -233,6 +234,17 @@ def test_the_command_writes_where_it_is_told(run: Run, gearless: str) -> None:
     assert out.startswith("wrote export/gearless/mechanism.gif: 2 frames in 4 s")
     assert run("animate", gearless, *QUICK, "--out", "deep/er/one.GIF")[0] == 0
     assert Path("export/gearless/mechanism.gif").read_bytes() == Path("deep/er/one.GIF").read_bytes()
+
+
+def test_a_foreign_folder_gets_the_picture_alone(run: Run, gearless: str, tmp_path: Path) -> None:
+    """And in one that ncgear has made, the picture gets its entry."""
+    (tmp_path / "mine").mkdir()
+    for frames in ("2", "3"):
+        assert run("animate", gearless, "--frames", frames, "--out", "mine/film.gif")[0] == 0
+        assert [path.name for path in (tmp_path / "mine").iterdir()] == ["film.gif"]
+    publish_run(tmp_path / "ours", {"law.csv": b"a"}, "build")
+    assert run("animate", gearless, "--frames", "2", "--out", "ours/film.gif")[0] == 0
+    assert set(entries_in(tmp_path / "ours")) == {"law.csv", "film.gif"}
 
 
 @pytest.mark.parametrize("name", ["one.png", "one", ".gif"])

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import ncgear
@@ -377,7 +379,7 @@ def test_file_is_a_pipe(run: Run, tmp_path: Path) -> None:
     assert (status, err) == (2, "d.yaml: is no regular file; give one on disk\n")
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may read every file")
+@pytest.mark.skipif(getattr(os, "geteuid", lambda: 0)() == 0, reason="root may read every file")
 def test_file_unreadable(run: Run, tmp_path: Path) -> None:
     Path(tmp_path, "d.yaml").write_text(STROKE)
     Path(tmp_path, "d.yaml").chmod(0)
@@ -445,7 +447,11 @@ def test_schema_is_json_on_stdout(run: Run) -> None:
 
 
 def test_version(run: Run) -> None:
-    assert run("--version") == (0, f"ncgear {ncgear.__version__}\n", "")
+    """And of the libraries, as a report of a fault needs them."""
+    status, out, err = run("--version")
+    assert (status, err) == (0, "")
+    assert out.startswith(f"ncgear {ncgear.__version__}, Python {platform.python_version()}")
+    assert f"numpy {np.__version__}, scipy " in out
 
 
 @pytest.mark.parametrize("arguments", [["nonsense"], ["check"], ["check", "--no"], ["new", "a", "--law", "circle"]])
@@ -471,8 +477,18 @@ def failing(error: BaseException) -> Callable[[Path], None]:
         (NoSuchMechanism("no stroke", key="motion", location="d.yaml:1:1"), 3, "d.yaml:1:1: motion: no stroke\n"),
         (PermissionError(13, "Permission denied", "out"), 2, "out: Permission denied; give a path that can be read"),
         (OSError(28, "No space left on device"), 2, "No space left on device"),
-        (ZeroDivisionError("by\nzero"), 1, "ncgear: internal fault: ZeroDivisionError: by zero, please report\n"),
-        (RecursionError("too deep"), 1, "ncgear: internal fault: RecursionError: too deep, please report\n"),
+        (
+            ZeroDivisionError("by\nzero"),
+            1,
+            "ncgear: internal fault: ZeroDivisionError: by zero; please report it with what ncgear --version says; "
+            "NCGEAR_DEBUG=1 shows where it arose\n",
+        ),
+        (
+            RecursionError("too deep"),
+            1,
+            "ncgear: internal fault: RecursionError: too deep; please report it with what ncgear --version says; "
+            "NCGEAR_DEBUG=1 shows where it arose\n",
+        ),
         (KeyboardInterrupt(), 130, ""),
     ],
 )
@@ -499,7 +515,10 @@ def test_traceback_of_a_fault_on_demand(run: Run, monkeypatch: pytest.MonkeyPatc
     status, out, err = run("check", "d.yaml")
     assert (status, out) == (1, "")
     assert "Traceback" in err
-    assert err.endswith("ncgear: internal fault: ZeroDivisionError: by zero, please report\n")
+    assert err.endswith(
+        "ncgear: internal fault: ZeroDivisionError: by zero; please report it with what ncgear --version says; "
+        "NCGEAR_DEBUG=1 shows where it arose\n"
+    )
 
 
 @pytest.mark.slow

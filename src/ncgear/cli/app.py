@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from contextlib import suppress
 from typing import Annotated
 
 import typer
@@ -61,9 +63,23 @@ for command in COMMANDS:
     app.command(cls=PlainCommand, context_settings={"allow_extra_args": command is explain})(command)
 
 
+def _libraries() -> dict[str, str]:
+    """The versions of the libraries that are installed of those that ncgear can use, for reports of faults."""
+    from importlib.metadata import PackageNotFoundError, requires, version
+
+    found = {}
+    for name in dict.fromkeys(re.split(r"[^\w.-]", one)[0] for one in requires("ncgear") or () if "dev" not in one):
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found
+
+
 def _print_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"ncgear {__version__}")
+        from platform import platform, python_version
+
+        typer.echo(f"ncgear {__version__}, Python {python_version()}, {platform()}")
+        typer.echo(", ".join(f"{name} {version}" for name, version in _libraries().items()))
         raise typer.Exit
 
 
@@ -72,7 +88,12 @@ def _options(
     version: Annotated[
         bool,
         # Only an eager option with a callback comes before the error about a missing command.
-        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit."),
+        typer.Option(
+            "--version",
+            callback=_print_version,
+            is_eager=True,
+            help="Print all versions and exit.",
+        ),
     ] = False,
 ) -> None:
     pass

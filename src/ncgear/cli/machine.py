@@ -191,7 +191,7 @@ def animate(
         from ncgear.drawings.animation.packing import Loop, animated
         from ncgear.drawings.scene.scene import scene_of
         from ncgear.figures.terminal import kept_lines
-        from ncgear.files.manifest import publish_run
+        from ncgear.files.manifest import publish_named, publish_run
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
@@ -201,7 +201,12 @@ def animate(
         with counted("frames") as on_frame:
             content = animated(scene, kind, Loop(frames, seconds, width), on_frame)
         # Another animation in the same folder stays.
-        run = publish_run(path.parent, {path.name: content}, f"animate {path.name}")
+        command = f"animate {path.name}"
+        run = (
+            publish_run(path.parent, {path.name: content}, command)
+            if out is None
+            else publish_named(path, content, command, replaces=True)
+        )
         said = f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB"
         typer.echo("\n".join([said, *kept_lines(run.kept)]))
 

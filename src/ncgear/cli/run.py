@@ -132,4 +132,16 @@ def _internal_fault(error: Exception) -> str:
 
         traceback.print_exception(error)
     reason = " ".join(f"{type(error).__name__}: {error}".split())
-    return f"ncgear: internal fault: {reason}, please report"
+    return f"ncgear: internal fault: {reason}; {please_report()}"
+
+
+def please_report() -> str:
+    """What to do with a fault: report it where the package says, and with what."""
+    from importlib.metadata import PackageNotFoundError, metadata
+
+    try:
+        urls = dict(one.split(", ", 1) for one in metadata("ncgear").get_all("Project-URL") or ())
+    except PackageNotFoundError:
+        urls = {}
+    place = f" at {urls['Issues']}" if "Issues" in urls else ""
+    return f"please report it{place} with what ncgear --version says; NCGEAR_DEBUG=1 shows where it arose"

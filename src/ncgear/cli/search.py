@@ -178,7 +178,7 @@ def size(
         from ncgear.figures.answers.strong import sized_answer
         from ncgear.figures.sized import sized_design, sized_figures, sized_text
         from ncgear.figures.terminal import written_lines
-        from ncgear.files.manifest import Run, publish_run
+        from ncgear.files.manifest import Run, publish_named
         from ncgear.project.drive import Drive
         from ncgear.project.sizing import Space, asked_design, smallest_gears, stated_inertias
 
@@ -194,7 +194,7 @@ def size(
         run, then = Run([], []), f"ncgear size {design_file} --out NEW.yaml writes a file with the first"
         if out is not None:
             content = sized_design(loaded, found[0], asked).encode()
-            run, then = publish_run(out.parent, {out.name: content}, f"size {out.name}"), f"ncgear build {out}"
+            run, then = publish_named(out, content, f"size {out.name}"), f"ncgear build {out}"
         if as_json:
             print_figures(sized_figures(found), kept=run.kept)
         elif verbose:

@@ -17,7 +17,7 @@ from stat import S_ISREG
 
 from ncgear import __version__
 from ncgear.errors import WrongInput
-from ncgear.files.one_file import REMEDY, is_there, kept_names
+from ncgear.files.one_file import REMEDY, is_there, kept_names, refused
 from ncgear.files.publish import exchange, is_inside, opened
 from ncgear.frozen import dataclass
 
@@ -63,6 +63,23 @@ def publish_run(folder: Path, files: Mapping[str, bytes], command: str) -> Run:
         kept = _kept(folder, written, earlier)
         exchange(folder, {**written, **kept}, gone)
     return Run([folder / name for name in written], [folder / name for name in kept])
+
+
+def publish_named(path: Path, content: bytes, command: str, *, replaces: bool = False) -> Run:
+    """Write the one file that a person has named, with an entry where its folder has a manifest of ncgear's.
+
+    A foreign folder gets no manifest.  There a file that has the place already is kept as ``publish_run`` keeps one,
+    unless the new one ``replaces`` it.  Raises WrongInput when the file cannot be written.
+    """
+    folder, files = path.parent, {path.name: content}
+    with refused(folder):
+        owned = is_there(folder) and bool(entries_in(folder))
+    if owned:
+        return publish_run(folder, files, command)
+    with opened(folder):
+        kept = {} if replaces else _kept(folder, files, {})
+        exchange(folder, {**files, **kept})
+    return Run([path], [folder / name for name in kept])
 
 
 def holds_as_written(folder: Path, name: str) -> bool:
