@@ -115,6 +115,7 @@ def rated_for_pitting(contacts: LoadedContacts) -> Mask:
     leading = contacts.flanks & (contacts.force_n >= most[contacts.position])
     flanks = np.stack([contacts.driving_flank, contacts.driven_flank], axis=1)
     _, pair = np.unique(flanks, axis=0, return_inverse=True)
+    pair = pair.ravel()  # NumPy 2.0.0 gives it another axis.
     ever_leading = np.bincount(pair, weights=leading) > 0.0
     return np.asarray(leading | (contacts.flanks & ~ever_leading[pair]))
 
