@@ -22,7 +22,7 @@ release = version = __version__
 
 extensions = ["myst_parser"]
 root_doc = "README"
-include_patterns = ["README.md", "CHANGELOG.md", "docs/**.md", "benchmarks/*.md"]
+include_patterns = ["CONTRIBUTING.md", "SECURITY.md", "README.md", "CHANGELOG.md", "docs/**.md", "benchmarks/*.md"]
 exclude_patterns = ["export", "build", "**/.*", "**/__pycache__"]
 
 # As many levels of headings as the pages have; names as GitHub gives them.
@@ -66,7 +66,7 @@ CONTENTS = {
         "docs/reproduction",
         *(f"benchmarks/{page.stem}" for page in sorted((ROOT / "benchmarks").glob("*.md"))),
     ),
-    "Working on it": ("docs/house", "CHANGELOG"),
+    "Working on it": ("docs/house", "CONTRIBUTING", "SECURITY", "docs/licences", "CHANGELOG"),
 }
 """The pages in the bar at the side, by its headings; a page that is missing here fails the build."""
 
