@@ -202,7 +202,10 @@ WRONG = {
     "one end": ({"from_phi1_deg": 10.0}, "to_phi1_rad"),
     "two units": ({"from_phi1_deg": 10.0, "to_phi1_deg": 20.0, "to_phi1_rad": 1.0}, "in each other's place"),
     "falling": ({"from_phi1_deg": 20.0, "to_phi1_pi": 0.1}, "to_phi1_pi: 0.1 given, which is not over from_phi1_deg"),
-    "places too": ({"from_phi1_deg": 20.0, "to_phi1_deg": 30.0, "to_mm": 9.0}, "to_mm: given with driving angles"),
+    "places too": (
+        {"from_phi1_deg": 20.0, "to_phi1_deg": 30.0, "to_mm": 9.0},
+        "to_mm, from_phi1_deg and to_phi1_deg are given: places and driving angles are mixed",
+    ),
     "a stroke too": ({"from_phi1_deg": 20.0, "to_phi1_deg": 30.0, "stroke": "return"}, "stroke: given with driving"),
     "beyond": ({"from_phi1_deg": 20.0, "to_phi1_deg": 361.0}, "to_phi1_deg: from 20 to 361 deg given, but a cycle"),
     "before": ({"from_phi1_deg": -360.0, "to_phi1_deg": -1.0}, "from_phi1_deg: from -360 to -1 deg given"),

@@ -32,7 +32,7 @@ def checked_design(data: dict[str, Any], keys: Sequence[str], values: Iterable[f
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        first = problems(error, model)[0]
+        first = problems(error, model, data)[0]
         return WrongInput(first.text, key=first.key)
 
 

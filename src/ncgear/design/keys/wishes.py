@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
-from ncgear.design.keys.base import Model, angle, fault, given, key_of, optional, require, required
+from ncgear.design.keys.base import Model, angle, fault, given, key_of, listed, optional, require, required
 from ncgear.design.keys.types import LONGEST_MM, Item, Length, Positive, Several
 from ncgear.design.words import spellings
 
@@ -230,13 +230,18 @@ class GentleStop(Wish):
 
     @model_validator(mode="after")
     def _places_or_driving_angles(self) -> Self:
-        ends = [spellings(f"{end}_phi1") for end in ("from", "to")]
-        if not any(given(self, names) for names in ends):
+        ends, places = [spellings(f"{end}_phi1") for end in ("from", "to")], (f"from_{self.PLACE}", f"to_{self.PLACE}")
+        angles = given(self, (*ends[0], *ends[1]))
+        if not angles:
             return self
+        if beside := given(self, places):
+            raise fault(
+                beside[0],
+                f"{listed((*beside, *angles), 'and')} are given: places and driving angles are mixed; "
+                f"{' and '.join(places)}, or from_phi1_deg and to_phi1_deg, are right",
+            )
         for names in ends:
             require(self, f"one of {' '.join(names)}")
-        if beside := given(self, (f"from_{self.PLACE}", f"to_{self.PLACE}")):
-            raise fault(beside[0], "given with driving angles, which are in its place; keep one")
         if "stroke" in self.model_fields_set:
             raise fault("stroke", "given with driving angles, which tell the stroke themselves; leave it out")
         if not self.from_rad < self.to_rad:

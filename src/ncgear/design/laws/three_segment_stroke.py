@@ -118,7 +118,7 @@ class ThreeSegmentStroke(LawKeys):
         needed = [key for key in keys if key not in (solved, SOLVED_KEYS["stroke"][self.turns])]
         absent = [key for key in needed if getattr(self, key) is None]
         if absent:
-            raise fault(absent[0], f"missing; solve_for: {self.solve_for} needs {listed(needed, 'and')}")
+            raise fault(absent[0], f"missing; give it: solve_for: {self.solve_for} needs {listed(needed, 'and')}")
         return self
 
     @property
