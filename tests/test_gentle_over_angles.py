@@ -223,7 +223,7 @@ def test_the_crank_angles_are_moved_to_where_the_law_is_best() -> None:
 
 
 @pytest.mark.tiers(slow=["deceleration"], rest="long")
-@pytest.mark.parametrize("wish", [SLOW, STOP], ids=["speed", "deceleration"])
+@pytest.mark.parametrize("wish", ALL, ids=["speed", "deceleration", "around the end"])
 def test_a_soft_one_costs_no_more_than_the_hard_one(wish: GentleStretch) -> None:
     """At each weight, since it may choose the hard law too; a greater weight keeps the wish more nearly."""
     most, (_, hard, _) = outcome(best(wish)[2], wish).most, best(wish)

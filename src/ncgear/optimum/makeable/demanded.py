@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from heapq import heappop, heappush
 from math import inf, log, pi
@@ -27,7 +28,7 @@ from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, le
 from ncgear.optimum.certified.refusals import LEAST_ROOM, PEAKS, in_demand, refusal, too_little
 from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
-from ncgear.optimum.makeable.driving_ranges import Passed, passed_by_all
+from ncgear.optimum.makeable.driving_ranges import Passed, passed_by_all, ranges
 from ncgear.optimum.makeable.motion_wishes import deceleration_offer, evenness_offer, speed_offer, time_offer
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer
@@ -269,8 +270,15 @@ def _refuse_together(task: Task, asked: Demands) -> None:
 def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Motion:
     """Where the search for a law starts: the motion of the certified limit, or of that of acceleration.
 
-    Raises NoSuchMechanism where certainly no law keeps the limits.
+    Soft wishes over driving angles count as hard here where some motion may keep them: from the crank angles that the
+    best law without them passes, the search does not find those of the law that keeps them.  Raises NoSuchMechanism
+    where certainly no law keeps the limits.
     """
+    soft = [number for number in ranges(wishes) if not wishes.motion[number].hard]
+    if soft:
+        hard = (replace(wish, weight=None) if number in soft else wish for number, wish in enumerate(wishes.motion))
+        with suppress(NoSuchMechanism):
+            bound = certified_limit(task, replace(wishes, motion=tuple(hard)))
     if bound is None or bound.motion is None:
         bound = least_acceleration(task, demands_of(task, wishes), proven=False)
     motion = bound.motion
