@@ -135,7 +135,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         changed(STROKE, "crank_mm: 380", "crank_mm:"),
         "crank_mm",
         "linkage.crank_mm",
-        "nothing given; give it (length of the crank in mm)",
+        "nothing given; give it (length of the crank in mm",
     ),
     "empty teeth": (
         changed(STROKE, "teeth: 90 ", "teeth: "),
@@ -174,7 +174,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         changed(STROKE, "crank_mm: 380", "# gone"),
         "linkage:",
         "linkage.crank_mm",
-        "missing; give it (length of the crank in mm), or motion.solve_for: stroke",
+        "missing; give it (length of the crank in mm; may be left out only",
     ),
     "text for a number": (
         changed(STROKE, ROD, "rod_mm: long"),
@@ -225,7 +225,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         PLAIN + "motion: {e: 3}\n",
         "motion",
         "motion.law",
-        "missing; give one of three_segment_stroke, ratio_ex",
+        "missing; give law, one of three_segment_stroke, ratio_ex",
     ),
     "number as motion": (PLAIN + "motion: 3\n", "motion", "motion", "a group of keys with law, one of three_segment"),
     "unknown solve_for": (
@@ -350,7 +350,7 @@ BAD: dict[str, tuple[str, str, str, str]] = {
         PLAIN + "motion: {law: table, phi1_deg: [0, 1], ratio: [1, 1]}\n",
         "phi1_deg",
         "motion.phi1_deg",
-        "at least 4, not 2, items",
+        "a list of 2 given; a list of at least 4 items is needed",
     ),
     "table without file": (
         PLAIN + "motion: {law: table, file: no.csv}\n",

@@ -99,7 +99,8 @@ class Design(Model, Shown):
     def _crank_is_known(self) -> Self:
         key = entry_of(self.linkage).stroke_key
         if key is not None and getattr(self.linkage, key) is None and not self.motion.gives_stroke:
-            raise fault(f"linkage.{key}", "missing; give it (length of the crank in mm), or motion.solve_for: stroke")
+            meaning = type(self.linkage).model_fields[key].description
+            raise fault(f"linkage.{key}", f"missing; give it ({meaning})")
         return self
 
     @model_validator(mode="after")

@@ -135,7 +135,8 @@ def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[Ba
     if needed is None:
         # No field of today can have another kind of error; if one has, pydantic's own words are better than none.
         return f"{quoted(detail['input'])} is wrong: {detail['msg']}{meaning}"
-    return f"{quoted(detail['input'])} given; {needed(context)} is needed{meaning}"
+    count = f" of {context['actual_length']}" if "actual_length" in context else ""
+    return f"{quoted(detail['input'])}{count} given; {needed(context)} is needed{meaning}"
 
 
 _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
@@ -155,7 +156,7 @@ _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
     "string_pattern_mismatch": lambda _: f"a name of {NAME_RULE},",
     "string_too_short": lambda context: f"text of at least {context['min_length']} characters",
     "string_too_long": lambda context: f"text of at most {context['max_length']} characters",
-    "too_short": lambda context: f"a list of at least {context['min_length']}, not {context['actual_length']}, items",
+    "too_short": lambda context: f"a list of at least {context['min_length']} item{'s' * (context['min_length'] > 1)}",
     "too_long": lambda context: f"a list of at most {context['max_length']} items",
 }
 
@@ -163,7 +164,9 @@ _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
 def _wrong_law(motion: Mapping[str, Any]) -> str:
     law = motion.get("law")
     if law is None:
-        return f"missing; give one of {listed(LAWS)}"
+        close = get_close_matches("law", [one for one in motion if one != "law"], n=1)
+        given = f"{close[0]} is no key; " if close else "nothing given; " if "law" in motion else "missing; "
+        return f"{given}give law, one of {listed(LAWS)}"
     return f"{quoted(law)} is no known law; one of {listed(LAWS)} is right{_did_you_mean(str(law), LAWS)}"
 
 
@@ -202,7 +205,7 @@ def _meant(details: Sequence[ErrorDetails], root: type[BaseModel]) -> dict[Locat
         known, name = _keys_at(tuple(group), root), str(word)
         close = [*get_close_matches(name, known, 1, 0.7), *(one for one in known if one.startswith(f"{name}_"))]
         own, other = ([(*group, one) for one in ones] for ones in (close, get_close_matches(name, known, 1)))
-        elsewhere = _elsewhere(name, root)
+        elsewhere = [one for one in _elsewhere(name, root) if one[0] not in group[:1]]
         if guesses := [*elsewhere, *own] if "." in name else [*own, *elsewhere, *other]:
             found[(*group, word)] = guesses[0]
     missing = {detail["loc"] for detail in details if detail["type"] == "missing"} - {*found.values()}

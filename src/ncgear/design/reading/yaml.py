@@ -192,6 +192,7 @@ WORDS_OF_FAULTS = {
     "cannot start any token": "a value begins with a sign of YAML; in quotes it is a text",
     "could not find expected ':'": "a line is no `key: value`; a colon and a space are right",
     "unexpected end of stream": "a quotation mark or bracket is open at the end of the file; close it",
+    "expected '<document start>'": "a line that is no `key: value` stands before it",
     "expected ',' or": "a bracket is not closed, or a comma is missing before this place",
     "expected <block end>": "the line does not begin in the column of its group, or a quotation mark above it is "
     "open; all keys of a group begin in the same column",
