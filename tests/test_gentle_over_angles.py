@@ -250,7 +250,7 @@ def drive(**wish: Any) -> ncgear.Drive:
 
 WRONG = {
     "one end": ({"from_phi1_deg": 10.0}, "to_phi1_rad"),
-    "two units": ({"from_phi1_deg": 10.0, "to_phi1_deg": 20.0, "to_phi1_rad": 1.0}, "in each other's place"),
+    "two units": ({"from_phi1_deg": 10.0, "to_phi1_deg": 20.0, "to_phi1_rad": 1.0}, "only one of them can count"),
     "falling": ({"from_phi1_deg": 20.0, "to_phi1_pi": 0.1}, "to_phi1_pi: 0.1 given, which is not over from_phi1_deg"),
     "places too": (
         {"from_phi1_deg": 20.0, "to_phi1_deg": 30.0, "to_mm": 9.0},

@@ -53,7 +53,7 @@ def studio(
         bound = listening(port)
     except OSError as error:
         raise WrongInput(
-            f"{port} cannot be used ({error.strerror}); leave it out, or give another", key="--port"
+            f"{port} cannot be used ({error.strerror}); leave --port out, or give another number", key="--port"
         ) from error
 
     def begun(address: str) -> None:

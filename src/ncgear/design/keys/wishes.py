@@ -163,7 +163,7 @@ class SpeedAt(Wish):
         if self.make is None and not bounds:
             raise fault("", f"says nothing of the speed; give {low}, {high} or make")
         if self.make is not None and bounds:
-            raise fault(bounds[0], f"given with make: {self.make}, which is in its place; keep one")
+            raise fault(bounds[0], f"given, and make: {self.make} too, but only one of them can count; keep one")
         if self.make is not None and self.hard:
             raise fault("make", f"{self.make} has no bound that could be kept; hard: false is right with it")
         require(self, f"{high} >= {low}")

@@ -247,7 +247,7 @@ def require_stroke_of(stroke: float | None, linkage: Mechanism) -> None:
         told, right = (f"{place.factor * one:.9g} {place.text}" for one in (stroke, linkage.stroke_mm))
         raise WrongInput(
             f"{told} is {relation} than the linkage's stroke of {right}; give "
-            f"that one, leave the key out, or change linkage.{linkage.STROKE_KEY}",
+            f"{right}, leave the key out, or change linkage.{linkage.STROKE_KEY}",
             key=f"motion.stroke_{place.ending}",
         )
 

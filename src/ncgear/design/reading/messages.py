@@ -72,14 +72,23 @@ def problems(error: ValidationError, root: type[BaseModel], data: Mapping[str, A
     details = [detail for detail in error.errors() if detail["type"] != "default_factory_not_called"]
     meant = _meant(details, root)
     parents = {detail["loc"][:i] for detail in details for i in range(len(detail["loc"]))}
-    # A key that is there but misspelt is not missing, nor is its group, and a list is not short because its items are
-    # wrong.
+    # A key that is there but misspelt is not missing, nor is its group.  A list is not short because its items are
+    # wrong, and the columns of a table are short together.
     follows = {
         "missing": {key[:i] for key in meant.values() for i in range(1, len(key) + 1)},
-        "too_short": parents,
+        "too_short": parents.union(*(short[1:] for short in _short(details).values())),
     }
     told = [detail for detail in details if detail["loc"] not in follows.get(detail["type"], ())]
     return [_problem(detail, root, data, meant.get(detail["loc"])) for detail in told]
+
+
+def _short(details: Sequence[ErrorDetails]) -> dict[Location, list[Location]]:
+    """The lists that are too short, by their groups."""
+    found: dict[Location, list[Location]] = {}
+    for detail in details:
+        if detail["type"] == "too_short":
+            found.setdefault(detail["loc"][:-1], []).append(detail["loc"])
+    return found
 
 
 def _problem(detail: ErrorDetails, root: type[BaseModel], data: Mapping[str, Any], meant: Location | None) -> Problem:
