@@ -18,13 +18,14 @@ SHORTEST_MM = 1e-12
 """A hundred-thousandth of an atom's diameter, and far above where powers of lengths vanish."""
 
 
-def _not_vanishing(length: float) -> float:
+def not_vanishing(length: float) -> float:
+    """The length itself in mm; a fault where it is too short."""
     if length < SHORTEST_MM:
         raise fault("", f"{length!r} given; a length of {SHORTEST_MM:g} mm or over is needed")
     return length
 
 
-Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM), AfterValidator(_not_vanishing)]
+Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM), AfterValidator(not_vanishing)]
 Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 Speed = Annotated[float, Field(ge=SLOWEST_RPM, le=FASTEST_RPM)]
 Positive = Annotated[float, Field(gt=0.0)]
