@@ -13,13 +13,14 @@ from threading import Barrier
 
 import pytest
 
+from conftest import Run
 from disk import Disk, Fault, calls_of
 from ncgear.cli.arguments import opened as opened_by_a_command
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.files import one_file
 from ncgear.files.one_file import locked
 from ncgear.files.publish import _new_staging, exchange, opened, real_place
-from ncgear.studio import on_disk
+from ncgear.studio import on_disk, server
 from ncgear.studio.drafts import Draft, draft_left
 from ncgear.studio.on_disk import NotSaved, design_on_disk, require_same_place
 
@@ -338,6 +339,15 @@ def test_a_save_that_fails_at_any_call_tells_what_it_has_kept(path: Path, soon: 
         failed += bool(said) and kept.exists()
         assert not said or kept.exists() == ("is kept as d-kept.yaml" in said), call
     assert failed > 3
+
+
+def test_the_command_leaves_to_the_page_what_a_killed_save_has_left(
+    path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "serve", lambda *_: None)
+    killed_over(path)
+    assert run("studio", str(path), "--no-browser")[0] == 0
+    assert design_on_disk(path).kept == (path.with_name("d-kept.yaml"),)
 
 
 def test_an_opening_that_fails_tells_what_it_has_kept(path: Path, soon: None) -> None:
