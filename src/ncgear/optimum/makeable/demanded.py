@@ -184,7 +184,7 @@ CLOSE = 1.01
 """A law this close to its limit is left there: laws of 180 knots lack up to a hundredth themselves."""
 
 MOST_CASES = 60
-"""Cases of driving ranges at most; each takes half a second, and the last ten raise a limit by a tenth of a percent."""
+"""Cases of driving ranges at most: each takes half a second, or two where curves must be convex."""
 
 MOST_PROGRAMMES = 2400
 """Programmes that are solved at most to raise a limit towards a law: less than a minute on one processor."""
