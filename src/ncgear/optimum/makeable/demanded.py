@@ -202,8 +202,8 @@ def raised_limit(
 
     Where it is close to what a motion of the places has, the law is what could come nearer, with more knots.  Ranges of
     q all around the turn can raise it where both curves must be convex or the pressure angle is limited, and cases of
-    driving ranges where there are some.  ``tell`` is called with the numbers of programmes solved and at most to be
-    solved.
+    driving ranges where there are some.  ``tell`` is called with the numbers of cases, or of programmes, solved and at
+    most to be solved.
     """
     asked = demands_of(task, wishes)
     priced = _known_prices(task, wishes)
