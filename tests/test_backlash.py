@@ -144,7 +144,9 @@ def test_a_file_may_give_the_angle() -> None:
 
 
 def test_a_file_that_gives_both_is_refused() -> None:
-    with pytest.raises((DesignError, ValueError), match=r"backlash_mm: 0\.06 is given; leave out one of the two"):
+    with pytest.raises(
+        (DesignError, ValueError), match=r"backlash_mm: 0\.06 is given; leave out backlash_deg or backlash_mm"
+    ):
         drive_of(with_gears("ellipse", backlash_deg=0.15))
 
 

@@ -227,7 +227,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
     "both": (
         changed(CRANK, "    masses:", "    design: b.yaml\n    masses:"),
         "a.yaml:6:5: mechanisms.0.design",
-        "in each other's place",
+        "only one of them can count",
     ),
     "no design": (
         "name: a\nspeed_rpm: 1\ngears: {design: none.yaml}\n",

@@ -256,14 +256,14 @@ ROWS = "0,1\n90,1\n180,1\n270,1\n"
         ("phi1_deg\n0\n90\n180\n270\n", "p.csv:1:1: the header must name one of the columns displacement_mm"),
         ("\n\n \nphi1_deg,speed\n" + ROWS, "p.csv:4:10: unknown column: 'speed'"),
         ("\nratio\n1\n", "p.csv:2:1: the header must name one of the columns phi1_rad"),
-        ("\n\nphi1_deg,ratio\n0,1\n90,1\n", "p.csv:3:1: motion.phi1_deg: a list given; a list of at least 4"),
+        ("\n\nphi1_deg,ratio\n0,1\n90,1\n", "p.csv:3:1: motion.phi1_deg: a list of 2 given; a list of at least 4"),
         (
             f"phi1_deg,ratio\n0,{'5' * 333}\n",
             "p.csv:2:3: ratio: '55555555555555555555",
         ),
         ('phi1_deg,ratio\n0,"1\n', "p.csv:2:1: is not CSV"),
         ("phi1_deg,ratio\n0,1\n90,1\n\n90,1\n270,1\n", "p.csv:5:1: motion.phi1_deg.2: 90 follows 90"),
-        ("phi1_deg,ratio\n0,1\n90,1\n", "p.csv:1:1: motion.phi1_deg: a list given; a list of at least 4, not 2"),
+        ("phi1_deg,ratio\n0,1\n90,1\n", "p.csv:1:1: motion.phi1_deg: a list of 2 given; a list of at least 4"),
     ],
 )
 def test_fault_in_the_points_file_has_a_line_of_it(tmp_path: Path, csv: str, said: str) -> None:

@@ -731,7 +731,7 @@ def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
         ("motor: {rated_torque_n_m: 2, rated_speed_rpm: 100, peak_torque_n_m: 1}", "2 N m or over is right"),
         ("pto: {}, motor: {rated_torque_n_m: 1, rated_speed_rpm: 100}", "keep one"),
         ("driving_shaft: {bearing_a: {at_mm: 0}}", "bearing_a: given without bearing_b"),
-        ("driving_shaft: {bearing_a: {at_mm: 5}, bearing_b: {at_mm: 5}}", "another one is right"),
+        ("driving_shaft: {bearing_a: {at_mm: 5}, bearing_b: {at_mm: 5}}", "another place is right"),
         ("driving_shaft: {steel: C45}", "steel: given without bearing_a"),
         ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, key: {}}", "key: given without steel"),
         ("driving_shaft: {bearing_a: {at_mm: 0}, bearing_b: {at_mm: 9}, tensile_mpa: 400}", "given without yield_mpa"),

@@ -273,7 +273,7 @@ def test_what_cannot_be_is_said_at_its_line(run: Run, limits: str, status: int, 
 
 WRONG: dict[str, tuple[str, str, str]] = {
     "weights without weighted": ("weights: {acceleration_mm_s2: 1, power_w: 1}", "weights", "leave weights out"),
-    "weighted without weights": ("goal: weighted", "weights", "missing; a weighted goal"),
+    "weighted without weights": ("goal: weighted", "weights", "missing; give it: a weighted goal"),
     "zero weight": (
         "goal: weighted, weights: {acceleration_mm_s2: 0, power_w: 1}",
         "weights.acceleration_mm_s2",

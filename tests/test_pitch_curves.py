@@ -578,7 +578,7 @@ def test_fewer_lobes_than_the_gears_shall_have_are_refused() -> None:
             {"expression_mm": "30", "solve_for": "side", "center_distance_mm": 60},
             "side given, but expression_mm has none",
         ),
-        ({"expression_mm": "30", "center_distance_mm": 60}, "it is what solve_for finds"),
+        ({"expression_mm": "30", "center_distance_mm": 60}, "solve_for finds it"),
         ({"ellipse": {"semi_major_mm": 23}}, "semi_minor_mm is missing"),
         ({"ellipse": {"semi_major_mm": 23}, "solve_for": "semi_minor"}, "center_distance_mm is missing"),
         (
@@ -587,11 +587,14 @@ def test_fewer_lobes_than_the_gears_shall_have_are_refused() -> None:
                 "solve_for": "semi_minor",
                 "center_distance_mm": 6,
             },
-            "2 given, but it is what solve_for finds",
+            "2 given, but solve_for finds it",
         ),
         ({"rounded_polygon": {"sides": 4, "side_mm": 40, "corner_radius_mm": 21}}, "up to 20 is right"),
         ({"points": {"x_mm": [1.0] * 6, "radius_mm": [1.0] * 6, "tolerance_mm": 1}}, "x_mm goes with y_mm"),
-        ({"points": {"phi_deg": [0, 60, 120, 180, 240, 300], "radius_mm": [1] * 7, "tolerance_mm": 1}}, "as many are"),
+        (
+            {"points": {"phi_deg": [0, 60, 120, 180, 240, 300], "radius_mm": [1] * 7, "tolerance_mm": 1}},
+            "6 values are right",
+        ),
         (
             {"points": {"phi_deg": [0, 60, 120, 180, 240, 300], "radius_mm": [1] * 5 + [-1], "tolerance_mm": 1}},
             "over 0",

@@ -212,7 +212,7 @@ def test_forms_in_a_design_file(tmp_path: Path) -> None:
     [
         ("{where_negative: keep}", "resistance: one of polynomial_n, table or expression_n is missing"),
         ('{polynomial_n: [1], expression_n: "x"}', "resistance.expression_n: polynomial_n and expression_n are given"),
-        ("{table: {force_n: [1, 2]}}", "resistance.table.displacement_mm: missing; a table needs"),
+        ("{table: {force_n: [1, 2]}}", "resistance.table.displacement_mm: missing; give it: a table needs"),
         (
             "{table: {displacement_mm: [1, 2], force_n: [1, 2, 3]}}",
             "resistance.table.force_n: 3 values, but displacement_mm has 2",
@@ -226,7 +226,7 @@ def test_forms_in_a_design_file(tmp_path: Path) -> None:
             "resistance.table.displacement_mm.1: 0.0 follows -2e-200",
         ),
         ("{table: {displacement_mm: [1, 1], force_n: [1, 2]}}", "resistance.table.displacement_mm.1: 1 follows 1"),
-        ("{table: {displacement_mm: [1], force_n: [1]}}", "resistance.table.displacement_mm: a list given"),
+        ("{table: {displacement_mm: [1], force_n: [1]}}", "resistance.table.displacement_mm: a list of 1 given"),
         ("{table: {file: f.csv, force_n: [1]}}", "resistance.table.force_n: given beside file; keep one"),
         ("{table: {file: no.csv}}", "resistance.table.file:"),
     ],

@@ -7,18 +7,20 @@ import re
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from threading import Barrier
 
 import pytest
 
+from conftest import Run
 from disk import Disk, Fault, calls_of
 from ncgear.cli.arguments import opened as opened_by_a_command
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.files import one_file
 from ncgear.files.one_file import locked
 from ncgear.files.publish import _new_staging, exchange, opened, real_place
-from ncgear.studio import on_disk
+from ncgear.studio import on_disk, server
 from ncgear.studio.drafts import Draft, draft_left
 from ncgear.studio.on_disk import NotSaved, design_on_disk, require_same_place
 
@@ -282,6 +284,13 @@ def test_a_save_that_is_killed_at_any_call_leaves_the_file_whole_and_the_next_on
     assert texts == {OLD, OWN}
 
 
+def killed_over(path: Path) -> None:
+    """What a save leaves that is killed after it has taken a version of an editor away."""
+    path.write_text(OWN, encoding="utf-8")
+    digests = "-".join(on_disk._digest(text.encode()) for text in (OLD, OWN))
+    path.with_name(f".{path.name}.{digests}{on_disk.SAVING}").write_text(THEIRS, encoding="utf-8")
+
+
 def test_a_version_of_an_editor_that_a_killed_save_took_away_is_kept(
     path: Path, soon: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -300,9 +309,52 @@ def test_a_version_of_an_editor_that_a_killed_save_took_away_is_kept(
     monkeypatch.setattr(on_disk, "sleep", killed)
     with pytest.raises(KeyboardInterrupt):
         file.saved(OWN)
+    left = {one.name: one.read_bytes() for one in path.parent.iterdir()}
     found = design_on_disk(path)
     assert (found.text, found.kept) == (OWN, (path.with_name("d-kept.yaml"),))
     assert found.kept[0].read_text(encoding="utf-8") == THEIRS
+    found.kept[0].unlink()
+    killed_over(path)
+    assert {one.name: one.read_bytes() for one in path.parent.iterdir()} == left
+
+
+@pytest.mark.parametrize("fault", [Fault.NO_SPACE, Fault.BROKEN, Fault.BROKEN_FOR_GOOD])
+def test_a_save_that_fails_at_any_call_tells_what_it_has_kept(path: Path, soon: None, fault: Fault) -> None:
+    file, kept = design_on_disk(path), path.with_name("d-kept.yaml")
+
+    def save() -> None:
+        replace(file, content=OWN.encode()).saved("name: next\n")
+
+    killed_over(path)
+    calls, failed = len(calls_of(save)), 0
+    for call in range(1, calls + 1):
+        kept.unlink(missing_ok=True)
+        killed_over(path)
+        said = ""
+        with Disk(fault, call).used():
+            try:
+                save()
+            except WrongInput as error:
+                said = str(error)
+        failed += bool(said) and kept.exists()
+        assert not said or kept.exists() == ("is kept as d-kept.yaml" in said), call
+    assert failed > 3
+
+
+def test_the_command_leaves_to_the_page_what_a_killed_save_has_left(
+    path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "serve", lambda *_: None)
+    killed_over(path)
+    assert run("studio", str(path), "--no-browser")[0] == 0
+    assert design_on_disk(path).kept == (path.with_name("d-kept.yaml"),)
+
+
+def test_an_opening_that_fails_tells_what_it_has_kept(path: Path, soon: None) -> None:
+    killed_over(path)
+    path.write_bytes(b"\xff")
+    with pytest.raises(WrongInput, match=r"UTF-8.*is kept as d-kept\.yaml"):
+        design_on_disk(path)
 
 
 def test_a_link_that_a_killed_run_has_left_is_settled_and_never_followed(tmp_path: Path, soon: None) -> None:

@@ -185,7 +185,11 @@ def test_the_crank_slider_stays_the_usual_one(linkage: str) -> None:
     ("linkage", "key", "said"),
     [
         ("{kind: scotch_yok, crank_mm: 380}", "linkage.kind", "crank_slider, scotch_yoke"),
-        ("{kind: scotch_yoke}", "linkage.crank_mm", "missing; only motion.solve_for: stroke"),
+        (
+            "{kind: scotch_yoke}",
+            "linkage.crank_mm",
+            "missing; give it (length of the crank in mm; may be left out only",
+        ),
         ("{kind: scotch_yoke, crank_mm: 380, rod_mm: 900}", "linkage.rod_mm", "unknown key"),
         ("{kind: crank_slider, coupler_mm: 380}", "linkage.coupler_mm", "unknown key"),
     ],

@@ -265,6 +265,17 @@ def test_each_fault_of_a_text_is_told_at_its_key() -> None:
     assert [text.splitlines()[one["line"] - 1].strip()[:5] for one in told] == ["opera", "teeth"]
 
 
+def test_a_fault_that_is_found_after_reading_has_its_line_too() -> None:
+    text = text_of("pusher").partition("\nresistance:")[0] + "\nresistance: {expression_n: 3 +}\n"
+    told = answered(motion_answers, text, "pusher")[-1][1]
+    assert (told["key"], text.splitlines()[told["line"] - 1][:11]) == ("resistance.expression_n", "resistance:")
+
+
+def test_another_law_comes_to_a_crank_of_no_length() -> None:
+    text = text_of("pusher").replace("crank_mm: 60", "crank_mm: 1e-300", 1)
+    assert "law: ellipse" in edited(text, {"motion.law": "ellipse"})
+
+
 # --- handles: where a point is dragged to, there the law has it
 
 

@@ -352,7 +352,7 @@ WRONG = {
     "hard and slowest": ("speed_at: [{at_mm: 300, make: slowest}]", "wishes.speed_at.0.make: slowest has no bound"),
     "slowest and bounded": (
         "speed_at: [{at_mm: 300, make: slowest, hard: false, at_most_mm_s: 800}]",
-        "wishes.speed_at.0.at_most_mm_s: given with make: slowest",
+        "wishes.speed_at.0.at_most_mm_s: given, and make: slowest too",
     ),
     "hard with a weight": (
         "time_ratio: {at_least: 1.5, weight: 2}",

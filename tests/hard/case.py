@@ -65,7 +65,7 @@ def drive_of(data: dict[str, Any]) -> Drive:
     try:
         return Drive(design_of(data))
     except ValidationError as error:
-        first = problems(error, Design)[0]
+        first = problems(error, Design, data)[0]
         raise WrongInput(first.text, key=first.key) from error
 
 

@@ -79,7 +79,7 @@ def _into_settings(folder: Path) -> None:
     from ncgear.files.publish import exchange, opened
 
     if not folder.is_dir():
-        raise WrongInput("is no folder; the one that is opened in VS Code is right", location=str(folder))
+        raise WrongInput("is no folder; give the folder that is opened in VS Code", location=str(folder))
     place = folder / SETTINGS_FOLDER
     found = editor_files(folder)
     if found.files:

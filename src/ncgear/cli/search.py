@@ -59,7 +59,7 @@ def optimize(
                 starts,
                 scheduler,
                 processes,
-                lambda solved, most: on_step.within(f"{solved} of at most {most} programmes"),
+                lambda solved, most: on_step.within(f"{solved} of at most {most} steps"),
             )
             on_step("certified limit")
             best.bound  # noqa: B018

@@ -40,17 +40,20 @@ def studio(
         name = design_file.stem or "machine"
         raise WrongInput(f"is not there; `ncgear new {name}` writes a design to begin with", location=str(design_file))
 
+    from ncgear.design.reading.text import read_text
+    from ncgear.files.publish import real_place
     from ncgear.studio.entrance import open_in_browser
-    from ncgear.studio.on_disk import design_on_disk
+    from ncgear.studio.on_disk import LARGEST_MB
     from ncgear.studio.server import listening, serve
 
     if design_file is not None:
-        design_on_disk(design_file)
+        # What a killed save has left is cleared up where the page tells it.
+        read_text(real_place(design_file), limit_mb=LARGEST_MB)
     try:
         bound = listening(port)
     except OSError as error:
         raise WrongInput(
-            f"{port} cannot be used ({error.strerror}); leave it out, or give another", key="--port"
+            f"{port} cannot be used ({error.strerror}); leave --port out, or give another number", key="--port"
         ) from error
 
     def begun(address: str) -> None:

@@ -63,10 +63,11 @@ def fault_of(answer: str, value: object) -> str | None:
         # A design file may leave some of these keys out, but the answer to a question is a number.
         return "nothing given; a number is needed"
     key = ANSWERS[answer]
+    data = with_value(_document(DEFAULT_LAW).data, key, value)
     try:
-        Design.model_validate(with_value(_document(DEFAULT_LAW).data, key, value))
+        Design.model_validate(data)
     except ValidationError as error:
-        return next((problem.text for problem in problems(error, Design) if problem.key == key), None)
+        return next((problem.text for problem in problems(error, Design, data) if problem.key == key), None)
     return None
 
 
@@ -227,5 +228,5 @@ def _require_right(found: dict[str, Any]) -> None:
     try:
         Wishes.model_validate(found)
     except ValidationError as error:
-        first = problems(error, Wishes)[0]
+        first = problems(error, Wishes, found)[0]
         raise WrongInput(first.text, key=f"{OPTION}: {first.key}") from error

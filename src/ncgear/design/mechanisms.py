@@ -109,7 +109,7 @@ def mechanism_of(linkage: Model) -> Mechanism:
     entry, lengths = entry_of(linkage), lengths_of(linkage)
     if entry.stroke_key is not None and lengths[entry.stroke_key] is None:
         key = f"linkage.{entry.stroke_key}"
-        raise WrongInput("missing; only a stroke that is solved for gives the crank", key=key)
+        raise WrongInput("missing; give it in mm: only a stroke that is solved for gives the crank", key=key)
     return entry.load()(**lengths)
 
 
@@ -129,9 +129,9 @@ def mechanism_of_stroke(linkage: Model, stroke_mm_of: Callable[[type[Mechanism]]
     return mechanism.of_stroke(stroke_mm_of(mechanism), **lengths)
 
 
-def kind_named(linkage: Any) -> str:
-    """The name, as in the file, of the mechanism that the group ``linkage`` asks for; none is left out."""
-    if linkage is None:
+def kind_named(data: Any) -> Any:
+    """The name, as in the file, of the mechanism that the plain values of a design ask for."""
+    if not isinstance(data, Mapping) or "linkage" not in data:
         return NO_LINKAGE
-    kind = linkage.get("kind") if isinstance(linkage, Mapping) else None
-    return kind if isinstance(kind, str) else next(iter(MECHANISMS))
+    usual, linkage = next(iter(MECHANISMS)), data["linkage"]
+    return linkage.get("kind", usual) if isinstance(linkage, Mapping) else usual

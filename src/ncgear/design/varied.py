@@ -11,10 +11,11 @@ from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BaseModel, ValidationError
+from pydantic import AfterValidator, BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from ncgear.design.keys.design import Design, design_model
+from ncgear.design.keys.types import SHORTEST_MM, not_vanishing
 from ncgear.design.laws.registry import law_models
 from ncgear.design.reading.messages import fields_of, models_in, problems
 from ncgear.design.reading.places import with_value
@@ -32,7 +33,7 @@ def checked_design(data: dict[str, Any], keys: Sequence[str], values: Iterable[f
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        first = problems(error, model)[0]
+        first = problems(error, model, data)[0]
         return WrongInput(first.text, key=first.key)
 
 
@@ -52,6 +53,8 @@ def accepted(root: type[Design], data: Mapping[str, Any], key: str, values: Arra
                 held &= values <= float(str(limit))
             case Lt(lt=limit):
                 held &= values < float(str(limit))
+            case AfterValidator(func=check) if check is not_vanishing:
+                held &= values >= SHORTEST_MM
     return held
 
 

@@ -85,7 +85,7 @@ def _one(keys: Sequence[ToldKey], alike: Sequence[ToldKey]) -> str:
     rows = {
         "unit": "" if first.is_group else listed(dict.fromkeys(key.unit for key in alike)),
         "value": listed(dict.fromkeys(key.allowed for key in alike)),
-        "default": "one of them is given, in each other's place" if _is_angle(alike) else first.default,
+        "default": "only one of them can be given" if _is_angle(alike) else first.default,
         "laws": listed(dict.fromkeys(key.law for key in alike if key.law), "and"),
         "keys": listed(folded(key.name for key in keys if _above(key) == first.path), "and"),
         "example": alike[-1].example,

@@ -203,6 +203,23 @@ class DrivingRange(NamedTuple):
     crank: CrankStretch
 
 
+def passed_no_later(crank_rad: float, driving_rad: float) -> list[TimeWithin]:
+    """What laws keep that pass a crank angle at a driving angle or before it; both are 0 at the retracted end."""
+    return _passed(crank_rad, driving_rad, most=driving_rad > 0.0)
+
+
+def passed_no_earlier(crank_rad: float, driving_rad: float) -> list[TimeWithin]:
+    """What laws keep that pass a crank angle at a driving angle or after it."""
+    return _passed(crank_rad, driving_rad, most=driving_rad < 0.0)
+
+
+def _passed(crank_rad: float, driving_rad: float, *, most: bool) -> list[TimeWithin]:
+    way, time = CrankStretch(min(crank_rad, 0.0), max(crank_rad, 0.0)), abs(driving_rad)
+    if not 0.0 < way.end_rad - way.start_rad < 2.0 * pi:
+        return []
+    return [TimeWithin(way, most_rad=time) if most else TimeWithin(way, least_rad=time)]
+
+
 @dataclass(frozen=True, kw_only=True)
 class GentleStretch(Wish, ABC):
     """A motion that is gentle between two places of one stroke, or of both (None), which then meet at an end.
@@ -234,13 +251,7 @@ class GentleStretch(Wish, ABC):
         if self.driving is None:
             return (asked,)
         start, end, crank = self.driving
-        times = []
-        for angle, place, sign in ((start, crank.start_rad, 1.0), (end, crank.end_rad, -1.0)):
-            way = CrankStretch(min(place, 0.0), max(place, 0.0))
-            if 0.0 < way.end_rad - way.start_rad < 2.0 * pi:
-                most = sign * angle > 0.0
-                times.append(TimeWithin(way, most_rad=abs(angle)) if most else TimeWithin(way, least_rad=abs(angle)))
-        return (asked, *times)
+        return (asked, *passed_no_later(crank.start_rad, start), *passed_no_earlier(crank.end_rad, end))
 
     def stretch(self, linkage: Mechanism) -> CrankStretch:
         """The crank angles between both places; a turn where they are both ends, and both strokes are asked for."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from ncgear.errors import located
 from ncgear.project.drive import Drive
 from ncgear.studio.faults import refusal
 
@@ -22,8 +23,10 @@ def guarded(answers: Answers, drive: Callable[[], Drive]) -> Iterator[Answer]:
     """The answers about a drive, and a refusal in the place of those that cannot be given, whatever the reason."""
     part = "design"
     try:
-        for name, content in answers(drive()):
-            part = name
-            yield name, content
+        made = drive()
+        with located(made.places):
+            for name, content in answers(made):
+                part = name
+                yield name, content
     except Exception as error:
         yield "refused", refusal(error, part)

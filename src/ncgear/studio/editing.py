@@ -15,7 +15,7 @@ from typing import Any
 
 from ruamel.yaml.error import YAMLError
 
-from ncgear.design.beginning import begun
+from ncgear.design.beginning import begun, fault_of
 from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
 from ncgear.design.reading.places import Document, with_value
@@ -139,7 +139,7 @@ def _another_law(text: str, name: Any) -> dict[str, Any]:
         raise WrongInput(f"{name!r} given; a law of ncgear is right", key="motion.law")
     document = read_yaml(text, "design")
     crank = document.at("linkage.crank_mm")
-    answers = {"crank_mm": crank} if isinstance(crank, int | float) and not isinstance(crank, bool) else {}
+    answers = {"crank_mm": crank} if fault_of("crank_mm", crank) is None else {}
     return {"motion": read_yaml(begun("new", LawName(name), answers), "template").at("motion")}
 
 

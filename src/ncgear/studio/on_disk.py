@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import re
 from codecs import BOM_UTF8
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from hashlib import sha256
@@ -78,8 +78,8 @@ class DesignOnDisk:
         # Some editors begin a file with a byte order mark, and look for it.
         mark = BOM_UTF8 if (self.content or b"").startswith(BOM_UTF8) else b""
         content = mark + text.encode()
-        with _in_its_own_folder(), opened(self.path.parent):
-            kept = _clear_up(self.path)
+        with _clearing() as kept, _in_its_own_folder(), opened(self.path.parent):
+            _clear_up(self.path, kept)
             # Of a file that a killed run has just made it is a second name
             hidden(self.path, UNFINISHED).unlink(missing_ok=True)
             if _content(self.path) != content:
@@ -87,10 +87,10 @@ class DesignOnDisk:
                 if self.content is None:
                     self._create(content)
                 elif protected_too or not (why := self._protected()):
-                    self._replace(self.content, content)
+                    self._replace(self.content, content, kept)
                 else:
                     raise NotSaved(why, self.path, self.content)
-        return replace(self, content=content, kept=kept)
+        return replace(self, content=content, kept=tuple(kept))
 
     def _require_same(self) -> None:
         found = _content(self.path)
@@ -115,8 +115,8 @@ class DesignOnDisk:
         except FileExistsError as error:
             raise self._changed(_content(self.path)) from error
 
-    def _replace(self, former: bytes, content: bytes) -> None:
-        """Exchange the file for a new one, and look whether what came away is the former one."""
+    def _replace(self, former: bytes, content: bytes, kept: list[Path]) -> None:
+        """Exchange the file for a new one, and look whether what came away is the former one; ``kept`` grows."""
         mode = S_IMODE(self.path.stat().st_mode)
         written = written_beside(self.path, content, mode)
         _belong_as(written, self.path)
@@ -132,7 +132,7 @@ class DesignOnDisk:
         sleep(LATE_S)
         if new.read_bytes() != former:
             swap(new, self.path)
-            _clear_up(self.path)
+            _clear_up(self.path, kept)
             raise self._changed(_content(self.path))
         new.unlink()
         sync_folder(self.path.parent)
@@ -185,17 +185,33 @@ def _left(path: Path) -> list[Path]:
     return []
 
 
-def _clear_up(path: Path) -> tuple[Path, ...]:
-    """Remove what killed saves have left; a version that they did not know is kept, and its new place returned."""
+@contextmanager
+def _clearing() -> Iterator[list[Path]]:
+    """A context with the places of versions that are kept in it, which its fault tells too."""
     kept: list[Path] = []
+    try:
+        yield kept
+    except WrongInput as error:
+        error.problem = ". ".join((error.problem, *kept_words(kept)))
+        raise
+
+
+def kept_words(kept: Sequence[Path]) -> tuple[str, ...]:
+    """What is said of versions of others that were kept beside the file."""
+    names = ", ".join(place.name for place in kept)
+    return (f"A version that another program wrote during a save is kept as {names}.",) if names else ()
+
+
+def _clear_up(path: Path, kept: list[Path]) -> None:
+    """Remove what killed saves have left; a version that they did not know is kept, and its new place put to these."""
     for left in _left(path):
         content = left.read_bytes()
         if _digest(content) in left.name or (is_there(path) and path.read_bytes() == content):
             left.unlink()
         else:
-            kept.append(next(place for place in kept_names(path) if not is_there(place)))
-            left.replace(kept[-1])
-    return tuple(kept)
+            place = next(place for place in kept_names(path) if not is_there(place))
+            left.replace(place)
+            kept.append(place)
 
 
 def require_same_place(file: DesignOnDisk, opened_as: Path) -> None:
@@ -209,9 +225,9 @@ def require_same_place(file: DesignOnDisk, opened_as: Path) -> None:
 def design_on_disk(path: Path) -> DesignOnDisk:
     """The design file at a path, whatever its text says; raises WrongInput where it cannot be read as text."""
     real = real_place(path)
-    kept: tuple[Path, ...] = ()
-    if _left(real):
-        with opened(real.parent):
-            kept = _clear_up(real)
-    read_text(path, limit_mb=LARGEST_MB)
-    return DesignOnDisk(real, real.read_bytes(), kept)
+    with _clearing() as kept:
+        if _left(real):
+            with opened(real.parent):
+                _clear_up(real, kept)
+        read_text(path, limit_mb=LARGEST_MB)
+    return DesignOnDisk(real, real.read_bytes(), tuple(kept))

@@ -27,7 +27,7 @@ from ncgear.studio.faults import words_of
 from ncgear.studio.form import form
 from ncgear.studio.jobs import COMMANDS, Job, require_command
 from ncgear.studio.messages import read_message
-from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk, require_same_place
+from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk, kept_words, require_same_place
 
 MOST_CHANGES = 200
 """Keys that one message changes; a remedy changes three."""
@@ -45,7 +45,7 @@ class OpenPage:
     def __init__(self, path: Path, out: Path, chains: Chains | None = None) -> None:
         self._opened_as = path
         self.file: DesignOnDisk = design_on_disk(path)
-        self._notices = _kept_words(self.file)
+        self._notices = kept_words(self.file.kept)
         draft = draft_left(self.file)
         if draft is not None:
             self.file = draft.file
@@ -192,12 +192,14 @@ class OpenPage:
             question = {"problem": f"{self._opened_as.name} {problem.problem}", "difference": there}
             await self._tell(json.dumps({"is": "question", "content": question}))
             return
-        await self._say(" ".join((f"saved {self.file.path.name}", *_kept_words(self.file))))
+        await self._say(" ".join((f"saved {self.file.path.name}", *kept_words(self.file.kept))))
         await self._show()
 
     async def anew(self, _: Mapping[str, Any]) -> None:
         """Open the file as it is on the disk, as one step of the history."""
         self.file = await asyncio.to_thread(design_on_disk, self._opened_as)
+        for words in kept_words(self.file.kept):
+            await self._say(words)
         await self._step(self.history.kept(self.file.text))
 
     async def run(self, message: Mapping[str, Any]) -> None:
@@ -352,12 +354,6 @@ running_jobs: dict[asyncio.Task[None], Job] = {}
 
 
 DRAFT_FOUND = "What was not saved when the studio ended is here again; Undo leads back to the file."
-
-
-def _kept_words(file: DesignOnDisk) -> tuple[str, ...]:
-    """What is said of versions of others that were kept beside the file."""
-    names = ", ".join(place.name for place in file.kept)
-    return (f"A version that another program wrote while a save was killed is kept as {names}.",) if names else ()
 
 
 def _changes_of(message: Mapping[str, Any]) -> dict[str, Any]:

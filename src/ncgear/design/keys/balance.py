@@ -289,7 +289,7 @@ class Balance(Model):
         if not self.mechanisms and not given(self, QUESTIONS):
             raise fault("", f"nothing is asked; give mechanisms, {listed(QUESTIONS)}")
         if self.excitations and self.excitations.harmonics and not self.mechanisms:
-            raise fault("excitations.harmonics", "there is no mechanism whose slider has any; give mechanisms")
+            raise fault("excitations.harmonics", "given, but no mechanism, whose slider has harmonics; give mechanisms")
         if self.speed_rpm is None and (self.mechanisms or self.gears):
             raise fault("speed_rpm", "missing; mechanisms and gears need the speed of their shaft in r/min")
         return self
@@ -299,7 +299,9 @@ class Balance(Model):
         names = [mechanism.name for mechanism in self.mechanisms]
         for number, name in enumerate(names):
             if name in names[:number]:
-                raise fault(f"mechanisms.{number}.name", f"{name!r} is the name of an earlier one; choose another")
+                raise fault(
+                    f"mechanisms.{number}.name", f"{name!r} is the name of an earlier mechanism; choose another name"
+                )
         asked = {"move_phase_of": self.move_phase_of}
         asked["chassis.mechanism"] = self.chassis.mechanism if self.chassis else None
         for key, asked_name in asked.items():

@@ -163,17 +163,17 @@ def require(model: BaseModel, rule: str) -> None:
         case ["at", "most", "one", "of", *names]:
             found = [name for name in names if _at(model, name) is not None]
             if len(found) > 1:
-                raise fault(found[1], f"{listed(found, 'and')} are given, in each other's place; keep one")
+                raise fault(found[1], f"{listed(found, 'and')} are given, and only one of them can count; keep one")
         case [one, "with", other]:
             require(model, f"{one} needs {other}")
             require(model, f"{other} needs {one}")
         case [key, "needs", *others]:
             if _at(model, key) is not None and all(_at(model, other) is None for other in others):
-                raise fault(key, f"given without {listed(others)}; give that as well, or leave {key} out")
+                raise fault(key, f"given without {listed(others)}; give {listed(others)} as well, or leave {key} out")
         case [key, "as", "many", "as", other]:
             counts = [len(values) for name in (key, other) if (values := _at(model, name)) is not None]
             if len(counts) == 2 and counts[0] != counts[1]:
-                raise fault(key, f"{counts[0]} values, but {other} has {counts[1]}; as many are right")
+                raise fault(key, f"{counts[0]} values, but {other} has {counts[1]}; {counts[1]} values are right")
         case [key, relation, other]:
             (holds, words), value, bound = _RELATIONS[relation], _at(model, key), _at(model, other)
             if value is not None and bound is not None and not holds(value, bound):

@@ -22,7 +22,9 @@ from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
+from ncgear.design.reading.text import quoted
 from ncgear.design.words import NAME_PATTERN, listed
+from ncgear.errors import WrongInput
 from ncgear.shown import Shown
 
 JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -97,7 +99,8 @@ class Design(Model, Shown):
     def _crank_is_known(self) -> Self:
         key = entry_of(self.linkage).stroke_key
         if key is not None and getattr(self.linkage, key) is None and not self.motion.gives_stroke:
-            raise fault(f"linkage.{key}", "missing; only motion.solve_for: stroke can do without the crank's length")
+            meaning = type(self.linkage).model_fields[key].description
+            raise fault(f"linkage.{key}", f"missing; give it ({meaning})")
         return self
 
     @model_validator(mode="after")
@@ -236,8 +239,23 @@ class Design(Model, Shown):
 def design_model(data: Any) -> type[Design]:
     """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names."""
     names = tuple(MECHANISMS)
-    name = kind_named(data.get("linkage") if isinstance(data, Mapping) else None)
+    name = kind_named(data)
     return _design_of(name if name in names else names[0], names)
+
+
+def require_known_kind(data: Mapping[str, Any]) -> None:
+    """Refuse a linkage of no known kind, or with keys that only another kind has: from these, other faults follow."""
+    name, linkage = kind_named(data), data.get("linkage")
+    if name not in tuple(MECHANISMS):
+        raise WrongInput(f"{quoted(name)} given; {listed(MECHANISMS)} is needed", key="linkage.kind")
+    if not isinstance(linkage, Mapping):
+        return
+    keys = {one: {"kind", *entry.linkage.model_fields} for one, entry in MECHANISMS.items()}
+    foreign = [key for key in linkage if key not in keys[name]]
+    others = [one for one, known in keys.items() if known.issuperset(linkage)]
+    if foreign and others:
+        problem = f"unknown key of kind {name}; kind: {listed(others)} has {listed(foreign, 'and')}"
+        raise WrongInput(problem, key=f"linkage.{foreign[0]}")
 
 
 def design_models() -> dict[str, type[Design]]:

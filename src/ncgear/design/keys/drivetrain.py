@@ -71,7 +71,9 @@ class DrivingShaft(Model):
     @model_validator(mode="after")
     def _bearings_are_apart(self) -> Self:
         if self.bearing_a and self.bearing_b and self.bearing_a.at_mm == self.bearing_b.at_mm:
-            raise fault("bearing_b.at_mm", f"{self.bearing_b.at_mm:g} mm given, as of bearing_a; another one is right")
+            raise fault(
+                "bearing_b.at_mm", f"{self.bearing_b.at_mm:g} mm given, the place of bearing_a; another place is right"
+            )
         return self
 
     @property

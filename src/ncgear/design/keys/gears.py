@@ -73,9 +73,12 @@ class ProfileShift(Model):
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         if self.against_undercut and (self.driving is not None or self.driven is not None):
-            raise fault("against_undercut", "the shifts are given; leave them out, or this")
+            raise fault(
+                "against_undercut",
+                "given, and driving or driven too, which are the shifts; leave out against_undercut, or both shifts",
+            )
         if self.per_tooth is not None and (others := sorted(self.model_fields_set - {"per_tooth"})):
-            raise fault("per_tooth", f"{listed(others, 'and')} given as well; leave out one of both ways")
+            raise fault("per_tooth", f"{listed(others, 'and')} given as well; leave out per_tooth, or all of them")
         return self
 
 
@@ -323,7 +326,8 @@ class Gears(Model):
         for name, is_given in unfit.items():
             if is_given:
                 raise fault(
-                    "profile_shift.per_tooth", f"given, but not made together with {name}; leave out one of both"
+                    "profile_shift.per_tooth",
+                    f"given, but not made together with {name}; leave out per_tooth, or {name}",
                 )
         return self
 
@@ -350,5 +354,7 @@ class Gears(Model):
     @model_validator(mode="after")
     def _one_backlash(self) -> Self:
         if self.backlash_deg is not None and self.backlash_mm > 0.0:
-            raise fault("backlash_deg", f"backlash_mm: {self.backlash_mm:g} is given; leave out one of the two")
+            raise fault(
+                "backlash_deg", f"backlash_mm: {self.backlash_mm:g} is given; leave out backlash_deg or backlash_mm"
+            )
         return self

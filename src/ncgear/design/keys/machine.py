@@ -95,7 +95,7 @@ class LoadTable(Model):
         for key in self.COLUMNS:
             if getattr(self, key) is None:
                 needed = listed(self.COLUMNS, "and")
-                raise fault(key, f"missing; a table needs {needed}, or a file that has both")
+                raise fault(key, f"missing; give it: a table needs {needed}, or a file that has both")
         places, loads = self.COLUMNS
         require(self, f"{loads} as many as {places}")
         require_rising(places, getattr(self, places), NEAREST_MM, f"{label_and_unit(places)[0]}s")

@@ -107,7 +107,7 @@ class Optimize(Model):
         if self.goal == "weighted" and self.weights is None:
             raise fault(
                 "weights",
-                "missing; a weighted goal needs the figures that count alike",
+                "missing; give it: a weighted goal needs the figures that count alike",
             )
         if self.goal != "weighted" and self.weights is not None:
             raise fault("weights", f"given, but the goal is {self.goal}; leave weights out, or goal: weighted")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, TypeVar
 
-from pydantic import Field, Strict
+from pydantic import AfterValidator, Field, Strict
+
+from ncgear.design.keys.base import fault
 
 LONGEST_MM = 1e7
 """Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
@@ -12,7 +14,18 @@ LONGEST_MM = 1e7
 SLOWEST_RPM, FASTEST_RPM = 1e-6, 1e7
 """One turn in two years, and far above whatever a machine has: squares of speeds stay far from overflow and zero."""
 
-Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM)]
+SHORTEST_MM = 1e-12
+"""A hundred-thousandth of an atom's diameter, and far above where powers of lengths vanish."""
+
+
+def not_vanishing(length: float) -> float:
+    """The length itself in mm; a fault where it is too short."""
+    if length < SHORTEST_MM:
+        raise fault("", f"{length!r} given; a length of {SHORTEST_MM:g} mm or over is needed")
+    return length
+
+
+Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM), AfterValidator(not_vanishing)]
 Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
 Speed = Annotated[float, Field(ge=SLOWEST_RPM, le=FASTEST_RPM)]
 Positive = Annotated[float, Field(gt=0.0)]

@@ -12,9 +12,8 @@ from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
-from pydantic.fields import FieldInfo
 
-from ncgear.design.keys.base import Model, angle, fault, given, key_of, optional, require, required
+from ncgear.design.keys.base import Model, angle, fault, given, key_of, listed, optional, require, required
 from ncgear.design.keys.types import LONGEST_MM, Item, Length, Positive, Several
 from ncgear.design.words import spellings
 
@@ -37,21 +36,10 @@ TURNED = {"Way": Annotated[float, Field(ge=0.0, lt=360.0)], "Length": Annotated[
 """The types of places in deg, by the names of those of places in mm; speeds have one type."""
 
 
-def _turned(name: str, field: FieldInfo, annotation: str) -> tuple[str, FieldInfo]:
-    """A field of an output that slides as that of one that turns."""
-    key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
-    if key == name:
-        return name, field
-    words = re.sub(r"\bmm\b(?=/)", "rad", field.description or "").replace(" mm", " deg").replace("slider", "output")
-    kind, _, absent = annotation.partition(" | ")
-    of: Any = TURNED.get(kind, Positive)
-    return key, FieldInfo.from_annotated_attribute(*((of | None, optional(words)) if absent else (of, required(words))))
-
-
 class Wish(Model):
     """What every wish has: whether it must be kept.
 
-    A class made with ``turns=True`` is that of an output that turns: its fields are those of its base in deg and rad/s.
+    A class with ``turns=True`` is that of an output that turns: places and speeds of its base are in deg and rad/s.
     """
 
     PLACE: ClassVar[str] = "mm"
@@ -64,16 +52,24 @@ class Wish(Model):
         "many percent of what is to be least; left out: 1"
     )
 
-    @classmethod
-    def __pydantic_init_subclass__(cls, first: bool = False, turns: bool = False, **kwargs: Any) -> None:
-        """Turn the fields before pydantic makes a schema of them, which it does when the model is first used."""
-        super().__pydantic_init_subclass__(first, **kwargs)
+    def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
+        """Annotate the fields of an output that turns, before pydantic reads the annotations.
+
+        A field in mm of the base is one in deg or rad/s here, and its own name is no field any more.
+        """
         if turns:
             cls.PLACE, cls.SPEED = "deg", "rad_s"
-            types = cls.__mro__[1].__annotations__
-            cls.__pydantic_fields__ = dict(
-                _turned(name, field, types.get(name, "")) for name, field in cls.__pydantic_fields__.items()
-            )
+            base: Any = cls.__mro__[1]
+            for name, annotation in base.__annotations__.items():
+                key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
+                if key != name:
+                    kind, _, absent = annotation.partition(" | ")
+                    of: Any = TURNED.get(kind, Positive)
+                    words = re.sub(r"\bmm\b(?=/)", "rad", base.model_fields[name].description)
+                    words = words.replace(" mm", " deg").replace("slider", "output")
+                    cls.__annotations__ |= {name: ClassVar[None], key: of | None if absent else of}
+                    setattr(cls, key, optional(words) if absent else required(words))
+        super().__init_subclass__(**kwargs)
 
     def place(self, quantity: str) -> Any:
         """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file; None where left out."""
@@ -121,7 +117,7 @@ class ConstantSpeed(Wish):
         return slower * (1.0 + loose) >= faster * (1.0 - tight)
 
 
-class TurningConstantSpeed(ConstantSpeed, turns=True):
+class TurningConstantSpeed(ConstantSpeed, turns=True, first=True):
     """Even speed of an output that turns from one place to another."""
 
 
@@ -141,7 +137,7 @@ class Dwell(Wish):
     for_angle_rad: float = angle("driving angle {unit} of the dwell", "for", needed=True, of=Positive)
 
 
-class TurningDwell(Dwell, turns=True):
+class TurningDwell(Dwell, turns=True, first=True):
     """A near-dwell of an output that turns."""
 
 
@@ -163,14 +159,14 @@ class SpeedAt(Wish):
         if self.make is None and not bounds:
             raise fault("", f"says nothing of the speed; give {low}, {high} or make")
         if self.make is not None and bounds:
-            raise fault(bounds[0], f"given with make: {self.make}, which is in its place; keep one")
+            raise fault(bounds[0], f"given, and make: {self.make} too, but only one of them can count; keep one")
         if self.make is not None and self.hard:
             raise fault("make", f"{self.make} has no bound that could be kept; hard: false is right with it")
         require(self, f"{high} >= {low}")
         return self
 
 
-class TurningSpeedAt(SpeedAt, turns=True):
+class TurningSpeedAt(SpeedAt, turns=True, first=True):
     """The speed of an output that turns at one place."""
 
 
@@ -230,13 +226,18 @@ class GentleStop(Wish):
 
     @model_validator(mode="after")
     def _places_or_driving_angles(self) -> Self:
-        ends = [spellings(f"{end}_phi1") for end in ("from", "to")]
-        if not any(given(self, names) for names in ends):
+        ends, places = [spellings(f"{end}_phi1") for end in ("from", "to")], (f"from_{self.PLACE}", f"to_{self.PLACE}")
+        angles = given(self, (*ends[0], *ends[1]))
+        if not angles:
             return self
+        if beside := given(self, places):
+            raise fault(
+                beside[0],
+                f"{listed((*beside, *angles), 'and')} are given: places and driving angles are mixed; "
+                f"{' and '.join(places)}, or from_phi1_deg and to_phi1_deg, are right",
+            )
         for names in ends:
             require(self, f"one of {' '.join(names)}")
-        if beside := given(self, (f"from_{self.PLACE}", f"to_{self.PLACE}")):
-            raise fault(beside[0], "given with driving angles, which are in its place; keep one")
         if "stroke" in self.model_fields_set:
             raise fault("stroke", "given with driving angles, which tell the stroke themselves; leave it out")
         if not self.from_rad < self.to_rad:
@@ -245,7 +246,7 @@ class GentleStop(Wish):
         return self
 
 
-class TurningGentleStop(GentleStop, turns=True):
+class TurningGentleStop(GentleStop, turns=True, first=True):
     """A gentle stop of an output that turns."""
 
 
@@ -261,7 +262,7 @@ class Position(Wish):
     )
 
 
-class TurningPosition(Position, turns=True):
+class TurningPosition(Position, turns=True, first=True):
     """A place that an output that turns passes at a driving angle."""
 
 

@@ -91,13 +91,13 @@ class PitchCurve(LawKeys):
             names = listed(("center_distance", "scale", *solvable))
             raise fault("solve_for", f"{wanted} given, but {shape} has none; {names} is right")
         if wanted == "center_distance" and self.center_distance_mm is not None:
-            raise fault("center_distance_mm", "given, but it is what solve_for finds; leave it out")
+            raise fault("center_distance_mm", "given, but solve_for finds it; leave it out")
         if wanted not in ("center_distance", "scale") and self.center_distance_mm is None:
             raise fault("", "center_distance_mm is missing; only solve_for: center_distance or scale can do without it")
         for name, key in solvable.items():
             value = getattr(self._shape, key)
             if name == wanted and value is not None:
-                raise fault(f"{shape}.{key}", f"{value:g} given, but it is what solve_for finds; leave it out")
+                raise fault(f"{shape}.{key}", f"{value:g} given, but solve_for finds it; leave it out")
             if name != wanted and value is None:
                 raise fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
         return self

@@ -118,7 +118,7 @@ class ThreeSegmentStroke(LawKeys):
         needed = [key for key in keys if key not in (solved, SOLVED_KEYS["stroke"][self.turns])]
         absent = [key for key in needed if getattr(self, key) is None]
         if absent:
-            raise fault(absent[0], f"missing; solve_for: {self.solve_for} needs {listed(needed, 'and')}")
+            raise fault(absent[0], f"missing; give it: solve_for: {self.solve_for} needs {listed(needed, 'and')}")
         return self
 
     @property
@@ -247,7 +247,7 @@ def require_stroke_of(stroke: float | None, linkage: Mechanism) -> None:
         told, right = (f"{place.factor * one:.9g} {place.text}" for one in (stroke, linkage.stroke_mm))
         raise WrongInput(
             f"{told} is {relation} than the linkage's stroke of {right}; give "
-            f"that one, leave the key out, or change linkage.{linkage.STROKE_KEY}",
+            f"{right}, leave the key out, or change linkage.{linkage.STROKE_KEY}",
             key=f"motion.stroke_{place.ending}",
         )
 

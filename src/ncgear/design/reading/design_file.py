@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ncgear.design.keys.design import Design, design_model
+from ncgear.design.keys.design import Design, design_model, require_known_kind
 from ncgear.design.keys.machine import MOST_RESISTANCE_POINTS
 from ncgear.design.keys.pitch_shapes import ANGLE_OR_X, RADIUS_OR_Y
 from ncgear.design.keys.pitch_shapes import MOST_POINTS as CURVE_POINTS
@@ -21,7 +21,7 @@ from ncgear.design.reading.places import Document, Place, Source
 from ncgear.design.reading.points import Columns, FileKind, columns_kind, values_from_files
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import DEEPEST, read_yaml
-from ncgear.errors import WrongInput
+from ncgear.errors import WrongInput, located
 from ncgear.frozen import dataclass
 
 LARGEST_MB = 5
@@ -76,6 +76,8 @@ def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
 
 def _design(document: Document, text: str, path: Path) -> LoadedDesign:
     source = Source(document, values_from_files(document, path, FILES))
+    with located(source):
+        require_known_kind(document.data)
     return LoadedDesign(checked(design_model(document.data), source), path, source, text)
 
 

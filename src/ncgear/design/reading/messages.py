@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, NamedTuple, TypeVar, get_args
@@ -14,7 +15,7 @@ from ncgear.design.keys.base import FAULT_TYPE, Model, listed
 from ncgear.design.laws.registry import law_models
 from ncgear.design.reading.places import Source
 from ncgear.design.reading.text import quoted
-from ncgear.design.words import NAME_RULE
+from ncgear.design.words import NAME_RULE, quantity, spellings
 from ncgear.errors import WrongInput
 
 MOST_PROBLEMS = 10
@@ -52,7 +53,7 @@ def checked(root: type[Root], source: Source) -> Root:
     try:
         return root.model_validate(source.data)
     except ValidationError as error:
-        raise _wrong_input(problems(error, root), source) from error
+        raise _wrong_input(problems(error, root, source.data), source) from error
 
 
 def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
@@ -66,27 +67,62 @@ def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
     return WrongInput(first.problem, key=first.key, location=first.location, others=others)
 
 
-def problems(error: ValidationError, root: type[BaseModel]) -> list[Problem]:
-    """All faults of a file whose model is ``root``, without those that only follow from another."""
+def problems(error: ValidationError, root: type[BaseModel], data: Mapping[str, Any]) -> list[Problem]:
+    """All faults of the values of a file whose model is ``root``, without those that only follow from another."""
     details = [detail for detail in error.errors() if detail["type"] != "default_factory_not_called"]
-    misspelt = {_suggestion(detail, root) for detail in details if detail["type"] == "extra_forbidden"}
+    meant = _meant(details, root)
     parents = {detail["loc"][:i] for detail in details for i in range(len(detail["loc"]))}
-    # A key that is there but misspelt is not missing, and a list is not short because its items are wrong.
-    follows = {"missing": misspelt, "too_short": parents}
-    return [_problem(detail, root) for detail in details if detail["loc"] not in follows.get(detail["type"], ())]
+    # A key that is there but misspelt is not missing, nor is its group.  A list is not short because its items are
+    # wrong, and the columns of a table are short together.
+    follows = {
+        "missing": {key[:i] for key in meant.values() for i in range(1, len(key) + 1)},
+        "too_short": parents.union(*(short[1:] for short in _short(details).values())),
+    }
+    told = [detail for detail in details if detail["loc"] not in follows.get(detail["type"], ())]
+    return [_problem(detail, root, data, meant.get(detail["loc"])) for detail in told]
 
 
-def _problem(detail: ErrorDetails, root: type[BaseModel]) -> Problem:
-    kind = detail["type"]
+def _short(details: Sequence[ErrorDetails]) -> dict[Location, list[Location]]:
+    """The lists that are too short, by their groups."""
+    found: dict[Location, list[Location]] = {}
+    for detail in details:
+        if detail["type"] == "too_short":
+            found.setdefault(detail["loc"][:-1], []).append(detail["loc"])
+    return found
+
+
+def _problem(detail: ErrorDetails, root: type[BaseModel], data: Mapping[str, Any], meant: Location | None) -> Problem:
+    kind, key = detail["type"], _key(detail["loc"])
     context: Mapping[str, Any] = detail.get("ctx") or {}
     if kind == FAULT_TYPE:
-        parts = [_key(detail["loc"]), context["key"]]
-        return Problem(".".join(part for part in parts if part), context["problem"])
+        return _of_what_is_emptied(Problem(".".join(filter(None, (key, context["key"]))), context["problem"]), data)
     if kind == "extra_forbidden":
-        return Problem(_key(detail["loc"]), _unknown_key(detail, root))
+        return Problem(key, _unknown_key(detail, root, data, meant))
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return Problem(_key((*detail["loc"], "law")), _wrong_law(detail["input"]))
-    return Problem(_key(detail["loc"]), _wrong_value(detail, context, root))
+    return Problem(key, _wrong_value(detail, context, root))
+
+
+def _of_what_is_emptied(problem: Problem, data: Mapping[str, Any]) -> Problem:
+    """A fault of a key that is left out, at its key where it stands without a value."""
+    there = _at(data, problem.key)
+    if there is None and problem.text.startswith("missing; "):
+        return Problem(problem.key, problem.text.replace("missing", "nothing given", 1))
+    named = re.findall(r"\w+", problem.text)
+    emptied = [name for name in named if name in there and there[name] is None] if isinstance(there, Mapping) else []
+    if not emptied:
+        return problem
+    return Problem(".".join(filter(None, (problem.key, emptied[0]))), f"nothing given; {problem.text}")
+
+
+def _at(data: Any, key: str) -> Any:
+    """The value at a dotted key of plain values; an empty text where there is none."""
+    for part in filter(None, key.split(".")):
+        try:
+            data = data[int(part)] if isinstance(data, list | tuple) else data[part]
+        except (LookupError, TypeError, ValueError):
+            return ""
+    return data
 
 
 def _key(location: Location) -> str:
@@ -103,12 +139,13 @@ def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[Ba
         return f"missing; give it{meaning}"
     model = _model_at(detail["loc"], root)
     if detail["type"] in ("model_type", "model_attributes_type") and model:
-        return f"{quoted(detail['input'])} given; a group of keys is needed: {listed(fields_of(model))}"
+        return f"{quoted(detail['input'])} given; a group of keys is needed: {listed(fields_of(model))}{meaning}"
     needed = _NEEDED.get(detail["type"])
     if needed is None:
         # No field of today can have another kind of error; if one has, pydantic's own words are better than none.
         return f"{quoted(detail['input'])} is wrong: {detail['msg']}{meaning}"
-    return f"{quoted(detail['input'])} given; {needed(context)} is needed{meaning}"
+    count = f" of {context['actual_length']}" if "actual_length" in context else ""
+    return f"{quoted(detail['input'])}{count} given; {needed(context)} is needed{meaning}"
 
 
 _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
@@ -128,7 +165,7 @@ _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
     "string_pattern_mismatch": lambda _: f"a name of {NAME_RULE},",
     "string_too_short": lambda context: f"text of at least {context['min_length']} characters",
     "string_too_long": lambda context: f"text of at most {context['max_length']} characters",
-    "too_short": lambda context: f"a list of at least {context['min_length']}, not {context['actual_length']}, items",
+    "too_short": lambda context: f"a list of at least {context['min_length']} item{'s' * (context['min_length'] > 1)}",
     "too_long": lambda context: f"a list of at most {context['max_length']} items",
 }
 
@@ -136,14 +173,28 @@ _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
 def _wrong_law(motion: Mapping[str, Any]) -> str:
     law = motion.get("law")
     if law is None:
-        return f"missing; give one of {listed(LAWS)}"
+        close = get_close_matches("law", [one for one in motion if one != "law"], n=1)
+        given = f"{close[0]} is no key; " if close else "nothing given; " if "law" in motion else "missing; "
+        return f"{given}give law, one of {listed(LAWS)}"
     return f"{quoted(law)} is no known law; one of {listed(LAWS)} is right{_did_you_mean(str(law), LAWS)}"
 
 
-def _unknown_key(detail: ErrorDetails, root: type[BaseModel]) -> str:
-    allowed = _keys_at(detail["loc"][:-1], root)
-    hint = _did_you_mean(str(detail["loc"][-1]), allowed)
-    return f"unknown key{hint}" if hint else f"unknown key; known are {listed(allowed, 'and')}"
+def _unknown_key(detail: ErrorDetails, root: type[BaseModel], data: Mapping[str, Any], meant: Location | None) -> str:
+    group, word = detail["loc"][:-1], str(detail["loc"][-1])
+    if meant is None:
+        known = _keys_at(group, root)
+        if word.isdigit():
+            return (
+                f"a number stands as a key; its decimals have a point, not a comma, and keys are {listed(known, 'and')}"
+            )
+        return f"unknown key; known {'are' if len(known) > 1 else 'is'} {listed(known, 'and')}"
+    if meant[:-1] != group:
+        return f"unknown key here; {meant[-1]} stands under {_key(meant[:-1])}"
+    given = _at(data, _key(group))
+    there = next((one for one in (meant[-1], *spellings(quantity(str(meant[-1])))) if one in given), None)
+    if there is None:
+        return f"unknown key; did you mean {meant[-1]}?"
+    return f"unknown key; {there}, which is like it, is given too: keep {there} and leave {word} out"
 
 
 def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
@@ -151,10 +202,34 @@ def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
     return f"; did you mean {close[0]}?" if close else ""
 
 
-def _suggestion(detail: ErrorDetails, root: type[BaseModel]) -> Location:
-    """The location of the key that a person probably meant by an unknown one."""
-    *parent, word = detail["loc"]
-    return (*parent, *get_close_matches(str(word), _keys_at(tuple(parent), root), n=1))
+def _meant(details: Sequence[ErrorDetails], root: type[BaseModel]) -> dict[Location, Location]:
+    """The location of the key that a person probably meant by each unknown one, where there is a guess.
+
+    It is a known key of the group with much the same name, the same key of another group, a known one with a name
+    rather like it, or else the only key of the group that is missing.
+    """
+    unknown = [detail["loc"] for detail in details if detail["type"] == "extra_forbidden"]
+    found: dict[Location, Location] = {}
+    for *group, word in unknown:
+        known, name = _keys_at(tuple(group), root), str(word)
+        close = [*get_close_matches(name, known, 1, 0.7), *(one for one in known if one.startswith(f"{name}_"))]
+        own, other = ([(*group, one) for one in ones] for ones in (close, get_close_matches(name, known, 1)))
+        elsewhere = [one for one in _elsewhere(name, root) if one[0] not in group[:1]]
+        if guesses := [*elsewhere, *own] if "." in name else [*own, *elsewhere, *other]:
+            found[(*group, word)] = guesses[0]
+    missing = {detail["loc"] for detail in details if detail["type"] == "missing"} - {*found.values()}
+    for location in unknown:
+        alike = [[one for one in ones if one[:-1] == location[:-1]] for ones in (missing, {*unknown} - found.keys())]
+        if location not in found and [len(ones) for ones in alike] == [1, 1]:
+            found[location] = alike[0][0]
+    return found
+
+
+def _elsewhere(word: str, root: type[BaseModel]) -> list[Location]:
+    """Where a key stands in the groups of the file; one with a point has its group before it."""
+    *group, key = word.split(".")
+    groups = [(name, model) for name, field in fields_of(root).items() for model in models_in(field.annotation)]
+    return [(name, key) for name, model in groups if key in fields_of(model) and group in ([], [name])]
 
 
 def _keys_at(location: Location, root: type[BaseModel]) -> list[str]:

@@ -123,17 +123,27 @@ def _names(header: list[str], file: str, line: int, columns: Columns) -> list[st
     for i, name in enumerate(names):
         if name not in columns.names or name in names[:i]:
             problem = "column given twice" if name in columns.names else "unknown column"
-            raise _wrong(file, line, header, i, f"{problem}: {quoted(name)}; columns can be {listed(columns.names)}")
+            raise _wrong(
+                file,
+                line,
+                header,
+                i,
+                f"{problem}: {quoted(name)}; columns can be {listed(columns.names)}, with commas between",
+            )
     for kind in columns.kinds:
         if len(set(kind) & set(names)) != 1:
-            problem = f"the header must name one of the columns {listed(kind)}; it names {listed(names) or 'none'}"
+            problem = (
+                f"the header must name one of the columns {listed(kind)}; it names {listed(names, 'and') or 'none'}"
+            )
             raise WrongInput(problem, location=f"{file}:{line}:1")
     return names
 
 
 def _append(points: PointsFile, names: list[str], line: int, cells: list[str], most: int) -> None:
     if len(cells) != len(names):
-        problem = f"{len(cells)} values for {len(names)} columns; one number for each column is right"
+        problem = (
+            f"{len(cells)} values for {len(names)} columns; one number for each, its decimals after a point, is right"
+        )
         raise WrongInput(problem, location=f"{points.file}:{line}:1")
     if len(points.lines) == most:
         raise WrongInput(f"over {most} points; fewer are right", location=f"{points.file}:{line}:1")

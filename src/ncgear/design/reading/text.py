@@ -83,6 +83,12 @@ def plain_number(text: str) -> int | float | None:
     return int(text) if whole_number else number
 
 
+def beyond_numbers(text: str) -> bool:
+    """Whether ``text`` is a decimal number, and too large or too small for one of floating point."""
+    digits = _FLOAT.fullmatch(text) and re.split("[eE]", text)[0].strip("+-.0")
+    return bool(digits) and not 0.0 < abs(float(text)) < inf
+
+
 def whole(value: float) -> float:
     """The number as an integer if it is a whole one, so that a file shows it without a point."""
     return int(value) if isinstance(value, int) or value.is_integer() else value

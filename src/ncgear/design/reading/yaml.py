@@ -23,7 +23,7 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from ncgear.design.reading.places import Document, Place
-from ncgear.design.reading.text import plain_value, quoted, shortened
+from ncgear.design.reading.text import beyond_numbers, plain_value, quoted, shortened
 from ncgear.errors import WrongInput
 
 LONGEST_FAULT = 200
@@ -60,9 +60,11 @@ def read_yaml(text: str, file: str) -> Document:
             _cannot_stand(chr(error.character)), location=_place_of_offset(text, error.position, file)
         ) from error
     except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
+        # A text without an end is found at the end of the file, and its fault is where it begins.
+        of_text = str(error.context).startswith(("while scanning a simple key", "while scanning a quoted"))
+        mark = (error.context_mark if of_text else error.problem_mark) or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
-        raise WrongInput(_syntax(error), location=str(place)) from error
+        raise WrongInput(_syntax(error, text.splitlines()[: place.line]), location=str(place)) from error
     except YAMLError as error:
         raise WrongInput(f"is not YAML: {error}", location=f"{file}:1:1") from error
 
@@ -96,6 +98,9 @@ class _Reader:
         self._refuse_indirect(event, path)
         if isinstance(event, ScalarEvent):
             text = self._text(event, path)
+            if event.implicit[0] and beyond_numbers(text):
+                problem = f"{shortened(text)} given; a finite number is needed, of 1e-308 to 1e308 apart from its sign"
+                raise WrongInput(problem, key=".".join(path), location=str(self._places[".".join(path)]))
             return plain_value(text) if event.implicit[0] else text
         if len(path) >= DEEPEST:
             raise self._wrong(event, "", f"nested over {DEEPEST} levels deep; no key of ncgear needs over five")
@@ -131,6 +136,11 @@ class _Reader:
         if not isinstance(event, ScalarEvent):
             raise self._wrong(event, ".".join(path), "a list or a group stands as a key; a key is a word")
         text = self._text(event, path)
+        if not text:
+            raise self._wrong(event, ".".join(path), "the key before a colon is empty; a word is right")
+        if event.implicit[0] and ":" in text:
+            problem = f"no space follows the colon in {quoted(text)}; `key: value` is right"
+            raise self._wrong(event, ".".join(path), problem)
         if len(text) > LONGEST_KEY:
             raise self._wrong(event, ".".join(path), f"a key of {len(text)} characters; none has over {LONGEST_KEY}")
         return text
@@ -175,10 +185,26 @@ def _events(text: str, file: str) -> Iterator[Any]:
         raise WrongInput(problem, location=str(place)) from error
 
 
-def _syntax(error: MarkedYAMLError) -> str:
-    context = f" {error.context}" if error.context else ""
-    problem = shortened(str(error.problem), LONGEST_FAULT)
-    return f"is not YAML: {problem}{context}; `key: value` lines with equal indentation by spaces are right"
+WORDS_OF_FAULTS = {
+    "mapping values are not allowed": "a colon stands where no key can be; a space follows each colon, a text with a "
+    "colon stands in quotes, and the keys of a group begin in the same column",
+    "character '\\t'": "a tab stands before a key; spaces are right",
+    "cannot start any token": "a value begins with a sign of YAML; in quotes it is a text",
+    "could not find expected ':'": "a line is no `key: value`; a colon and a space are right",
+    "unexpected end of stream": "a quotation mark or bracket is open at the end of the file; close it",
+    "expected '<document start>'": "a line that is no `key: value` stands before it",
+    "expected ',' or": "a bracket is not closed, or a comma is missing before this place",
+    "expected <block end>": "the line does not begin in the column of its group, or a quotation mark above it is "
+    "open; all keys of a group begin in the same column",
+}
+"""What faults of the parser mean for whoever has written the file, by a part of the parser's words."""
+
+
+def _syntax(error: MarkedYAMLError, lines: list[str]) -> str:
+    said = shortened(str(error.problem), LONGEST_FAULT)
+    meaning = next((words for part, words in WORDS_OF_FAULTS.items() if part in said), f"{said}; `key: value` is right")
+    line = next((line.strip() for line in reversed(lines) if line.strip()), "")
+    return f"is not YAML: {meaning}; the line is {quoted(line)}"
 
 
 def _cannot_stand(character: str) -> str:

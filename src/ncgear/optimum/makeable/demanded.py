@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from heapq import heappop, heappush
 from math import inf, log, pi
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.kinematics.wishes import (
     CrankStretch,
     DecelerationWithin,
@@ -26,11 +28,16 @@ from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, le
 from ncgear.optimum.certified.refusals import LEAST_ROOM, PEAKS, in_demand, refusal, too_little
 from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
-from ncgear.optimum.makeable.driving_ranges import sure_crank
+from ncgear.optimum.makeable.driving_ranges import Passed, passed_by_all, ranges
 from ncgear.optimum.makeable.motion_wishes import deceleration_offer, evenness_offer, speed_offer, time_offer
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import LOAD_LIMITS, Figures, Task
+
+Case = Mapping[str, Passed]
+"""Laws that begin and end driving ranges at some crank angles, by the keys of the wishes over them."""
+
+NO_CASE: Case = {}
 
 DEMANDS = {figure: name for name, (figure, _) in PEAKS.items()}
 """All figures that the limit knows, and their names among its demands."""
@@ -47,20 +54,19 @@ def knows_loads(task: Task, wishes: Wishes) -> bool:
     return wishes.two_stages is None or not task.moving.between_inertia_kg_mm2
 
 
-def demands_of(task: Task, wishes: Wishes) -> Demands:
-    """The demands of hard wishes and limits, as far as the certified limit knows them.
+def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:
+    """The demands of hard wishes and limits on the laws of a case, as far as the certified limit knows them.
 
     Raises NoSuchMechanism for a limit of the driven gear's speed that is not over its mean.
     """
     limits = wishes.limits
     _refuse_slow_gear(task, wishes.driven_speed_rad_s)
-    slowest = 0.0 if wishes.driven_speed_rad_s is None else task.speed_rad_s / wishes.driven_speed_rad_s
-    fastest = max(limits.ratio_min, slowest)
+    every, fastest = _every_law(task, wishes), _least_ratio(task, wishes)
     asked = [
         one
         for wish in wishes.motion
         if wish.hard
-        for requirement in _of_every_law(task, wish, fastest, limits.ratio_max)
+        for requirement in _of_laws(task, wish, every, case)
         for one in _demands(task, wish, requirement, limits.ratio_max)
     ]
     one_pair, loads_known = wishes.two_stages is None, knows_loads(task, wishes)
@@ -78,12 +84,27 @@ def demands_of(task: Task, wishes: Wishes) -> Demands:
     )
 
 
-def _of_every_law(task: Task, wish: Wish, ratio_min: float, ratio_max: float) -> tuple[Requirement, ...]:
-    """What a wish asks of every law; of a driving range the bound where laws of these ratios all are within it."""
-    if isinstance(wish, GentleStretch) and wish.driving is not None:
-        crank = sure_crank(wish.driving, task.cycle_rad, ratio_min, ratio_max)
-        return (wish.bound(crank),) if crank.start_rad < crank.end_rad else ()
-    return wish.requirements(task.linkage, task.cycle_rad)
+def _least_ratio(task: Task, wishes: Wishes) -> float:
+    """The least ratio i12 that the limits let a law have."""
+    slowest = 0.0 if wishes.driven_speed_rad_s is None else task.speed_rad_s / wishes.driven_speed_rad_s
+    return max(wishes.limits.ratio_min, slowest)
+
+
+def _every_law(task: Task, wishes: Wishes) -> Case:
+    """The case of all laws within the ratios, by the keys of hard wishes over driving angles."""
+    low, high = _least_ratio(task, wishes), wishes.limits.ratio_max
+    return {
+        wish.key: passed_by_all(wish.driving, task.cycle_rad, low, high)
+        for wish in wishes.motion
+        if isinstance(wish, GentleStretch) and wish.driving is not None and wish.hard
+    }
+
+
+def _of_laws(task: Task, wish: Wish, every: Case, case: Case) -> Sequence[Requirement]:
+    """What a wish asks of the laws of a case; over driving angles the bound where they all are within the range."""
+    if not isinstance(wish, GentleStretch) or wish.driving is None:
+        return wish.requirements(task.linkage, task.cycle_rad)
+    return case[wish.key].requirements(wish) if wish.key in case else every[wish.key].bound(wish)
 
 
 def _refuse_slow_gear(task: Task, limit_rad_s: float | None) -> None:
@@ -134,8 +155,11 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
 
     Raises NoSuchMechanism where certainly no law keeps the limits.
     """
-    asked, prices = demands_of(task, wishes), wishes.prices
-    priced = _known_prices(task, wishes)
+    return _limit(task, wishes, demands_of(task, wishes))
+
+
+def _limit(task: Task, wishes: Wishes, asked: Demands) -> Bound | None:
+    prices, priced = wishes.prices, _known_prices(task, wishes)
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
         _refuse_together(task, asked)
         weights = PeakWeights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
@@ -159,6 +183,9 @@ def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
 CLOSE = 1.01
 """A law this close to its limit is left there: laws of 180 knots lack up to a hundredth themselves."""
 
+MOST_CASES = 60
+"""Cases of driving ranges at most: each takes half a second, or two where curves must be convex."""
+
 MOST_PROGRAMMES = 2400
 """Programmes that are solved at most to raise a limit towards a law: less than a minute on one processor."""
 
@@ -174,12 +201,14 @@ def raised_limit(
     """The limit of a goal, raised towards the figures of a law, if it is not close to them, from the law's motion.
 
     Where it is close to what a motion of the places has, the law is what could come nearer, with more knots.  Ranges of
-    q all around the turn can raise it where both curves must be convex or the pressure angle is limited.  ``tell`` is
-    called with the numbers of programmes solved and at most to be solved.
+    q all around the turn can raise it where both curves must be convex or the pressure angle is limited, and cases of
+    driving ranges where there are some.  ``tell`` is called with the numbers of cases, or of programmes, solved and at
+    most to be solved.
     """
     asked = demands_of(task, wishes)
     priced = _known_prices(task, wishes)
     reached = sum(price * getattr(law, name) for name, price in priced.items())
+    bound = replace(bound, value=max(bound.value, _by_cases(task, wishes, bound.value, reached, tell)))
     bounded = asked.convex or asked.steepness < inf
     if not bounded or not min(reached, bound.reach) > CLOSE * bound.value:
         return bound
@@ -188,6 +217,36 @@ def raised_limit(
     figures = {DEMANDS[name]: units[name] * getattr(law, name) for name in priced}
     value, effort = raised(task, asked, prices, figures, motion, Budget(MOST_PROGRAMMES, tell))
     return replace(bound, value=max(bound.value, value), effort=effort)
+
+
+def _by_cases(task: Task, wishes: Wishes, known: float, law: float, tell: Callable[[int, int], None]) -> float:
+    """The least limit of all cases of driving ranges; the case with the least one is halved until it is close to a law.
+
+    ``known`` is the limit of all laws.  The value is never over that of the law, which is in one of the cases.
+    """
+    every = _every_law(task, wishes)
+    left: list[tuple[float, int, Case]] = [(known, 0, every)] if every else []
+    for number in range(1, MOST_CASES, 2):
+        if not left or left[0][0] * CLOSE > law:
+            break
+        value, _, case = heappop(left)
+        key = max(case, key=lambda key: case[key].width)
+        for place, part in enumerate(case[key].halves()):
+            narrower = {**case, key: part}
+            heappush(left, (max(value, _limit_in(task, wishes, narrower)), number + place, narrower))
+        tell(number + 1, MOST_CASES)
+    return min(left[0][0], law) if left else known
+
+
+def _limit_in(task: Task, wishes: Wishes, case: Case) -> float:
+    """The limit of the laws of a case: infinite where certainly none is in it, minus infinity where it is not known."""
+    try:
+        bound = _limit(task, wishes, demands_of(task, wishes, case))
+    except Unanswered:
+        return -inf
+    except NoSuchMechanism:
+        return inf
+    return -inf if bound is None else bound.value
 
 
 def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound:
@@ -211,8 +270,15 @@ def _refuse_together(task: Task, asked: Demands) -> None:
 def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Motion:
     """Where the search for a law starts: the motion of the certified limit, or of that of acceleration.
 
-    Raises NoSuchMechanism where certainly no law keeps the limits.
+    Soft wishes over driving angles count as hard here where some motion may keep them: from the crank angles that the
+    best law without them passes, the search does not find those of the law that keeps them.  Raises NoSuchMechanism
+    where certainly no law keeps the limits.
     """
+    soft = [number for number in ranges(wishes) if not wishes.motion[number].hard]
+    if soft:
+        hard = (replace(wish, weight=None) if number in soft else wish for number, wish in enumerate(wishes.motion))
+        with suppress(NoSuchMechanism):
+            bound = certified_limit(task, replace(wishes, motion=tuple(hard)))
     if bound is None or bound.motion is None:
         bound = least_acceleration(task, demands_of(task, wishes), proven=False)
     motion = bound.motion
@@ -223,9 +289,6 @@ def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Moti
 
 NOT_COVERED = {"peak_jerk_mm_s3": "jerk", "curvature_turns": "least radius or undercut"}
 
-DRIVING_RANGE = "gentle stops over some driving angles"
-"""Where a law within the ratios may be outside a range, no bound holds for every law."""
-
 
 def not_covered(task: Task, wishes: Wishes) -> list[str]:
     """What restricts the law, in words, and the certified limit does not know."""
@@ -233,8 +296,6 @@ def not_covered(task: Task, wishes: Wishes) -> list[str]:
     limits = wishes.limits
     loads = {"bearing_force_n": "bearing force", "shaking_force_n": "shaking force", "tooth_force_n": "tooth force"}
     found += [said for name, said in loads.items() if getattr(limits, name) is not None]
-    if any(isinstance(wish, GentleStretch) and wish.driving is not None for wish in wishes.motion):
-        found.append(DRIVING_RANGE)
     if wishes.two_stages is not None:
         found.append("curves and pressure angles of the two pairs")
     if not knows_loads(task, wishes):

@@ -3,7 +3,8 @@
 Which crank angles a law passes in a range of driving angles is known when the law is.  A search therefore holds the
 bound over given crank angles and asks that the law begins them no later, and ends them no earlier, than the range; such
 a law keeps the wish.  The crank angles begin as those that a first law passes, and are moved, each end by itself, as
-long as the law found over them is better.  The certified limit holds the bound where every law is within the range.
+long as the law found over them is better.  The certified limit holds the bound where every law is within the range,
+or tells the laws apart by the crank angles at which they begin and end it.
 """
 
 from __future__ import annotations
@@ -11,11 +12,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import pi
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from ncgear.kinematics.wishes import CrankStretch, DrivingRange, GentleStretch
+from ncgear.kinematics.wishes import (
+    CrankStretch,
+    DrivingRange,
+    GentleStretch,
+    Requirement,
+    passed_no_earlier,
+    passed_no_later,
+)
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.wishes import Wishes
 
@@ -50,20 +58,53 @@ class FoundLaw(Protocol):
 Found = TypeVar("Found", bound=FoundLaw)
 
 
-def sure_crank(driving: DrivingRange, cycle_rad: float, ratio_min: float, ratio_max: float) -> CrankStretch:
-    """The crank angles in rad that every law with i12 = dphi1/dphi2 in a range passes within driving angles.
+class Passed(NamedTuple):
+    """The least and the greatest crank angle in rad at which laws begin a driving range, and at which they end it.
 
-    The crank turns by phi1/i12_max to phi1/i12_min from the retracted dead centre on, and so back from the next one.
-    There are none where the start is not under the end.
+    All laws are in one such case; halved again and again, the cases tell what each law passes in the range.
     """
 
-    def turned(phi1: float, slow: float, fast: float) -> tuple[float, float]:
-        turns, local = divmod(phi1, cycle_rad)
-        return 2.0 * pi * turns + local / slow, 2.0 * pi * (turns + 1.0) - (cycle_rad - local) / fast
+    start: tuple[float, float]
+    end: tuple[float, float]
 
-    start = min(turned(driving.start_rad, ratio_min, ratio_max))
-    end = max(turned(driving.end_rad, ratio_max, ratio_min))
-    return CrankStretch(start, end)
+    @property
+    def width(self) -> float:
+        """How far the laws differ, in rad of the crank, at the end where they differ more."""
+        return max(most - least for least, most in self)
+
+    def halves(self) -> list[Passed]:
+        """Two cases, one of which each law of this one is in."""
+        number = max((0, 1), key=lambda number: self[number][1] - self[number][0])
+        least, most = self[number]
+        middle = (least + most) / 2.0
+        return [Passed(*(*self[:number], part, *self[number + 1 :])) for part in ((least, middle), (middle, most))]
+
+    def bound(self, wish: GentleStretch) -> list[Requirement]:
+        """The bound over the crank angles that all these laws pass within the range; none where there are none."""
+        sure = CrankStretch(self.start[1], self.end[0])
+        return [wish.bound(sure)] if sure.start_rad < sure.end_rad else []
+
+    def requirements(self, wish: GentleStretch) -> list[Requirement]:
+        """What all these laws keep that keep the wish."""
+        assert wish.driving is not None
+        ends = zip(self, wish.driving[:2], strict=True)
+        times = [(*passed_no_later(least, at), *passed_no_earlier(most, at)) for (least, most), at in ends]
+        return [*self.bound(wish), *times[0], *times[1]]
+
+
+def passed_by_all(driving: DrivingRange, cycle_rad: float, ratio_min: float, ratio_max: float) -> Passed:
+    """The case of every law with i12 = dphi1/dphi2 in a range.
+
+    The crank turns by phi1/i12_max to phi1/i12_min from the retracted dead centre on, and so back from the next one.
+    """
+
+    def turned(phi1: float) -> tuple[float, float]:
+        turns, local = divmod(phi1, cycle_rad)
+        before, behind = 2.0 * pi * turns, 2.0 * pi * (turns + 1.0)
+        least = max(before + local / ratio_max, behind - (cycle_rad - local) / ratio_min)
+        return least, min(before + local / ratio_min, behind - (cycle_rad - local) / ratio_max)
+
+    return Passed(turned(driving.start_rad), turned(driving.end_rad))
 
 
 def ranges(wishes: Wishes) -> list[int]:
