@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
-    from ncgear.project.measured import MeasuredGear
+    from ncgear.project.measured import CutGear, MeasuredGear
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
@@ -372,6 +372,14 @@ class Drive(Geared):
 
         with located(self.places):
             return measured_gears(self)
+
+    @computed
+    def cut_by(self) -> tuple[CutGear, CutGear]:
+        """What hob, shaper, wire and end mill make of the driving and the driven gear, and why."""
+        from ncgear.project.measured import cut_gears
+
+        with located(self.places):
+            return cut_gears(self)
 
     @property
     def strength(self) -> Strength:
