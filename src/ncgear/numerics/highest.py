@@ -25,9 +25,9 @@ ROUNDS = 16
 STEEPER = 2.0
 """How much steeper than beside an interval a function may rise into it.  Towards a top that is flat it rises less."""
 
-STAYS, JUMPS = 0.9, 2
-"""Where a part keeps this share of the difference over the whole, for so many rounds, the function jumps in it: its slope
-says nothing of how the function goes on beside.  The difference over a cusp falls to a third in each round."""
+STAYS, JUMPS = 0.1, 2
+"""Where the difference over a part is that over the whole up to this share, for so many rounds, the function jumps in
+it: its slope says nothing of how the function goes on beside.  Over a cusp the difference falls to a third."""
 
 EVEN = 1e-10
 """Share of the highest value that may be missed."""
@@ -51,18 +51,18 @@ BLOCK = 1 << 11
 class _Intervals(Columns):
     """k intervals, each of the function ``owner``, between the places ``low`` and ``high``; shape (k,) each.
 
-    ``at_low`` and ``at_high`` are the values there, ``before`` and ``after`` the slopes on either side.  For ``stayed``
-    rounds the difference of the values has stayed.
+    ``at_low`` and ``at_high`` are the values there, whose difference has ``stayed`` for so many rounds, ``before`` and
+    ``after`` the slopes on either side.
     """
 
     owner: IndexArray
+    stayed: IndexArray
     low: Array
     high: Array
     at_low: Array
     at_high: Array
     before: Array
     after: Array
-    stayed: IndexArray
 
     @property
     def rises(self) -> tuple[Array, Array]:
@@ -132,7 +132,7 @@ def _between(places: Array, values: Array) -> _Intervals:
     owner = np.repeat(np.arange(len(values)), places.size - 1)
     low, high = (np.tile(ends, len(values)) for ends in (places[:-1], places[1:]))
     columns = values[:, :-1], values[:, 1:], before, after
-    return _Intervals(owner, low, high, *(column.ravel() for column in columns), np.zeros_like(owner))
+    return _Intervals(owner, np.zeros_like(owner), low, high, *(column.ravel() for column in columns))
 
 
 def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
@@ -150,12 +150,12 @@ def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
     values = np.column_stack([whole.at_low, found, whole.at_high])
     length = np.diff(places, axis=1)
     slope = np.diff(values, axis=1) / np.where(length > 0.0, length, np.inf)
-    over_whole = np.abs(whole.at_high - whole.at_low)[:, None]
-    stays = (over_whole > 0.0) & (np.abs(np.diff(values, axis=1)) >= STAYS * over_whole)
+    over_whole = (whole.at_high - whole.at_low)[:, None]
+    stays = np.abs(np.diff(values, axis=1) - over_whole) < STAYS * np.abs(over_whole)
     stayed = np.where(stays, whole.stayed[:, None] + 1, 0)
     jumps = stayed >= JUMPS
     before = np.column_stack([whole.before, np.where(jumps, np.roll(slope, -1, axis=1), slope)[:, :-1]])
     after = np.column_stack([np.where(jumps, np.roll(slope, 1, axis=1), slope)[:, 1:], whole.after])
     owner = np.repeat(whole.owner, SHARES)
-    columns = places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], before, after, stayed
-    return _Intervals(owner, *(column.ravel() for column in columns))
+    columns = places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], before, after
+    return _Intervals(owner, stayed.ravel(), *(column.ravel() for column in columns))
