@@ -248,8 +248,8 @@ class Course:
         return float(missed[worst]) / most if most else 0.0, float(judged[0, worst])
 
 
-def unheard(_turns: float) -> None:
-    """Nobody is told how many turns are done."""
+def unheard(_done: float) -> None:
+    """Nobody is told how much is done."""
 
 
 def course(

@@ -17,7 +17,6 @@ from ncgear.drawings.pictures import titled
 from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, pushing_parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
-from ncgear.dynamics.peaks import motion_peaks
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
 from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.csv_text import csv_text
@@ -249,7 +248,7 @@ def _dynamic(drive: Drive) -> Results:
     Pictures have a point at each peak besides even ones, so that they show what the figures say.
     """
     course, rigid = drive.course, drive.rigid.machine
-    peaks = motion_peaks(course, rigid)
+    peaks = drive.peaks_of(course)
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
     apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1))
     table, output = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage), drive.linkage.OUTPUT

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ncgear.drivetrain.stall import Stall
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
+    from ncgear.dynamics.peaks import MotionPeaks
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
@@ -364,6 +365,15 @@ class Drive(Geared):
                 self.stopwatch.within(f"{done:.2f} of {given.turns:g} turns{said}")
 
             return course(toothed, state, given.turns, accuracy, on_turns=on_turns)
+
+    def peaks_of(self, course: Course) -> MotionPeaks:
+        """The peaks of a motion in time of this drive."""
+        from ncgear.dynamics.peaks import motion_peaks
+
+        def on_share(done: float) -> None:
+            self.stopwatch.within(f"peaks sought at {100.0 * done:.0f} % of the motion")
+
+        return motion_peaks(course, self.rigid.machine, on_share)
 
     @computed
     def measured(self) -> tuple[MeasuredGear, MeasuredGear]:
