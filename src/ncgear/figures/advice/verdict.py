@@ -90,10 +90,10 @@ def _load(drive: Drive) -> bool:
 
 
 def _motor(drive: Drive) -> bool:
-    """Whether a simulation has a motor that nothing else judges, of a machine whose motion in time is followed."""
+    """Whether there is a motor, of a machine whose motion in time is followed."""
     design, around = drive.design, drive.design.drivetrain
     followed = _gears(drive) and drive.masses_left_out is None and design.stages == 1
-    return followed and design.simulation.motor is not None and (around is None or around.motor is None)
+    return followed and (design.simulation.motor is not None or (around is not None and around.motor is not None))
 
 
 def _wishes(drive: Drive) -> bool:
@@ -155,11 +155,17 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _beside, law_advice.rods),
     Kind.MOTOR: Condition(
-        "motor", "the motor moves the machine at its speed", _motor, _one(drivetrain_advice.motor), of_pair=False
+        "motor",
+        "the motor moves the machine at its speed and is not overloaded",
+        _motor,
+        drivetrain_advice.motor,
+        Known.TEETH,
+        drivetrain_advice.motor_without_teeth,
+        of_pair=False,
     ),
     Kind.DRIVETRAIN: Condition(
         "drivetrain",
-        "shafts, keys, bearings, motor and couplings hold",
+        "shafts, keys, bearings and couplings hold",
         lambda drive: drive.design.drivetrain is not None,
         drivetrain_advice.around,
         Known.TEETH,
