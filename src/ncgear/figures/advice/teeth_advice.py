@@ -11,6 +11,7 @@ from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.figures.advice.assembly_advice import jams
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
+from ncgear.figures.advice.tried_advice import FINER, LESS_HELIX
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import MICRORAD, micrometres, to_digits
 from ncgear.numerics.arrays import Mask
@@ -26,12 +27,6 @@ from ncgear.project.drive import Drive
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
-
-FINER = Remedy(
-    "try more teeth of a smaller module; how many are enough is not searched", short="try more, smaller teeth"
-)
-
-LESS_HELIX = Remedy("take a smaller helix angle or face width", short="smaller helix angle or face width")
 
 MEANINGS = {
     Limit.SLOPE: "would slope too much, the other edge of the tooth being lower",

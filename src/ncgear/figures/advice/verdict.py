@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from enum import IntEnum, StrEnum
+from time import process_time
 from typing import Any
 
 from ncgear.design.keys.base import listed
@@ -22,6 +23,7 @@ from ncgear.figures.advice import (
     linkage_advice,
     made_advice,
     strength_advice,
+    tried_advice,
     wish_advice,
 )
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
@@ -332,10 +334,15 @@ def together(verdicts: Iterable[Verdict]) -> Verdict:
     return Verdict(tuple(sorted(rows.values(), key=lambda row: (serious.index(row.kind), row.stage or 0))))
 
 
-def judged(drive: Drive, known: Known, found: Sequence[Advice] = ()) -> Verdict:
+def judged(
+    drive: Drive, known: Known, found: Sequence[Advice] = (), seconds: float = tried_advice.MOST_SECONDS
+) -> Verdict:
     """The verdict on a machine and its pairs of gears, or that of one pair with what it says of the whole machine.
 
-    ``found`` is what a command itself has found of the whole machine.  Raises as the drive does where teeth are known.
+    ``found`` is what a command itself has found of the whole machine.  Values of remedies that only trials tell are
+    searched for with so many ``seconds`` of processor time at the most.
+
+    Raises as the drive does where teeth are known.
     """
     rows = []
     for kind, condition in CONDITIONS.items():
@@ -343,6 +350,10 @@ def judged(drive: Drive, known: Known, found: Sequence[Advice] = ()) -> Verdict:
         for one in drive.by_stage if condition.of_pair else (drive,):
             if condition.concerns(one):
                 row = _judged(one, kind, condition, known)
+                if any(map(tried_advice.is_without_value, row.advices)):
+                    begun = process_time()
+                    row = _tried(one, row, condition.judge, seconds)
+                    seconds -= process_time() - begun
                 rows.append(replace(row, advices=(*row.advices, *also)))
     return Verdict(tuple(rows))
 
@@ -364,6 +375,16 @@ def _judged(drive: Drive, kind: Kind, condition: Condition, known: Known) -> Jud
         return Judged(kind, stage, (), NO_CURVES)
     advices = tuple(_within_what_is_asked(one, drive.design) for one in found if isinstance(one, Advice))
     return Judged(kind, stage, advices, "; ".join(one.why for one in found if isinstance(one, NotJudged)))
+
+
+def _tried(drive: Drive, row: Judged, judge: Judge, seconds: float) -> Judged:
+    """What was found of a pair, with the values of remedies that trials tell."""
+
+    def again(changed: Drive) -> bool:
+        return not any(isinstance(one, Advice) and one.matters for one in judge(changed))
+
+    advices = (tried_advice.with_values(one, again, drive, seconds) for one in row.advices)
+    return replace(row, advices=tuple(_within_what_is_asked(one, drive.design) for one in advices))
 
 
 def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
