@@ -25,6 +25,16 @@ FINER_STEP = 1.5
 """By how many times more teeth are tried until a number works, from an estimate on: numbers under it cost time and are
 refused."""
 
+def require_made(drive: Drive) -> None:
+    """Raise WrongInput or NoSuchMechanism where teeth, their contact or their outlines are refused; makes no body."""
+    from ncgear.contact.written.as_written import Outlines
+
+    for pair in drive.by_stage:
+        pair.require_sound_teeth()
+        teeth = pair.teeth
+        pair.contact([Outlines("points", teeth.driving.outline_mm, teeth.driven.outline_mm)])
+
+
 Does = Callable[[int], bool | None]
 """Whether a number does; None where time is over before that is known."""
 
@@ -97,8 +107,6 @@ def _least(
     pair: Drive, changes: Callable[[int], Changes], good: Good, seconds: float, numbers: tuple[int, int, int]
 ) -> Least:
     """The least number, of a range from ``low`` on, with whose changes a pair is good and can be made."""
-    from ncgear.project.mending import require_made
-
     begun, failed, is_whole = process_time(), list[int](), True
 
     def does(count: int, is_so: Good) -> bool | None:

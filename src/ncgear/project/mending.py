@@ -36,7 +36,7 @@ from ncgear.project.alternatives import (
     shifted_against_undercut,
 )
 from ncgear.project.drive import Drive
-from ncgear.project.finer import FINER_STEP, MOST_FINER, fewest
+from ncgear.project.finer import FINER_STEP, MOST_FINER, fewest, require_made
 from ncgear.project.tooth_form import rack_of, require_pushing_flanks
 from ncgear.shown import Shown
 
@@ -193,16 +193,6 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
             raise
         return error
     return None
-
-
-def require_made(drive: Drive) -> None:
-    """Raise WrongInput or NoSuchMechanism where teeth, their contact or their outlines are refused; makes no body."""
-    from ncgear.contact.written.as_written import Outlines
-
-    for pair in drive.by_stage:
-        pair.require_sound_teeth()
-        teeth = pair.teeth
-        pair.contact([Outlines("points", teeth.driving.outline_mm, teeth.driven.outline_mm)])
 
 
 def searched(

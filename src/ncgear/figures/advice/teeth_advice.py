@@ -11,7 +11,7 @@ from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.figures.advice.assembly_advice import jams
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
-from ncgear.figures.advice.tried_advice import FINER, LESS_HELIX
+from ncgear.figures.advice.tried_advice import FINER, FLATTER
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import MICRORAD, micrometres, to_digits
 from ncgear.numerics.arrays import Mask
@@ -143,7 +143,7 @@ def _ways_out_of_shortening(_: Drive) -> tuple[Remedy, ...]:
 
 
 def _ways_out_of_jumps(_: Drive) -> tuple[Remedy, ...]:
-    return (LESS_HELIX,)
+    return (FLATTER,)
 
 
 def _lowered(gear: ToothedGear, reason: Limit) -> Mask:

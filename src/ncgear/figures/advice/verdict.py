@@ -388,9 +388,9 @@ def _tried(drive: Drive, row: Judged, judge: Judge, seconds: float) -> Judged:
 
 
 def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
-    """The advice without remedies that undo what is asked of the machine; first those that leave every given key."""
+    """The advice without remedies that undo what is asked of the machine; first changes that leave every given key."""
     kept = [remedy for remedy in advice.remedies if not any(map(_is_asked, _overwritten(remedy, design)))]
-    kept.sort(key=lambda remedy: bool(_overwritten(remedy, design)))
+    kept.sort(key=lambda remedy: not remedy.changes or bool(_overwritten(remedy, design)))
     return replace(advice, remedies=tuple(kept))
 
 
