@@ -25,6 +25,7 @@ FINER_STEP = 1.5
 """By how many times more teeth are tried until a number works, from an estimate on: numbers under it cost time and are
 refused."""
 
+
 def require_made(drive: Drive) -> None:
     """Raise WrongInput or NoSuchMechanism where teeth, their contact or their outlines are refused; makes no body."""
     from ncgear.contact.written.as_written import Outlines

@@ -332,11 +332,13 @@ def _stretch(ends_deg: tuple[float, float]) -> str:
 
 
 def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
+    """Laws that leave no dent; none of a ring, which no hob cuts either way."""
     mesh = drive.pitch.mesh
+    if shape.is_ring(gear, mesh):
+        return ()
 
     def dented(transmission: Transmission) -> bool:
-        low, high = transmission.extremes(lambda slope: shape.curvature(slope, gear, mesh), 2)
-        return (-high.value if shape.is_ring(gear, mesh) else low.value) < -STRAIGHT
+        return transmission.extremes(lambda slope: shape.curvature(slope, gear, mesh), 2)[0].value < -STRAIGHT
 
     sought = optimised(drive, convex=True) if mesh is Mesh.EXTERNAL else ()
     return (*tempered(drive, dented), *sought)
