@@ -200,6 +200,17 @@ def contact_ratio(drive: Drive) -> Advice | None:
     )
 
 
+def parted_in_time(partings: int, apart_s: float, whole_s: float) -> Advice:
+    """How often and how long pushing flanks part in the motion in time, which no other command follows."""
+    whole = f"{to_digits(whole_s, 3)} s"
+    times = "once" if partings == 1 else f"{partings} times"
+    what = f"in time the pushing flanks part {times}, {to_digits(apart_s, 3)} s of {whole} in all"
+    if not partings:
+        what = f"in time the pushing flanks never part within {whole}"
+    knocks = "they knock when they meet again" if partings else ""
+    return Advice(Kind.CONTACT_RATIO, (Where(),), what, knocks, matters=False, brief=what)
+
+
 def idle_flanks(drive: Drive) -> Advice | None:
     """Idle flanks that would not hold as pushing ones must, where the driving gear is said to push only."""
     designed, (_, short) = drive.designed_contact, drive.short_contacts
