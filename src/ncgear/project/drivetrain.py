@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ncgear.design.keys.design import Design
@@ -22,7 +24,7 @@ from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.keys import FREE_HEIGHT_MM, Key, KeySafety, key_safety
 from ncgear.drivetrain.losses import TouchingTeeth, mesh_loss_factor
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
-from ncgear.drivetrain.shafts import STEELS, Section, ShaftSafety, Steel, shaft_safety
+from ncgear.drivetrain.shafts import LEAST_SAFETY, STEELS, Section, ShaftSafety, Steel, shaft_safety
 from ncgear.drivetrain.speed import Disc, disc
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
@@ -36,12 +38,16 @@ N_MM_PER_N_M = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class ShaftResult:
-    """The bearings, the shaft with its largest moment, and the key of one gear; None where nothing is given of them."""
+    """The bearings, the shaft with its largest moment, and the key of one gear; None where nothing is given of them.
+
+    ``enough_mm`` is the diameter with which a shaft holds that does not; None where it holds, and where none does.
+    """
 
     bearings: tuple[BearingLife, BearingLife] | None
     most_bent: Bend | None
     shaft: ShaftSafety | None
     key: KeySafety | None
+    enough_mm: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,8 +155,28 @@ def _shaft(
         at = shaft_loads(cycle, gear, phi1)
         return bending_moment_n_mm(at, bearings, crank_at_mm, 0.0), at.torque_n_mm, at.turned_rad
 
-    safety = shaft_safety(section, borne, places, _cycles_rad(gear, cycle))
-    return ShaftResult(lives, bent, safety, _key(design, gear, given, section, loads.torque_n_mm))
+    def of_diameter(diameter_mm: float) -> ShaftSafety:
+        thick = Section(diameter_mm, max(diameter_mm, section.blank_mm), steel)
+        return shaft_safety(thick, borne, places, _cycles_rad(gear, cycle))
+
+    safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
+    return ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
+
+
+MOST_TIMES, GROWN = 10.0, 1.002
+"""The thickest shaft that is tried, in diameters of the given one, and the factor by which trials grow at least."""
+
+
+def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: float, safety: ShaftSafety) -> float | None:
+    """The diameter from which on a shaft that is too thin holds, to GROWN, by trials; None of one that holds.
+
+    Safety grows nearly as the third power of the diameter.
+    """
+    diameter_mm = given_mm
+    while (least := min(safety.fatigue, safety.yielding)) < LEAST_SAFETY and diameter_mm < MOST_TIMES * given_mm:
+        diameter_mm *= max((LEAST_SAFETY / least) ** (1.0 / 3.0), GROWN)
+        safety = of_diameter(diameter_mm)
+    return diameter_mm if diameter_mm > given_mm and least >= LEAST_SAFETY else None
 
 
 def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:

@@ -8,6 +8,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from ncgear.drivetrain.bearings import MOST_OF_RATING
+from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
@@ -18,9 +19,6 @@ from ncgear.project.drive import Drive
 if TYPE_CHECKING:
     from ncgear.project.drivetrain import PowerTakeOffResult, ShaftResult
     from ncgear.project.motor import MotorResult
-
-LEAST_SAFETY = 1.2
-"""Safety that DIN 743 asks for at least, since its figures scatter."""
 
 
 def around(drive: Drive) -> Iterator[Advice]:
@@ -139,7 +137,7 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
             yield _advice(
                 f"the {name} shaft has an estimated safety of {to_digits(safety, 3)} against {against} at its keyway; "
                 f"{LEAST_SAFETY:g} or over is right",
-                "a thicker shaft or a stronger steel",
+                _thicker(name, found.enough_mm),
             )
     if found.key is not None and found.key.safety < 1.0:
         yield _advice(
@@ -198,6 +196,12 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
             f"drivetrain.motor.gearbox.ratio: {to_digits(ratio, 4)}",
             Kind.MOTOR,
         )
+
+
+def _thicker(name: str, enough_mm: float | None) -> str:
+    if enough_mm is None:
+        return "a stronger steel: no shaft ten times as thick holds"
+    return f"{_at_least(f'drivetrain.{name}_shaft.diameter_mm', enough_mm)}, in a bore as wide, or a stronger steel"
 
 
 def _of_pto(found: PowerTakeOffResult, most_n_m: float) -> Iterator[Advice]:
