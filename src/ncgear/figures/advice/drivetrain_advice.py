@@ -73,7 +73,7 @@ def _of_simulated(drive: Drive) -> Iterator[Advice]:
     try:
         runs = steady_rad_s(drive)
     except NoSuchMechanism as refusal:
-        yield _advice(refusal.problem.partition("; ")[0], that_does(), Kind.MOTOR)
+        yield _advice(refusal.problem.rpartition("; ")[0], that_does(), Kind.MOTOR)
         return
     wanted = drive.machine.speed_rad_s
     if runs is not None and abs(runs / wanted - 1.0) > OFF_SPEED:
@@ -160,9 +160,9 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
     given, course, wanted_rad_s = found.given, found.course, found.demand.speed_rad_s
     if found.stops:
         helps = told_words(fitting_geared(drive.design, most))
-        yield _advice(found.stops.partition("; ")[0], helps, Kind.MOTOR)
+        yield _advice(found.stops.rpartition("; ")[0], helps, Kind.MOTOR)
         return
-    rated, peak = given.rated_torque_n_m, given.peak_torque_n_m
+    rated, peak, least = given.rated_torque_n_m, given.peak_torque_n_m, "" if found is most else "at least "
     if found.rms_n_m > rated:
         needed = max(most.rms_n_m, N_M_PER_N_MM * most.load.rms_n_mm)
         # No file may give a peak torque below the rated one
@@ -170,13 +170,14 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
             "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(most.most_n_m, needed))}"
         )
         yield _advice(
-            f"the motor gives {to_digits(found.rms_n_m, 4)} N m in the mean square, more than its rated {rated:g} N m",
+            f"the motor gives {least}{to_digits(found.rms_n_m, 4)} N m in the mean square, more than its rated "
+            f"{rated:g} N m",
             _at_least("drivetrain.motor.rated_torque_n_m", needed) + also + ", or a larger ratio or flywheel",
             Kind.MOTOR,
         )
     if peak is not None and found.most_n_m > peak:
         yield _advice(
-            f"the motor gives up to {to_digits(found.most_n_m, 4)} N m, more than its {peak:g} N m",
+            f"the motor gives up to {least}{to_digits(found.most_n_m, 4)} N m, more than its {peak:g} N m",
             _at_least("drivetrain.motor.peak_torque_n_m", most.most_n_m),
             Kind.MOTOR,
         )
