@@ -18,6 +18,7 @@ from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, pu
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
+from ncgear.figures.advice.teeth_advice import parted_in_time
 from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures
@@ -192,8 +193,15 @@ def simulate(drive: Drive, level: Level) -> Simulated:
     """
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
-    rubs = level is Level.DYNAMIC and drive.rigid.machine.guide_friction
-    verdict = judged(drive, Known.TEETH if with_teeth else Known.MOTION, [SMOOTH_GUIDE] if rubs else [])
+    found = []
+    if level is Level.DYNAMIC:
+        moved, time_s = figures["motion_in_time"], drive.course.time_s
+        parted = moved["partings_of_pushing_flanks"], moved["time_with_pushing_flanks_apart_s"]
+        found = [
+            parted_in_time(*parted, float(time_s[-1] - time_s[0])),
+            *([SMOOTH_GUIDE] if drive.rigid.machine.guide_friction else []),
+        ]
+    verdict = judged(drive, Known.TEETH if with_teeth else Known.MOTION, found)
     return Simulated(table, {**figures, **verdict_summary(verdict)}, pictures, verdict)
 
 

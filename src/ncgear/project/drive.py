@@ -210,7 +210,7 @@ class Drive(Geared):
     @computed
     def motor_stall(self) -> Stall | None:
         """Where the motor of the simulation stops within its turns; None where it passes, or where none is given."""
-        from ncgear.project.simulated_motor import motor_stall
+        from ncgear.project.motor import motor_stall
 
         with self.stopwatch("motor"), located(self.places):
             return motor_stall(self)
@@ -350,9 +350,10 @@ class Drive(Geared):
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import damped, drive_line_of
+        from ncgear.project.motor import fitting_simulated, told_words
 
         if self.motor_stall is not None:
-            raise NoSuchMechanism(f"{self.motor_stall}; more torque or a heavier flywheel is needed", key=MOTOR)
+            raise NoSuchMechanism(f"{self.motor_stall}; {told_words(fitting_simulated(self))}", key=MOTOR)
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
         driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
         with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
