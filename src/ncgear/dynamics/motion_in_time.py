@@ -217,6 +217,8 @@ class Course:
         states = np.empty((self.states.shape[0], time_s.size))
         for rows in row_blocks(time_s.size):
             states[:, rows] = self.between(time_s[rows]).T
+        # What is between steps meets the state that the motion starts in but for rounding: at rest it would move.
+        states[:, time_s == self.time_s[0]] = self.states[:, :1]
         return states
 
     @property
