@@ -265,7 +265,7 @@ class TestTolerances:
         assert drive_of(scaled(OVAL, module)).chord_tolerance_mm == pytest.approx(chord, rel=1e-12)
 
     @pytest.mark.parametrize(
-        ("given", "right"), [(0.03, "0.025 mm or less is right"), (1e-8, r"\de-06 mm or more is right")]
+        ("given", "right"), [(0.03, "0.025 mm or less is right"), (1e-8, r"\de-07 mm or more is right")]
     )
     def test_what_is_out_of_proportion_is_refused(self, given: float, right: str) -> None:
         drive = drive_of({**scaled(OVAL, 0.5), "output": {"chord_tolerance_mm": given}})
