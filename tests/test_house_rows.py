@@ -477,12 +477,13 @@ def test_a_dummy_that_is_added_where_its_row_says_works(dummy: Dummy) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("dummy", "without", "said"),
     [
         (LAW, "ratio/laws/dummy.py", "No module named 'ncgear.ratio.laws.dummy'"),
         (LAW, "design/laws/dummy.py", "No module named 'ncgear.design.laws.dummy'"),
-        (LAW, "design/laws/registry.py", r"motion\.law: 'dummy' given"),
+        (LAW, "design/laws/registry.py", r"motion\.law: 'dummy' is no known law"),
         (LAW, "design/templates/laws/dummy.yaml", r"dummy\.yaml: No such file"),
         (LAW, "formulas/laws.py", "KeyError: <function swung_angle"),
         (LAW, TOLD_KEYS, r"motion\.swing: unknown key"),
@@ -492,7 +493,7 @@ def test_a_dummy_that_is_added_where_its_row_says_works(dummy: Dummy) -> None:
         (MECHANISM, "design/mechanisms.py", r"linkage\.kind: 'dummy' given"),
         (MECHANISM, "formulas/linkages.py", "KeyError: <class 'ncgear.mechanisms.dummy.Dummy'>"),
         (MECHANISM, TOLD_KEYS, r"masses\.bob_kg: unknown key"),
-        (MATERIAL, "strength/materials.py", r"gears\.material: Dummy is no material"),
+        (MATERIAL, "strength/materials.py", r"gears\.material\.driving: Dummy is no material"),
         (MATERIAL, TOLD_KEYS, "assert 'Dummy' in"),
         (FORMAT, "files/workshop/dummy.py", "No module named 'ncgear.files.workshop.dummy'"),
         (FORMAT, "files/workshop/formats.py", "'dummy' is not one of"),
