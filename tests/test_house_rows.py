@@ -464,10 +464,21 @@ def named_in_row(change: str) -> list[str]:
     return [*re.findall(r"`([\w/.]+)`", row), *made]
 
 
+def forgotten(dummy: Dummy) -> list[str]:
+    """The files of a dummy that its row does not name, neither by themselves nor by their folder."""
+    named = set(named_in_row(dummy.change))
+    return [one for one in dummy.files if not {one, f"{Path(one).parent}/"} & named]
+
+
 @EVERY
 def test_a_row_names_all_that_its_dummy_changes(dummy: Dummy) -> None:
-    named = named_in_row(dummy.change)
-    assert [one for one in dummy.files if not {one, f"{Path(one).parent}/"} & set(named)] == []
+    assert forgotten(dummy) == []
+
+
+def test_a_file_that_a_row_forgets_is_seen() -> None:
+    """Negative control: commands have no keys, and a material is no module of its own."""
+    assert forgotten(Dummy("a command", {"cli/dummy.py": ""}, made=True)) == [TOLD_KEYS]
+    assert forgotten(Dummy("a material", {"strength/dummy.py": ""})) == ["strength/dummy.py"]
 
 
 @pytest.mark.slow
