@@ -75,6 +75,12 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture
+def finer_chords(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Outlines of five times as many points as a build makes at most, for judges that compare with fine ones."""
+    monkeypatch.setattr("ncgear.teeth.chords.MOST_CHORDS", 30_000)
+
+
+@pytest.fixture
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
     """Run the command line in this process, in an empty folder: ``run("check", "d.yaml")``."""
     monkeypatch.chdir(tmp_path)

@@ -296,6 +296,7 @@ def test_tips_that_reach_into_the_roots_have_negative_clearance() -> None:
         assert side.driven_tips.over_root_mm == pytest.approx(0.45 * MODULE, abs=1e-9)
 
 
+@pytest.mark.usefixtures("finer_chords")
 @pytest.mark.thorough
 def test_clearance_of_corners_from_fillets_is_that_of_a_fine_outline() -> None:
     """Circular gears: a driving tip's corner on the line of centres, and the driven gear's chords below its flanks."""

@@ -241,7 +241,7 @@ def test_what_is_no_number_is_not_printed(wrong: float, capsys: pytest.CaptureFi
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("backlash_mm", "broken"), [(0.001, {"jam"}), (0.5, set())])
+@pytest.mark.parametrize(("backlash_mm", "broken"), [(0.001, {"jams"}), (0.5, set())])
 def test_assemblies_are_judged_in_json_as_at_the_terminal(backlash_mm: float, broken: set[str], run: Run) -> None:
     write_files(DESIGN.replace(GEARS, GEARS.replace("gears: {", f"gears: {{backlash_mm: {backlash_mm}, ")))
     words = "tolerance", "d.yaml", "--samples", "64", "--out", "out"

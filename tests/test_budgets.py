@@ -120,7 +120,7 @@ MOST_BYTES_OF_TEETH = 150e6
     ("module_mm", "tolerance_mm", "made"),
     [
         (3.0, USUAL_TOLERANCE_MM, True),
-        (800.0, USUAL_TOLERANCE_MM, True),
+        (400.0, USUAL_TOLERANCE_MM, True),
         (1.3e5, USUAL_TOLERANCE_MM, False),
         (7e6, 0.5, False),
         (9e6, LEAST_TOLERANCE_MM, False),

@@ -114,6 +114,7 @@ def test_points_of_straddled_arcs_stand_off_as_far_as_middles_stand_in(tolerance
         assert inside == pytest.approx(np.full(inside.size, outside[0]), rel=1e-3)
 
 
+@pytest.mark.usefixtures("finer_chords")
 @pytest.mark.parametrize(("sampling", "sagitta"), [(sampled, 1.0), (straddled, 2.0)])
 def test_arcs_have_as_many_chords_as_their_sagitta_asks_for(sampling: Sampling, sagitta: float) -> None:
     tolerance = 1e-6
@@ -123,6 +124,7 @@ def test_arcs_have_as_many_chords_as_their_sagitta_asks_for(sampling: Sampling, 
         assert least <= len(points) - 1 <= 1.03 * least + 3.0
 
 
+@pytest.mark.usefixtures("finer_chords")
 def test_straddling_takes_fewer_chords_by_the_square_root_of_two() -> None:
     for name in SHAPES:
         on, off = (sum(map(len, polylines(way, name, 1e-6))) for way in (sampled, straddled))

@@ -109,6 +109,7 @@ def test_the_stated_deviation_is_about_what_is_found() -> None:
     assert contour.deviation_mm / 3.0 < found <= contour.deviation_mm + FINE
 
 
+@pytest.mark.usefixtures("finer_chords")
 @pytest.mark.thorough
 def test_a_curve_that_is_moved_by_two_tolerances_is_seen() -> None:
     gear = pair("undercut").driving

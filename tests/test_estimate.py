@@ -184,6 +184,7 @@ def test_a_symmetric_tooth_bears_alike_on_both_flanks_and_only_the_contact_knows
     assert parts.contact - wider.contact == pytest.approx(np.full(4, 2.0 * 0.91 / (pi * 206e3) * np.log(2.0)), rel=1e-9)
 
 
+@pytest.mark.usefixtures("finer_chords")
 @pytest.mark.judges("strength")
 @pytest.mark.tiers(quick=["baler-*"], rest="slow")
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from numpy.polynomial import Polynomial
 
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import extremes, extremes_on, grid_between, stationary_points
+from ncgear.numerics.extrema import bounds_on, extremes, extremes_on, grid_between, stationary_points
 from ncgear.numerics.jet import Jet
 
 ORDER = 2
@@ -189,3 +189,24 @@ def test_extremes_of_several_functions_are_those_of_each() -> None:
         assert found == [extremes(of_jet(function), -1.0, 2.0) for function in chosen]
     both = extremes_on(lambda at: [of_jet(function)(at) for function in functions], grid)
     assert len({low.at for low, _ in both}) == 3
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(0.1, 40.0), st.floats(0.0, 6.0), st.floats(-2.0, 2.0))
+def test_bounds_hold_every_value_or_are_infinite(scale: float, phase: float, lift: float) -> None:
+    wave, grid = of_jet(lambda t: jet.sin_cos(t * scale + phase)[0] + lift), grid_between(0.0, 2.0 * pi, np.empty(0))
+    low, high = bounds_on(grid, wave(grid))
+    values = wave(np.linspace(0.0, 2.0 * pi, 20_011)).value
+    assert low <= values.min()
+    assert values.max() <= high
+    # Waves of twenty samples are followed closely enough to tell something.
+    assert scale > 6.0 or high - low <= 1.7 * np.ptp(values) + 1e-9
+
+
+def test_samples_that_tell_too_little_bound_nothing() -> None:
+    """A wave of five samples, a narrow peak that one sample meets, and what is no number."""
+    grid = grid_between(0.0, 1.0, np.empty(0))
+    peak = of_jet(lambda t: 1.0 / ((t - grid[41]) * (t - grid[41]) + 1e-6))
+    nothing = Jet(np.full((2, grid.size), np.nan))
+    for found in (sine(2.0 * pi * 26.0)(grid), peak(grid), nothing):
+        assert bounds_on(grid, found) == (-np.inf, np.inf)

@@ -97,3 +97,33 @@ def test_a_function_of_rounding_errors_is_refused_at_once() -> None:
     assert sum(looked_at) < 300_000
     values = scattered(places)
     assert largest_from(scattered, places, values, np.array([1e-7]))[0].value == values.max()
+
+
+def test_a_jump_is_closed_in_on_no_further_than_is_asked() -> None:
+    """Where the highest value lies elsewhere, as right of a jump up to a fall, its own steepness promises nothing.
+
+    Intervals that were cut down to rounding errors, as by the slope across the jump, would take 13 rounds.
+    """
+    looked = []
+
+    def functions(x: Array) -> Array:
+        looked.append(x.size)
+        return np.where(x < 1.0 / 3.0, 0.0, 4.0 / 3.0 - x)[None]
+
+    (top,) = largest_of_each(functions, np.linspace(0.0, 1.0, 21), 1e-6)
+    assert top.value == pytest.approx(1.0, abs=1e-6)
+    assert len(looked) <= 8
+
+
+@pytest.mark.parametrize("width", [2e-2, 5e-3, 1e-3])
+def test_a_steep_rise_that_a_sample_meets_is_no_jump(width: float) -> None:
+    """A ramp with an overshoot at its end, as narrow as a fiftieth of a step."""
+    end = 0.45 + width / 3.0
+
+    def functions(x: Array) -> Array:
+        share = (x - end) / width
+        return (np.clip(share + 1.0, 0.0, 1.0) + 0.3 * np.maximum(1.0 - np.abs(share), 0.0))[None]
+
+    (top,) = largest_of_each(functions, np.linspace(0.0, 1.0, 21))
+    assert top.value == pytest.approx(1.3, abs=1e-9)
+    assert top.at == pytest.approx(end, abs=1e-9)

@@ -90,8 +90,10 @@ def test_an_impact_from_rest_has_the_closed_forms_peak(speed: float, inertia: fl
 @pytest.mark.slow
 def test_no_time_shows_more_than_the_peaks() -> None:
     """At random times, which the search did not use; each peak is reached at its own time and driving angle."""
-    out, machine = knocking(), rigid("sine", PolynomialResistance((0.0,)))
-    peaks = motion_peaks(out, machine)
+    out, machine, shares = knocking(), rigid("sine", PolynomialResistance((0.0,))), list[float]()
+    peaks = motion_peaks(out, machine, shares.append)
+    assert min(shares) == 0.0
+    assert 0.5 < max(shares) <= 1.0
     time_s = np.sort(np.random.default_rng(5).uniform(0.0, out.time_s[-1], 100_000))
     shown = history(out, machine, time_s)
     for peak, values in (

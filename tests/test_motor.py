@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import cos, sin, sqrt
 
 import pytest
@@ -14,7 +15,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import Known, State, judged
 from ncgear.project.drive import Drive
-from ncgear.project.simulated_motor import motor_stall, steady_rad_s
+from ncgear.project.motor import motor_stall, motor_within, steady_rad_s
 
 FORCE, CRANK, ROD = 400.0, 38.0, 96.0
 
@@ -65,9 +66,14 @@ def test_a_constant_torque_stops_where_its_work_is_that_of_the_force() -> None:
     assert motor_stall(drive_of_text(heavy(with_motor(1e6, 1.02 * least / 1000.0, "rest")))) is None
 
 
-def motor_row(drive: Drive) -> tuple[State, str]:
-    (row,) = (row for row in judged(drive, Known.MOTION).rows if row.kind is Kind.MOTOR)
-    return row.state, "; ".join(advice.line for advice in row.advices)
+def motor_row(drive: Drive, known: Known = Known.MOTION) -> tuple[State, str]:
+    (row,) = (row for row in judged(drive, known).rows if row.kind is Kind.MOTOR)
+    return row.state, "; ".join(advice.line for advice in row.advices) or row.why
+
+
+def told_keys(said: str, group: str) -> dict[str, str]:
+    """The keys below a group that an advice tells, with their values."""
+    return dict(re.findall(rf"{re.escape(group)}([a-z_.]+): ([0-9.e+-]+)", said))
 
 
 @pytest.mark.slow
@@ -86,8 +92,7 @@ def test_the_verdict_names_the_motor() -> None:
 @pytest.mark.parametrize(("no_load", "stall_n_m"), [(30, 200.0), (90, 1.0), (90, 8.0)])
 def test_the_motor_that_is_told_does(no_load: float, stall_n_m: float) -> None:
     """The keys as told, put into the file, give a verdict without a word on the motor."""
-    told = motor_row(drive_of_text(with_motor(no_load, stall_n_m)))[1].partition("simulation.motor.")[2]
-    keys = dict(one.split(": ") for one in told.split(" and "))
+    keys = told_keys(motor_row(drive_of_text(with_motor(no_load, stall_n_m)))[1], "simulation.motor.")
     given = {"no_load_speed_rpm": f"{no_load:g}", "stall_torque_n_m": f"{stall_n_m:g}"}
     mended = {**given, **keys}
     assert mended != given
@@ -106,10 +111,49 @@ def test_a_motor_that_cannot_go_on_is_told_though_its_flywheel_lasts_through_the
     assert "from cycle to cycle" in said
 
 
+def geared(rated_n_m: float, more: str = "") -> str:
+    motor = f"{{rated_torque_n_m: {rated_n_m:g}, rated_speed_rpm: 1450, {more}gearbox: {{ratio: 24, efficiency: 0.9}}}}"
+    return f"{HEAD}drivetrain: {{motor: {motor}}}\n"
+
+
+@pytest.mark.slow
+def test_a_motor_behind_a_gearbox_is_judged_before_teeth_are_made() -> None:
+    """What a check says a build says, and the value that the check tells is enough for both."""
+    weak, (least, most) = drive_of_text(geared(0.3)), motor_within(drive_of_text(geared(0.3)))
+    for known in Known:
+        assert motor_row(weak, known)[0] is State.BROKEN
+        assert motor_row(drive_of_text(geared(1.0)), known) == (State.KEPT, "")
+    told = float(told_keys(motor_row(weak)[1], "drivetrain.motor.")["rated_torque_n_m"])
+    for known in Known:
+        assert motor_row(drive_of_text(geared(told)), known) == (State.KEPT, "")
+    # The friction of the teeth as they are lies between what a check looks at, where it says that this decides
+    exact = weak.drivetrain.motor
+    assert exact is not None
+    assert least.rms_n_m < exact.rms_n_m < most.rms_n_m
+    between = drive_of_text(geared(exact.rms_n_m))
+    assert motor_row(between) == (State.NOT_JUDGED, "the friction between the teeth decides: ncgear build")
+
+
+@pytest.mark.slow
+def test_a_motor_that_stops_behind_its_gearbox_is_told_with_one_that_does() -> None:
+    weak = geared(0.02, "no_load_speed_rpm: 1500, ")
+    state, said = motor_row(drive_of_text(weak), Known.TEETH)
+    assert state is State.BROKEN
+    assert "cannot keep the machine turning" in said
+    keys = told_keys(said, "drivetrain.motor.")
+    text = weak.replace("rated_torque_n_m: 0.02", f"rated_torque_n_m: {keys['rated_torque_n_m']}")
+    text = text.replace("ratio: 24", f"ratio: {keys.get('gearbox.ratio', 24)}")
+    assert motor_row(drive_of_text(text), Known.TEETH) == (State.KEPT, "")
+
+
 def test_the_level_in_time_refuses_it_at_once(run: Run) -> None:
     outcome = on_text(run, "simulate")(with_motor(90, 1.0), "--level", "dynamic", "--out", "here")
     assert outcome[0] == 3
     assert "simulation.motor: the motor stops at phi1 = " in str(outcome)
+    # The same motor that a check names
+    named = told_keys(motor_row(drive_of_text(with_motor(90, 1.0)))[1], "simulation.motor.")
+    assert named
+    assert told_keys(" ".join(str(outcome).split()), "simulation.motor.") == named
 
 
 @pytest.mark.slow

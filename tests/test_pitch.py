@@ -516,3 +516,22 @@ def test_more_teeth_than_a_file_may_ask_for_are_refused() -> None:
     assert sized_pair(law, None, 0.02, 0.02 * MOST_TEETH).size.driving_teeth == MOST_TEETH
     with pytest.raises(WrongInput, match="10000 at most are right"):
         sized_pair(law, None, 0.02, 0.02 * (MOST_TEETH + 1))
+
+
+def test_the_second_gear_gets_from_the_first_what_both_ask_of_the_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It asks for nothing where the first has asked already, and gets the same points as without it."""
+    asked, plain = [], Transmission.driven_angle
+
+    def counted(transmission: Transmission, phi1: Array, order: int = 0) -> Jet:
+        asked.append(np.size(phi1))
+        return plain(transmission, phi1, order)
+
+    transmission, phi1 = elliptical_law(0.3, 0.0, Lobes()), np.linspace(0.0, 6.0, 31)
+    both, alone = pair_of(transmission), pair_of(transmission)
+    monkeypatch.setattr(Transmission, "driven_angle", counted)
+    both.driving.at_angle(phi1)
+    assert asked == [31]
+    found = both.driven.at_angle(phi1)
+    assert asked == [31]
+    assert np.array_equal(found.position, alone.driven.at_angle(phi1).position)
+    assert asked == [31, 31]

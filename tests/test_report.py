@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from dataclasses import replace
-from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
@@ -213,15 +211,6 @@ def test_a_design_that_makes_no_gears_is_refused_in_place(run: Run, tmp_path: Pa
     assert status == 2
     assert err.startswith("bad.yaml:")
     assert not (tmp_path / "export").exists()
-
-
-def test_all_that_the_page_is_made_of_is_installed_with_the_package() -> None:
-    with (ROOT / "pyproject.toml").open("rb") as file:
-        patterns = tomllib.load(file)["tool"]["setuptools"]["package-data"]["ncgear"]
-    package = ROOT / "src" / "ncgear"
-    parts = [path.relative_to(package).as_posix() for path in PAGE.rglob("*.*") if path.suffix not in (".py", ".pyc")]
-    assert [part for part in parts if not any(fnmatch(part, pattern) for pattern in patterns)] == []
-    assert not any(fnmatch("drawings/page/page.ts", pattern) for pattern in patterns)
 
 
 # --- content

@@ -258,12 +258,14 @@ def test_a_tolerance_in_millimetres_lets_small_gears_overlap(monkeypatch: pytest
 
 
 class TestTolerances:
-    @pytest.mark.parametrize(("module", "chord"), [(0.3, 0.0006), (2.4, 0.0048), (2.6, 0.005), (40.0, 0.005)])
+    @pytest.mark.parametrize(
+        ("module", "chord"), [(0.3, 0.0006), (2.4, 0.0048), (2.6, 0.005), (40.0, 0.005), (400.0, 0.04)]
+    )
     def test_the_default_is_the_lesser_of_a_length_and_a_share_of_the_module(self, module: float, chord: float) -> None:
         assert drive_of(scaled(OVAL, module)).chord_tolerance_mm == pytest.approx(chord, rel=1e-12)
 
     @pytest.mark.parametrize(
-        ("given", "right"), [(0.03, "0.025 mm or less is right"), (1e-8, r"\de-07 mm or more is right")]
+        ("given", "right"), [(0.03, "0.025 mm or less is right"), (1e-8, r"\de-06 mm or more is right")]
     )
     def test_what_is_out_of_proportion_is_refused(self, given: float, right: str) -> None:
         drive = drive_of({**scaled(OVAL, 0.5), "output": {"chord_tolerance_mm": given}})

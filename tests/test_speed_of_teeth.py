@@ -82,6 +82,7 @@ def test_the_closed_form_of_the_circular_gear_meets_itself_where_its_curves_join
     assert abs(corner - CIRCLE.joints_mm[0]) < 1e-13
 
 
+@pytest.mark.usefixtures("finer_chords")
 @pytest.mark.thorough
 def test_distances_from_the_circular_gear_are_those_from_many_of_its_points() -> None:
     """Along each normal of a fine outline, so far as no other part of the tooth is nearer."""

@@ -398,7 +398,7 @@ def test_the_motion_is_that_of_the_drive() -> None:
     for chart in content["charts"]:
         own = next(line for line in chart["lines"] if line["role"] == "own")
         quantity = next(q for q in Quantity if q.key_of(made.linkage.OUTPUT) == chart["key"])
-        phi1 = np.radians(own["x"])
+        phi1 = np.radians(chart["x"])
         values = quantity.values(made.machine.motion(phi1), made.linkage.OUTPUT)
         # Angles have four decimals of a degree: beside a jump they may lie on its other side.
         near = np.abs(np.array(own["y"]) - values) <= 1e-3 * np.abs(values).max()

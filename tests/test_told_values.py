@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from drives import design_of
-from ncgear.figures.advice.drivetrain_advice import around
+from ncgear.figures.advice.drivetrain_advice import around, motor
 from ncgear.figures.advice.law_advice import crank_pin, rods
 from ncgear.figures.advice.values import Advice
 from ncgear.project.drive import Drive
@@ -71,7 +71,9 @@ def told(advice: Advice) -> tuple[str, object]:
 
 
 def drivetrain(data: Data, words: str) -> list[Advice]:
-    return [one for one in around(Drive(design_of(data))) if words in one.what]
+    drive = Drive(design_of(data))
+    found = [*around(drive), *(motor(drive) if drive.design.drivetrain.motor else ())]
+    return [one for one in found if isinstance(one, Advice) and words in one.what]
 
 
 BALL = {"at_mm": -20, "dynamic_rating_n": 60}

@@ -28,7 +28,7 @@ REFUSED = {
     "v2-vanishing": "the slider stops or reverses",
     "stroke-off-by-1e-3": "760.76 mm is longer than the linkage's stroke of 760 mm",
     "table-coarse-noise": "the slider turns back after phi1",
-    "table-two-points": "at least 4, not 2",
+    "table-two-points": "a list of 2 given; a list of at least 4 items",
     "table-100000-points": "100000 points a cycle; .* At most 2000 are right: keep every 50th",
     "pole": "zero, infinite or jumps near phi1 = 1 rad",
     "pole-changing-sign": "zero, infinite or jumps near phi1",

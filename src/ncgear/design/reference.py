@@ -63,7 +63,7 @@ class Key:
     @property
     def is_law_name(self) -> bool:
         """Whether the value is the name that tells laws apart."""
-        return "const" in self.rule
+        return self.name == "law" and "const" in self.rule
 
     @property
     def default(self) -> Any:

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from math import cos, radians
 
 import numpy as np
 
@@ -171,6 +172,18 @@ def mesh_loss_factor(
     rubbing = np.concatenate([_rubbing(touch, torque) for touch, torque in parts])
     moved = float(np.sum(weights / rolled_mm * np.abs(driving)))
     return float(np.sum(weights / rolled_mm * rubbing)) / moved if moved else 0.0
+
+
+def most_mesh_loss_factor(pitch: PitchPair, reach_mm: float, rack_angle_rad: float) -> float:
+    """A bound of H without teeth, of flanks that touch no farther than ``reach_mm`` from the pitch point.
+
+    With q = dphi2/dphi1, F = |T1| / (r1 cos p) at the pressure angle p, and |v| = (1 +- q) s at the distance s from the
+    pitch point, so that F |v| = |T1| s (1 +- q)^2 / (a q cos p), which is largest where q is least or largest.
+    """
+    steepest = radians(pitch.largest_pressure_angle_deg(rack_angle_rad))
+    slopes = [1.0 / end.value for end in pitch.transmission.ratio_range]
+    wedge = max((1.0 - pitch.mesh.sense * slope) ** 2 / slope for slope in slopes)
+    return reach_mm * wedge / (pitch.center_distance_mm * cos(steepest))
 
 
 def _rubbing(touch: PairTouch, torque_n_mm: Array) -> Array:

@@ -47,6 +47,9 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.highest import largest_from
 
+LEAST_SAFETY = 1.2
+"""Safety that DIN 743 asks for at least, since its figures scatter."""
+
 FIBRES = 72
 """Fibres around the shaft from which the worst one is searched."""
 

@@ -136,8 +136,10 @@ class DrivingShaft:
 
     @property
     def mean_power_w(self) -> float:
-        """Mean over the cycle."""
-        return self.fluctuation.mean_torque_n_mm * self._w_per_n_mm
+        """Mean over the cycle; 0 where only rounding leaves something of a torque that goes to and fro."""
+        mean, (least, most) = self.fluctuation.mean_torque_n_mm, self.torque_range_n_mm
+        counts = abs(mean) > IDLE * max(-least.value, most.value)
+        return (mean if counts else 0.0) * self._w_per_n_mm
 
     @property
     def rms_torque_n_m(self) -> float:

@@ -131,24 +131,48 @@ class RigidMachine:
         smooth = linkage.joint_forces(driven_angle, self.masses, pace, resistance_n)
         if not self.guide_friction:
             return smooth
+        rub, one, jams = self._rubbing(smooth, driven_angle, pace, resistance_n, returning)
+        if np.any(jams):
+            raise self._jammed(pace, driven_angle, resistance_n, returning)
+        rubbing = smooth.guide_n * rub / (1.0 - one * rub)
+        return linkage.joint_forces(driven_angle, self.masses, pace, resistance_n + rubbing)
+
+    def _rubbing(
+        self, smooth: JointForces, driven_angle: Jet, pace: EvenPace, resistance_n: Jet, returning: Mask
+    ) -> tuple[Array, Jet, Mask]:
+        """Friction against the way for each N on the guide, what presses on it for each N of load, where it jams."""
+        linkage = self.machine.linkage
         one = linkage.joint_forces(driven_angle, linkage.MASSES(), pace, resistance_n * 0.0 + 1.0).guide_n
         side, way = np.where(smooth.guide_n.value < 0.0, -1.0, 1.0), np.where(returning, -1.0, 1.0)
-        left = 1.0 - one * (self.guide_friction * way * side)
+        rub = self.guide_friction * way * side
+        left = 1.0 - one.value * rub
         # What presses on nothing does not jam, though it may be held once anything does
-        jams = (left.value <= 0.0) & ((smooth.guide_n.value != 0.0) | (left.value == 0.0))
-        if np.any(jams):
-            worst = int(np.argmin(np.where(jams, left.value, np.inf)))
-            at, pressed = degrees(float(driven_angle.value[worst])) % 360.0, abs(float(one.value[worst]))
-            slides = tan(linkage.least_transmission()[0])
-            raise NoSuchMechanism(
-                f"the slider jams in its guide at a coefficient of friction of {self.guide_friction:g}: on its way "
-                f"{'back' if returning[worst] else 'out'}, at a crank angle of {at:.4g} deg, the guide presses on it "
-                f"with {pressed:.3g} times what it bears along its line; a longer rod, or a coefficient under "
-                f"{floor(1e4 * slides) / 1e4:.4g}, is right",
-                key="drivetrain.guide_friction",
-            )
-        rubbing = smooth.guide_n * (self.guide_friction * way * side) / left
-        return linkage.joint_forces(driven_angle, self.masses, pace, resistance_n + rubbing)
+        return rub, one, (left <= 0.0) & ((smooth.guide_n.value != 0.0) | (left == 0.0))
+
+    def _jammed(self, pace: EvenPace, driven_angle: Jet, resistance_n: Jet, returning: Mask) -> NoSuchMechanism:
+        """The refusal of a slider that jams: where the guide presses most of all even steps of the cycle.
+
+        So every command tells one place, or the one of the given angles where it jams between the steps only.
+        """
+        linkage, transmission = self.machine.linkage, self.machine.transmission
+        driven = transmission.driven_angle(np.linspace(0.0, transmission.cycle_rad, JAM_STEPS, endpoint=False), 2)
+        back = ~self.machine.working(driven.value)
+        even = driven, self._resistance_n(driven.truncated(0), back), back
+        for angle, load, returns in (even, (driven_angle, resistance_n, returning)):
+            smooth = linkage.joint_forces(angle, self.masses, pace, load)
+            _, one, jams = self._rubbing(smooth, angle, pace, load, returns)
+            if np.any(jams):
+                break
+        worst = int(np.argmax(np.where(jams, np.abs(one.value), -np.inf)))
+        at, pressed = degrees(float(angle.value[worst])) % 360.0, abs(float(one.value[worst]))
+        slides = tan(linkage.least_transmission()[0])
+        return NoSuchMechanism(
+            f"the slider jams in its guide at a coefficient of friction of {self.guide_friction:g}: on its way "
+            f"{'back' if returns[worst] else 'out'}, at a crank angle of {at:.4g} deg, the guide presses on it "
+            f"with {pressed:.3g} times what it bears along its line; a longer rod, or a coefficient under "
+            f"{floor(1e4 * slides) / 1e4:.4g}, is right",
+            key="drivetrain.guide_friction",
+        )
 
     def _of_shaft_between(self, phi1: Array, pace: EvenPace, order: int) -> Jet | float:
         """What the shaft between two pairs asks of the driving shaft to turn unevenly, in N mm."""
@@ -162,6 +186,9 @@ class RigidMachine:
         """The load of the slider along -x, with derivatives."""
         return self.machine.load.backwards_jet_n(self.machine.linkage.displacement(driven_angle), returning)
 
+
+JAM_STEPS = 3600
+"""Steps of a cycle at which the worst place of a slider that jams is looked for: tenths of a degree, as it is told."""
 
 IDLE = 1e-9
 """Share of the largest torque below which flanks carry nothing: far above rounding errors, far below any real load."""

@@ -217,6 +217,8 @@ class Course:
         states = np.empty((self.states.shape[0], time_s.size))
         for rows in row_blocks(time_s.size):
             states[:, rows] = self.between(time_s[rows]).T
+        # What is between steps meets the state that the motion starts in but for rounding: at rest it would move.
+        states[:, time_s == self.time_s[0]] = self.states[:, :1]
         return states
 
     @property
@@ -248,8 +250,8 @@ class Course:
         return float(missed[worst]) / most if most else 0.0, float(judged[0, worst])
 
 
-def unheard(_turns: float) -> None:
-    """Nobody is told how many turns are done."""
+def unheard(_done: float) -> None:
+    """Nobody is told how much is done."""
 
 
 def course(

@@ -6,14 +6,14 @@ there.  A resistance may have a narrow peak that no step meets: the places at wh
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from ncgear.dynamics.crank_load import crank_angles_rad
 from ncgear.dynamics.history import History, history, meetings_s
 from ncgear.dynamics.loaded_machine import RigidMachine
-from ncgear.dynamics.motion_in_time import Course
+from ncgear.dynamics.motion_in_time import Course, unheard
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
@@ -53,14 +53,16 @@ class MotionPeaks:
         return np.unique([peak.time_s for peak in (*alone, *self.forces_n.values())])
 
 
-def motion_peaks(course: Course, rigid: RigidMachine) -> MotionPeaks:
-    """The peaks of a course, which must be one of this machine."""
+def motion_peaks(course: Course, rigid: RigidMachine, on_share: Callable[[float], None] = unheard) -> MotionPeaks:
+    """The peaks of a course, which must be one of this machine; ``on_share`` is told at which share of it."""
     names = list(_sizes(history(course, rigid, course.time_s[:1])))
     places = np.union1d(course.fine_s, _turns_s(course, rigid.machine))
-    found = largest_of_each(
-        lambda time_s: np.stack(list(_sizes(history(course, rigid, time_s)).values())),
-        places,
-    )
+
+    def sizes(time_s: Array) -> Array:
+        on_share(float(time_s[0] / places[-1]))
+        return np.stack(list(_sizes(history(course, rigid, time_s)).values()))
+
+    found = largest_of_each(sizes, places)
     phi1 = course.at(np.array([one.at for one in found]))[0]
     peaks = {name: Peak(one.value, one.at, float(angle)) for name, one, angle in zip(names, found, phi1, strict=True)}
     forces = {name.removesuffix(FORCE): peaks.pop(name) for name in names if name.endswith(FORCE)}

@@ -12,7 +12,8 @@ from ncgear.drivetrain.pto import Excursion
 from ncgear.drivetrain.speed import SpeedCourse
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
-from ncgear.project.drivetrain import DrivetrainResult, MotorResult, PowerTakeOffResult, ShaftResult
+from ncgear.project.drivetrain import DrivetrainResult, PowerTakeOffResult, ShaftResult
+from ncgear.project.motor import MotorResult
 
 W = 1e-3
 """One N mm/s in W; likewise one N mm in J."""
@@ -28,7 +29,7 @@ def drivetrain_figures(found: DrivetrainResult) -> dict[str, Any]:
         "losses": _losses(found),
         **{name: _shaft(one) for name, one in shafts.items() if one is not None and one.bearings is not None},
         "flywheel": _flywheel(found),
-        **({"motor": _motor(found.motor, found.demand)} if found.motor else {}),
+        **({"motor": _motor(found.motor)} if found.motor else {}),
         **({"pto": _pto(found.pto, found.demand)} if found.pto else {}),
     }
 
@@ -113,8 +114,8 @@ def _flywheel(found: DrivetrainResult) -> dict[str, Any]:
     return told
 
 
-def _motor(found: MotorResult, demand: Demand) -> dict[str, Any]:
-    given, load = found.given, found.load
+def _motor(found: MotorResult) -> dict[str, Any]:
+    given, demand, load = found.given, found.demand, found.load
     useful_n_mm_s = demand.losses.useful_n_mm / demand.cycle.cycle_rad * demand.speed_rad_s
     peak = None if given.peak_torque_n_m is None else given.peak_torque_n_m / (N_M_PER_N_MM * load.most_n_mm.value)
     told: dict[str, Any] = {
@@ -137,6 +138,8 @@ def _motor(found: MotorResult, demand: Demand) -> dict[str, Any]:
             else None,
         },
     }
+    if found.stops:
+        told["stops"] = found.stops
     if found.course is not None:
         told["with_flywheel"] = _course(found.course, given.rated_torque_n_m, given.peak_torque_n_m)
     return told

@@ -33,11 +33,12 @@ DRAWN_DECIMALS = {"mm": 4, "deg": 5, "": 5}
 MICRORAD = "\u00b5rad"
 """Millionths of a radian: 0.1 micrometre on a radius of 100 mm."""
 
-NOISE_DECIMALS = {MICRORAD: 3, "kg m2": 15}
+NOISE_DECIMALS = {MICRORAD: 3, "kg m2": 15, "W": 24}
 NOISE = 9
 """Decimals beyond which a figure holds rounding errors only, by its unit, and of any other unit.
 
-A nanometre of a metre is 1e-9 rad; the inertia of a small part is a few 1e-9 kg m2.
+A nanometre of a metre is 1e-9 rad; the inertia of a small part is a few 1e-9 kg m2.  Powers are settled beside the
+largest of their machine before they are told, and those of the smallest machines count in digits, too.
 """
 
 

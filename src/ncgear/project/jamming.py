@@ -8,7 +8,7 @@ from math import sqrt
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
-from ncgear.numerics.bounds import rounded_up, shown_below
+from ncgear.numerics.bounds import rounded_up, shown_above, shown_below
 from ncgear.project.alternatives import Changes
 from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
@@ -22,8 +22,9 @@ MOST_BACKLASH = 0.25
 LEAST_FACE, NEAR = 1e-3, 1.005
 """Share of a face width down to which a narrower one is sought, and the factor to which it is found."""
 
-STEP_MM, STEP_DEG = 0.005, 0.005
-"""The backlash that is enough is rounded up to a multiple of this: nobody makes teeth to finer steps."""
+STEP = 0.005
+"""The backlash that is enough, in mm or degrees, is rounded up to a multiple of this, or if less to two digits:
+nobody makes teeth of usual size to finer steps."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def jamming_of(drive: Drive) -> Jamming:
     of_pairs = backlash_needed(drive.whole)
     key = backlash_key(drive.gears)
     given = float(getattr(drive.gears, key))
-    value = rounded_up(enough(of_pairs, TURNING), STEP_MM if key == "backlash_mm" else STEP_DEG)
+    value = _made_up(enough(of_pairs, TURNING))
     share = of_pairs[(drive.stage or 1) - 1].jammed(given)
     usual = value <= MOST_BACKLASH * drive.pitch.size.module_mm
     return Jamming(
@@ -69,6 +70,11 @@ def jamming_of(drive: Drive) -> Jamming:
         tolerances=tolerances,
         process=process,
     )
+
+
+def _made_up(backlash: float) -> float:
+    """A backlash in mm or degrees rounded up as people make it."""
+    return float(shown_above(backlash, 2)) if 0.0 < backlash < STEP else rounded_up(backlash, STEP)
 
 
 def _narrower(drive: Drive, key: str, given: float) -> Changes:
@@ -84,7 +90,7 @@ def _narrower(drive: Drive, key: str, given: float) -> Changes:
     def enough_for(width_mm: float) -> float:
         gears = drive.whole.gears.model_copy(update={"face_width_mm": width_mm})
         like = drive_like(drive.whole, drive.whole.design.model_copy(update={"gears": gears}))
-        return rounded_up(enough(backlash_needed(like), TURNING), STEP_MM)
+        return _made_up(enough(backlash_needed(like), TURNING))
 
     if enough_for(low * own) > most:
         return {}

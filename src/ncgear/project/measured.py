@@ -19,6 +19,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.geared import Geared
 from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.shown import Shown
+from ncgear.solids.helical.helix import Helix
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
 
@@ -27,8 +28,9 @@ class MeasuredGear:
     """One gear in the section that is measured.
 
     ``tool`` is what lies in its spaces, a pin or, in helical ones, a ball, and ``pins_mm`` are the diameters to choose
-    from.  ``limits_mm`` are the lower and upper deviation of its tooth thickness, None where they are not given.  The
-    teeth stand in the middle of both.
+    from.  ``section_z_mm`` is the height at which the balls' centres lie, None where any height is the same.
+    ``limits_mm`` are the lower and upper deviation of its tooth thickness, None where they are not given; the teeth
+    stand in the middle of both.
     """
 
     gear: Gear
@@ -38,6 +40,7 @@ class MeasuredGear:
     pins_mm: tuple[float, ...]
     tolerance_mm: float
     limits_mm: tuple[float, float] | None
+    section_z_mm: float | None = None
 
     @cached_property
     def pins(self) -> Pins:
@@ -128,8 +131,13 @@ def measured_section(drive: Geared) -> ToothedPair:
     """
     if drive.helix is None:
         return drive.teeth
-    advance = drive.helix.advance_mm(drive.helix.rise_mm / 2.0)
+    advance = drive.helix.advance_mm(section_z_mm(drive.helix))
     return toothed_pair(drive.pitch, drive.tooth_form, drive.chord_tolerance_mm, advance_mm=advance)
+
+
+def section_z_mm(helix: Helix) -> float:
+    """Height of the section that is measured: half way up helical teeth, or up the lower half of herringbone ones."""
+    return helix.rise_mm / 2.0
 
 
 def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
@@ -137,7 +145,8 @@ def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
     limits = thickness_limits_mm(drive.gears)
     tool = "ball" if drive.helix else "pin"
-    return MeasuredGear(gear, tool, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits)
+    z_mm = section_z_mm(drive.helix) if drive.helix else None
+    return MeasuredGear(gear, tool, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits, z_mm)
 
 
 def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:

@@ -36,6 +36,7 @@ from ncgear.project.alternatives import (
     shifted_against_undercut,
 )
 from ncgear.project.drive import Drive
+from ncgear.project.finer import FINER_STEP, MOST_FINER, fewest, require_made
 from ncgear.project.tooth_form import rack_of, require_pushing_flanks
 from ncgear.shown import Shown
 
@@ -92,13 +93,6 @@ STEEPER_DEG = (22.5, 25.0)
 
 SHIFTED_MODULES = (0.3, -0.3)
 """Profile shifts of the driving gear that are tried where the one chosen against undercut would change nothing."""
-
-MOST_FINER = 10
-"""Most teeth that are tried, divided by the design's: teeth a tenth as large are another pair of gears."""
-
-FINER_STEP = 1.5
-"""By how many times more teeth are tried until a number works, from an estimate on: numbers under it cost time and are
-refused."""
 
 FINER_TOGETHER = (1.5, 3.0)
 """Numbers of teeth, divided by the design's, that are tried together with another change."""
@@ -201,16 +195,6 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
     return None
 
 
-def require_made(drive: Drive) -> None:
-    """Raise WrongInput or NoSuchMechanism where teeth, their contact or their outlines are refused; makes no body."""
-    from ncgear.contact.written.as_written import Outlines
-
-    for pair in drive.by_stage:
-        pair.require_sound_teeth()
-        teeth = pair.teeth
-        pair.contact([Outlines("points", teeth.driving.outline_mm, teeth.driven.outline_mm)])
-
-
 def searched(
     drive: Drive,
     refusal: DesignError,
@@ -253,31 +237,20 @@ class _Trials:
 
     def fewest(self) -> Mend | None:
         """The least number of teeth that works: the number before it does not, unless time ends the search earlier."""
-        pair, fitted = self._drive.by_stage[0], _fitted(self._drive)
+        pair, fitted, mends = self._drive.by_stage[0], _fitted(self._drive), dict[int, Mend]()
         each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
-        most = min(MOST_FINER * low, MOST_TEETH // each * each)
-        high, found = most + each, None
-        about = NOTCH_SHARE if self.needed > low else FINER_STEP - 1.0
 
-        def more(teeth: int) -> int:
-            step = 1.0 + about if teeth >= self.needed else FINER_STEP
-            return min(_up(max(self.needed, step * teeth), each), most)
-
-        def between() -> int:
-            return _up(max((low + high - each) / 2.0, (1.0 - about) * high - each), each)
-
-        count = more(low)
-        while low < count < high:
-            way = Way((Kind.FINER,), fitted | resized(pair, count))
+        def does(teeth: int) -> bool | None:
+            way = Way((Kind.FINER,), fitted | resized(pair, teeth))
             mend = self.best((way,))
             if mend is not None:
-                high, found = count, mend
-            elif way in self.failed:
-                low = count
-            else:
-                break
-            count = more(low) if found is None else between()
-        return found
+                mends[teeth] = mend
+                return True
+            return False if way in self.failed else None
+
+        about = NOTCH_SHARE if self.needed > low else FINER_STEP - 1.0
+        most = min(MOST_FINER * low, MOST_TEETH // each * each)
+        return mends.get(fewest(does, low, most, each, self.needed, about))
 
     def _sound(self, way: Way, share: float) -> Mend | None:
         """The way where teeth are sound with it; raises TimeIsOver."""
@@ -295,10 +268,6 @@ class _Trials:
         """A context that ends where a design is refused; raises TimeIsOver when a share of the time is over."""
         with suppress(DesignError), at_most(share * self._seconds - (process_time() - self._begun)):
             yield
-
-
-def _up(count: float, each: int) -> int:
-    return ceil(count / each) * each
 
 
 def _teeth_of_notches(drive: Drive) -> float:

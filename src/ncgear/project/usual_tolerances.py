@@ -82,9 +82,28 @@ def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
     """
     drawn_mm, given = drive.gears.tolerances.center_distance_mm, drive.design.tolerances
     process = process_of(drive) if given is None else None
-    taken = given if process is None else USUAL[process]
+    apart_mm = [pair.pitch.center_distance_mm for pair in drive.whole.by_stage]
+    taken = given if process is None else _usual(process, min(apart_mm))
     assert taken is not None
     if process is not None and drawn_mm is None:
-        standard = (distance_deviation_mm(pair.pitch.center_distance_mm) or 0.0 for pair in drive.whole.by_stage)
-        drawn_mm = max(taken.center_distance_mm, *standard)
+        drawn_mm = max(taken.center_distance_mm, *(distance_deviation_mm(one) or 0.0 for one in apart_mm))
     return taken if drawn_mm is None else taken.model_copy(update={"center_distance_mm": drawn_mm}), process
+
+
+SMALLEST_MM = 10.0
+"""Centre distance from which on usual tolerances are those of the table; those of smaller gears that are cut are
+smaller in proportion, as watchmakers have to make them.  What a printer lays down does not become finer."""
+
+
+def _usual(process: Process, distance_mm: float) -> AssemblyTolerances:
+    """What is taken of a process for gears at a centre distance in mm."""
+    taken, share = USUAL[process], distance_mm / SMALLEST_MM
+    if process is Process.PRINTED or share >= 1.0:
+        return taken
+    gears = {
+        gear.value: (one := getattr(taken, gear.value)).model_copy(
+            update={"eccentricity_mm": share * one.eccentricity_mm}
+        )
+        for gear in Gear
+    }
+    return taken.model_copy(update={"center_distance_mm": share * taken.center_distance_mm, **gears})

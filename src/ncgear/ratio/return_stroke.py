@@ -425,21 +425,25 @@ def _powers(polynomial: Polynomial) -> Array:
 
 def are_positive(coefficients: Array) -> Mask:
     """Which of k polynomials of m powers, shape (k, m), are positive on all of [0, 1]; NaN are not."""
-    # A polynomial on [0, 1] is no less than its least coefficient in Bernstein's form.
-    positive: Mask = np.min(coefficients @ _to_bernstein(coefficients.shape[1] - 1).T, axis=1) > 0.0
-    doubtful = np.nonzero(~positive)[0]
-    if doubtful.size:
-        at_places = coefficients[doubtful] @ np.vander(PLACES, coefficients.shape[1], increasing=True).T
-        doubtful = doubtful[(at_places > 0.0).all(axis=1)]
-    for row in doubtful:
+    count = coefficients.shape[1]
+    parts = (coefficients @ _to_bernstein(count - 1).T).reshape(len(coefficients), -1, count)
+    # A polynomial is no less on a part than its least coefficient there in Bernstein's form; the first is its value.
+    positive: Mask = np.min(parts, axis=(1, 2)) > 0.0
+    for row in np.nonzero(~positive & (parts[..., 0] > 0.0).all(axis=1) & (parts[:, -1, -1] > 0.0))[0]:
         positive[row] = _lowest(Polynomial(coefficients[row]))[0] > 0.0
     return positive
 
 
 @cache
 def _to_bernstein(degree: int) -> Array:
-    """Matrix from coefficients of powers on [0, 1] to those of Bernstein's polynomials."""
-    return np.array([[comb(i, j) / comb(degree, j) for j in range(degree + 1)] for i in range(degree + 1)])
+    """Matrix from coefficients of powers to those of Bernstein's polynomials on each part between PLACES in turn."""
+    power = range(degree + 1)
+    whole = np.array([[comb(i, j) / comb(degree, j) for j in power] for i in power])
+    length = 1.0 / (PLACES.size - 1)
+    raised = np.array(
+        [[[comb(i, j) * start ** max(i - j, 0) * length**j for i in power] for j in power] for start in PLACES[:-1]]
+    )
+    return np.concatenate(whole @ raised)
 
 
 def return_of_least_acceleration(ends: ReturnEnds, linkage: Mechanism, *, inverse: bool) -> ReturnLaw:

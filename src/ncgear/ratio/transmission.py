@@ -25,7 +25,7 @@ from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum, extremes_on, grid_between
+from ncgear.numerics.extrema import Extremum, bounds_on, extremes_on, grid_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import integrated_slope
 from ncgear.numerics.units import in_words
@@ -194,6 +194,11 @@ class Piece:
 
         return extremes_on(by_angle, grid)
 
+    @property
+    def slope_bounds(self) -> tuple[float, float]:
+        """Bounds of dphi2/dphi1 on the piece, as ``bounds_on``."""
+        return bounds_on(*self._sampled_slope)
+
     @cached_property
     def _sampled_slope(self) -> tuple[Array, Jet]:
         """Driving angles between which extremes are looked for, and dphi2/dphi1 there with three derivatives."""
@@ -221,6 +226,9 @@ class Transmission(Shown):
     lobes: Lobes
 
     def __post_init__(self) -> None:
+        low, high = zip(*(piece.slope_bounds for piece in self.made_pieces), strict=True)
+        if min(low) > STANDSTILL * max(high):
+            return
         fastest = self.slope_range[1].value
         for extremum in self.slope_range:
             if not (np.isfinite(extremum.value) and extremum.value > STANDSTILL * abs(fastest)):

@@ -59,7 +59,7 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
     yield "strength", {"facts": safety_facts(drive.by_stage), "tables": strong}
     for _, pair in pairs:
         yield from drawn_charts(charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
-    yield "verdict", verdict_data(judged(drive, Known.TEETH))
+    yield "verdict", verdict_data(judged(drive, Known.TEETH, seconds=0.0))
 
 
 def _shown(scene: Scene, *, gears: bool) -> dict[str, Any]:

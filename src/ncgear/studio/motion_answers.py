@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
 from ncgear.drawings.page.motion_charts import motion_charts, quantities_of
 from ncgear.drawings.scene.scene import scene_without_gears
+from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.project.drive import Drive
 from ncgear.studio.answers import Answer
 from ncgear.studio.handles import handles
@@ -73,25 +73,28 @@ def power_needs_gears(drive: Drive) -> bool:
 
 
 def live(page_chart: PageChart) -> dict[str, Any]:
-    """A chart for lines that follow at once; the page draws them on the scales of the last drawn chart."""
-    chart = page_chart.chart
+    """A chart for lines that follow at once; the page draws them on the scales of the last drawn chart.
+
+    Its lines have their samples at the same angles.
+    """
+    chart, decimals = page_chart.chart, page_chart.decimals + MORE_DECIMALS
+    angles_deg = chart.lines[0].x
+    places = _thinned(angles_deg)
     return {
         "key": page_chart.key,
         "name": chart.name,
         "unit": chart.unit,
         "decimals": page_chart.decimals,
-        "lines": [_thinned(line, page_chart.decimals + MORE_DECIMALS) for line in chart.lines],
+        "x": np.round(angles_deg[places], 4).tolist(),
+        "lines": [
+            {"role": str(line.role), "label": line.label, "y": np.round(line.values[places], decimals).tolist()}
+            for line in chart.lines
+        ],
     }
 
 
-def _thinned(line: Line, decimals: int) -> dict[str, Any]:
-    step = max(1, len(line.x) // LIVE_POINTS)
-    # Both ends and both sides of every jump stay.
-    jumps = np.nonzero(np.diff(line.x) < 1e-6)[0]
-    places = np.unique(np.concatenate([np.arange(0, len(line.x), step), jumps, jumps + 1, [len(line.x) - 1]]))
-    return {
-        "role": str(line.role),
-        "label": line.label,
-        "x": np.round(line.x[places], 4).tolist(),
-        "y": np.round(line.values[places], decimals).tolist(),
-    }
+def _thinned(angles_deg: Array) -> IndexArray:
+    """The numbers of some samples; both ends and both sides of every jump stay."""
+    step = max(1, len(angles_deg) // LIVE_POINTS)
+    jumps = np.nonzero(np.diff(angles_deg) < 1e-6)[0]
+    return distinct(np.concatenate([np.arange(0, len(angles_deg), step), jumps, jumps + 1, [len(angles_deg) - 1]]))

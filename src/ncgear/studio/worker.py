@@ -162,9 +162,11 @@ def main() -> None:
     sys.unraisablehook = quiet_of_interrupts
     end_with_parent(requests.read_all)
 
+    from ncgear.memory import begin_worker
     from ncgear.studio.answers import guarded
     from ncgear.studio.followed import Followed
 
+    begin_worker()
     answers, followed = [(chain, answers_of(chain)) for chain in chains], Followed()
     while True:
         request = requests.next()

@@ -34,9 +34,9 @@ GENTLE_RAD = 1.0
 SURELY_ONE = 1.0 - 1e-6
 """Most chords, as a bound tells them, of a curve that is not probed: probes add less than the rest to their count."""
 
-MOST_CHORDS, MOST_OF_ONE = 30_000, 25
-"""Chords of all curves of a kind together, and of each where there are very many: a minute and 3 GB of all that
-follows.
+MOST_CHORDS, MOST_OF_ONE = 6_000, 25
+"""Chords of all curves of a kind together, and of each where there are very many: with 24 teeth a minute of all that a
+build makes of them, which takes four times as long with twice as many.
 
 Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance.
 """

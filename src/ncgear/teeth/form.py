@@ -17,7 +17,7 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.bounds import shown_below
-from ncgear.teeth.root_radius import largest_root_radius
+from ncgear.teeth.root_radius import ROUNDING, largest_root_radius
 
 MOST_SHIFT = 0.7
 """Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
@@ -75,9 +75,15 @@ class BasicRack:
     idle_angle_rad: float | None = None
 
     def __post_init__(self) -> None:
+        # Where the flanks of a tooth of the rack meet over its mid line, in modules
+        point = 2.0 * self.tooth_half_width_mm / sum(map(tan, self.angles_rad)) / self.module_mm
+        highest = shown_below(point * (1.0 - ROUNDING), 3)
         shallowest = self.dedendum_mm - self.root_radius_mm * (1.0 - sin(min(self.angles_rad)))
         if self.tip_half_width_mm < 0.0 or shallowest < 0.0:
-            largest, pointed = self.largest_root_radius_mm, "it is pointed; a smaller dedendum is right"
+            largest, pointed = (
+                self.largest_root_radius_mm,
+                f"it is pointed; gears.rack.dedendum: {highest} or less is right",
+            )
             most = f"{shown_below(largest)} mm is the most" if largest >= 0.0 else pointed
             angles = " and ".join(f"{degrees(angle):g}" for angle in dict.fromkeys(self.angles_rad))
             raise WrongInput(
@@ -87,7 +93,8 @@ class BasicRack:
             )
         if self.tooth_half_width_mm <= self.addendum_mm * sum(map(tan, self.angles_rad)) / 2.0:
             raise WrongInput(
-                "the rack's teeth are pointed below their tips; a smaller addendum or pressure angle helps",
+                f"the rack's teeth are pointed below their tips; {highest} or less is right, or a smaller pressure "
+                "angle",
                 key="gears.rack.addendum",
             )
 

@@ -26,10 +26,17 @@ STANDARD_UM = {
 MM_PER_UM = 1e-3
 
 
+LEAST_MM = 1.0
+"""Size from which on widths are those of the standard; below it they are smaller in proportion, as hardly any fit of
+the standard is made there."""
+
+
 def standard_tolerance_mm(grade: int, size_mm: float) -> float | None:
     """IT of a grade for a nominal size; None beyond the sizes of the standard."""
     place = bisect_left(UP_TO_MM, size_mm)
-    return None if place == len(UP_TO_MM) else MM_PER_UM * STANDARD_UM[grade][place]
+    if place == len(UP_TO_MM):
+        return None
+    return MM_PER_UM * STANDARD_UM[grade][place] * min(1.0, size_mm / LEAST_MM)
 
 
 def distance_deviation_mm(size_mm: float) -> float | None:

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from ncgear.design.keys.base import Model, fault, given, optional, required
 from ncgear.design.keys.linkages import Linkage
 from ncgear.design.keys.masses import HEAVIEST_KG, Mass, Masses
-from ncgear.design.keys.types import LONGEST_MM, FileName, Length, Place, Several, Share, Speed
+from ncgear.design.keys.types import FILE_FORMAT, LONGEST_MM, FileFormat, FileName, Length, Place, Several, Share, Speed
 from ncgear.design.words import NAME_PATTERN, listed
 
 MOST_COUNT = 10_000
@@ -273,6 +273,7 @@ class Balance(Model):
 
     name: str = required("name of the file's subject and of its output folder", pattern=NAME_PATTERN)
     description: str = optional("free text", "", max_length=10_000)
+    format: FileFormat = optional(FILE_FORMAT, 1)
     speed_rpm: Speed | None = optional("speed in r/min of the shaft that drives the mechanisms and the gears")
     mechanisms: Annotated[Several[Mechanism], Field(max_length=50)] = optional("crank-sliders on one frame, a list", ())
     move_phase_of: str | None = optional("name of the mechanism whose best phase is looked for; left out: none")

@@ -18,6 +18,7 @@ from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
+from ncgear.design.keys.types import FILE_FORMAT, FileFormat
 from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
@@ -55,6 +56,7 @@ class Design(Model, Shown):
 
     name: str = required("name of the design and of its output folder", pattern=NAME_PATTERN)
     description: str = optional("free text", "", max_length=10_000)
+    format: FileFormat = optional(FILE_FORMAT, 1)
     linkage: Linkage = required("the mechanism that the driven gear turns; left out: gears by themselves")
     operation: Operation = required("how the machine is run")
     motion: Motion

@@ -175,7 +175,7 @@ class Tolerances(Model):
     )
     center_distance_mm: Annotated[float, Field(gt=0.0, le=10.0)] | None = optional(
         "largest deviation of the centre distance in mm on drawings, either way; assemblies are judged by it too. Left "
-        "out: that of the section tolerances or, where it has none, JS7 of ISO 286"
+        "out: that of the section tolerances or, where it has none, JS7 of ISO 286, but no less than is usual"
     )
     bore_fit: Fit = optional("fit of both bores, of ISO 286", "H7")
     index_hole_fit: Fit = optional("fit of both index holes, of ISO 286", "H7")

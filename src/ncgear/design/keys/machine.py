@@ -216,12 +216,15 @@ class RockerTorque(TurningLoad):
 CHORD_MM = 0.005
 """Chord tolerance in mm where none is given: finer than any printer, laser or wire follows."""
 
+CHORD_OF_LARGE_IN_MODULES = 1e-4
+"""The same of teeth so large, from a module of 50 mm on, that it would take ever more points."""
+
 CHORD_IN_MODULES = 0.002
 """The same of small teeth, so that they turn as large ones do: from a module of 2.5 mm down this is less."""
 
-FINEST_IN_MODULES, COARSEST_IN_MODULES = 1e-7, 0.05
-"""Chord tolerances that may be given: finer ones are lost in single precision, as STL has it, and with coarser ones
-outlines, which may overlap by as much, are no teeth: a fifth of a usual tip clearance."""
+FINEST_IN_MODULES, COARSEST_IN_MODULES = 1e-6, 0.05
+"""Chord tolerances that may be given: of finer ones gears of any number of teeth take more points than are made, and
+with coarser ones outlines, which may overlap by as much, are no teeth: a fifth of a usual tip clearance."""
 
 NARROWEST_IN_MODULES = 5e-4
 """The narrowest band of tooth thickness: a micrometre at module 2, to which master gears are ground.  Outlines within a
@@ -238,9 +241,11 @@ class Output(Model):
 
     chord_tolerance_mm: Length | None = optional(
         "greatest distance in mm of a written outline's chords from the exact curve, "
-        f"{FINEST_IN_MODULES:g} to {COARSEST_IN_MODULES:g} modules and up to {COARSEST_IN_BAND:g} of the width of the "
-        f"band that gears.tolerances gives the tooth thickness; left out: the least of {CHORD_MM:g} mm, "
-        f"{CHORD_IN_MODULES:g} modules and {COARSEST_IN_BAND / 2.0:g} of that width"
+        f"{FINEST_IN_MODULES:g} (with more than a few teeth 1e-05, as a refusal then tells) to "
+        f"{COARSEST_IN_MODULES:g} modules and up to {COARSEST_IN_BAND:g} of the width of the "
+        f"band that gears.tolerances gives the tooth thickness; left out: the least of {CHORD_MM:g} mm (or "
+        f"{CHORD_OF_LARGE_IN_MODULES:g} modules, if more), {CHORD_IN_MODULES:g} modules and {COARSEST_IN_BAND / 2.0:g} "
+        "of that width"
     )
 
     def chord_mm(self, module_mm: float, band_mm: float | None = None) -> float:
@@ -258,7 +263,8 @@ class Output(Model):
                 key="gears.tolerances.tooth_thickness_lower_mm",
             )
         if given is None:
-            return min(CHORD_MM, CHORD_IN_MODULES * module_mm, in_band / 2.0)
+            usual = max(CHORD_MM, CHORD_OF_LARGE_IN_MODULES * module_mm)
+            return min(usual, CHORD_IN_MODULES * module_mm, in_band / 2.0)
         if given > coarsest:
             raise WrongInput(
                 f"{given:g} mm are {given / module_mm:.3g} of the module of {module_mm:.4g} mm; "

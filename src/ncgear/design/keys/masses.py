@@ -216,7 +216,9 @@ class Simulation(Model):
     damping_ratio: float = optional(
         "damping as a share of the critical damping of one pair of teeth between both shafts", 0.07, ge=0.0, le=1.0
     )
-    full_damping_depth_mm: Positive = optional("depth in mm from which on damping is full", 0.002)
+    full_damping_depth_mm: Positive | None = optional(
+        "depth in mm from which on damping is full; left out: 1/1500 of the module"
+    )
     friction: Friction = optional("friction between the teeth", Friction)
     motor: Motor | None = optional(
         "what drives the level dynamic; left out: operation.speed_rpm, whatever torque it takes"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import AfterValidator, Field, Strict
 
@@ -58,3 +58,7 @@ Numbers = Several[float]
 FileName = Annotated[str, Field(min_length=1)]
 
 CSV_FILE = "CSV file with {} columns instead, its header naming them; its path counts from the design file"
+
+FileFormat = Literal[1]
+FILE_FORMAT = "version of the file's format; a file of a later format needs a later ncgear; left out: 1"
+"""The formats that this program reads, and what is said of their key: a change that older files do not mean is 2."""

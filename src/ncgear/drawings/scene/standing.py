@@ -7,11 +7,11 @@ front of the slider has a grain, which shows how the slider presses it.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import pi
 
 import numpy as np
 import shapely
-from shapely import Polygon
 
 from ncgear.drawings.scene.bodies import CRANK_EYE, Chamber
 from ncgear.drawings.scene.scene import Scene
@@ -20,10 +20,12 @@ from ncgear.numerics.arrays import Array
 
 
 def simplified(contours_mm: Sequence[Array], tolerance_mm: float) -> list[Array]:
-    """Contours (shape (n, 2) each, outer one first) without points that are within the tolerance of the rest."""
-    polygon = Polygon(contours_mm[0], contours_mm[1:])
-    fewer = shapely.simplify(polygon, tolerance_mm, preserve_topology=True)
-    return [np.asarray(ring.coords)[:-1] for ring in (fewer.exterior, *fewer.interiors)]
+    """Contours (shape (n, 2) each) without points that are within the tolerance of the rest; the first point stays."""
+    closed = [shapely.linestrings(np.vstack([contour, contour[:1]])) for contour in contours_mm]
+    # Lines take a seventh of the time of polygons, which are kept from crossing themselves.
+    return [
+        shapely.get_coordinates(shapely.simplify(line, tolerance_mm, preserve_topology=False))[:-1] for line in closed
+    ]
 
 
 HATCHES = 44
@@ -49,6 +51,7 @@ WALL_GAP = 0.03
 """Least room that is left between a wall and what moves through it, as a share of the crank's length."""
 
 
+@lru_cache(maxsize=1)
 def walls_mm(scene: Scene) -> list[Array]:
     """The open lines of the chamber's walls in mm, shape (n, 2) each; none without a chamber.
 
@@ -184,6 +187,7 @@ Box = tuple[float, float, float, float]
 """Left, bottom, width and height in mm of the frame of the scene."""
 
 
+@lru_cache(maxsize=1)
 def views(scene: Scene) -> dict[str, Box]:
     """The boxes of the views: the whole machine, and where there are gears, all gears and the mesh.
 

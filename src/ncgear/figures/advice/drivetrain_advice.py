@@ -1,25 +1,24 @@
-"""Advices about what stands around the gears: bearings, shafts, keys, motor and couplings that do not hold."""
+"""Advices about what stands around the gears: a motor that does not do, parts and couplings that do not hold."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
 from ncgear.drivetrain.bearings import MOST_OF_RATING
+from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
-    from ncgear.project.drivetrain import MotorResult, PowerTakeOffResult, ShaftResult
-
-LEAST_SAFETY = 1.2
-"""Safety that DIN 743 asks for at least, since its figures scatter."""
+    from ncgear.project.drivetrain import PowerTakeOffResult, ShaftResult
+    from ncgear.project.motor import MotorResult
 
 
 def around(drive: Drive) -> Iterator[Advice]:
@@ -30,44 +29,60 @@ def around(drive: Drive) -> Iterator[Advice]:
             yield from _of_bearings(name, shaft, found.wanted.hours)
             yield from _of_shaft(name, shaft)
     yield from _of_crank(drive)
-    if found.motor:
-        yield from _of_motor(found.motor, found.demand.speed_rad_s)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
 
 
-def motor(drive: Drive) -> Advice | None:
-    """Whether the motor of the simulation stops, or turns the machine at another speed than the wanted one."""
-    from ncgear.project.simulated_motor import steady_rad_s
+def motor(drive: Drive) -> Iterable[Advice | NotJudged]:
+    """Whether the motor moves the machine at its speed, and bears it, with the friction between teeth as they are."""
+    if not _behind_gearbox(drive):
+        return _of_simulated(drive)
+    found = drive.drivetrain.motor
+    assert found is not None
+    return _of_motor(drive, found, found)
+
+
+def motor_without_teeth(drive: Drive) -> Iterable[Advice | NotJudged]:
+    """The same without teeth: told where neither no friction nor the most that there can be says otherwise."""
+    from ncgear.project.motor import motor_within
+
+    if not _behind_gearbox(drive):
+        return _of_simulated(drive)
+    least, most = motor_within(drive)
+    found = list(_of_motor(drive, least, most))
+    if bool(found) == bool(list(_of_motor(drive, most, most))):
+        return found
+    return [NotJudged("the friction between the teeth decides: ncgear build")]
+
+
+def _behind_gearbox(drive: Drive) -> bool:
+    around = drive.design.drivetrain
+    return around is not None and around.motor is not None
+
+
+def _of_simulated(drive: Drive) -> Iterator[Advice]:
+    """The motor of the simulation that stops, or turns the machine at another speed than the wanted one."""
+    from ncgear.project.motor import OFF_SPEED, fitting_simulated, steady_rad_s, told_words
+
+    def that_does() -> str:
+        return told_words(fitting_simulated(drive))
 
     if (stall := drive.motor_stall) is not None:
-        return replace(_advice(str(stall), _fitting(drive), Kind.MOTOR), brief=stall.brief)
+        yield replace(_advice(str(stall), that_does(), Kind.MOTOR), brief=stall.brief)
+        return
     try:
         runs = steady_rad_s(drive)
     except NoSuchMechanism as refusal:
-        return _advice(refusal.problem.partition("; ")[0], _fitting(drive), Kind.MOTOR)
+        yield _advice(refusal.problem.rpartition("; ")[0], that_does(), Kind.MOTOR)
+        return
     wanted = drive.machine.speed_rad_s
-    if runs is None or abs(runs / wanted - 1.0) <= OFF_SPEED:
-        return None
-    return _advice(
-        f"with its motor the machine runs at {_rpm(runs)} r/min, not at operation.speed_rpm: {_rpm(wanted)}; all else "
-        "is told for that speed",
-        _fitting(drive),
-        Kind.MOTOR,
-    )
-
-
-def _fitting(drive: Drive) -> str:
-    """What motor would do, as tried."""
-    from ncgear.project.simulated_motor import fitting_motor
-
-    found, given = fitting_motor(drive, OFF_SPEED), drive.design.simulation.motor
-    if found is None or given is None:
-        return "another speed, more torque or a heavier flywheel is needed; no motor that was tried does"
-    asked = {"no_load_speed_rpm": given.no_load_speed_rpm, "stall_torque_n_m": given.stall_torque_n_m}
-    told = zip(asked.items(), found, strict=True)
-    changed = [f"{key}: {value:g}" for (key, before), value in told if value != before]
-    return f"simulation.motor.{' and '.join(changed)}"
+    if runs is not None and abs(runs / wanted - 1.0) > OFF_SPEED:
+        yield _advice(
+            f"with its motor the machine runs at {_rpm(runs)} r/min, not at operation.speed_rpm: {_rpm(wanted)}; all "
+            "else is told for that speed",
+            that_does(),
+            Kind.MOTOR,
+        )
 
 
 def _rpm(speed_rad_s: float) -> str:
@@ -122,7 +137,7 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
             yield _advice(
                 f"the {name} shaft has an estimated safety of {to_digits(safety, 3)} against {against} at its keyway; "
                 f"{LEAST_SAFETY:g} or over is right",
-                "a thicker shaft or a stronger steel",
+                _thicker(name, found.enough_mm),
             )
     if found.key is not None and found.key.safety < 1.0:
         yield _advice(
@@ -138,42 +153,56 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
         )
 
 
-OFF_SPEED = 0.03
-"""Share by which a motor's own speed may differ from the wanted one: what the slip of usual motors makes."""
+def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[Advice]:
+    """The motor behind a gearbox; values that do are those of the ``most`` that the machine may ask for."""
+    from ncgear.project.motor import OFF_SPEED, fitting_geared, told_words
 
-
-def _of_motor(found: MotorResult, wanted_rad_s: float) -> Iterator[Advice]:
-    rated = found.given.rated_torque_n_m
-    course, peak = found.course, found.given.peak_torque_n_m
-    rms = N_M_PER_N_MM * (course.rms_n_mm if course else found.load.rms_n_mm)
-    most = N_M_PER_N_MM * (course.motor_range_n_mm[1] if course else found.load.most_n_mm.value)
-    if rms > rated:
-        needed = max(rms, N_M_PER_N_MM * found.load.rms_n_mm)
+    given, course, wanted_rad_s = found.given, found.course, found.demand.speed_rad_s
+    if found.stops:
+        helps = told_words(fitting_geared(drive.design, most))
+        yield _advice(found.stops.rpartition("; ")[0], helps, Kind.MOTOR)
+        return
+    rated, peak, least = given.rated_torque_n_m, given.peak_torque_n_m, "" if found is most else "at least "
+    if found.rms_n_m > rated:
+        needed = max(most.rms_n_m, N_M_PER_N_MM * most.load.rms_n_mm)
         # No file may give a peak torque below the rated one
-        also = "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(most, needed))}"
+        also = (
+            "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(most.most_n_m, needed))}"
+        )
         yield _advice(
-            f"the motor gives {to_digits(rms, 4)} N m in the mean square, more than its rated {rated:g} N m",
+            f"the motor gives {least}{to_digits(found.rms_n_m, 4)} N m in the mean square, more than its rated "
+            f"{rated:g} N m",
             _at_least("drivetrain.motor.rated_torque_n_m", needed) + also + ", or a larger ratio or flywheel",
+            Kind.MOTOR,
         )
-    if peak is not None and most > peak:
+    if peak is not None and found.most_n_m > peak:
         yield _advice(
-            f"the motor gives up to {to_digits(most, 4)} N m, more than its {peak:g} N m",
-            _at_least("drivetrain.motor.peak_torque_n_m", most),
+            f"the motor gives up to {least}{to_digits(found.most_n_m, 4)} N m, more than its {peak:g} N m",
+            _at_least("drivetrain.motor.peak_torque_n_m", most.most_n_m),
+            Kind.MOTOR,
         )
-    turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, found.given.rated_speed_rpm
+    turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, given.rated_speed_rpm
     if course is None and turns > (1.0 + OFF_SPEED) * rated_rpm:
-        slower = found.given.gearbox.ratio * rated_rpm / turns
+        slower = given.gearbox.ratio * rated_rpm / turns
         yield _advice(
             f"the motor turns at {to_digits(turns, 4)} r/min, faster than the {rated_rpm:g} r/min of its rated torque",
             f"drivetrain.motor.gearbox.ratio: {shown_below(slower, 4)} or less",
+            Kind.MOTOR,
         )
     if course is not None and abs(course.mean_rad_s / wanted_rad_s - 1.0) > OFF_SPEED:
-        ratio = found.given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
+        ratio = given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
         yield _advice(
             f"with this motor and gearbox the machine runs at {_rpm(course.mean_rad_s)} r/min, not at "
             f"operation.speed_rpm: {_rpm(wanted_rad_s)}; all else is told for that speed",
             f"drivetrain.motor.gearbox.ratio: {to_digits(ratio, 4)}",
+            Kind.MOTOR,
         )
+
+
+def _thicker(name: str, enough_mm: float | None) -> str:
+    if enough_mm is None:
+        return "a stronger steel: no shaft ten times as thick holds"
+    return f"{_at_least(f'drivetrain.{name}_shaft.diameter_mm', enough_mm)}, in a bore as wide, or a stronger steel"
 
 
 def _of_pto(found: PowerTakeOffResult, most_n_m: float) -> Iterator[Advice]:

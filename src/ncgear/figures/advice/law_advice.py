@@ -9,6 +9,7 @@ from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import drawn, fixed, micrometres, placed, to_digits
+from ncgear.numerics.bounds import shown_below
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
@@ -187,7 +188,7 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
                 f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
                 f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
                 "gears",
-                (_below(drive, NO_MEETING[gear]) if gear is Gear.DRIVING else Remedy(NO_MEETING[gear], short=THINNER),),
+                (_below(drive, NO_MEETING) if gear is Gear.DRIVING else _thinner(part, passing[gear] - pin),),
                 brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
             )
             for gear, part, radius in near
@@ -200,7 +201,7 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
                 f"the crank pin passes {drawn(round(one.distance_mm, 2), 'mm')} mm from the middle of the "
                 f"{one.standing.name}",
                 f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it",
-                (Remedy("set it farther off, or take a thinner crank pin"),),
+                (_thinner("crank pin", one.distance_mm - (one.standing.radius_mm or 0.0)),),
                 brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {one.standing.name}",
             )
             for one in drive.passings
@@ -214,13 +215,19 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
 NO_BORE = NotJudged("a gear has no bore_mm, and so no shaft of known size")
 
 
-THINNER = "make hub and shaft thinner"
+NO_MEETING = (
+    "let the driving shaft end below the crank, carry the crank on the other side of the gears, or take another centre "
+    "distance"
+)
 
-NO_MEETING = {
-    Gear.DRIVING: "let the driving shaft end below the crank, carry the crank on the other side of the gears, or take "
-    "another centre distance",
-    Gear.DRIVEN: f"{THINNER}, or make crank and shaft of one piece",
-}
+
+def _thinner(part: str, room_mm: float) -> Remedy:
+    """What is round has to be as thin as its room, or where there is none, to stand elsewhere."""
+    if room_mm <= 0.0:
+        words = f"no {part} is thin enough, but one {drawn(-room_mm, 'mm')} mm farther off or more"
+        return Remedy(words, short=words)
+    words = f"make the {part} no more than {shown_below(2.0 * room_mm, 3)} mm thick"
+    return Remedy(words, short=words)
 
 
 def _below(drive: Drive, words: str) -> Remedy:
@@ -332,11 +339,13 @@ def _stretch(ends_deg: tuple[float, float]) -> str:
 
 
 def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
+    """Laws that leave no dent; none of a ring, which no hob cuts either way."""
     mesh = drive.pitch.mesh
+    if shape.is_ring(gear, mesh):
+        return ()
 
     def dented(transmission: Transmission) -> bool:
-        low, high = transmission.extremes(lambda slope: shape.curvature(slope, gear, mesh), 2)
-        return (-high.value if shape.is_ring(gear, mesh) else low.value) < -STRAIGHT
+        return transmission.extremes(lambda slope: shape.curvature(slope, gear, mesh), 2)[0].value < -STRAIGHT
 
     sought = optimised(drive, convex=True) if mesh is Mesh.EXTERNAL else ()
     return (*tempered(drive, dented), *sought)

@@ -15,21 +15,25 @@ def made(drive: Drive) -> Advice | NotJudged:
         # Chords out of proportion to the teeth, or to the band of their thickness, are refused
         _ = drive.chord_tolerance_mm
     except DesignError as refusal:
-        return _refused(refusal)
+        # A build would try no other teeth, and has no more to say
+        return _refused(refusal, ())
     if drive.design.masses is not None and not drive.design.motion.is_open:
         # The masses of the machine ask for bodies where they leave out the inertia of the gears
         _ = drive.masses
     refused = drive.gear_refusal
-    return NotJudged(ONLY_TEETH) if refused is None else _refused(refused)
+    return NotJudged(ONLY_TEETH) if refused is None else _refused(refused, (BUILD,))
 
 
-def _refused(refusal: DesignError) -> Advice:
+BUILD = Remedy("let ncgear build say what would help", short="ncgear build")
+
+
+def _refused(refusal: DesignError, remedies: tuple[Remedy, ...]) -> Advice:
     problem = refusal.problem
     return Advice(
         Kind.MADE,
         (Where(),),
         f"a build refuses these gears: {problem}",
         "what is told here is the motion without them",
-        (Remedy("let ncgear build say what would help", short="ncgear build"),),
+        remedies,
         brief=f"a build refuses these gears: {problem}",
     )

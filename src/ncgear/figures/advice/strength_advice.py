@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import degrees
 
-from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where, changed
+from ncgear.figures.advice.tried_advice import ENOUGH
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Search, Where, changed
 from ncgear.figures.numbers import placed, to_digits
 from ncgear.numerics.bounds import shown_above
 from ncgear.project.drive import Drive
@@ -15,9 +17,6 @@ from ncgear.project.strengthening import (
     WIDEST_MODULES,
     Rating,
     known_rating,
-    large_enough,
-    strong_enough,
-    wide_enough,
 )
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
 
@@ -118,33 +117,42 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
 TOGETHER = Remedy("make teeth larger and gears wider together, or let them bear less")
 """What is said where neither size alone would do, and no search tells both."""
 
+SAFE_SIDE = 1.1
+"""The most by which rough safeties are over those of the teeth, but where curvatures leap: a size that is told roughly
+is larger by what this takes."""
+
 
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     """Sizes by how stresses scale; ncgear size finds none of teeth whose strength is not computed."""
-    wider = max((one.wanted / one.safety) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in found.weak)
-    larger = max((one.wanted / one.safety) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found.weak)
-    sizes = _sizes(drive, wider, larger)
+    short = [(one, SAFE_SIDE * one.wanted / one.safety) for one in found.weak]
+    wider = max(times ** (1.0 if one.damage is Damage.BENDING else 2.0) for one, times in short)
+    larger = max(times ** (0.5 if one.damage is Damage.BENDING else 1.0) for one, times in short)
+    sizes = tuple(replace(one, search=None) for one in _sizes(drive, wider, larger))
     if not found.unjudged:
         return sizes
     return tuple(one for one in sizes if one.short != SIZE) or (TOGETHER,)
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
-    """Sizes that would do by how stresses scale; they are not computed, so they are words and no changes."""
+    """Sizes that would do by how stresses scale; they are not computed, so they are words until trials tell them."""
     size, face_width_mm = drive.pitch.size, drive.gears.face_width_mm
     width, module = wider * face_width_mm, larger * size.module_mm
     # The largest gears of ncgear size: roots gain with width, module and scale, flanks with width and twice with scale.
     coarsest = SERIES_I_MM[-1] / size.module_mm
     scale = coarsest * MOST_TEETH / size.driving_teeth
     if wider > WIDEST_MODULES * SERIES_I_MM[-1] / face_width_mm * scale * max(scale, coarsest):
-        return (Remedy("take a stronger material or more pairs of gears: no usual size of these would do"),)
+        return (
+            Remedy("take a stronger material", search=Search.STRONGER),
+            Remedy("take more pairs of gears: no usual size of these would do"),
+        )
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
-        about = f"about {shown_above(module, 2)} mm"
-        found.insert(0, Remedy(f"take a module of {about} with as many teeth", short=f"module {about}"))
+        about = f"roughly {shown_above(module, 2)} mm"
+        words = f"take a module of {about} with as many teeth"
+        found.insert(0, Remedy(words, short=f"module {about}", search=Search.LARGER))
     if width <= WIDEST_MODULES * size.module_mm:
-        about = f"about {shown_above(width, 2)} mm"
-        found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}"))
+        about = f"roughly {shown_above(width, 2)} mm"
+        found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}", search=Search.WIDER))
     return tuple(found)
 
 
@@ -156,18 +164,13 @@ def remedies(drive: Drive, rating: Rating) -> tuple[Remedy, ...]:
     """What makes the teeth hold: a face width, a module, a material, or the search for sizes together."""
     if rating.holds:
         return ()
-    found = []
-    if wide := wide_enough(drive, rating):
-        found.append(Remedy("make the gears wider", changed(wide)))
-    if large := large_enough(drive, rating):
-        found.append(Remedy("take a larger module", changed(large)))
-    if strong := strong_enough(drive, rating):
-        found.append(Remedy("take a stronger material", changed(strong)))
-    return (*found, _together(drive))
+    tried = ((words, enough(drive, rating)) for enough, words in ENOUGH.values())
+    return (*(Remedy(words, changed(changes)) for words, changes in tried if changes), _together(drive))
 
 
 def _together(drive: Drive) -> Remedy:
     """Several sizes at once; they are not searched for where two pairs of gears share them."""
     if drive.stage is None:
         return Remedy(f"let {SIZE} find module, teeth and face width together", short=SIZE)
-    return Remedy("change material, module and face width together; both stages share them", short="larger module")
+    words = "change material, module and face width together; both stages share them"
+    return Remedy(words, short="material, module and face width together")

@@ -11,6 +11,7 @@ from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.figures.advice.assembly_advice import jams
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
+from ncgear.figures.advice.tried_advice import FINER, FLATTER
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import MICRORAD, micrometres, to_digits
 from ncgear.numerics.arrays import Mask
@@ -26,12 +27,6 @@ from ncgear.project.drive import Drive
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
-
-FINER = Remedy(
-    "try more teeth of a smaller module; how many are enough is not searched", short="try more, smaller teeth"
-)
-
-LESS_HELIX = Remedy("take a smaller helix angle or face width", short="smaller helix angle or face width")
 
 MEANINGS = {
     Limit.SLOPE: "would slope too much, the other edge of the tooth being lower",
@@ -148,7 +143,7 @@ def _ways_out_of_shortening(_: Drive) -> tuple[Remedy, ...]:
 
 
 def _ways_out_of_jumps(_: Drive) -> tuple[Remedy, ...]:
-    return (LESS_HELIX,)
+    return (FLATTER,)
 
 
 def _lowered(gear: ToothedGear, reason: Limit) -> Mask:
@@ -203,6 +198,17 @@ def contact_ratio(drive: Drive) -> Advice | None:
         (*helical, FINER),
         brief=f"at some positions no flanks touch, off the law by {to_digits(1e6 * error, 2)} {MICRORAD}",
     )
+
+
+def parted_in_time(partings: int, apart_s: float, whole_s: float) -> Advice:
+    """How often and how long pushing flanks part in the motion in time, which no other command follows."""
+    whole = f"{to_digits(whole_s, 3)} s"
+    times = "once" if partings == 1 else f"{partings} times"
+    what = f"in time the pushing flanks part {times}, {to_digits(apart_s, 3)} s of {whole} in all"
+    if not partings:
+        what = f"in time the pushing flanks never part within {whole}"
+    knocks = "they knock when they meet again" if partings else ""
+    return Advice(Kind.CONTACT_RATIO, (Where(),), what, knocks, matters=False, brief=what)
 
 
 def idle_flanks(drive: Drive) -> Advice | None:

@@ -58,17 +58,29 @@ def changed(changes: Changes) -> tuple[Change, ...]:
     return tuple(Change(key, value) for key, value in changes.items())
 
 
+class Search(StrEnum):
+    """What trials may tell of a remedy that has no value, or a rough one."""
+
+    FINER = "more, smaller teeth"
+    FLATTER = "a smaller helix angle"
+    WIDER = "a wider face"
+    LARGER = "a larger module"
+    STRONGER = "a stronger material"
+
+
 @dataclass(frozen=True)
 class Remedy:
     """One way to cure what an advice tells: words, changes of the design file, and the command to run after them.
 
     ``command`` is empty where the changes are enough.  ``short`` is a text that is short enough for a part of a line.
+    ``search`` says which trials tell a value, or a better one; None where none is left to be told.
     """
 
     text: str
     changes: tuple[Change, ...] = ()
     command: str = ""
     short: str = ""
+    search: Search | None = None
 
     @property
     def brief(self) -> str:

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from enum import IntEnum, StrEnum
+from time import process_time
 from typing import Any
 
 from ncgear.design.keys.base import listed
@@ -22,6 +23,7 @@ from ncgear.figures.advice import (
     linkage_advice,
     made_advice,
     strength_advice,
+    tried_advice,
     wish_advice,
 )
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
@@ -90,10 +92,10 @@ def _load(drive: Drive) -> bool:
 
 
 def _motor(drive: Drive) -> bool:
-    """Whether a simulation has a motor that nothing else judges, of a machine whose motion in time is followed."""
+    """Whether there is a motor, of a machine whose motion in time is followed."""
     design, around = drive.design, drive.design.drivetrain
     followed = _gears(drive) and drive.masses_left_out is None and design.stages == 1
-    return followed and design.simulation.motor is not None and (around is None or around.motor is None)
+    return followed and (design.simulation.motor is not None or (around is not None and around.motor is not None))
 
 
 def _wishes(drive: Drive) -> bool:
@@ -155,11 +157,17 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _beside, law_advice.rods),
     Kind.MOTOR: Condition(
-        "motor", "the motor moves the machine at its speed", _motor, _one(drivetrain_advice.motor), of_pair=False
+        "motor",
+        "the motor moves the machine at its speed and is not overloaded",
+        _motor,
+        drivetrain_advice.motor,
+        Known.TEETH,
+        drivetrain_advice.motor_without_teeth,
+        of_pair=False,
     ),
     Kind.DRIVETRAIN: Condition(
         "drivetrain",
-        "shafts, keys, bearings, motor and couplings hold",
+        "shafts, keys, bearings and couplings hold",
         lambda drive: drive.design.drivetrain is not None,
         drivetrain_advice.around,
         Known.TEETH,
@@ -326,10 +334,15 @@ def together(verdicts: Iterable[Verdict]) -> Verdict:
     return Verdict(tuple(sorted(rows.values(), key=lambda row: (serious.index(row.kind), row.stage or 0))))
 
 
-def judged(drive: Drive, known: Known, found: Sequence[Advice] = ()) -> Verdict:
+def judged(
+    drive: Drive, known: Known, found: Sequence[Advice] = (), seconds: float = tried_advice.MOST_SECONDS
+) -> Verdict:
     """The verdict on a machine and its pairs of gears, or that of one pair with what it says of the whole machine.
 
-    ``found`` is what a command itself has found of the whole machine.  Raises as the drive does where teeth are known.
+    ``found`` is what a command itself has found of the whole machine.  Values of remedies that only trials tell are
+    searched for with so many ``seconds`` of processor time at the most.
+
+    Raises as the drive does where teeth are known.
     """
     rows = []
     for kind, condition in CONDITIONS.items():
@@ -337,6 +350,10 @@ def judged(drive: Drive, known: Known, found: Sequence[Advice] = ()) -> Verdict:
         for one in drive.by_stage if condition.of_pair else (drive,):
             if condition.concerns(one):
                 row = _judged(one, kind, condition, known)
+                if any(map(tried_advice.is_without_value, row.advices)):
+                    begun = process_time()
+                    row = _tried(one, row, condition.judge, seconds)
+                    seconds -= process_time() - begun
                 rows.append(replace(row, advices=(*row.advices, *also)))
     return Verdict(tuple(rows))
 
@@ -360,10 +377,20 @@ def _judged(drive: Drive, kind: Kind, condition: Condition, known: Known) -> Jud
     return Judged(kind, stage, advices, "; ".join(one.why for one in found if isinstance(one, NotJudged)))
 
 
+def _tried(drive: Drive, row: Judged, judge: Judge, seconds: float) -> Judged:
+    """What was found of a pair, with the values of remedies that trials tell."""
+
+    def again(changed: Drive) -> bool:
+        return not any(isinstance(one, Advice) and one.matters for one in judge(changed))
+
+    advices = (tried_advice.with_values(one, again, drive, seconds) for one in row.advices)
+    return replace(row, advices=tuple(_within_what_is_asked(one, drive.design) for one in advices))
+
+
 def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
-    """The advice without remedies that undo what is asked of the machine; first those that leave every given key."""
+    """The advice without remedies that undo what is asked of the machine; first changes that leave every given key."""
     kept = [remedy for remedy in advice.remedies if not any(map(_is_asked, _overwritten(remedy, design)))]
-    kept.sort(key=lambda remedy: bool(_overwritten(remedy, design)))
+    kept.sort(key=lambda remedy: not remedy.changes or bool(_overwritten(remedy, design)))
     return replace(advice, remedies=tuple(kept))
 
 

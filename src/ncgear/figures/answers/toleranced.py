@@ -10,6 +10,7 @@ from ncgear.figures.numbers import to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.tolerance_words import assumed_words, limit_words
 from ncgear.figures.toleranced import (
+    NOT_JUDGED,
     index_rows,
     jam_words,
     judged_assemblies,
@@ -76,7 +77,8 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         about=f"Tolerances: {limits}" if tolerated.process is None else "",
         notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
         heads=HEADS,
-        good=f"{_turning(tolerated).capitalize()} of the assemblies turn, and none knocks.",
+        good=f"No warnings of what was judged: {_turning(tolerated)} of the assemblies turn, and none knocks.",
+        not_judged=NOT_JUDGED,
         then="tolerance.json has every figure, assemblies.csv every assembly",
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.numbers import drawn
 from ncgear.project.drive import Drive
+from ncgear.project.usual_tolerances import tolerances_of
 from ncgear.tolerances.iso286 import distance_deviation_mm, hole_text
 
 
@@ -33,11 +34,13 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
 
 
 def distance_text(drive: Drive) -> str | None:
-    """How far the centre distance may be off, either way, in mm; None where neither the file nor the standard says."""
-    given, assembly, size_mm = drive.gears.tolerances, drive.design.tolerances, drive.pitch.center_distance_mm
-    own = given.center_distance_mm or (assembly.center_distance_mm if assembly else 0.0)
-    deviation = own or distance_deviation_mm(size_mm)
-    return None if deviation is None else f"\u00b1{drawn(deviation, 'mm')}"
+    """How far the centre distance may be off, either way, in mm: as assemblies are judged, or JS7 where they are exact.
+
+    None where neither the file nor the standard says.
+    """
+    judged_mm = tolerances_of(drive)[0].center_distance_mm
+    deviation_mm = judged_mm or distance_deviation_mm(drive.pitch.center_distance_mm)
+    return f"\u00b1{drawn(deviation_mm, 'mm')}" if deviation_mm else None
 
 
 def bore_text(drive: Drive, diameter_mm: float) -> str:

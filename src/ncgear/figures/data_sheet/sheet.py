@@ -26,7 +26,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.measured import MeasuredGear, cut_gears
+from ncgear.project.measured import MeasuredGear, cut_gears, section_z_mm
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
@@ -362,7 +362,7 @@ def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tupl
         return Entry(label, unit, driving=_cell(partial(value, driving)), driven=_cell(partial(value, driven)))
 
     return (
-        *([Entry("section that is measured, z", "mm", pair=drive.helix.rise_mm / 2.0)] if drive.helix else []),
+        *([Entry("section that is measured, z", "mm", pair=section_z_mm(drive.helix))] if drive.helix else []),
         of_both(f"diameter of measuring {driving.tool}s", lambda gear: gear.pins.diameter_mm, "mm"),
         of_both("spaces in which they measure", _spaces),
         of_both("places of a span", _places),

@@ -317,9 +317,10 @@ def body_kg_mm2(plan: BodyPlan, density_kg_m3: float) -> float:
     return KG_MM3 * density_kg_m3 * sum(polar)
 
 
-HOLE_CHORDS_MM = 0.0025
-"""Most that the points of holes stand off their circles.  The narrowest fit that a file may give them, H6 up to 3 mm,
-lets a diameter be 0.006 mm greater and none less: polygons of solids are within it too."""
+HOLE_CHORDS_MM, SMALL_MM = 0.0025, 1.0
+"""Most that the points of holes stand off their circles, and the diameter under which it is less in proportion.  The
+narrowest fit that a file may give them, H6 up to 3 mm, lets a diameter be 0.006 mm greater and none less, and small
+ones in proportion: polygons of solids are within it too."""
 
 
 def bore_points(bore: Bore, chord_tolerance_mm: float) -> Array:
@@ -328,7 +329,7 @@ def bore_points(bore: Bore, chord_tolerance_mm: float) -> Array:
     What fits the circle fits the polygon: its chords touch the circle or stay off it, its points stand off it by
     ``chord_tolerance_mm``, or by HOLE_CHORDS_MM where that is less.
     """
-    tolerance_mm = min(chord_tolerance_mm, HOLE_CHORDS_MM)
+    tolerance_mm = min(chord_tolerance_mm, HOLE_CHORDS_MM * min(1.0, bore.diameter_mm / SMALL_MM))
     radius = bore.diameter_mm / 2.0 + tolerance_mm
     if bore.keyway is None:
         return circle_points(radius, tolerance_mm)

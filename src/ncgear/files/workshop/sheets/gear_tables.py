@@ -165,6 +165,8 @@ def _measurements(measured: MeasuredGear, width_mm: float, height_mm: float) -> 
     found: list[tuple[str, str, list[tuple[str, ...]]]] = []
     if two or one:
         size = f"\u00d8{drawn(measured.pins.diameter_mm, 'mm')}"
+        if measured.section_z_mm is not None:
+            size += f", centres at z = {drawn(measured.section_z_mm, 'mm')}"
         over_two = f"{'Between' if measured.working.is_ring else 'Over'} two {measured.tool}s {size}"
         two_rows = [(f"{row[0]}, {row[1]}", *allowed_texts(row[2:])) for row in two]
         one_rows = [(f"{row[0]}", *allowed_texts(row[3:])) for row in one]

@@ -65,6 +65,7 @@ function createBoard(place, handles, onPick) {
 
   function lines(followed) {
     for (const live of followed) {
+      for (const line of live.lines) line.x = live.x;
       const one = charts.get(live.key);
       if (!one?.chart) continue;
       one.live = live;

@@ -1,0 +1,75 @@
+"""Remedies whose value only trials tell: the least number of teeth, face width or module, the material that does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from time import process_time
+
+from ncgear.figures.advice.values import Advice, Remedy, Search, changed
+from ncgear.interrupts import TimeIsOver, at_most
+from ncgear.project.alternatives import Changes
+from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Rating, known_rating, large_enough, strong_enough, wide_enough
+
+FINER = Remedy("try more teeth of a smaller module", short="try more, smaller teeth", search=Search.FINER)
+
+FLATTER = Remedy("try a smaller helix angle", short="try a smaller helix angle", search=Search.FLATTER)
+
+MOST_SECONDS = 5.0
+"""Most processor time of the trials of one verdict: who waits for it does not wait longer."""
+
+ENOUGH: dict[Search, tuple[Callable[[Drive, Rating], Changes], str]] = {
+    Search.WIDER: (wide_enough, "make the gears wider"),
+    Search.LARGER: (large_enough, "take a larger module"),
+    Search.STRONGER: (strong_enough, "take a stronger material"),
+}
+"""What is tried of teeth that do not hold, and the words for what does."""
+
+Good = Callable[[Drive], bool]
+
+
+def with_values(advice: Advice, again: Good, drive: Drive, seconds: float) -> Advice:
+    """The advice on a pair with the values of remedies that trials tell, within some processor time.
+
+    ``again`` says of a changed pair whether nothing is found of it any more.  A remedy that does not do when it is
+    tried is left out.
+    """
+    ends, told = process_time() + seconds, []
+    for one in advice.remedies:
+        found = one if one.search is None else _valued(one, one.search, again, drive, ends - process_time())
+        if found is not None:
+            told.append(found)
+    return replace(advice, remedies=tuple(told))
+
+
+def is_without_value(advice: Advice) -> bool:
+    """Whether trials may tell more of a remedy."""
+    return any(one.search is not None for one in advice.remedies)
+
+
+def _valued(remedy: Remedy, search: Search, again: Good, drive: Drive, seconds: float) -> Remedy | None:
+    if search not in ENOUGH:
+        return _of_teeth(remedy, search, again, drive, seconds)
+    enough, words = ENOUGH[search]
+    rating = known_rating(drive)
+    with suppress(TimeIsOver), at_most(seconds):
+        changes = enough(drive, rating) if isinstance(rating, Rating) else {}
+        return Remedy(words, changed(changes)) if changes else None
+    return remedy
+
+
+def _of_teeth(remedy: Remedy, search: Search, again: Good, drive: Drive, seconds: float) -> Remedy:
+    """More teeth, or helical ones of a smaller angle; says up to where none does, where none was found."""
+    from ncgear.project.finer import fewest_teeth, steepest_helix
+
+    found = (fewest_teeth if search is Search.FINER else steepest_helix)(drive, again, seconds)
+    if found.changes:
+        return Remedy(f"take {search}", changed(found.changes))
+    if not found.beyond:
+        return remedy
+    last = ", ".join(map(str, changed(found.beyond)))
+    if not found.is_whole:
+        return Remedy(f"{remedy.text} than {last}, which does not do", short=f"{remedy.short} than {last}")
+    return Remedy(f"{search} does not help, up to {last}")

@@ -1,0 +1,140 @@
+"""The search for the least change of one size, as a number of teeth, with which gears are as they should be.
+
+Each trial makes the changed gears.  Numbers grow until one does, and then those between are halved, so that the one
+before the number found is known not to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from math import ceil
+from time import process_time
+
+from ncgear.design.keys.gears import MOST_TEETH
+from ncgear.errors import DesignError
+from ncgear.frozen import dataclass
+from ncgear.interrupts import TimeIsOver, at_most
+from ncgear.project.alternatives import Changes, changed_drive, resized
+from ncgear.project.drive import Drive
+
+MOST_FINER = 10
+"""Most teeth that are tried, divided by the design's: teeth a tenth as large are another pair of gears."""
+
+FINER_STEP = 1.5
+"""By how many times more teeth are tried until a number works, from an estimate on: numbers under it cost time and are
+refused."""
+
+
+def require_made(drive: Drive) -> None:
+    """Raise WrongInput or NoSuchMechanism where teeth, their contact or their outlines are refused; makes no body."""
+    from ncgear.contact.written.as_written import Outlines
+
+    for pair in drive.by_stage:
+        pair.require_sound_teeth()
+        teeth = pair.teeth
+        pair.contact([Outlines("points", teeth.driving.outline_mm, teeth.driven.outline_mm)])
+
+
+Does = Callable[[int], bool | None]
+"""Whether a number does; None where time is over before that is known."""
+
+
+def fewest(does: Does, low: int, most: int, each: int = 1, needed: float = 0.0, about: float = FINER_STEP - 1.0) -> int:
+    """The least multiple of ``each`` over ``low`` that does, and is no more than ``most``; 0 where none was found.
+
+    Numbers are tried from ``needed`` on, near which the least one is expected to a share ``about``.
+    """
+    high, found = most + each, 0
+
+    def more() -> int:
+        step = 1.0 + about if low >= needed else FINER_STEP
+        return min(_up(max(needed, step * low), each), most)
+
+    def between() -> int:
+        return _up(max((low + high - each) / 2.0, (1.0 - about) * high - each), each)
+
+    count = more()
+    while low < count < high:
+        answer = does(count)
+        if answer is None:
+            break
+        if answer:
+            high = found = count
+        else:
+            low = count
+        count = between() if found else more()
+    return found
+
+
+def _up(count: float, each: int) -> int:
+    return ceil(count / each) * each
+
+
+@dataclass(frozen=True)
+class Least:
+    """Changes that do, and the greatest change that does not; ``is_whole`` is false where time ended the search.
+
+    ``changes`` are empty where none was found.
+    """
+
+    changes: Changes
+    beyond: Changes
+    is_whole: bool
+
+
+Good = Callable[[Drive], bool]
+
+
+def fewest_teeth(pair: Drive, good: Good, seconds: float) -> Least:
+    """The least number of teeth, at the same centre distance, with which a pair is good and can be made."""
+    each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
+    most = min(MOST_FINER * low, MOST_TEETH // each * each)
+    return _least(pair, lambda count: resized(pair, count), good, seconds, (low, most, each))
+
+
+def steepest_helix(pair: Drive, good: Good, seconds: float) -> Least:
+    """The greatest helix angle in whole degrees, below the given one, with which a pair is good and can be made."""
+    angle = pair.gears.helix.angle_deg if pair.gears.helix else 0.0
+    whole = ceil(angle) - 1
+
+    def flatter(step: int) -> Changes:
+        return {"gears.helix.angle_deg": whole + 1 - step}
+
+    return _least(pair, flatter, good, seconds, (0, whole, 1))
+
+
+def _least(
+    pair: Drive, changes: Callable[[int], Changes], good: Good, seconds: float, numbers: tuple[int, int, int]
+) -> Least:
+    """The least number, of a range from ``low`` on, with whose changes a pair is good and can be made."""
+    begun, failed, is_whole = process_time(), list[int](), True
+
+    def does(count: int, is_so: Good) -> bool | None:
+        nonlocal is_whole
+        try:
+            with suppress(DesignError), at_most(seconds - (process_time() - begun)):
+                if is_so(changed_drive(pair.whole, changes(count))):
+                    return True
+        except TimeIsOver:
+            is_whole = False
+            return None
+        failed.append(count)
+        return False
+
+    def is_good(whole: Drive) -> bool:
+        return good(whole.of_stage(pair.stage))
+
+    def is_made(whole: Drive) -> bool:
+        require_made(whole)
+        return True
+
+    low, most, each = numbers
+    # Contact of the outlines takes longest, and hardly ever refuses what is good
+    while found := fewest(lambda count: does(count, is_good), low, most, each, needed=float(low + each)):
+        answer = does(found, is_made)
+        if answer:
+            break
+        low = found if answer is False else most
+    beyond = max((one for one in failed if not found or one < found), default=None)
+    return Least(changes(found) if found else {}, {} if beyond is None else changes(beyond), is_whole)

@@ -1,0 +1,292 @@
+"""From keys to values: what the motor of a design makes of its machine, before any tooth is followed in time.
+
+A design has one motor at the most: that of ``drivetrain``, behind a gearbox, or that of ``simulation``, at the driving
+gear.  A motor that does not do is answered with one that does, tried with the very numbers that are told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from math import cos, pi, radians
+
+from ncgear.design.keys.base import listed
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.drivetrain import DrivetrainMotor
+from ncgear.drivetrain.cycle import cycle_of, rubbing
+from ncgear.drivetrain.demand import Demand
+from ncgear.drivetrain.losses import losses_of, most_mesh_loss_factor
+from ncgear.drivetrain.motor import Gearbox, MotorLoad, StraightLine, motor_load
+from ncgear.drivetrain.speed import LineDrive, SpeedCourse, speed_course
+from ncgear.drivetrain.stall import Stall, stall_of
+from ncgear.dynamics.motion_in_time import Motor
+from ncgear.dynamics.rigid import Rigid
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
+from ncgear.interrupts import TimeIsOver, at_most
+from ncgear.numerics.bounds import shown_above
+from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
+from ncgear.project.forces import drive_line_of
+from ncgear.project.geared import Geared
+from ncgear.project.tooth_form import reach_in_pitches
+
+
+@dataclass(frozen=True, eq=False)
+class MotorResult:
+    """The motor of a drivetrain: what the machine asks for, the motor's load at even speed, the course of the speed.
+
+    The course is None without a line of the motor, and where it ``stops``: why, in words.
+    """
+
+    given: DrivetrainMotor
+    demand: Demand
+    load: MotorLoad
+    course: SpeedCourse | None
+    stops: str = ""
+
+    @property
+    def rms_n_m(self) -> float:
+        """Root of the mean square of the motor's torque."""
+        return N_M_PER_N_MM * (self.course.rms_n_mm if self.course else self.load.rms_n_mm)
+
+    @property
+    def most_n_m(self) -> float:
+        """The motor's largest torque."""
+        return N_M_PER_N_MM * (self.course.motor_range_n_mm[1] if self.course else self.load.most_n_mm.value)
+
+
+def demand_of(design: Design, rigid: Rigid, mesh_loss_factor: float | None) -> Demand:
+    """What the machine asks of the driving shaft, friction counted, and the motor's rotor with what turns."""
+    smooth, motor = cycle_of(rigid), design.drivetrain.motor if design.drivetrain else None
+    losses = losses_of(smooth, mesh_loss_factor, design.simulation.friction.dynamic)
+    rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
+    return Demand(rubbing(smooth, losses.mesh_share), losses, rotor_kg_mm2)
+
+
+def motor_of(design: Design, given: DrivetrainMotor, demand: Demand) -> MotorResult:
+    """The motor of a drivetrain; raises WrongInput where its shaft has no inertia."""
+    drive = _line_drive(design, given)
+    if drive is not None and not demand.inertia(demand.cycle.loads.phi1_rad)[0].min() > 0.0:
+        raise WrongInput(
+            "0 given, but a motor's shaft needs inertia; give driving_gear_kg_mm2 or a flywheel",
+            key="masses.driving_gear_kg_mm2",
+        )
+    course, stops = None, ""
+    if drive is not None:
+        try:
+            course = speed_course(demand, drive)
+        except NoSuchMechanism as refusal:
+            stops = refusal.problem
+    return MotorResult(given, demand, motor_load(demand, _gearbox(given)), course, stops)
+
+
+def motor_within(drive: Geared) -> tuple[MotorResult, MotorResult]:
+    """The motor of a drivetrain without teeth: with no friction between them, and with the most that there can be."""
+    design, around = drive.design, drive.design.drivetrain
+    assert around is not None
+    assert around.motor is not None
+    gears, pitch = drive.gears, drive.pitch
+    angle = radians(min(gears.rack.angles_deg))
+    reach_mm = reach_in_pitches(gears) * pi * pitch.size.module_mm * cos(angle)
+    # Friction between helical teeth is not followed
+    most = None if drive.helix else most_mesh_loss_factor(pitch, reach_mm, radians(max(gears.rack.angles_deg)))
+    least, greatest = (
+        motor_of(design, around.motor, demand_of(design, drive.rigid, factor)) for factor in (None, most)
+    )
+    return least, greatest
+
+
+def _gearbox(given: DrivetrainMotor) -> Gearbox:
+    return Gearbox(given.gearbox.ratio, given.gearbox.efficiency)
+
+
+def _line_drive(design: Design, given: DrivetrainMotor) -> LineDrive | None:
+    """The motor's line: its own, or that of the simulation at the driving gear."""
+    gearbox, simulated = _gearbox(given), design.simulation.motor
+    if given.no_load_speed_rpm is not None:
+        stall = _rest_n_m(given) / N_M_PER_N_MM
+        line = StraightLine(stall, given.no_load_speed_rpm * RAD_S_PER_RPM)
+        return LineDrive(line, gearbox, given.overrunning_clutch)
+    if simulated is None:
+        return None
+    line = StraightLine(simulated.stall_torque_n_m / N_M_PER_N_MM, simulated.no_load_speed_rpm * RAD_S_PER_RPM)
+    return _behind(gearbox, line, given.overrunning_clutch)
+
+
+def _behind(gearbox: Gearbox, line: StraightLine, clutch: bool) -> LineDrive:
+    """The motor whose line at the driving gear, behind its gearbox and with its losses, is given."""
+    own = StraightLine(line.stall_n_mm / (gearbox.ratio * gearbox.efficiency), line.no_load_rad_s * gearbox.ratio)
+    return LineDrive(own, gearbox, clutch)
+
+
+def _rest_n_m(given: DrivetrainMotor) -> float:
+    """Torque at rest of a motor's own straight line."""
+    assert given.no_load_speed_rpm is not None
+    return given.rated_torque_n_m / (1.0 - given.rated_speed_rpm / given.no_load_speed_rpm)
+
+
+def _asked(drive: Geared) -> tuple[Demand, LineDrive] | None:
+    """What the machine asks of the motor of the simulation, friction in the guide counted, that of the teeth left out.
+
+    None where no motor is given; raises WrongInput where its shaft has no inertia.
+    """
+    line = drive_line_of(drive.design.simulation, drive.masses, drive.machine.speed_rad_s)
+    if not isinstance(line, Motor):
+        return None
+    cycle = cycle_of(drive.rigid)
+    motor = LineDrive(StraightLine(line.stall_torque_n_mm, line.speed_rad_s), Gearbox())
+    return Demand(cycle, losses_of(cycle, None, 0.0)), motor
+
+
+def motor_stall(drive: Geared) -> Stall | None:
+    """Where the motor of the simulation stops within its turns; None where it passes, or where none is given."""
+    if (asked := _asked(drive)) is None:
+        return None
+    return _stops(drive, *asked)
+
+
+def _stops(drive: Geared, demand: Demand, motor: LineDrive) -> Stall | None:
+    """Where a motor stops within the turns of the simulation."""
+    given = drive.design.simulation
+    start = demand.speed_rad_s if given.start == "on_law" else 0.0
+    return stall_of(demand, motor.torque_n_mm, start, 2.0 * pi * given.turns)
+
+
+def steady_rad_s(drive: Geared) -> float | None:
+    """The mean speed at which the motor of the simulation keeps the machine turning; None where none is given.
+
+    Raises NoSuchMechanism where it cannot.
+    """
+    return None if (asked := _asked(drive)) is None else speed_course(*asked).mean_rad_s
+
+
+# A motor that does, in the place of one that does not.
+
+
+Told = dict[str, float]
+"""Dotted keys of the design file with values, as they are written."""
+
+TRIES = 3
+"""Speeds without load that are tried with a torque: that at which the machine's mean torque leaves its own speed, and
+nearer ones by what these missed."""
+
+STRONGER = (2.0, 4.0)
+"""Torques at rest that are tried if the given one does not do, over the most that the machine asks for: nearer to it
+motors lose half their speed and more."""
+
+STIFFENED = 1.01
+"""Times the mean square of its torque that a motor is rated for which has to be stronger: it holds its speed better."""
+
+MOST_SECONDS = 5.0
+"""Most processor time of these trials."""
+
+
+OFF_SPEED = 0.03
+"""Share by which a motor's own speed may differ from the wanted one: what the slip of usual motors makes."""
+
+
+def told_words(found: Told | None) -> str:
+    """The keys of a motor that does, or that none was found."""
+    if found is None:
+        return "another speed, more torque or a heavier flywheel is needed; no motor that was tried does"
+    return listed((f"{key}: {value:.6g}" for key, value in found.items()), "and")
+
+
+def fitting_simulated(drive: Geared) -> Told | None:
+    """Keys of a motor of the simulation that turns the machine at its own speed.
+
+    Only keys that change are told; the torque is the given one where this does.  None where none of those tried does.
+    """
+    asked, given = _asked(drive), drive.design.simulation.motor
+    if asked is None or given is None:
+        return None
+    demand = asked[0]
+
+    def tried(rpm: float, torque_n_m: float) -> tuple[Told, float | None]:
+        torque_n_m = torque_n_m if torque_n_m == given.stall_torque_n_m else float(shown_above(torque_n_m, 3))
+        told = {"no_load_speed_rpm": float(f"{rpm:.4g}"), "stall_torque_n_m": torque_n_m}
+        line = StraightLine(torque_n_m / N_M_PER_N_MM, told["no_load_speed_rpm"] * RAD_S_PER_RPM)
+        changed = {key: value for key, value in told.items() if value != getattr(given, key)}
+        return _under("simulation.motor", changed), _runs_rad_s(drive, demand, LineDrive(line, Gearbox()))
+
+    return _fitting(demand, given.stall_torque_n_m, tried)
+
+
+def fitting_geared(design: Design, found: MotorResult) -> Told | None:
+    """As ``fitting_simulated``, of a motor that stops behind its gearbox: torques and ratio, or line, that do."""
+    given, demand, line = found.given, found.demand, design.simulation.motor
+
+    def run(ratio: float, rated_n_m: float, of_line: Told) -> MotorResult:
+        gearbox = given.gearbox.model_copy(update={"ratio": ratio})
+        motor = given.model_copy(update={"rated_torque_n_m": rated_n_m, "gearbox": gearbox})
+        simulation = design.simulation.model_copy(update={"motor": line and line.model_copy(update=of_line)})
+        rotor_kg_mm2 = given.inertia_kg_mm2 * ratio**2
+        changed = design.model_copy(update={"simulation": simulation})
+        return motor_of(changed, motor, Demand(demand.cycle, demand.losses, rotor_kg_mm2))
+
+    def tried(rpm: float, torque_n_m: float) -> tuple[Told, float | None]:
+        """The motor whose line at the driving gear has this speed and at least this torque, and its rated torque."""
+        of_line, ratio, rated = Told(), given.gearbox.ratio, given.rated_torque_n_m
+        if given.no_load_speed_rpm is None:
+            of_line = {"no_load_speed_rpm": float(f"{rpm:.4g}"), "stall_torque_n_m": float(shown_above(torque_n_m, 3))}
+        else:
+            ratio = float(f"{given.no_load_speed_rpm / rpm:.4g}")
+            slip = 1.0 - given.rated_speed_rpm / given.no_load_speed_rpm
+            rated = max(slip * torque_n_m / (ratio * given.gearbox.efficiency), rated)
+        needed = N_M_PER_N_MM * found.load.rms_n_mm * given.gearbox.ratio / ratio
+        rated = float(shown_above(max(rated, needed), 3))
+        runs = run(ratio, rated, of_line)
+        if runs.course is not None and runs.rms_n_m > rated:
+            # With a line of its own, the motor stiffens with its rated torque
+            rated = float(shown_above(STIFFENED * runs.rms_n_m, 3))
+            runs = run(ratio, rated, of_line)
+        if runs.course is None:
+            return {}, None
+        own: Told = {"rated_torque_n_m": rated} | ({"gearbox.ratio": ratio} if ratio != given.gearbox.ratio else {})
+        if given.peak_torque_n_m is not None and given.peak_torque_n_m < max(runs.most_n_m, rated):
+            own["peak_torque_n_m"] = float(shown_above(max(runs.most_n_m, rated), 3))
+        told = _under("drivetrain.motor", own) | _under("simulation.motor", of_line)
+        return told, runs.course.mean_rad_s if runs.rms_n_m <= rated else None
+
+    return _fitting(demand, None, tried)
+
+
+def _under(group: str, told: Told) -> Told:
+    return {f"{group}.{key}": value for key, value in told.items()}
+
+
+def _fitting(
+    demand: Demand, given_n_m: float | None, tried: Callable[[float, float], tuple[Told, float | None]]
+) -> Told | None:
+    """Of torques at rest in N m and speeds without load in r/min at the driving gear, the first that does.
+
+    ``tried`` gives keys as they are told, and the mean speed in rad/s with these; None where the motor stops.
+    """
+    own = () if given_n_m is None else (given_n_m,)
+    least = max(N_M_PER_N_MM * demand.torque_range_n_mm[1].value, *own, 0.0)
+    mean, wanted = N_M_PER_N_MM * demand.fluctuation.mean_torque_n_mm, demand.speed_rad_s / RAD_S_PER_RPM
+    with suppress(TimeIsOver), at_most(MOST_SECONDS):
+        for torque in (*own, *(times * least for times in STRONGER)):
+            rpm = wanted / (1.0 - mean / torque) if mean < torque else 0.0
+            for _ in range(TRIES if rpm else 0):
+                told, runs = tried(rpm, torque)
+                if runs is None:
+                    break
+                if _is_near(runs, demand):
+                    return told
+                rpm *= demand.speed_rad_s / runs
+    return None
+
+
+def _runs_rad_s(drive: Geared, demand: Demand, motor: LineDrive) -> float | None:
+    """The mean speed at which a motor keeps the machine turning; None where it stops from the start on or later."""
+    try:
+        runs = speed_course(demand, motor).mean_rad_s
+    except NoSuchMechanism:
+        return None
+    # The start takes as long to follow, and matters only where the speed is right
+    return None if _is_near(runs, demand) and _stops(drive, demand, motor) else runs
+
+
+def _is_near(runs_rad_s: float, demand: Demand) -> bool:
+    return abs(runs_rad_s / demand.speed_rad_s - 1.0) <= OFF_SPEED
