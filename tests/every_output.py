@@ -269,7 +269,7 @@ def main() -> int:
     recording = commands.add_parser("record", help="run everything and keep what comes out")
     recording.add_argument("folder", type=Path)
     recording.add_argument("--source", type=Path, default=ROOT, help="checkout whose package is run")
-    recording.add_argument("--only", choices=["quick"], help="what takes about a minute")
+    recording.add_argument("--only", choices=["quick"], help="the quick commands only")
     comparing = commands.add_parser("compare", help="say what differs between two records")
     comparing.add_argument("one", type=Path)
     comparing.add_argument("other", type=Path)

@@ -8,7 +8,7 @@ The faces of STEP files are held against those when they are made, between the p
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from io import BytesIO, StringIO
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
@@ -157,16 +157,6 @@ FLAT = 1e-7
 usual chord tolerance."""
 
 
-def read_outlines(files: Mapping[str, bytes]) -> dict[str, tuple[Array, Array]]:
-    """The outlines of both gears, shape (n, 2) each, in the drawings among these files, by their kind."""
-    found = {}
-    for kind, read in READERS.items():
-        names = [f"{gear.value}.{kind}" for gear in Gear]
-        if all(name in files for name in names):
-            found[kind] = (read(files[names[0]]), read(files[names[1]]))
-    return found
-
-
 def outline_of_dxf(data: bytes) -> Array:
     """The tooth outline of a DXF file of one gear in mm, arcs as fine chords, shape (n, 2)."""
     import ezdxf
@@ -196,9 +186,6 @@ def outline_of_svg(data: bytes) -> Array:
             bulges[row] = (1.0 if numbers[4] else -1.0) * np.tan(turned / 4.0)
     # The path comes back to its first point.
     return flattened(points[:-1], bulges[:-1])
-
-
-READERS: dict[str, Callable[[bytes], Array]] = {"dxf": outline_of_dxf, "svg": outline_of_svg}
 
 
 def flattened(points_mm: Array, bulges: Array) -> Array:

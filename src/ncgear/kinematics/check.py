@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from math import degrees, fsum
 
@@ -151,22 +151,26 @@ def _cycle_work_n_mm(machine: Machine) -> float:
     return float(load.work_n_mm(np.array([_end_mm(machine)]), stroke_mm, returning=False)[0])
 
 
+OF_MASSES: dict[str, Callable[[WithMasses], float]] = {
+    "peak_power_resistance_w": lambda found: found.peak_power_resistance_w.value,
+    "peak_power_resistance_at_rad": lambda found: found.peak_power_resistance_w.at,
+    "braking_power_w": lambda found: found.braking_power_w.value,
+    "braking_power_at_rad": lambda found: found.braking_power_w.at,
+    "rms_torque_n_m": lambda found: found.rms_torque_n_m,
+    "energy_swing_j": lambda found: found.energy_swing_j,
+}
+"""The figures of power that are known only where masses are counted, by keys that end in their units."""
+
+
 def power_figures(check: KinematicCheck) -> dict[str, float]:
     """The figures of power of the driving shaft, by keys that end in their units.
 
     Where masses are counted, the resistance alone stands beside them.
     """
-    told = {"peak_power_w": check.peak_power_w.value, "peak_power_at_rad": check.peak_power_w.at}
-    if (found := check.with_masses) is not None:
-        told |= {
-            "peak_power_resistance_w": found.peak_power_resistance_w.value,
-            "peak_power_resistance_at_rad": found.peak_power_resistance_w.at,
-            "braking_power_w": found.braking_power_w.value,
-            "braking_power_at_rad": found.braking_power_w.at,
-            "rms_torque_n_m": found.rms_torque_n_m,
-            "energy_swing_j": found.energy_swing_j,
-        }
-    return {**told, "mean_power_w": check.mean_power_w}
+    found = check.with_masses
+    counted = {} if found is None else {key: of(found) for key, of in OF_MASSES.items()}
+    peak = check.peak_power_w
+    return {"peak_power_w": peak.value, "peak_power_at_rad": peak.at, **counted, "mean_power_w": check.mean_power_w}
 
 
 def at_speed(check: KinematicCheck, speed_rpm: float) -> KinematicCheck:

@@ -27,7 +27,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
-from ncgear.mechanisms.masses import Masses, RockerMasses
+from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
@@ -39,6 +39,23 @@ from ncgear.numerics.zeros import zeros_between
 
 SINC = tuple((-1.0) ** k / factorial(2 * k + 1) for k in range(12))
 """Coefficients of sin(z)/z in powers of z^2; exact to rounding up to z = pi/2, which is beyond half of any stroke."""
+
+
+@dataclass(frozen=True)
+class RockerMasses(Masses):
+    """The masses of a crank-rocker.
+
+    The coupler's centre of mass lies ``coupler_center_mm`` from the crank pin towards the rocker's, its inertia is
+    about that centre.  The rocker's lies ``rocker_center_mm`` from its axis towards its pin; its inertia is about the
+    axis and includes all that turns with it.
+    """
+
+    rocker_kg: float = 0.0
+    rocker_center_mm: float = 0.0
+    rocker_inertia_kg_mm2: float = 0.0
+    coupler_kg: float = 0.0
+    coupler_center_mm: float = 0.0
+    coupler_inertia_kg_mm2: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

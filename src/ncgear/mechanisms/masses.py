@@ -1,7 +1,8 @@
 """Masses of a mechanism, and of what turns with its crank and with the driving shaft.
 
 Masses in kg, lengths in mm, moments of inertia in kg mm^2.  Every mechanism has a crank and two gears, and most have a
-slider; what else moves is the mechanism's own: one with a connecting rod has ``RodMasses``.
+slider; what else moves is the mechanism's own, and its class of masses is in the mechanism's module.  That of a
+connecting rod, ``RodMasses``, is here: several mechanisms may have one.
 """
 
 from __future__ import annotations
@@ -67,33 +68,3 @@ class Masses(ShaftMasses, SliderMass):
 @dataclass(frozen=True)
 class RodMasses(Masses, RodMass, SliderMass):
     """The masses of a mechanism whose slider is moved by a connecting rod."""
-
-
-@dataclass(frozen=True)
-class RockerMasses(Masses):
-    """The masses of a crank-rocker.
-
-    The coupler's centre of mass lies ``coupler_center_mm`` from the crank pin towards the rocker's, its inertia is
-    about that centre.  The rocker's lies ``rocker_center_mm`` from its axis towards its pin; its inertia is about the
-    axis and includes all that turns with it.
-    """
-
-    rocker_kg: float = 0.0
-    rocker_center_mm: float = 0.0
-    rocker_inertia_kg_mm2: float = 0.0
-    coupler_kg: float = 0.0
-    coupler_center_mm: float = 0.0
-    coupler_inertia_kg_mm2: float = 0.0
-
-
-@dataclass(frozen=True)
-class LeverMasses(Masses):
-    """The masses of a slotted lever: the block on the crank pin, which has no inertia of its own, and the lever.
-
-    The lever's centre of mass lies ``lever_center_mm`` from its axis towards its pin; its inertia is about the axis.
-    """
-
-    block_kg: float = 0.0
-    lever_kg: float = 0.0
-    lever_center_mm: float = 0.0
-    lever_inertia_kg_mm2: float = 0.0

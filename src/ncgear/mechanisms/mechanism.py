@@ -7,8 +7,8 @@ one working stroke (retracted to extended) and one return.
 
 A mechanism is a frozen dataclass whose fields are its lengths, named like their keys under ``linkage`` in design
 files.  Its formulas (``Mechanisms``) hold for one mechanism and for many at once.  A new mechanism is a class in a
-module of its own, a model of its keys, and one line in ``ncgear.design.mechanisms``; ``mechanisms.scotch_yoke`` is
-the shortest.
+module of its own, models of its keys and masses, one line in ``ncgear.design.mechanisms`` and one in
+``ncgear.formulas.linkages``; ``mechanisms.scotch_yoke`` is the shortest.
 """
 
 from __future__ import annotations

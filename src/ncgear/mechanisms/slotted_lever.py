@@ -24,7 +24,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
-from ncgear.mechanisms.masses import LeverMasses, Masses
+from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
@@ -37,6 +37,19 @@ BAR = 1.35
 
 PLAY = 0.2
 """Length of the slots beyond the way of their pins, in lengths of the crank, for pictures."""
+
+
+@dataclass(frozen=True)
+class LeverMasses(Masses):
+    """The masses of a slotted lever: the block on the crank pin, which has no inertia of its own, and the lever.
+
+    The lever's centre of mass lies ``lever_center_mm`` from its axis towards its pin; its inertia is about the axis.
+    """
+
+    block_kg: float = 0.0
+    lever_kg: float = 0.0
+    lever_center_mm: float = 0.0
+    lever_inertia_kg_mm2: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from ncgear.design.keys.gears import SIZES
 from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
-from ncgear.kinematics.check import power_figures
+from ncgear.kinematics.check import OF_MASSES, power_figures
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
@@ -118,7 +118,7 @@ def single_figures(design: Design) -> dict[str, float]:
     }
 
 
-WITH_MASSES = ("check.peak_power_resistance_w", "check.braking_power_w", "check.rms_torque_n_m", "check.energy_swing_j")
+WITH_MASSES = tuple(f"check.{key}" for key in OF_MASSES if not key.endswith("_at_rad"))
 """Keys of the figures that only designs with masses have."""
 
 

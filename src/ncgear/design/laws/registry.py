@@ -8,7 +8,8 @@ To add a law ``<name>``:
    ``design/templates/laws/<name>.yaml``;
 3. a line in ``LawName`` below;
 4. its closed form, or why it has none: a line in ``formulas/laws.py``;
-5. a line in ``REFERENCES`` of ``tests/oracles/laws.py``: the same law, computed independently of ncgear.
+5. ``make docs``, which writes its keys in words;
+6. a line in ``REFERENCES`` of ``tests/oracles/laws.py``: the same law, computed independently of ncgear.
 
 All lists of laws follow from this one: the models of ``motion`` and the JSON Schema, error messages, ``ncgear
 explain``, the menu and the choices of ``ncgear new``, and the tests of all laws.  This module imports no other module

@@ -38,21 +38,27 @@ class Writer:
     """The function that makes the files of a kind, by its module in this package and its name, and the files' names.
 
     It takes a drive, or what ``shown``, a function of a drive, tells of it: values that a second process can be given.
-    ``is_slow`` says that it needs a library that takes long to load; ``library`` is an optional one that it needs.
+    ``reader``, of ``files/read_back.py``, reads the outline of a gear back from its file, ``driving.KIND`` or
+    ``driven.KIND``; None where files have no outlines of their own.  ``is_slow`` says that the function needs a library
+    that takes long to load; ``library`` is an optional one that it needs.
     """
 
     function: str
     names: tuple[str, ...]
     shown: str | None = None
+    reader: str | None = None
     is_slow: bool = False
     library: str | None = None
 
 
-DRAWINGS = "gear_drawing:pair_drawings"
+def _drawn(function: str, names: tuple[str, ...], reader: str, *, is_slow: bool = False) -> Writer:
+    """The writer of drawings of both gears, whose outlines are always read back."""
+    return Writer(function, names, "gear_drawing:pair_drawings", reader, is_slow)
+
 
 WRITERS = {
-    Format.DXF: Writer("dxf:dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), DRAWINGS, is_slow=True),
-    Format.SVG: Writer("svg:svg_files", ("driving.svg", "driven.svg"), DRAWINGS),
+    Format.DXF: _drawn("dxf:dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), "outline_of_dxf", is_slow=True),
+    Format.SVG: _drawn("svg:svg_files", ("driving.svg", "driven.svg"), "outline_of_svg"),
     Format.THREEMF: Writer("solid_files:threemf_files", ("gears.3mf", "pair.3mf"), "solid_files:placed_meshes"),
     Format.GLB: Writer("solid_files:glb_files", ("pair.glb",)),
     Format.STEP: Writer("step:step_files", ("driving.step", "driven.step", "pair.step"), library="OCP"),
@@ -103,13 +109,11 @@ def begun_workshop_files(
 
 
 def _begun(drive: Drive, kind: Format, drawer: Drawer, exact_mm: ExactOutlines | None) -> Making:
-    from ncgear.files.read_back import READERS
-
     writer = WRITERS[kind]
     if writer.shown is None:
         return lambda: written_and_measured(kind, drive, None)
     shown = _function(writer.shown)(drive)
-    return drawer.offered(WRITTEN, kind, shown, exact_mm if kind in READERS else None)
+    return drawer.offered(WRITTEN, kind, shown, exact_mm if writer.reader else None)
 
 
 def all_made(parts: Iterable[Making]) -> Written:
@@ -126,10 +130,15 @@ WRITTEN = f"{__name__}:written_and_measured"
 
 def written_and_measured(kind: Format, shown: Any, exact_mm: ExactOutlines | None) -> Written:
     """The files of a kind from a drive or from what is shown of it; see ``begun_workshop_files``."""
-    from ncgear.files.read_back import outline_errors_mm, read_outlines
+    from ncgear.files import read_back
 
-    files = _function(WRITERS[kind].function)(shown)
-    return Written(files, {} if exact_mm is None else outline_errors_mm(exact_mm, read_outlines(files)))
+    writer = WRITERS[kind]
+    files = _function(writer.function)(shown)
+    if exact_mm is None or writer.reader is None:
+        return Written(files, {})
+    read = getattr(read_back, writer.reader)
+    outlines_mm = read(files[f"driving.{kind}"]), read(files[f"driven.{kind}"])
+    return Written(files, read_back.outline_errors_mm(exact_mm, {kind.value: outlines_mm}))
 
 
 def _function(name: str) -> Callable[..., Any]:
