@@ -69,7 +69,7 @@ def wish_rows(found: Achieved) -> list[dict[str, Any]]:
 
 
 def _row(outcome: Outcome) -> dict[str, Any]:
-    unit = outcome.wish.unit
+    unit = outcome.unit
     ending = f"_{unit.ending}" if unit.ending else ""
     return {
         "key": outcome.wish.key,
@@ -103,7 +103,7 @@ def outcome_line(outcome: Outcome) -> str:
 
 def missed_by(outcome: Outcome) -> str:
     """How far what is achieved lies beyond the bounds of the wish."""
-    return _said(outcome.missed_by, outcome.wish.unit, 3)
+    return _said(outcome.missed_by, outcome.unit, 3)
 
 
 def _said(value: float, unit: Unit, digits: int = DIGITS) -> str:
@@ -111,7 +111,7 @@ def _said(value: float, unit: Unit, digits: int = DIGITS) -> str:
 
 
 def _achieved(outcome: Outcome) -> str:
-    said = _said(outcome.achieved, outcome.wish.unit)
+    said = _said(outcome.achieved, outcome.unit)
     if outcome.speed_mm_s is not None:
         return f"within {said} of {to_digits(outcome.speed_mm_s, DIGITS)} {outcome.wish.output.speed.text}"
     return f"{said} in the other stroke" if outcome.other_stroke else said
@@ -119,7 +119,7 @@ def _achieved(outcome: Outcome) -> str:
 
 def _bounds(outcome: Outcome) -> str:
     """The bounds of a wish in words."""
-    unit, least, most = outcome.wish.unit, outcome.least, outcome.most
+    unit, least, most = outcome.unit, outcome.least, outcome.most
     if least == most:
         return _said(least, unit)
     if most == inf:

@@ -45,22 +45,23 @@ def _wished(wishes: Wishes) -> Iterator[tuple[str, WishKeys]]:
 def _refuse_places(wished: dict[str, WishKeys], on: On) -> None:
     """Refuse places beyond the stroke, and at its very end such as need the output to move there."""
     unit, stroke = on.linkage.OUTPUT.place, on.stroke
-    inside = [(f"{key}.{name}", place) for key, keys in wished.items() for name, place in keys.inside(on).items()]
-    reaching = [(f"{key}.{name}", place) for key, keys in wished.items() for name, place in keys.reaching(on).items()]
-    beyond = [(key, place, "less") for key, place in inside if not place < stroke]
-    beyond += [(key, place, "at most that") for key, place in reaching if not place <= stroke]
-    for key, place, right in beyond:
-        raise WrongInput(
-            f"{place:g} given, but the stroke is {shown_below(stroke)} {unit.text}; {right} is right",
-            key=f"{key}_{unit.ending}",
-        )
+    for reaches in (False, True):
+        for key, keys in wished.items():
+            for name in keys.REACHING if reaches else keys.INSIDE:
+                place = keys.place(name)
+                if place is not None and not (place <= stroke if reaches else place < stroke):
+                    right = "at most that" if reaches else "less"
+                    raise WrongInput(
+                        f"{place:g} given, but the stroke is {shown_below(stroke)} {unit.text}; {right} is right",
+                        key=f"{key}.{name}_{unit.ending}",
+                    )
 
 
 def _refuse_angles(wished: dict[str, WishKeys], on: On) -> None:
     """Refuse angles beyond the cycle."""
     for key, keys in wished.items():
-        for quantity, angle in keys.angles().items():
-            if not angle < on.cycle_rad:
+        for quantity, in_rad in keys.ANGLES:
+            if not getattr(keys, in_rad) < on.cycle_rad:
                 name = key_of(keys, quantity)
                 raise WrongInput(
                     f"{getattr(keys, name):g} given, but a cycle takes {degrees(on.cycle_rad):g} deg of the driving "

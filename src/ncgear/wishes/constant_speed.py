@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import exp, tanh
 
 from ncgear.frozen import dataclass
@@ -14,6 +15,8 @@ from ncgear.numerics.bounds import shown_above
 from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import EvenSpeed, Requirement, SpeedWithin
 from ncgear.wishes.wish import Outcome, Wish, Written, of_stroke
+
+PERCENT = Unit("percent", "%", 100.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,15 +46,10 @@ class ConstantSpeed(Wish):
         """The share by which the speed leaves the wished one, or, where none is wished, the one that suits it best."""
         (least, most), speed = speeds_mm_s(machine, self.stretch(machine.linkage)), self.speed_mm_s
         if speed is None:
-            mean = (most + least) / 2.0
-            return self.judged((most - least) / (most + least), most=self.tolerance, speed_mm_s=mean)
-        share = max(most / speed - 1.0, 1.0 - least / speed)
-        return self.judged(share, most=self.tolerance, speed_mm_s=speed)
-
-    @property
-    def unit(self) -> Unit:
-        """A share of the speed."""
-        return Unit("percent", "%", 100.0)
+            share, speed = (most - least) / (most + least), (most + least) / 2.0
+        else:
+            share = max(most / speed - 1.0, 1.0 - least / speed)
+        return replace(self.judged(PERCENT, share, most=self.tolerance), speed_mm_s=speed)
 
     def words(self, place: Written, angle: Written) -> str:
         """From place to place."""

@@ -8,7 +8,7 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.crank_stretches import CrankStretch, End, about_end, nearest_dwell_mm
 from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.over_stretches import taken_rad
-from ncgear.mechanisms.mechanism import Mechanism, Unit
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import Requirement, TimeWithin
@@ -33,12 +33,7 @@ class Dwell(Wish):
 
     def outcome(self, machine: Machine) -> Outcome:
         """The driving angle that the stretch takes."""
-        return self.judged(taken_rad(machine, self.stretch(machine.linkage)), self.for_rad)
-
-    @property
-    def unit(self) -> Unit:
-        """Of the driving angle."""
-        return DEGREES
+        return self.judged(DEGREES, taken_rad(machine, self.stretch(machine.linkage)), self.for_rad)
 
     def words(self, place: Written, angle: Written) -> str:
         """How close to which end."""

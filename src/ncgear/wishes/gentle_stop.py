@@ -61,13 +61,13 @@ class GentleStretch(DrivingWish, ABC):
             start, end = self.driving.start_rad + missed, self.driving.end_rad - missed
             first, last = shown_above(degrees(start)), shown_below(degrees(end))
             return self.eased(f"a stretch from {first} to {last} deg", from_phi1_deg=first, to_phi1_deg=last)
-        most, unit = shown_above(self.greater(missed)), self.unit
-        key = f"{self.BOUNDED}_at_most_{unit.ending}"
+        unit, kept = self.greater(missed)
+        most, key = shown_above(kept), f"{self.BOUNDED}_at_most_{unit.ending}"
         return self.eased(f"a {self.BOUNDED} of at most {most} {unit.text}", **{key: most})
 
     @abstractmethod
-    def greater(self, missed: float) -> float:
-        """The bound that would be kept."""
+    def greater(self, missed: float) -> tuple[Unit, float]:
+        """The unit of the bound, and the bound that would be kept."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,16 +84,11 @@ class GentleSpeed(GentleStretch):
 
     def outcome(self, machine: Machine) -> Outcome:
         """The greatest speed."""
-        return self.judged(speeds_mm_s(machine, self.passed(machine))[1], most=self.most_mm_s)
+        return self.judged(self.output.speed, speeds_mm_s(machine, self.passed(machine))[1], most=self.most_mm_s)
 
-    @property
-    def unit(self) -> Unit:
-        """Of speeds."""
-        return self.output.speed
-
-    def greater(self, missed: float) -> float:
+    def greater(self, missed: float) -> tuple[Unit, float]:
         """By the factor whose logarithm is missed."""
-        return self.most_mm_s * exp(missed)
+        return self.output.speed, self.most_mm_s * exp(missed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,13 +105,10 @@ class GentleStop(GentleStretch):
 
     def outcome(self, machine: Machine) -> Outcome:
         """The greatest deceleration."""
-        return self.judged(deceleration_mm_s2(machine, self.passed(machine)), most=self.most_mm_s2)
+        return self.judged(
+            self.output.acceleration, deceleration_mm_s2(machine, self.passed(machine)), most=self.most_mm_s2
+        )
 
-    @property
-    def unit(self) -> Unit:
-        """Of accelerations."""
-        return self.output.acceleration
-
-    def greater(self, missed: float) -> float:
-        """By the factor."""
-        return missed * self.most_mm_s2
+    def greater(self, missed: float) -> tuple[Unit, float]:
+        """By the share."""
+        return self.output.acceleration, (1.0 + missed) * self.most_mm_s2

@@ -9,7 +9,7 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, crank_at_way_rad
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.mechanism import Mechanism, Unit
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import Requirement, TimeWithin
@@ -48,12 +48,8 @@ class Position(Wish):
         gone = place if working else 2.0 * stroke_mm - place
         missed = float(max(abs(gone - self.way_mm(machine.linkage)) - self.tolerance_mm, 0.0))
         least, most = self.at_mm - self.tolerance_mm, self.at_mm + self.tolerance_mm
-        return Outcome(self, place, least, most, missed, other_stroke=working is not (self.stroke is Stroke.WORKING))
-
-    @property
-    def unit(self) -> Unit:
-        """Of places."""
-        return self.output.place
+        other = working is not (self.stroke is Stroke.WORKING)
+        return Outcome(self, self.output.place, place, least, most, missed, other_stroke=other)
 
     def words(self, place: Written, angle: Written) -> str:
         """At which driving angle."""

@@ -9,7 +9,7 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, place_of
 from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.over_stretches import speeds_mm_s
-from ncgear.mechanisms.mechanism import Mechanism, Unit
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import PushedSpeed, Requirement, SpeedWithin
@@ -36,12 +36,7 @@ class SpeedAt(Wish):
     def outcome(self, machine: Machine) -> Outcome:
         """The speed there."""
         speed, _ = speeds_mm_s(machine, self.stretch(machine.linkage))
-        return self.judged(speed, self.least_mm_s, self.most_mm_s)
-
-    @property
-    def unit(self) -> Unit:
-        """Of speeds."""
-        return self.output.speed
+        return self.judged(self.output.speed, speed, self.least_mm_s, self.most_mm_s)
 
     def words(self, place: Written, angle: Written) -> str:
         """At which place."""

@@ -29,12 +29,7 @@ class TimeRatio(Wish):
 
     def outcome(self, machine: Machine) -> Outcome:
         """The ratio of both times."""
-        return self.judged(time_ratio(machine), self.at_least)
-
-    @property
-    def unit(self) -> Unit:
-        """None."""
-        return Unit("", "")
+        return self.judged(Unit("", ""), time_ratio(machine), self.at_least)
 
     def words(self, place: Written, angle: Written) -> str:
         """Of both strokes."""

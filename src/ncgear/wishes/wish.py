@@ -34,13 +34,14 @@ Written = Callable[[float], str]
 class Outcome:
     """What a motion achieves of one wish, and the bounds that the wish sets to it.
 
-    The unit is that of the wish: a share of the speed, a ratio of times, a driving angle in rad, a speed in mm/s, a
-    deceleration in mm/s^2, a displacement in mm.  ``missed_by`` is how far what is achieved lies beyond the bounds, 0
-    within them.  ``speed_mm_s`` is the speed that a wish for a constant one is judged against.  A place that is passed
-    in the other stroke (``other_stroke``) is missed by the way from there, over the dead centre between.
+    They are a share of the speed, a ratio of times, a driving angle in rad, a speed in mm/s, a deceleration in mm/s^2,
+    or a displacement in mm, and are told in ``unit``.  ``missed_by`` is how far what is achieved lies beyond the
+    bounds, 0 within them.  ``speed_mm_s`` is the speed that a wish for a constant one is judged against.  A place that
+    is passed in the other stroke (``other_stroke``) is missed by the way from there, over the dead centre between.
     """
 
     wish: Wish
+    unit: Unit
     achieved: float
     least: float
     most: float
@@ -74,11 +75,6 @@ class Wish(ABC):
         return self.weight is None
 
     @property
-    @abstractmethod
-    def unit(self) -> Unit:
-        """The unit that its outcome is told in; its factor is from the outcome's own."""
-
-    @property
     def aim(self) -> str:
         """What is wished in words, where no bound says it."""
         return ""
@@ -103,19 +99,17 @@ class Wish(ABC):
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
         """What it would have to ask for, so that one of its requirements were kept that is missed by so much.
 
-        Speeds and their spread are missed by the logarithm of a factor, decelerations by the factor itself, driving
-        angles by an angle in rad.
+        Speeds and their spread are missed by the logarithm of a factor, decelerations by a share, driving angles by an
+        angle in rad.
         """
 
     def instead(self, linkage: Mechanism, ratio_max: float) -> tuple[Offer, ...]:
         """What else would do, at the greatest ratio."""
         return ()
 
-    def judged(
-        self, achieved: float, least: float = 0.0, most: float = inf, speed_mm_s: float | None = None
-    ) -> Outcome:
+    def judged(self, unit: Unit, achieved: float, least: float = 0.0, most: float = inf) -> Outcome:
         """The outcome of what is achieved between two bounds."""
-        return Outcome(self, achieved, least, most, max(least - achieved, achieved - most, 0.0), speed_mm_s)
+        return Outcome(self, unit, achieved, least, most, max(least - achieved, achieved - most, 0.0))
 
     def eased(self, said: str, **values: str) -> Offer:
         """The offer of other values of the wish's keys."""

@@ -7,7 +7,7 @@ from math import degrees
 from ncgear.frozen import dataclass
 from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.mechanism import Mechanism, Unit
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above
 from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import Requirement, TimeWithin
@@ -32,12 +32,7 @@ class WorkingStroke(Wish):
 
     def outcome(self, machine: Machine) -> Outcome:
         """The driving angle of the extended end."""
-        return self.judged(machine.extended_rad, *self.bounds_rad)
-
-    @property
-    def unit(self) -> Unit:
-        """Of the driving angle."""
-        return DEGREES
+        return self.judged(DEGREES, machine.extended_rad, *self.bounds_rad)
 
     def words(self, place: Written, angle: Written) -> str:
         """Of the whole stroke."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeVar
 
 from pydantic import Field, model_validator
@@ -63,6 +63,13 @@ class WishKeys(Model):
     TURNING: ClassVar[type[WishKeys]]
     """The class for an output that turns."""
 
+    INSIDE: ClassVar[tuple[str, ...]] = ()
+    REACHING: ClassVar[tuple[str, ...]] = ()
+    """Keys without their unit of places that are right under the stroke only, and of such as may be the stroke."""
+
+    ANGLES: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """Keys without their unit of driving angles that are right under the cycle only, and their values in rad."""
+
     PLACE: ClassVar[str] = "mm"
     SPEED: ClassVar[str] = "mm_s"
     """The units of places and of speeds, at the ends of keys; a 2 follows in those of decelerations."""
@@ -113,18 +120,6 @@ class WishKeys(Model):
         if self.hard and self.weight is not None:
             raise fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
         return self
-
-    def inside(self, on: On) -> Mapping[str, float]:
-        """Places that are right under the stroke only, in the unit of the file, by their keys without it."""
-        return {}
-
-    def reaching(self, on: On) -> Mapping[str, float]:
-        """Places that may be the stroke."""
-        return {}
-
-    def angles(self) -> Mapping[str, float]:
-        """Driving angles in rad that are right under the cycle only, by their keys without a unit."""
-        return {}
 
     def refuse(self, key: str, on: On) -> None:
         """Refuse what else no motion can do, by a WrongInput."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -24,6 +24,7 @@ class ConstantSpeed(WishKeys):
 
     KIND = "constant_speed"
     MEANING = "stretches of even speed, a list"
+    INSIDE = ("to",)
 
     from_mm: Length = required("displacement in mm where the even speed begins, the smaller of both")
     to_mm: Length = required("displacement in mm where the even speed ends, the larger of both")
@@ -60,10 +61,6 @@ class ConstantSpeed(WishKeys):
                         f"{begins:g} given, but even speed is wished from {start:g} to {end:g} {high.PLACE} of "
                         f"the same stroke too; over {end:g} is right",
                     )
-
-    def inside(self, on: On) -> Mapping[str, float]:
-        """The far place: at the very end the output stands still."""
-        return {"to": self.place("to")}
 
     def value(self, on: On, **common: Any) -> Wish:
         """Even speed over the stretch."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import degrees
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -24,18 +23,12 @@ class Dwell(WishKeys):
 
     KIND = "dwell"
     MEANING = "near-dwells at the ends of the stroke, a list"
+    INSIDE = ("within",)
+    ANGLES = (("for", "for_angle_rad"),)
 
     at: Literal["retracted", "extended"] = required("the end that it stays close to")
     within_mm: Way = required("how far in mm from the end it may be; 0 would be an exact dwell")
     for_angle_rad: float = angle("driving angle {unit} of the dwell", "for", needed=True, of=Positive)
-
-    def inside(self, on: On) -> Mapping[str, float]:
-        """How far from the end."""
-        return {"within": self.place("within")}
-
-    def angles(self) -> Mapping[str, float]:
-        """How long."""
-        return {"for": self.for_angle_rad}
 
     @classmethod
     def refuse_together(cls, wishes: Wished, on: On) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import degrees, pi
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -25,6 +24,8 @@ class GentleStop(WishKeys):
         "greatest decelerations, or speeds, over stretches of the stroke or of the whole cycle, a list; over the whole "
         "cycle optimize.limits.peak_acceleration_mm_s2 and peak_jerk_mm_s3 hold too, and dwell keeps close to an end"
     )
+    INSIDE = ("from",)
+    REACHING = ("to",)
 
     from_mm: Way | None = optional(
         "displacement in mm where the stretch begins, the smaller; left out: the retracted end"
@@ -97,14 +98,6 @@ class GentleStop(WishKeys):
             start, end = (key_of(self, f"{end}_phi1") for end in ("from", "to"))
             raise fault(end, f"{getattr(self, end):g} given, which is not over {start}; a larger angle is right")
         return self
-
-    def inside(self, on: On) -> Mapping[str, float]:
-        """Where it begins."""
-        return {"from": self.ends(on.stroke)[0]}
-
-    def reaching(self, on: On) -> Mapping[str, float]:
-        """Where it ends."""
-        return {"to": self.ends(on.stroke)[1]}
 
     def refuse(self, key: str, on: On) -> None:
         """Refuse driving angles beyond the cycle to either side, and a stretch that leaves nothing of it."""

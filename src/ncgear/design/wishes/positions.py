@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Self
 
@@ -19,6 +19,8 @@ class Position(WishKeys):
 
     KIND = "positions"
     MEANING = "places to pass at driving angles, a list in the order of the angle"
+    REACHING = ("at",)
+    ANGLES = (("phi1", "driving_rad"),)
 
     at_mm: Way = required("displacement in mm to pass")
     tolerance_mm: Length = required("how far in mm the slider may be from it at that angle")
@@ -59,14 +61,6 @@ class Position(WishKeys):
         """Each with its stroke."""
         pairs = zip(own, strokes_of(own), strict=True)
         return [position.model_copy(update={"stroke": stroke}) for position, stroke in pairs]
-
-    def reaching(self, on: On) -> Mapping[str, float]:
-        """The place."""
-        return {"at": self.place("at")}
-
-    def angles(self) -> Mapping[str, float]:
-        """The driving angle."""
-        return {"phi1": self.driving_rad}
 
     def value(self, on: On, **common: Any) -> Wish:
         """The place with its tolerance."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import inf
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -21,6 +20,7 @@ class SpeedAt(WishKeys):
 
     KIND = "speed_at"
     MEANING = "slow or fast at places, a list"
+    INSIDE = ("at",)
 
     at_mm: Length = required("displacement in mm at which the speed counts")
     at_least_mm_s: Positive | None = optional("least speed there in mm/s")
@@ -42,10 +42,6 @@ class SpeedAt(WishKeys):
             raise fault("make", f"{self.make} has no bound that could be kept; hard: false is right with it")
         require(self, f"{high} >= {low}")
         return self
-
-    def inside(self, on: On) -> Mapping[str, float]:
-        """The place: at the very end the output stands still."""
-        return {"at": self.place("at")}
 
     def value(self, on: On, **common: Any) -> Wish:
         """Bounds of the speed, or a speed that is pushed."""

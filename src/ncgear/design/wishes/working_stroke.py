@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
@@ -21,13 +20,10 @@ class WorkingStroke(WishKeys):
     KIND = "working_stroke"
     MEANING = "driving angle that the working stroke takes; left out: free"
     SEVERAL = False
+    ANGLES = (("angle", "driving_rad"),)
 
     driving_rad: float = angle("driving angle {unit}", "angle", needed=True, of=Positive)
     within_rad: float = angle("how far {unit} it may be from that", "tolerance", of=Annotated[float, Field(ge=0.0)])
-
-    def angles(self) -> Mapping[str, float]:
-        """The driving angle."""
-        return {"angle": self.driving_rad}
 
     def value(self, on: On, **common: Any) -> Wish:
         """The driving angle with its tolerance."""

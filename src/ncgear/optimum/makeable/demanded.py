@@ -118,7 +118,7 @@ def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> It
         case SpeedWithin() | EvenSpeed():
             yield WishDemand(wish.key, asked, lambda factor: offer(log(factor)))
         case DecelerationWithin():
-            yield WishDemand(wish.key, asked, offer)
+            yield WishDemand(wish.key, asked, lambda factor: offer(factor - 1.0))
         case TimeWithin(stretch, least, most):
             if most < inf:
                 yield time(stretch, most)

@@ -10,16 +10,15 @@ share of the speed (the logarithm's small differences) or of the cycle's driving
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import exp, inf, log
 
-from ncgear.kinematics.crank_stretches import CrankStretch
-from ncgear.optimum.makeable.levels import Level, LevelKind
+from ncgear.optimum.makeable.levels import Level, LevelKind, Sides
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, acceleration, log_speed
 from ncgear.optimum.task import Task
 from ncgear.wishes.offer import Offer
-from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, PushedSpeed, SpeedWithin, TimeWithin
+from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, PushedSpeed, Requirement, SpeedWithin, TimeWithin
 from ncgear.wishes.wish import DrivingWish, Wish
 
 EXACT_RAD = 1e-5
@@ -47,11 +46,11 @@ def of_motion_wishes(task: Task, wishes: Sequence[Wish]) -> Iterator[Level]:
 
 
 def _level(
+    task: Task,
     wish: Wish,
+    asked: Requirement,
     kind: LevelKind,
-    stretch: CrankStretch,
-    sides: Callable[[Place, Slider, Term], tuple[Term, ...]],
-    shown: Callable[[float], Offer],
+    sides: Sides,
     most: float = 0.0,
     per_share: float = 1.0,
     target: float = 0.0,
@@ -62,9 +61,9 @@ def _level(
         most if wish.hard else None,
         0.0,
         sides,
-        shown,
+        lambda level: wish.offer(asked, level, task.cycle_rad),
         kind=kind,
-        stretch=stretch,
+        stretch=asked.stretch,
         target=target,
         group="",
         floor=-inf if wish.hard else most,
@@ -88,15 +87,11 @@ def _pushed(task: Task, wish: Wish, pushed: PushedSpeed) -> Level:
 
 def _even(task: Task, wish: Wish, asked: EvenSpeed) -> Level:
     """Twice the tolerance is the spread of the logarithm, but for its third power."""
-    return _level(
-        wish,
-        LevelKind.SPREAD,
-        asked.stretch,
-        lambda at, slider, _: (log_speed(at, slider, task.speed_rad_s),),
-        lambda level: wish.offer(asked, level, task.cycle_rad),
-        most=log(asked.spread),
-        per_share=2.0,
-    )
+
+    def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+        return (log_speed(at, slider, task.speed_rad_s),)
+
+    return _level(task, wish, asked, LevelKind.SPREAD, sides, most=log(asked.spread), per_share=2.0)
 
 
 def _speed(task: Task, wish: Wish, asked: SpeedWithin) -> Level:
@@ -107,7 +102,7 @@ def _speed(task: Task, wish: Wish, asked: SpeedWithin) -> Level:
         over = (speed - log(most),) if most < inf else ()
         return (*over, log(least) - speed) if least > 0.0 else over
 
-    return _level(wish, LevelKind.PEAK, asked.stretch, sides, lambda level: wish.offer(asked, level, task.cycle_rad))
+    return _level(task, wish, asked, LevelKind.PEAK, sides)
 
 
 def _deceleration(task: Task, wish: Wish, asked: DecelerationWithin) -> Level:
@@ -120,30 +115,17 @@ def _deceleration(task: Task, wish: Wish, asked: DecelerationWithin) -> Level:
         forwards = slider.first / abs(slider.first)
         return (-forwards * acceleration(at, slider, task.speed_rad_s) / asked.most_mm_s2 - 1.0,)
 
-    return _level(
-        wish, LevelKind.PEAK, asked.stretch, sides, lambda level: wish.offer(asked, 1.0 + level, task.cycle_rad)
-    )
+    return _level(task, wish, asked, LevelKind.PEAK, sides)
 
 
 def _times(task: Task, wish: Wish, asked: TimeWithin) -> Iterator[Level]:
     """A driving angle held, or bounded from above and from below."""
-    cycle, middle = task.cycle_rad, (asked.least_rad + asked.most_rad) / 2.0
-    if asked.most_rad - asked.least_rad < 2.0 * EXACT_RAD:
-        yield _time(wish, asked, LevelKind.DEVIATION, 1.0, middle, cycle)
+    least, most, cycle = asked.least_rad, asked.most_rad, task.cycle_rad
+    if most - least < 2.0 * EXACT_RAD:
+        held = (least + most) / 2.0
+        yield _level(task, wish, asked, LevelKind.DEVIATION, lambda *_: (1.0,), per_share=cycle, target=held)
         return
-    if asked.most_rad < inf:
-        yield _time(wish, asked, LevelKind.INTEGRAL, 1.0, asked.most_rad, cycle)
-    if asked.least_rad > 0.0:
-        yield _time(wish, asked, LevelKind.INTEGRAL, -1.0, -asked.least_rad, cycle)
-
-
-def _time(wish: Wish, asked: TimeWithin, kind: LevelKind, sign: float, target: float, cycle: float) -> Level:
-    return _level(
-        wish,
-        kind,
-        asked.stretch,
-        lambda *_: (sign,),
-        lambda level: wish.offer(asked, level, cycle),
-        per_share=cycle,
-        target=target,
-    )
+    if most < inf:
+        yield _level(task, wish, asked, LevelKind.INTEGRAL, lambda *_: (1.0,), per_share=cycle, target=most)
+    if least > 0.0:
+        yield _level(task, wish, asked, LevelKind.INTEGRAL, lambda *_: (-1.0,), per_share=cycle, target=-least)
