@@ -27,9 +27,8 @@ from ncgear.kinematics.crank_stretches import CrankStretch, crank_at_way_rad
 from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.over_stretches import taken_rad
 from ncgear.mechanisms.mechanism import Mechanism
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import Requirement, TimeWithin
-from ncgear.wishes.wish import DEGREES, Outcome, Wish, Written
+from ncgear.wishes.wish import DEGREES, Offer, Outcome, Wish, Written
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,7 @@ from ncgear.design.template import MachineName
 from ncgear.optimum.certified.refusals import turning_point
 from ncgear.optimum.offers import Refused
 from ncgear.project.best_law import BestLaw
-from ncgear.wishes.offer import Offer
+from ncgear.wishes.wish import Offer
 
 Keys = dict[str, Any]
 LIMITS = "optimize.limits."

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.wishes.offer import Offer
+from ncgear.wishes.wish import Offer
 
 Told = Callable[[str, Sequence[Offer]], str]
 """From what is said of a refusal, and the offers, to one text."""

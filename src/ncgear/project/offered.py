@@ -17,7 +17,7 @@ from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
 from ncgear.project.wishes import wishes_of
-from ncgear.wishes.offer import Offer
+from ncgear.wishes.wish import Offer
 
 if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import Eased

@@ -12,9 +12,8 @@ from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.over_stretches import speeds_mm_s
 from ncgear.mechanisms.mechanism import Mechanism, Unit
 from ncgear.numerics.bounds import shown_above
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import EvenSpeed, Requirement, SpeedWithin
-from ncgear.wishes.wish import Outcome, Wish, Written, of_stroke
+from ncgear.wishes.wish import Offer, Outcome, Wish, Written, of_stroke
 
 PERCENT = Unit("percent", "%", 100.0)
 

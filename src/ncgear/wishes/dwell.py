@@ -10,9 +10,8 @@ from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.over_stretches import taken_rad
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import Requirement, TimeWithin
-from ncgear.wishes.wish import DEGREES, Outcome, Wish, Written
+from ncgear.wishes.wish import DEGREES, Offer, Outcome, Wish, Written
 
 
 @dataclass(frozen=True, kw_only=True)

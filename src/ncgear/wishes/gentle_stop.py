@@ -12,9 +12,8 @@ from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.over_stretches import crank_rad, deceleration_mm_s2, speeds_mm_s
 from ncgear.mechanisms.mechanism import Mechanism, Unit
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import DecelerationWithin, Requirement, SpeedWithin, TimeWithin
-from ncgear.wishes.wish import DrivingWish, Outcome, Written, of_stroke
+from ncgear.wishes.wish import DrivingWish, Offer, Outcome, Written, of_stroke
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,9 +11,8 @@ from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.over_stretches import speeds_mm_s
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import PushedSpeed, Requirement, SpeedWithin
-from ncgear.wishes.wish import Outcome, Wish, Written, of_stroke
+from ncgear.wishes.wish import Offer, Outcome, Wish, Written, of_stroke
 
 
 @dataclass(frozen=True, kw_only=True)

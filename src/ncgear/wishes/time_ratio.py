@@ -8,9 +8,8 @@ from ncgear.kinematics.motion import Machine
 from ncgear.kinematics.over_stretches import time_ratio
 from ncgear.mechanisms.mechanism import Mechanism, Unit
 from ncgear.numerics.bounds import shown_below
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import Requirement, TimeWithin
-from ncgear.wishes.wish import Outcome, Wish, Written
+from ncgear.wishes.wish import Offer, Outcome, Wish, Written
 
 
 @dataclass(frozen=True, kw_only=True)

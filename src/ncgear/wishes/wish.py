@@ -16,7 +16,6 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.crank_stretches import CrankStretch, Stroke
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import SLIDER, Mechanism, Output, Unit
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import DrivingRange, PushedSpeed, Requirement, passed_no_earlier, passed_no_later
 
 NEGLIGIBLE = 1e-6
@@ -28,6 +27,23 @@ DEGREES = Unit("deg", "deg", degrees(1.0))
 
 Written = Callable[[float], str]
 """How a number stands in a text."""
+
+Value = float | bool
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What could be asked for instead, in words, and the dotted keys of a design file with the values that ask for it.
+
+    ``key`` is that of the wish or limit that is eased, where messages name it.
+    """
+
+    said: str
+    values: tuple[tuple[str, Value], ...] = ()
+    key: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.said} ({self.key})" if self.key else self.said
 
 
 @dataclass(frozen=True)

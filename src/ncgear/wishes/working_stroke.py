@@ -9,9 +9,8 @@ from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import Requirement, TimeWithin
-from ncgear.wishes.wish import DEGREES, Outcome, Wish, Written
+from ncgear.wishes.wish import DEGREES, Offer, Outcome, Wish, Written
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,8 +9,8 @@ from typing import TypeVar
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, Requirement, SpeedWithin, TimeWithin
+from ncgear.wishes.wish import Offer
 
 KINDS = (TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
 """Requirements in the order in which they count."""

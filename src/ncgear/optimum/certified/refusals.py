@@ -18,8 +18,8 @@ from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import EvenSpeed, TimeWithin
+from ncgear.wishes.wish import Offer
 
 FINE = 1e-5
 """Relative width of the interval to which a nearest value is narrowed: it is shown with five digits."""

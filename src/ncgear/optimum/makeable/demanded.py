@@ -20,9 +20,8 @@ from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.driving_ranges import Passed, passed_by_all, ranges
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import LOAD_LIMITS, Figures, Task
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, Requirement, SpeedWithin, TimeWithin
-from ncgear.wishes.wish import DrivingWish, Wish
+from ncgear.wishes.wish import DrivingWish, Offer, Wish
 
 Case = Mapping[str, Passed]
 """Laws that begin and end driving ranges at some crank angles, by the keys of the wishes over them."""

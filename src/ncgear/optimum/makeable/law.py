@@ -27,7 +27,7 @@ from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.spline import spline_ratio_law, spline_ratio_staged
 from ncgear.ratio.transmission import Lobes, Train, single
-from ncgear.wishes.offer import Offer
+from ncgear.wishes.wish import Offer
 
 NO_EXCESS = 1e-6
 """Excess over caps that counts as none: far under what is left between the places of the programme."""

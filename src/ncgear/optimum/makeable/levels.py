@@ -22,7 +22,7 @@ from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs, with_shaft_between
 from ncgear.optimum.task import Limits, Prices, Task
-from ncgear.wishes.offer import Offer
+from ncgear.wishes.wish import Offer
 
 OF_LIMITS = "optimize.limits."
 """The group of keys of limits, with its dot."""

@@ -17,9 +17,8 @@ from math import exp, inf, log
 from ncgear.optimum.makeable.levels import Level, LevelKind, Sides
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, acceleration, log_speed
 from ncgear.optimum.task import Task
-from ncgear.wishes.offer import Offer
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, PushedSpeed, Requirement, SpeedWithin, TimeWithin
-from ncgear.wishes.wish import DrivingWish, Wish
+from ncgear.wishes.wish import DrivingWish, Offer, Wish
 
 EXACT_RAD = 1e-5
 """Tolerance of a driving angle below which the angle itself is held: ten times the margin of the search."""

@@ -19,8 +19,7 @@ from ncgear.optimum.makeable.levels import Level, MachineScales, limit_offer, li
 from ncgear.optimum.makeable.motion_wishes import of_motion_wishes
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
 from ncgear.optimum.task import Limits, Prices, Task
-from ncgear.wishes.offer import Offer
-from ncgear.wishes.wish import Wish
+from ncgear.wishes.wish import Offer, Wish
 
 
 class Goal(Enum):
