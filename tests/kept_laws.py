@@ -15,14 +15,15 @@ from pathlib import Path
 import numpy as np
 
 from ncgear.design.reading.design_file import load
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.wishes import CrankStretch, EvenSpeed, SpeedWithin, TimeWithin
 from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
 from ncgear.project.wishes import inertia_as_given, task_of
 from ncgear.ratio.transmission import Train
+from ncgear.wishes.requirements import EvenSpeed, SpeedWithin, TimeWithin
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = ("designs", "benchmarks/foreign", "tests/laws", "tests/cases")

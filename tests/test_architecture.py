@@ -24,6 +24,7 @@ LAYERS = [
     {"mechanisms"},
     {"ratio"},
     {"kinematics"},
+    {"wishes"},
     {"pitch"},
     {"teeth"},
     {"contact", "metrology"},

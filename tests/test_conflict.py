@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.kinematics.wishes import WorkingStroke
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.makeable.wishes import CurvatureWish, Wishes
 from ncgear.optimum.task import Limits, figures
+from ncgear.wishes.working_stroke import WorkingStroke
 from published import AT_SIXTY, RPM, USUAL
 
 pytestmark = pytest.mark.slow

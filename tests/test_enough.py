@@ -18,7 +18,6 @@ from drives import loaded
 from ncgear.design.reading.design_file import parsed
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.outcomes import outcome
 from ncgear.optimum.certified.refusals import EASED
 from ncgear.project.best_law import BestLaw
 from tiers import long_but
@@ -292,4 +291,4 @@ def test_what_is_said_to_be_enough_is(name: str) -> None:
         sign = -1.0 if case.key in FALLING else 1.0
         assert sign * getattr(held, name_of_limit) <= sign * keys[case.key] * (1.0 + 1e-6 * sign)
     machine = Machine(best.train.whole, best.task.linkage, best.task.load, best.task.speed_rad_s)
-    assert all(outcome(machine, wish).kept for wish in best.wishes.motion if wish.hard)
+    assert all(wish.outcome(machine).kept for wish in best.wishes.motion if wish.hard)

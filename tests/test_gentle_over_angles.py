@@ -14,9 +14,9 @@ import pytest
 import ncgear
 from conftest import Run
 from ncgear.errors import WrongInput
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.outcomes import crank_rad, outcome
-from ncgear.kinematics.wishes import CrankStretch, DrivingRange, GentleSpeed, GentleStop, GentleStretch, TimeWithin
+from ncgear.kinematics.over_stretches import crank_rad
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
@@ -30,6 +30,8 @@ from ncgear.optimum.task import Limits, Task, figures
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.transmission import Lobes, Train, single
 from ncgear.studio.handles import handles
+from ncgear.wishes.gentle_stop import GentleSpeed, GentleStop, GentleStretch
+from ncgear.wishes.requirements import DrivingRange, TimeWithin
 
 pytestmark = pytest.mark.judges("optimum")
 
@@ -79,7 +81,7 @@ def sampled(machine: Machine, wish: GentleStretch) -> float:
 @pytest.mark.parametrize("seed", range(2))
 def test_what_a_law_at_random_achieves(seed: int, wish: GentleStretch) -> None:
     machine = moving(law_at_random(seed))
-    assert outcome(machine, wish).achieved == pytest.approx(sampled(machine, wish), rel=5e-3, abs=30.0)
+    assert wish.outcome(machine).achieved == pytest.approx(sampled(machine, wish), rel=5e-3, abs=30.0)
 
 
 @pytest.mark.parametrize("ends", [(2.0, 3.0), (-0.6, 0.5), (-2.0, -1.0), (0.0, 4.0), (5.0, TURN)])
@@ -194,9 +196,9 @@ def test_cases_raise_the_limit_towards_the_law(wish: GentleStretch, before: floa
 def test_a_hard_one_is_kept_and_costs(wish: GentleStretch) -> None:
     """Control: the law without the wish breaks it.  Around the end, where all laws are, the limit rises too."""
     (limit, value, machine), (free, without, other) = best(wish), best(None)
-    assert outcome(machine, wish).kept
-    assert sampled(machine, wish) <= 1.001 * outcome(machine, wish).most
-    assert not outcome(other, wish).kept
+    assert wish.outcome(machine).kept
+    assert sampled(machine, wish) <= 1.001 * wish.outcome(machine).most
+    assert not wish.outcome(other).kept
     assert free <= limit <= value
     assert without < value
     assert (limit > 1.05 * free) is (wish is AROUND)
@@ -226,7 +228,7 @@ def test_the_crank_angles_are_moved_to_where_the_law_is_best() -> None:
 @pytest.mark.parametrize("wish", ALL, ids=["speed", "deceleration", "around the end"])
 def test_a_soft_one_costs_no_more_than_the_hard_one(wish: GentleStretch) -> None:
     """At each weight, since it may choose the hard law too; a greater weight keeps the wish more nearly."""
-    most, (_, hard, _) = outcome(best(wish)[2], wish).most, best(wish)
+    most, (_, hard, _) = wish.outcome(best(wish)[2]).most, best(wish)
     missed = []
     for weight in (0.1, 3.0):
         limit, value, machine = best(replace(wish, weight=weight))

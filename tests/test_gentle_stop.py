@@ -14,17 +14,8 @@ import pytest
 import ncgear
 from commands import ROOT
 from conftest import Run
+from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, by_stroke
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.outcomes import outcome
-from ncgear.kinematics.wishes import (
-    CrankStretch,
-    DecelerationWithin,
-    GentleSpeed,
-    GentleStop,
-    GentleStretch,
-    Stroke,
-    by_stroke,
-)
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import PolynomialResistance
@@ -43,6 +34,8 @@ from ncgear.project.wishes import inertia_as_given
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Train, single
+from ncgear.wishes.gentle_stop import GentleSpeed, GentleStop, GentleStretch
+from ncgear.wishes.requirements import DecelerationWithin
 
 pytestmark = pytest.mark.judges("optimum")
 
@@ -83,7 +76,7 @@ def law_at_random(seed: int) -> Train:
 )
 def test_the_deceleration_of_an_even_yoke(place: dict[str, float], achieved: float) -> None:
     """Its speed r w sin(phi) falls by -r w^2 cos(phi) on the way out, and by r w^2 cos(phi) on the way back."""
-    found = outcome(even(), replace(STOP, most_mm_s2=0.75 * TOP, **place))
+    found = replace(STOP, most_mm_s2=0.75 * TOP, **place).outcome(even())
     assert found.achieved == pytest.approx(achieved, rel=1e-9, abs=1e-6)
     assert found.kept is (achieved < 0.75 * TOP)
     assert found.missed_by == pytest.approx(max(achieved - 0.75 * TOP, 0.0), rel=1e-9)
@@ -91,8 +84,8 @@ def test_the_deceleration_of_an_even_yoke(place: dict[str, float], achieved: flo
 
 def test_the_greatest_speed_of_an_even_yoke() -> None:
     near = GentleSpeed(from_mm=150.0, to_mm=200.0, stroke=None, most_mm_s=500.0)
-    assert outcome(even(), near).achieved == pytest.approx(RADIUS * W * sin(pi / 3.0), rel=1e-9)
-    assert outcome(even(), replace(near, from_mm=0.0)).achieved == pytest.approx(RADIUS * W, rel=1e-9)
+    assert near.outcome(even()).achieved == pytest.approx(RADIUS * W * sin(pi / 3.0), rel=1e-9)
+    assert replace(near, from_mm=0.0).outcome(even()).achieved == pytest.approx(RADIUS * W, rel=1e-9)
 
 
 PLACES = [(500.0, inf, Stroke.WORKING), (200.0, 430.0, Stroke.WORKING), (0.0, 250.0, Stroke.RETURN), (600.0, inf, None)]
@@ -125,9 +118,9 @@ def test_decelerations_of_laws_at_random(seed: int) -> None:
     for place in PLACES:
         wish = wish_at(place)
         fall, speed = sampled(machine, wish)
-        assert outcome(machine, wish).achieved == pytest.approx(fall, rel=5e-3, abs=30.0)
+        assert wish.outcome(machine).achieved == pytest.approx(fall, rel=5e-3, abs=30.0)
         fast = GentleSpeed(from_mm=wish.from_mm, to_mm=wish.to_mm, stroke=wish.stroke, most_mm_s=1.0)
-        assert outcome(machine, fast).achieved == pytest.approx(speed, rel=1e-3)
+        assert fast.outcome(machine).achieved == pytest.approx(speed, rel=1e-3)
 
 
 @pytest.mark.parametrize("linkage", [YOKE, OFFSET], ids=["yoke", "offset"])
@@ -150,7 +143,7 @@ def own_demands(seed: int, *, curved: bool) -> Demands:
     train = law_at_random(seed)
     found, machine = figures(PRESS, train), Machine(train.whole, OFFSET, PRESS.load, W)
     wishes, room = [wish_at(place) for place in PLACES], 1.0 + 1e-9
-    own = [(wish.stretch(OFFSET), room * outcome(machine, wish).achieved) for wish in wishes]
+    own = [(wish.stretch(OFFSET), room * wish.outcome(machine).achieved) for wish in wishes]
     return Demands(
         found.ratio_min / room,
         found.ratio_max * room,
@@ -226,17 +219,17 @@ BINDING = wish_at(PLACES[0], 4000.0)
 def test_a_hard_gentle_stop_is_kept_binds_and_counts_in_the_limit(goal: Goal) -> None:
     """On free curves the limit without the wish is a quarter lower; control: the law without the wish breaks it."""
     (limit, value, machine), (free, without, other) = best(BINDING, goal), best(None, goal)
-    assert outcome(machine, BINDING).kept
-    assert not outcome(other, BINDING).kept
+    assert BINDING.outcome(machine).kept
+    assert not BINDING.outcome(other).kept
     assert free < without < limit <= value < 1.1 * limit
-    assert outcome(machine, BINDING).achieved == pytest.approx(4000.0, rel=1e-3)
+    assert BINDING.outcome(machine).achieved == pytest.approx(4000.0, rel=1e-3)
 
 
 @pytest.mark.slow
 def test_a_soft_gentle_stop_is_kept_where_its_weight_is_worth_it() -> None:
     light, heavy = (replace(BINDING, weight=weight) for weight in (0.001, 10.0))
-    assert outcome(best(heavy)[2], heavy).achieved == pytest.approx(4000.0, rel=1e-2)
-    assert outcome(best(light)[2], light).achieved > 1.2 * 4000.0
+    assert heavy.outcome(best(heavy)[2]).achieved == pytest.approx(4000.0, rel=1e-2)
+    assert light.outcome(best(light)[2]).achieved > 1.2 * 4000.0
     assert best(light)[1] < best(heavy)[1]
     assert best(light)[0] == best(None)[0]
 
@@ -251,7 +244,7 @@ def test_a_soft_one_is_missed_by_the_greatest_deceleration_of_both_strokes() -> 
     law = law_of(search, Kept(ratio[None], search.judged(ratio[None]).reached))
     machine = Machine(law.train(PRESS.lobes).whole, OFFSET, PRESS.load, W)
     [level] = [level for level, of in zip(law.reached, law.levels, strict=True) if of.share_of_goal]
-    assert 4000.0 * (1.0 + level) == pytest.approx(outcome(machine, wish).achieved, rel=1e-5)
+    assert 4000.0 * (1.0 + level) == pytest.approx(wish.outcome(machine).achieved, rel=1e-5)
 
 
 BOTH = replace(STOP, from_mm=0.0, to_mm=90.0, stroke=None, most_mm_s2=1200.0)
@@ -302,7 +295,7 @@ def test_a_soft_one_over_both_strokes_is_as_good_as_the_hard_one_of_the_same_sto
     (limit, peak, machine), stop = found[1], stops[1]
     strokes = [sampled(machine, replace(BOTH, stroke=stroke))[0] for stroke in Stroke]
     assert strokes == pytest.approx([stop, stop], rel=2e-3)
-    same = jars(replace(BOTH, most_mm_s2=outcome(machine, BOTH).achieved))
+    same = jars(replace(BOTH, most_mm_s2=BOTH.outcome(machine).achieved))
     assert limit <= same[0] <= peak <= 1.0005 * same[1]
     gentler, harder = (jars(replace(BOTH, most_mm_s2=share * stop))[1] for share in (0.99, 1.01))
     assert (gentler - harder) / (0.02 * stop / 1200.0) == pytest.approx(1.5 * peak, rel=0.1)
@@ -313,8 +306,8 @@ def test_a_soft_one_over_both_strokes_is_as_good_as_the_hard_one_of_the_same_sto
 def test_a_greatest_speed_over_a_stretch_is_kept() -> None:
     wish = GentleSpeed(key="wishes.gentle_stop.0", from_mm=650.0, to_mm=OFFSET.stroke_mm, stroke=None, most_mm_s=900.0)
     limit, value, machine = best(wish)
-    assert outcome(machine, wish).kept
-    assert not outcome(best(None)[2], wish).kept
+    assert wish.outcome(machine).kept
+    assert not wish.outcome(best(None)[2]).kept
     assert limit <= value
 
 

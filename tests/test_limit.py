@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.kinematics.check import kinematic_check
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.wishes import CrankStretch, TimeWithin
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
@@ -28,6 +28,7 @@ from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.wishes.requirements import TimeWithin
 from published import AT_SIXTY, BALER_LINKAGE, FIT, OFFSET, PRESS, RPM
 
 pytestmark = pytest.mark.judges("optimum")

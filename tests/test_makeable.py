@@ -12,7 +12,6 @@ import pytest
 from scipy.optimize import linprog
 
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.wishes import WorkingStroke
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, TableResistance
 from ncgear.mechanisms.slider_load import SliderLoad
@@ -29,6 +28,7 @@ from ncgear.optimum.makeable.wishes import Goal, Wishes, levels
 from ncgear.optimum.task import Figures, Limits, Prices, Task, figures
 from ncgear.ratio.laws.spline import spline_ratio_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.wishes.working_stroke import WorkingStroke
 from published import AT_SIXTY, BALER_LINKAGE, FIT, OFFSET, PRESS, RPM, USUAL
 
 HALF = Wishes(replace(USUAL, peak_power_w=9375.0), knots=36)

@@ -10,24 +10,20 @@ import pytest
 
 from drives import drive
 from ncgear.errors import NoSuchMechanism
+from ncgear.kinematics.crank_stretches import End
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.outcomes import Outcome, outcome
-from ncgear.kinematics.wishes import (
-    ConstantSpeed,
-    Dwell,
-    End,
-    ExtremeSpeed,
-    Position,
-    SpeedAt,
-    TimeRatio,
-    Wish,
-    WorkingStroke,
-)
 from ncgear.optimum.certified.limit import least_acceleration_roughly
 from ncgear.optimum.makeable.demanded import certified_limit, demands_of, start_motion
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import figures
+from ncgear.wishes.constant_speed import ConstantSpeed
+from ncgear.wishes.dwell import Dwell
+from ncgear.wishes.positions import Position
+from ncgear.wishes.speed_at import ExtremeSpeed, SpeedAt
+from ncgear.wishes.time_ratio import TimeRatio
+from ncgear.wishes.wish import Outcome, Wish
+from ncgear.wishes.working_stroke import WorkingStroke
 from published import AT_SIXTY, USUAL
 
 pytestmark = [pytest.mark.judges("optimum"), pytest.mark.slow]
@@ -62,7 +58,7 @@ def found(*wishes: Wish) -> tuple[Machine, float]:
 
 
 def judged(wish: Wish, *asked: Wish) -> Outcome:
-    return outcome(found(*asked)[0], wish)
+    return wish.outcome(found(*asked)[0])
 
 
 @pytest.mark.tiers(slow=["working stroke"], rest="long")

@@ -17,10 +17,12 @@ import pytest
 import ncgear
 from commands import Run, fresh
 from ncgear.design.beginning import ANSWERS, begun, fault_of, proportioned, usual_answers
-from ncgear.design.keys.wishes import Dwell, TimeRatio, Wishes
 from ncgear.design.laws.registry import LawName
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import MachineName, machine_template, template
+from ncgear.design.wishes.dwell import Dwell
+from ncgear.design.wishes.group import Wishes
+from ncgear.design.wishes.time_ratio import TimeRatio
 from ncgear.project.opened import load, loads
 from tiers import long_but
 

@@ -15,8 +15,9 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import MachineName
 from ncgear.optimum.certified.refusals import turning_point
-from ncgear.optimum.offers import Offer, Refused
+from ncgear.optimum.offers import Refused
 from ncgear.project.best_law import BestLaw
+from ncgear.wishes.wish import Offer
 
 Keys = dict[str, Any]
 LIMITS = "optimize.limits."

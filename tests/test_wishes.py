@@ -13,28 +13,9 @@ from scipy.integrate import quad
 
 from conftest import Run
 from drives import drive, drive_of_text
-from ncgear.kinematics.even_speed import longest_even_stretch
+from ncgear.kinematics.crank_stretches import CrankStretch, End, Stroke, nearest_dwell_mm
+from ncgear.kinematics.even_speed import longest_even_stretch, spread
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.outcomes import EVEN, achieved, near_mm, outcome
-from ncgear.kinematics.wishes import (
-    ConstantSpeed,
-    CrankStretch,
-    Dwell,
-    End,
-    EvenSpeed,
-    ExtremeSpeed,
-    Position,
-    Requirement,
-    SpeedAt,
-    SpeedWithin,
-    Stroke,
-    TimeRatio,
-    TimeWithin,
-    Wish,
-    WorkingStroke,
-    nearest_dwell_mm,
-    spread,
-)
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import PolynomialResistance
@@ -43,8 +24,17 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.wishes.achieved import EVEN, achieved, near_mm
+from ncgear.wishes.constant_speed import ConstantSpeed
+from ncgear.wishes.dwell import Dwell
+from ncgear.wishes.positions import Position
+from ncgear.wishes.requirements import EvenSpeed, Requirement, SpeedWithin, TimeWithin
+from ncgear.wishes.speed_at import ExtremeSpeed, SpeedAt
+from ncgear.wishes.time_ratio import TimeRatio
+from ncgear.wishes.wish import Wish
+from ncgear.wishes.working_stroke import WorkingStroke
 
-pytestmark = pytest.mark.judges("kinematics")
+pytestmark = pytest.mark.judges("kinematics", "wishes")
 
 RADIUS = 100.0
 YOKE = ScotchYoke(RADIUS)
@@ -144,16 +134,16 @@ def test_a_stretch_of_constant_speed_is_found_whole() -> None:
     assert found.end_mm >= edges[1] - 1e-6
     assert found.speed_mm_s == pytest.approx(1100.0 * 20.0 / law_speed, rel=1.1e-4)
     wish = ConstantSpeed(from_mm=float(edges[0]), to_mm=float(edges[1]), tolerance=EVEN)
-    assert outcome(machine, wish).achieved < 1e-9
+    assert wish.outcome(machine).achieved < 1e-9
     # Negative control: a little further back the slider is faster.
-    assert outcome(machine, replace(wish, from_mm=float(edges[0]) - 40.0)).achieved > 1e-3
+    assert replace(wish, from_mm=float(edges[0]) - 40.0).outcome(machine).achieved > 1e-3
 
 
 @pytest.mark.parametrize("within", [0.01, 0.5, 30.0])
 @pytest.mark.parametrize("end", End, ids=lambda end: end.value)
 def test_the_dwell_of_an_even_yoke(end: End, within: float) -> None:
     """Its displacement r (1 - cos phi) is within d of either end for 2 acos(1 - d/r)."""
-    found = outcome(uniform(), Dwell(end=end, within_mm=within, for_rad=1.0))
+    found = Dwell(end=end, within_mm=within, for_rad=1.0).outcome(uniform())
     assert found.achieved == pytest.approx(2.0 * acos(1.0 - within / RADIUS), rel=1e-9)
     assert found.kept is (found.achieved >= 1.0)
 
@@ -163,7 +153,7 @@ def test_the_time_ratio_of_an_even_crank() -> None:
     crank, rod, offset = OFFSET.crank_mm, OFFSET.rod_mm, OFFSET.offset_mm
     between = asin(offset / (rod - crank)) - asin(offset / (rod + crank))
     ratios = (pi + between) / (pi - between), (pi - between) / (pi + between)
-    found = outcome(uniform(OFFSET), TimeRatio(at_least=1.0)).achieved
+    found = TimeRatio(at_least=1.0).outcome(uniform(OFFSET)).achieved
     assert min(abs(found / ratio - 1.0) for ratio in ratios) < 1e-12
     assert achieved(uniform(), ()).time_ratio == pytest.approx(1.0, rel=1e-12)
 
@@ -171,26 +161,26 @@ def test_the_time_ratio_of_an_even_crank() -> None:
 def test_positions_of_an_even_yoke() -> None:
     place = RADIUS * (1.0 - cos(2.0))
     wish = Position(at_mm=place - 0.5, phi1_rad=2.0, tolerance_mm=1.0)
-    assert outcome(uniform(), wish).achieved == pytest.approx(place, rel=1e-12)
-    assert outcome(uniform(), wish).kept
-    assert outcome(uniform(), replace(wish, at_mm=place - 3.0)).missed_by == pytest.approx(2.0)
+    assert wish.outcome(uniform()).achieved == pytest.approx(place, rel=1e-12)
+    assert wish.outcome(uniform()).kept
+    assert replace(wish, at_mm=place - 3.0).outcome(uniform()).missed_by == pytest.approx(2.0)
     # The same place on the way back is passed after the extended end.
-    back = outcome(uniform(), replace(wish, at_mm=place, stroke=Stroke.RETURN))
+    back = replace(wish, at_mm=place, stroke=Stroke.RETURN).outcome(uniform())
     assert back.other_stroke
     assert back.missed_by == pytest.approx(2.0 * (2.0 * RADIUS - place) - 1.0)
-    assert outcome(uniform(), replace(wish, at_mm=place, stroke=Stroke.RETURN, phi1_rad=2.0 * pi - 2.0)).kept
+    assert replace(wish, at_mm=place, stroke=Stroke.RETURN, phi1_rad=2.0 * pi - 2.0).outcome(uniform()).kept
 
 
 def test_speeds_of_an_even_yoke() -> None:
     speed = RADIUS * W * sin(acos(0.4))
     for stroke in Stroke:
         wish = SpeedAt(at_mm=0.6 * RADIUS, stroke=stroke, most_mm_s=0.99 * speed)
-        found = outcome(uniform(), wish)
+        found = wish.outcome(uniform())
         assert found.achieved == pytest.approx(speed, rel=1e-12)
         assert found.missed_by == pytest.approx(0.01 * speed)
-        assert outcome(uniform(), ExtremeSpeed(at_mm=0.6 * RADIUS, stroke=stroke)).kept
+        assert ExtremeSpeed(at_mm=0.6 * RADIUS, stroke=stroke).outcome(uniform()).kept
     constant = ConstantSpeed(from_mm=60.0, to_mm=120.0, tolerance=0.01, speed_mm_s=600.0)
-    assert outcome(uniform(), constant).achieved == pytest.approx(max(RADIUS * W / 600.0 - 1.0, 1.0 - speed / 600.0))
+    assert constant.outcome(uniform()).achieved == pytest.approx(max(RADIUS * W / 600.0 - 1.0, 1.0 - speed / 600.0))
 
 
 @pytest.mark.parametrize(("stroke_mm", "near"), [(760.0, 0.5), (200.0, 0.2), (100.0, 0.1), (99.0, 0.05), (2e4, 20.0)])
@@ -223,7 +213,7 @@ def test_no_law_stays_nearer_for_longer() -> None:
     for seed in range(20):
         machine = at_random(seed)
         assert machine.transmission.ratio_range[1].value < 5.0
-        longest = max(longest, outcome(machine, wish).achieved)
+        longest = max(longest, wish.outcome(machine).achieved)
     assert longest < 1.0
     # i12 is close to 4.6 about the end and low elsewhere.
     peaked = drive_of_text(
@@ -233,7 +223,7 @@ def test_no_law_stays_nearer_for_longer() -> None:
     ratio = peaked.transmission.ratio_range[1].value
     taken = 0.8 * ratio * radians(10.0)
     near = nearest_dwell_mm(peaked.linkage, End.EXTENDED, taken, ratio)
-    found = outcome(peaked.machine, Dwell(end=End.EXTENDED, within_mm=near, for_rad=taken))
+    found = Dwell(end=End.EXTENDED, within_mm=near, for_rad=taken).outcome(peaked.machine)
     assert found.achieved <= taken * (1.0 + 1e-9)
     assert found.achieved == pytest.approx(taken, rel=2e-2)
 
@@ -297,7 +287,7 @@ def test_a_wish_is_kept_where_its_requirements_hold() -> None:
         machine = at_random(seed)
         for number, wish in enumerate(wishes_at_random(seed)):
             margin = min(holds(machine, asked) for asked in wish.requirements(OFFSET, 2.0 * pi))
-            kept = outcome(machine, wish).kept
+            kept = wish.outcome(machine).kept
             # Samples miss a peak by less than this.
             if abs(margin) > 1e-5:
                 assert kept is bool(margin > 0.0), (seed, wish, margin)

@@ -11,7 +11,6 @@ from typing import Any, get_origin
 from pydantic import ValidationError
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
 from ncgear.design.mechanisms import usual_mechanism
 from ncgear.design.reading.messages import problems
@@ -20,6 +19,7 @@ from ncgear.design.reading.text import quoted, whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import MachineName, machine_template, template
+from ncgear.design.wishes.group import Wishes
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 

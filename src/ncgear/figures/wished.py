@@ -3,59 +3,16 @@
 from __future__ import annotations
 
 from math import degrees, inf
-from typing import Any, NamedTuple
+from typing import Any
 
 from ncgear.figures.numbers import shown, to_digits
-from ncgear.kinematics.outcomes import EVEN, Achieved, Outcome
-from ncgear.kinematics.wishes import (
-    ConstantSpeed,
-    Dwell,
-    End,
-    ExtremeSpeed,
-    GentleSpeed,
-    GentleStop,
-    GentleStretch,
-    Position,
-    SpeedAt,
-    Stroke,
-    TimeRatio,
-    Wish,
-    WorkingStroke,
-)
-from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.kinematics.crank_stretches import End, Stroke
+from ncgear.mechanisms.mechanism import Mechanism, Unit
+from ncgear.wishes.achieved import EVEN, Achieved
+from ncgear.wishes.wish import Outcome
 
 DIGITS = 4
 """Significant digits of what is achieved; what is missed has three."""
-
-
-class Scale(NamedTuple):
-    """How the figures of a kind of wish are told: a factor from the unit of its outcome, the unit, the end of keys."""
-
-    factor: float
-    unit: str
-    ending: str
-
-    def said(self, value: float, digits: int = DIGITS) -> str:
-        """A value of the outcome in words."""
-        return f"{to_digits(self.factor * value, digits)} {self.unit}".rstrip()
-
-
-def scale_of(wish: Wish) -> Scale:
-    """How the figures of a wish are told."""
-    place, speed = wish.output.place, wish.output.speed
-    match wish:
-        case ConstantSpeed():
-            return Scale(100.0, "%", "_percent")
-        case SpeedAt() | ExtremeSpeed() | GentleSpeed():
-            return Scale(speed.factor, speed.text, f"_{speed.ending}")
-        case GentleStop():
-            told = wish.output.acceleration
-            return Scale(told.factor, told.text, f"_{told.ending}")
-        case TimeRatio():
-            return Scale(1.0, "", "")
-        case Position():
-            return Scale(place.factor, place.text, f"_{place.ending}")
-    return Scale(degrees(1.0), "deg", "_deg")
 
 
 def motion_facts(found: Achieved, linkage: Mechanism) -> list[tuple[str, str]]:
@@ -112,13 +69,14 @@ def wish_rows(found: Achieved) -> list[dict[str, Any]]:
 
 
 def _row(outcome: Outcome) -> dict[str, Any]:
-    scale = scale_of(outcome.wish)
+    unit = outcome.unit
+    ending = f"_{unit.ending}" if unit.ending else ""
     return {
         "key": outcome.wish.key,
         "hard": outcome.wish.hard,
         "kept": outcome.kept,
-        f"achieved{scale.ending}": scale.factor * outcome.achieved,
-        f"missed_by{scale.ending}": 0.0 if outcome.kept else scale.factor * outcome.missed_by,
+        f"achieved{ending}": unit.factor * outcome.achieved,
+        f"missed_by{ending}": 0.0 if outcome.kept else unit.factor * outcome.missed_by,
         "in_words": outcome_line(outcome),
     }
 
@@ -135,64 +93,35 @@ def achieved_lines(found: Achieved, linkage: Mechanism) -> list[str]:
 
 def outcome_line(outcome: Outcome) -> str:
     """A wish, what the motion achieves of it, what is wished, and by how much that is missed."""
-    scale = scale_of(outcome.wish)
+    wish = outcome.wish
+    words = wish.words(
+        lambda place: shown(wish.output.place.factor * place), lambda angle: to_digits(degrees(angle), DIGITS)
+    )
     missed = "" if outcome.kept else f", missed by {missed_by(outcome)}"
-    return f"{_wish(outcome.wish)}: {_achieved(outcome, scale)}, {_wanted(outcome, scale)} wished{missed}"
+    return f"{words}: {_achieved(outcome)}, {wish.aim or _bounds(outcome)} wished{missed}"
 
 
 def missed_by(outcome: Outcome) -> str:
     """How far what is achieved lies beyond the bounds of the wish."""
-    return scale_of(outcome.wish).said(outcome.missed_by, 3)
+    return _said(outcome.missed_by, outcome.unit, 3)
 
 
-def _wish(wish: Wish) -> str:
-    """A wish by its kind and its place."""
-    unit = wish.output.place
-
-    def at(place: float) -> str:
-        return shown(unit.factor * place)
-
-    match wish:
-        case ConstantSpeed():
-            return f"constant speed from {at(wish.from_mm)} to {at(wish.to_mm)} {unit.text}{_of(wish.stroke)}"
-        case SpeedAt() | ExtremeSpeed():
-            return f"speed at {at(wish.at_mm)} {unit.text}{_of(wish.stroke)}"
-        case GentleStretch():
-            what = "greatest speed" if isinstance(wish, GentleSpeed) else "greatest deceleration"
-            if wish.driving is not None:
-                start, end = (to_digits(degrees(angle), DIGITS) for angle in wish.driving[:2])
-                return f"{what} from driving angle {start} to {end} deg"
-            strokes = " of both strokes" if wish.stroke is None else _of(wish.stroke)
-            return f"{what} from {at(wish.from_mm)} to {at(wish.to_mm)} {unit.text}{strokes}"
-        case TimeRatio():
-            return "time ratio of working stroke and return"
-        case WorkingStroke():
-            return "driving angle of the working stroke"
-        case Dwell():
-            return f"dwell within {at(wish.within_mm)} {unit.text} of the {wish.end.value} end"
-        case Position():
-            return f"place at {to_digits(degrees(wish.phi1_rad), DIGITS)} deg{_of(wish.stroke)}"
-    raise TypeError(f"{type(wish).__name__} is no known kind of wish")
+def _said(value: float, unit: Unit, digits: int = DIGITS) -> str:
+    return f"{to_digits(unit.factor * value, digits)} {unit.text}".rstrip()
 
 
-def _of(stroke: Stroke) -> str:
-    return " of the return" if stroke is Stroke.RETURN else ""
-
-
-def _achieved(outcome: Outcome, scale: Scale) -> str:
-    said = scale.said(outcome.achieved)
+def _achieved(outcome: Outcome) -> str:
+    said = _said(outcome.achieved, outcome.unit)
     if outcome.speed_mm_s is not None:
         return f"within {said} of {to_digits(outcome.speed_mm_s, DIGITS)} {outcome.wish.output.speed.text}"
     return f"{said} in the other stroke" if outcome.other_stroke else said
 
 
-def _wanted(outcome: Outcome, scale: Scale) -> str:
+def _bounds(outcome: Outcome) -> str:
     """The bounds of a wish in words."""
-    if isinstance(outcome.wish, ExtremeSpeed):
-        return "as fast as may be" if outcome.wish.fastest else "as slow as may be"
-    least, most = outcome.least, outcome.most
+    unit, least, most = outcome.unit, outcome.least, outcome.most
     if least == most:
-        return scale.said(least)
+        return _said(least, unit)
     if most == inf:
-        return f"at least {scale.said(least)}"
-    return f"at most {scale.said(most)}" if least == 0.0 else f"{scale.said(least)} to {scale.said(most)}"
+        return f"at least {_said(least, unit)}"
+    return f"at most {_said(most, unit)}" if least == 0.0 else f"{_said(least, unit)} to {_said(most, unit)}"

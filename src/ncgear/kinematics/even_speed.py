@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from ncgear.frozen import dataclass
+from ncgear.kinematics.crank_stretches import Stroke
 from ncgear.kinematics.motion import Machine, Stretch, stretches
-from ncgear.kinematics.wishes import Stroke, spread
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.numerics.extrema import grid_between, stationary_points
 from ncgear.numerics.jet import Jet
@@ -56,6 +56,11 @@ class _Samples:
     phi1_rad: Array
     place_mm: Array
     speed: Array
+
+
+def spread(tolerance: float) -> float:
+    """Greatest speed over least of a motion that stays within the share ``tolerance`` of one speed."""
+    return (1.0 + tolerance) / (1.0 - tolerance)
 
 
 def longest_even_stretch(machine: Machine, stroke: Stroke, tolerance: float) -> EvenStretch:

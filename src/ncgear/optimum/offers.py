@@ -1,31 +1,14 @@
-"""What could be asked for in place of wishes and limits that no law keeps, and the refusals that offer it."""
+"""The refusals of wishes and limits that no law keeps together, with what could be asked for instead."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.frozen import dataclass
+from ncgear.wishes.wish import Offer
 
-Value = float | bool
-
-Told = Callable[[str, Sequence["Offer"]], str]
+Told = Callable[[str, Sequence[Offer]], str]
 """From what is said of a refusal, and the offers, to one text."""
-
-
-@dataclass(frozen=True)
-class Offer:
-    """What could be asked for instead, in words, and the dotted keys of a design file with the values that ask for it.
-
-    ``key`` is that of the wish or limit that is eased, where messages name it.
-    """
-
-    said: str
-    values: tuple[tuple[str, Value], ...] = ()
-    key: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.said} ({self.key})" if self.key else self.said
 
 
 class Refused(NoSuchMechanism):

@@ -10,8 +10,6 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.errors import Places, WrongInput
 from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.outcomes import Achieved, achieved
-from ncgear.kinematics.wishes import Wish
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -22,6 +20,8 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.shown import Shown
 from ncgear.stopwatch import Stopwatch
+from ncgear.wishes.achieved import Achieved, achieved
+from ncgear.wishes.wish import Wish
 
 
 class Moving(Shown):

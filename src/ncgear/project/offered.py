@@ -14,9 +14,10 @@ from ncgear.errors import DesignError
 from ncgear.extras import installed
 from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.wishes import Wishes
-from ncgear.optimum.offers import Offer, Refused
+from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
 from ncgear.project.wishes import wishes_of
+from ncgear.wishes.wish import Offer
 
 if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import Eased

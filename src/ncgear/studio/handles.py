@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ncgear.design.keys.base import FULL_TURN, given, spellings
-from ncgear.design.keys.wishes import GentleStop
 from ncgear.design.laws.base import LawPoint
+from ncgear.design.wishes.gentle_stop import GentleStop
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.kinematics.motion import sample_angles
 from ncgear.project.drive import Drive

@@ -19,11 +19,11 @@ from ncgear.design.keys.optimize import Optimize
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.keys.types import FILE_FORMAT, FileFormat
-from ncgear.design.keys.wishes import Wishes
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
 from ncgear.design.reading.text import quoted
+from ncgear.design.wishes.group import Wishes
 from ncgear.design.words import NAME_PATTERN, listed
 from ncgear.errors import WrongInput
 from ncgear.shown import Shown

@@ -11,20 +11,14 @@ from ncgear.design.keys.base import Model, listed
 from ncgear.design.keys.machine import LoadTable
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.numbers import to_digits
-from ncgear.kinematics.wishes import (
-    CrankStretch,
-    DecelerationWithin,
-    EvenSpeed,
-    GentleStretch,
-    Position,
-    Requirement,
-    TimeWithin,
-)
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.mechanisms.resistance import TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
+from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, Requirement, TimeWithin
+from ncgear.wishes.wish import DrivingWish
 
 BEYOND_ALL = 20.0
 """Ratio that no gears follow, nor its inverse: a wish that holds at any ratio between holds of every law.
@@ -234,11 +228,11 @@ def _kept_by_all(drive: Drive) -> list[str]:
     for outcome in drive.achieved.outcomes if drive.achieved else ():
         wish = outcome.wish
         asked = wish.requirements(drive.linkage, drive.transmission.cycle_rad)
-        if isinstance(wish, GentleStretch) and wish.driving is not None:
+        if isinstance(wish, DrivingWish) and wish.driving is not None:
             # Where the output is over driving angles is the law's choice
             asked = (wish.bound(CrankStretch(0.0, 2.0 * pi)),)
-        # A position asks nothing where its tolerance is more than both strokes; of other wishes that is a goal.
-        if (asked or isinstance(wish, Position)) and all(_is_empty(drive, one) for one in asked):
+        # A position asks nothing where its tolerance is more than both strokes; what is pushed is a goal.
+        if not wish.pushed(drive.linkage) and all(_is_empty(drive, one) for one in asked):
             found.append(wish.key)
     return found
 

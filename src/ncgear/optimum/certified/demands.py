@@ -8,9 +8,9 @@ from math import atan, inf
 from typing import TypeVar
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.wishes import DecelerationWithin, EvenSpeed, Requirement, SpeedWithin, TimeWithin
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.offers import Offer
+from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, Requirement, SpeedWithin, TimeWithin
+from ncgear.wishes.wish import Offer
 
 KINDS = (TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
 """Requirements in the order in which they count."""

@@ -30,13 +30,13 @@ from math import inf, isinf, log
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.wishes import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
 from ncgear.optimum.certified.proof import ConicProgramme, Linear
 from ncgear.optimum.certified.ranges import along, curved
 from ncgear.optimum.task import Task
+from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
 
 ROUNDING = 1e-12
 """Relative error that ranges of variables made from other ranges may have, with much to spare."""

@@ -12,13 +12,14 @@ from math import atan, degrees, exp, inf, log, pi, tan
 from typing import Any
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.kinematics.wishes import EvenSpeed, TimeWithin
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.optimum.certified.cycle import cycle
 from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.problem import LimitProblem
-from ncgear.optimum.offers import Offer, Refused
+from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
+from ncgear.wishes.requirements import EvenSpeed, TimeWithin
+from ncgear.wishes.wish import Offer
 
 FINE = 1e-5
 """Relative width of the interval to which a nearest value is narrowed: it is shown with five digits."""

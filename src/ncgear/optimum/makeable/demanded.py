@@ -9,18 +9,7 @@ from heapq import heappop, heappush
 from math import inf, log, pi
 
 from ncgear.errors import NoSuchMechanism, Unanswered
-from ncgear.kinematics.wishes import (
-    CrankStretch,
-    DecelerationWithin,
-    Dwell,
-    EvenSpeed,
-    GentleStretch,
-    Requirement,
-    SpeedWithin,
-    TimeWithin,
-    Wish,
-    nearest_dwell_mm,
-)
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.demands import Demands, WishDemand
@@ -29,10 +18,10 @@ from ncgear.optimum.certified.refusals import LEAST_ROOM, PEAKS, in_demand, refu
 from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.driving_ranges import Passed, passed_by_all, ranges
-from ncgear.optimum.makeable.motion_wishes import deceleration_offer, evenness_offer, speed_offer, time_offer
 from ncgear.optimum.makeable.wishes import Wishes
-from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import LOAD_LIMITS, Figures, Task
+from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, Requirement, SpeedWithin, TimeWithin
+from ncgear.wishes.wish import DrivingWish, Offer, Wish
 
 Case = Mapping[str, Passed]
 """Laws that begin and end driving ranges at some crank angles, by the keys of the wishes over them."""
@@ -96,13 +85,13 @@ def _every_law(task: Task, wishes: Wishes) -> Case:
     return {
         wish.key: passed_by_all(wish.driving, task.cycle_rad, low, high)
         for wish in wishes.motion
-        if isinstance(wish, GentleStretch) and wish.driving is not None and wish.hard
+        if isinstance(wish, DrivingWish) and wish.driving is not None and wish.hard
     }
 
 
 def _of_laws(task: Task, wish: Wish, every: Case, case: Case) -> Sequence[Requirement]:
     """What a wish asks of the laws of a case; over driving angles the bound where they all are within the range."""
-    if not isinstance(wish, GentleStretch) or wish.driving is None:
+    if not isinstance(wish, DrivingWish) or wish.driving is None:
         return wish.requirements(task.linkage, task.cycle_rad)
     return case[wish.key].requirements(wish) if wish.key in case else every[wish.key].bound(wish)
 
@@ -118,36 +107,23 @@ def _refuse_slow_gear(task: Task, limit_rad_s: float | None) -> None:
 
 
 def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> Iterator[WishDemand]:
+    def offer(missed: float) -> Offer:
+        return wish.offer(asked, missed, task.cycle_rad)
+
+    def time(stretch: CrankStretch, most_rad: float) -> WishDemand:
+        return WishDemand(wish.key, TimeWithin(stretch, most_rad=most_rad), lambda other: offer(other - most_rad))
+
     match asked:
-        case SpeedWithin():
-            yield WishDemand(wish.key, asked, lambda factor: speed_offer(wish, asked, log(factor)))
-        case EvenSpeed():
-            yield WishDemand(wish.key, asked, lambda other: evenness_offer(wish, log(other)))
+        case SpeedWithin() | EvenSpeed():
+            yield WishDemand(wish.key, asked, lambda factor: offer(log(factor)))
         case DecelerationWithin():
-            yield WishDemand(wish.key, asked, lambda factor: deceleration_offer(wish, asked, factor))
+            yield WishDemand(wish.key, asked, lambda factor: offer(factor - 1.0))
         case TimeWithin(stretch, least, most):
             if most < inf:
-                yield _time(task, wish, stretch, most, 1.0)
+                yield time(stretch, most)
             if least > 0.0:
-                longest = _time(task, wish, stretch.rest, task.cycle_rad - least, -1.0)
-                yield replace(longest, instead=_wider_dwell(task, wish, ratio_max))
-
-
-def _time(task: Task, wish: Wish, stretch: CrankStretch, most_rad: float, sign: float) -> WishDemand:
-    def shown(other_rad: float) -> Offer:
-        return time_offer(wish, other_rad - most_rad, sign, task.cycle_rad)
-
-    return WishDemand(wish.key, TimeWithin(stretch, most_rad=most_rad), shown)
-
-
-def _wider_dwell(task: Task, wish: Wish, ratio_max: float) -> tuple[Offer, ...]:
-    """The nearest place of an end that a dwell can be within at the greatest ratio; none for others."""
-    if not isinstance(wish, Dwell):
-        return ()
-    nearest = nearest_dwell_mm(task.linkage, wish.end, wish.for_rad, ratio_max)
-    place = task.linkage.OUTPUT.place
-    within = shown_above(place.factor * nearest)
-    return (Offer(f"one within {within} {place.text}", ((f"{wish.key}.within_{place.ending}", float(within)),)),)
+                longest = time(stretch.rest, task.cycle_rad - least)
+                yield replace(longest, instead=wish.instead(task.linkage, ratio_max))
 
 
 def certified_limit(task: Task, wishes: Wishes) -> Bound | None:

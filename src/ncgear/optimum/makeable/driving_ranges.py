@@ -16,16 +16,11 @@ from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from ncgear.kinematics.wishes import (
-    CrankStretch,
-    DrivingRange,
-    GentleStretch,
-    Requirement,
-    passed_no_earlier,
-    passed_no_later,
-)
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.wishes import Wishes
+from ncgear.wishes.requirements import DrivingRange, Requirement, passed_no_earlier, passed_no_later
+from ncgear.wishes.wish import DrivingWish
 
 STEPS = (0.1, 0.03)
 """Crank angles in rad by which ends are moved, one after the other: the second leaves a degree."""
@@ -79,12 +74,12 @@ class Passed(NamedTuple):
         middle = (least + most) / 2.0
         return [Passed(*(*self[:number], part, *self[number + 1 :])) for part in ((least, middle), (middle, most))]
 
-    def bound(self, wish: GentleStretch) -> list[Requirement]:
+    def bound(self, wish: DrivingWish) -> list[Requirement]:
         """The bound over the crank angles that all these laws pass within the range; none where there are none."""
         sure = CrankStretch(self.start[1], self.end[0])
         return [wish.bound(sure)] if sure.start_rad < sure.end_rad else []
 
-    def requirements(self, wish: GentleStretch) -> list[Requirement]:
+    def requirements(self, wish: DrivingWish) -> list[Requirement]:
         """What all these laws keep that keep the wish."""
         assert wish.driving is not None
         ends = zip(self, wish.driving[:2], strict=True)
@@ -112,7 +107,7 @@ def ranges(wishes: Wishes) -> list[int]:
     return [
         number
         for number, wish in enumerate(wishes.motion)
-        if isinstance(wish, GentleStretch) and wish.driving is not None
+        if isinstance(wish, DrivingWish) and wish.driving is not None
     ]
 
 
@@ -177,5 +172,5 @@ def _driving(wishes: Wishes, number: int) -> DrivingRange:
 
 def _held_over(wishes: Wishes, number: int, crank: CrankStretch) -> Wishes:
     wish = wishes.motion[number]
-    assert isinstance(wish, GentleStretch)
+    assert isinstance(wish, DrivingWish)
     return replace(wishes, motion=(*wishes.motion[:number], wish.held_over(crank), *wishes.motion[number + 1 :]))

@@ -23,10 +23,11 @@ from ncgear.optimum.makeable.levels import OF_LIMITS, Level
 from ncgear.optimum.makeable.programme import Solution
 from ncgear.optimum.makeable.search import Kept, LawSearch, cost, goal_weights, kept, searched
 from ncgear.optimum.makeable.wishes import CONVEX, Wishes
-from ncgear.optimum.offers import Offer, Refused
+from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.spline import spline_ratio_law, spline_ratio_staged
 from ncgear.ratio.transmission import Lobes, Train, single
+from ncgear.wishes.wish import Offer
 
 NO_EXCESS = 1e-6
 """Excess over caps that counts as none: far under what is left between the places of the programme."""

@@ -15,14 +15,14 @@ import numpy as np
 
 from ncgear.dynamics.driving_shaft import KG_MM2
 from ncgear.frozen import dataclass
-from ncgear.kinematics.wishes import CrankStretch
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs, with_shaft_between
-from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import Limits, Prices, Task
+from ncgear.wishes.wish import Offer
 
 OF_LIMITS = "optimize.limits."
 """The group of keys of limits, with its dot."""

@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.wishes import CrankStretch
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import N_PER_KG_MM_S2

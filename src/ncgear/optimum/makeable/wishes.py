@@ -11,7 +11,6 @@ from enum import Enum
 from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.wishes import Wish
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.refusals import NOT_CONVEX
@@ -19,8 +18,8 @@ from ncgear.optimum.makeable import quantities
 from ncgear.optimum.makeable.levels import Level, MachineScales, limit_offer, limited, of_loads
 from ncgear.optimum.makeable.motion_wishes import of_motion_wishes
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
-from ncgear.optimum.offers import Offer
 from ncgear.optimum.task import Limits, Prices, Task
+from ncgear.wishes.wish import Offer, Wish
 
 
 class Goal(Enum):

@@ -1,0 +1,152 @@
+"""What the keys of every kind of wish have, and how they become its value.
+
+Places and speeds of an output that slides are in mm and mm/s, those of one that turns in deg and rad/s.  A kind with a
+place has a twin for an output that turns, whose keys and words follow from its own.  The values are imported where they
+are made, so that reading a design file loads no numerical library.
+"""
+
+from __future__ import annotations
+
+import re
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeVar
+
+from pydantic import Field, model_validator
+
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.types import LONGEST_MM, Positive
+
+if TYPE_CHECKING:
+    from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.wishes.wish import Wish
+
+Way = Annotated[float, Field(ge=0.0, le=LONGEST_MM)]
+StrokeName = Literal["working", "return"]
+
+TURNED = {"Way": Annotated[float, Field(ge=0.0, lt=360.0)], "Length": Annotated[float, Field(gt=0.0, lt=360.0)]}
+"""The types of places in deg, by the names of those of places in mm; speeds have one type."""
+
+
+class On(NamedTuple):
+    """The machine that wishes are made for: its mechanism, the driving angle of a cycle, the greatest ratio."""
+
+    linkage: Mechanism
+    cycle_rad: float
+    ratio_max: float
+
+    @property
+    def stroke(self) -> float:
+        """The stroke in the unit of the file."""
+        return self.linkage.OUTPUT.place.factor * self.linkage.stroke_mm
+
+    def mm(self, place: float) -> float:
+        """A place of the file in mm, or in rad."""
+        return place / self.linkage.OUTPUT.place.factor
+
+
+class WishKeys(Model):
+    """What every wish has: whether it must be kept.
+
+    A class with ``turns=True`` is that of an output that turns: places and speeds of its base are in deg and rad/s.
+    """
+
+    KIND: ClassVar[str]
+    """Its key under ``wishes``."""
+
+    MEANING: ClassVar[str]
+    """The words of that key."""
+
+    SEVERAL: ClassVar[bool] = True
+    """Whether a design has a list of them."""
+
+    TURNING: ClassVar[type[WishKeys]]
+    """The class for an output that turns."""
+
+    INSIDE: ClassVar[tuple[str, ...]] = ()
+    REACHING: ClassVar[tuple[str, ...]] = ()
+    """Keys without their unit of places that are right under the stroke only, and of such as may be the stroke."""
+
+    ANGLES: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """Keys without their unit of driving angles that are right under the cycle only, and their values in rad."""
+
+    PLACE: ClassVar[str] = "mm"
+    SPEED: ClassVar[str] = "mm_s"
+    """The units of places and of speeds, at the ends of keys; a 2 follows in those of decelerations."""
+
+    hard: bool = optional("true: the law must keep it; false: it has a weight in the goal", True)
+    weight: Positive | None = optional(
+        "of a soft wish: 1 percent missed, of the speed, the deceleration or the cycle's driving angle, counts like so "
+        "many percent of what is to be least; left out: 1"
+    )
+
+    def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
+        """Annotate the fields of an output that turns, before pydantic reads the annotations.
+
+        A field in mm of the base is one in deg or rad/s here, and its own name is no field any more.
+        """
+        cls.TURNING = cls
+        if turns:
+            cls.PLACE, cls.SPEED = "deg", "rad_s"
+            base: Any = cls.__mro__[1]
+            base.TURNING = cls
+            for name, annotation in base.__annotations__.items():
+                key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
+                if key != name:
+                    kind, _, absent = annotation.partition(" | ")
+                    of: Any = TURNED.get(kind, Positive)
+                    words = re.sub(r"\bmm\b(?=/)", "rad", base.model_fields[name].description)
+                    words = words.replace(" mm", " deg").replace("slider", "output")
+                    cls.__annotations__ |= {name: ClassVar[None], key: of | None if absent else of}
+                    setattr(cls, key, optional(words) if absent else required(words))
+        super().__init_subclass__(**kwargs)
+
+    def place(self, quantity: str) -> Any:
+        """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file; None where left out."""
+        return getattr(self, f"{quantity}_{self.PLACE}")
+
+    def speed(self, quantity: str) -> float | None:
+        """The value of a key of a speed, in the unit of the file; None where it is left out."""
+        found: float | None = getattr(self, f"{quantity}_{self.SPEED}")
+        return found
+
+    @property
+    def soft_weight(self) -> float | None:
+        """The weight of a soft wish; None for a hard one."""
+        return None if self.hard else self.weight or 1.0
+
+    @model_validator(mode="after")
+    def _weight_of_the_soft(self) -> Self:
+        if self.hard and self.weight is not None:
+            raise fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
+        return self
+
+    def refuse(self, key: str, on: On) -> None:
+        """Refuse what else no motion can do, by a WrongInput."""
+
+    @classmethod
+    def require_agreement(cls, own: Sequence[Self]) -> None:
+        """Refuse wishes of the kind that contradict each other by a fault, whose key counts from ``wishes``."""
+
+    @classmethod
+    def refuse_together(cls, wishes: Wished, on: On) -> None:
+        """Refuse what no motion can do together with other wishes, by a WrongInput or a NoSuchMechanism."""
+
+    @classmethod
+    def completed(cls, own: Sequence[Self]) -> Sequence[Self]:
+        """Wishes of the kind with what follows from their order."""
+        return own
+
+    @abstractmethod
+    def value(self, on: On, **common: Any) -> Wish:
+        """The wish that the keys ask for; ``common`` is its key, its weight and its output."""
+
+
+class Wished(Protocol):
+    """All wishes of a design."""
+
+    def of(self, kind: type[Kind]) -> Sequence[Kind]:
+        """The wishes of a kind."""
+
+
+Kind = TypeVar("Kind", bound=WishKeys)

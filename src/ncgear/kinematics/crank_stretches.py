@@ -1,0 +1,99 @@
+"""Stretches of the crank angle in which the output moves: between places of a stroke, and about a dead centre."""
+
+from __future__ import annotations
+
+from enum import Enum
+from itertools import pairwise
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from ncgear.mechanisms.mechanism import Mechanism
+
+
+class Stroke(Enum):
+    """The way from the retracted to the extended dead centre, or the way back."""
+
+    WORKING = "working"
+    RETURN = "return"
+
+
+class End(Enum):
+    """A dead centre."""
+
+    RETRACTED = "retracted"
+    EXTENDED = "extended"
+
+
+class CrankStretch(NamedTuple):
+    """Crank angles in rad from ``start_rad`` to ``end_rad``, rising; a start under 0 lies in the turn before."""
+
+    start_rad: float
+    end_rad: float
+
+    @property
+    def rest(self) -> CrankStretch:
+        """The rest of the turn."""
+        return CrankStretch(self.end_rad, self.start_rad + 2.0 * pi)
+
+
+def crank_angle_rad(linkage: Mechanism, place_mm: float, stroke: Stroke) -> float:
+    """Crank angle, 0 to 2 pi, at which the output passes a place of the stroke."""
+    returning = np.array([stroke is Stroke.RETURN])
+    return float(linkage.crank_angle(np.array([place_mm], dtype=float), returning)[0])
+
+
+def crank_at_way_rad(linkage: Mechanism, way_mm: float) -> float:
+    """Crank angle at which the output has gone a way of 0 to 2 strokes from the retracted end."""
+    if way_mm <= linkage.stroke_mm:
+        return crank_angle_rad(linkage, way_mm, Stroke.WORKING)
+    return crank_angle_rad(linkage, 2.0 * linkage.stroke_mm - way_mm, Stroke.RETURN)
+
+
+def place_of(linkage: Mechanism, at_mm: float, stroke: Stroke) -> CrankStretch:
+    """The crank angle of a place, as a stretch without length."""
+    angle = crank_angle_rad(linkage, at_mm, stroke)
+    return CrankStretch(angle, angle)
+
+
+def by_stroke(linkage: Mechanism, stretch: CrankStretch) -> list[tuple[CrankStretch, Stroke]]:
+    """The parts of a stretch in each stroke, in order, with angles from 0 to 2 pi."""
+    turn = 2.0 * pi
+    dead = [angle + whole for whole in (-turn, 0.0, turn) for angle in (0.0, linkage.working_angle_rad)]
+    edges = [stretch.start_rad, *(angle for angle in dead if stretch.start_rad < angle < stretch.end_rad)]
+    found = []
+    for start, end in pairwise([*edges, stretch.end_rad]):
+        whole, middle = divmod((start + end) / 2.0, turn)
+        working = middle < linkage.working_angle_rad
+        found.append(
+            (CrankStretch(start - turn * whole, end - turn * whole), Stroke.WORKING if working else Stroke.RETURN)
+        )
+    return found
+
+
+def about_end(linkage: Mechanism, end: End, within_mm: float) -> CrankStretch:
+    """The crank angles about a dead centre at which the displacement is within so much of it."""
+    if end is End.EXTENDED:
+        place = linkage.stroke_mm - within_mm
+        return CrankStretch(*(crank_angle_rad(linkage, place, stroke) for stroke in Stroke))
+    back, out = (crank_angle_rad(linkage, within_mm, stroke) for stroke in (Stroke.RETURN, Stroke.WORKING))
+    return CrankStretch(back - 2.0 * pi, out)
+
+
+def nearest_dwell_mm(linkage: Mechanism, end: End, for_rad: float, ratio_max: float) -> float:
+    """The least distance from an end within which the output can stay for a driving angle, in mm.
+
+    i12 is at most ``ratio_max``, so that the crank turns by for_rad / ratio_max at least; about a dead centre at which
+    x'' = d2x/dphi2^2 that takes the output nearly |x''| (for_rad / ratio_max)^2 / 8 away.  What is returned is exact:
+    the distance that is reached on both sides of the dead centre.  It is the whole stroke where the crank must turn all
+    round.
+    """
+    crank_rad = for_rad / ratio_max
+    low, high = 0.0, 1.0
+    # The square root of the distance grows evenly with the angle, and bisection halves its error in each step.
+    for _ in range(60):
+        middle = (low + high) / 2.0
+        stretch = about_end(linkage, end, linkage.stroke_mm * middle**2)
+        low, high = (middle, high) if stretch.end_rad - stretch.start_rad < crank_rad else (low, middle)
+    return linkage.stroke_mm * high**2

@@ -1,0 +1,171 @@
+"""What every kind of wish says: what it asks of a law, what a motion achieves of it, its words, its offer.
+
+``wishes.achieved``, the search for laws, the certified limit and ``figures.wished`` ask a wish by these methods alone,
+and none of them knows a kind.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import replace
+from math import degrees, inf
+from typing import Self
+
+from ncgear.frozen import dataclass
+from ncgear.kinematics.crank_stretches import CrankStretch, Stroke
+from ncgear.kinematics.motion import Machine
+from ncgear.mechanisms.mechanism import SLIDER, Mechanism, Output, Unit
+from ncgear.wishes.requirements import DrivingRange, PushedSpeed, Requirement, passed_no_earlier, passed_no_later
+
+NEGLIGIBLE = 1e-6
+"""Share of a wished bound, and angle in rad, by which a wish that counts as kept may be missed: files hold the numbers
+of a law to some ten digits."""
+
+DEGREES = Unit("deg", "deg", degrees(1.0))
+"""The unit of wishes for a driving angle."""
+
+Written = Callable[[float], str]
+"""How a number stands in a text."""
+
+Value = float | bool
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What could be asked for instead, in words, and the dotted keys of a design file with the values that ask for it.
+
+    ``key`` is that of the wish or limit that is eased, where messages name it.
+    """
+
+    said: str
+    values: tuple[tuple[str, Value], ...] = ()
+    key: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.said} ({self.key})" if self.key else self.said
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a motion achieves of one wish, and the bounds that the wish sets to it.
+
+    They are a share of the speed, a ratio of times, a driving angle in rad, a speed in mm/s, a deceleration in mm/s^2,
+    or a displacement in mm, and are told in ``unit``.  ``missed_by`` is how far what is achieved lies beyond the
+    bounds, 0 within them.  ``speed_mm_s`` is the speed that a wish for a constant one is judged against.  A place that
+    is passed in the other stroke (``other_stroke``) is missed by the way from there, over the dead centre between.
+    """
+
+    wish: Wish
+    unit: Unit
+    achieved: float
+    least: float
+    most: float
+    missed_by: float
+    speed_mm_s: float | None = None
+    other_stroke: bool = False
+
+    @property
+    def kept(self) -> bool:
+        """Whether the wish is kept but for rounding of a law's numbers."""
+        return self.missed_by <= NEGLIGIBLE * max(1.0, abs(self.achieved))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wish(ABC):
+    """A wish: ``key`` is its dotted key in a design file, ``weight`` is None for a hard wish.
+
+    ``output`` is what moves: where it turns, places are in rad and speeds in rad/s in place of mm and mm/s.
+
+    A soft wish that is missed by p percent, of the speed or of the cycle's driving angle, counts in the goal of an
+    optimised law like ``weight`` times p percent of what is to be least.
+    """
+
+    key: str = ""
+    weight: float | None = None
+    output: Output = SLIDER
+
+    @property
+    def hard(self) -> bool:
+        """Whether the wish must be kept."""
+        return self.weight is None
+
+    @property
+    def aim(self) -> str:
+        """What is wished in words, where no bound says it."""
+        return ""
+
+    @abstractmethod
+    def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
+        """What the wish asks on a mechanism whose cycle takes a driving angle of ``cycle_rad``."""
+
+    def pushed(self, linkage: Mechanism) -> tuple[PushedSpeed, ...]:
+        """What shall be as low or as high as may be, which only a soft wish can ask."""
+        return ()
+
+    @abstractmethod
+    def outcome(self, machine: Machine) -> Outcome:
+        """What a motion achieves of the wish."""
+
+    @abstractmethod
+    def words(self, place: Written, angle: Written) -> str:
+        """The wish by its kind and its place; places in mm and driving angles in rad are written without units."""
+
+    @abstractmethod
+    def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
+        """What it would have to ask for, so that one of its requirements were kept that is missed by so much.
+
+        Speeds and their spread are missed by the logarithm of a factor, decelerations by a share, driving angles by an
+        angle in rad.
+        """
+
+    def instead(self, linkage: Mechanism, ratio_max: float) -> tuple[Offer, ...]:
+        """What else would do, at the greatest ratio."""
+        return ()
+
+    def judged(self, unit: Unit, achieved: float, least: float = 0.0, most: float = inf) -> Outcome:
+        """The outcome of what is achieved between two bounds."""
+        return Outcome(self, unit, achieved, least, most, max(least - achieved, achieved - most, 0.0))
+
+    def eased(self, said: str, **values: str) -> Offer:
+        """The offer of other values of the wish's keys."""
+        return Offer(said, tuple((f"{self.key}.{name}", float(number)) for name, number in values.items()))
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrivingWish(Wish, ABC):
+    """A wish that bounds something on a stretch or, with a ``driving`` range, over that, wherever the output is then.
+
+    Which crank angles a law passes in the range is known when the law is: the search holds the bound over some of them,
+    and the certified limit tells laws apart by those that they pass.
+    """
+
+    driving: DrivingRange | None = None
+
+    @abstractmethod
+    def bound(self, stretch: CrankStretch) -> Requirement:
+        """What is asked on the stretch."""
+
+    @abstractmethod
+    def stretch(self, linkage: Mechanism) -> CrankStretch:
+        """The stretch; of a driving range the crank angles that it is held over."""
+
+    def held_over(self, crank: CrankStretch) -> Self:
+        """The wish with its driving range held over other crank angles."""
+        return self if self.driving is None else replace(self, driving=self.driving._replace(crank=crank))
+
+    def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
+        """The bound; of a driving range also that its crank angles begin no later, and end no earlier, than it does.
+
+        Enough for the range, and of the laws that keep it those only that pass these crank angles so.
+        """
+        asked = self.bound(self.stretch(linkage))
+        if self.driving is None:
+            return (asked,)
+        start, end, crank = self.driving
+        return (asked, *passed_no_later(crank.start_rad, start), *passed_no_earlier(crank.end_rad, end))
+
+
+def of_stroke(stroke: Stroke | None) -> str:
+    """The stroke of a wish in words; None stands for both."""
+    return " of both strokes" if stroke is None else " of the return" if stroke is Stroke.RETURN else ""
